@@ -1,0 +1,296 @@
+//! A clip: frames that come lazily, and the truth about them where it is known.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::{Error, Gray, Grid};
+
+/// One picture of a clip: its gray values, and its colours if it has any.
+///
+/// Gray is 0.299 R + 0.587 G + 0.114 B, rounded to 8 bits. Both grids have one size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    gray: Gray,
+    rgb: Option<Grid<[u8; 3]>>,
+}
+
+impl Frame {
+    /// A frame without colour.
+    pub fn gray(gray: Gray) -> Self {
+        Self { gray, rgb: None }
+    }
+
+    /// A frame in colour; its gray values follow from it.
+    pub fn rgb(rgb: Grid<[u8; 3]>) -> Self {
+        // Weights in 1/2¹⁶ sum to exactly one, so that gray stays gray.
+        let gray = rgb.map(|&[r, g, b]| {
+            ((19_595 * u32::from(r) + 38_470 * u32::from(g) + 7_471 * u32::from(b) + 32_768) >> 16) as u8
+        });
+        Self { gray, rgb: Some(rgb) }
+    }
+
+    /// The gray values, 0 to 255.
+    pub fn luma(&self) -> &Gray {
+        &self.gray
+    }
+
+    /// The colours, if the picture has any.
+    pub fn color(&self) -> Option<&Grid<[u8; 3]>> {
+        self.rgb.as_ref()
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (usize, usize) {
+        self.gray.size()
+    }
+
+    /// Memory that the pixels take.
+    pub fn bytes(&self) -> usize {
+        self.gray.cells().len() * if self.rgb.is_some() { 4 } else { 1 }
+    }
+}
+
+/// A dense displacement field in px/frame from frame t to t+1; a pixel whose motion is not known holds NaN.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flow(pub Grid<[f32; 2]>);
+
+impl Flow {
+    /// What a pixel of unknown motion holds.
+    pub const UNKNOWN: [f32; 2] = [f32::NAN; 2];
+
+    /// The displacement `[u, v]` at `(x, y)` if it is known.
+    pub fn at(&self, x: usize, y: usize) -> Option<[f32; 2]> {
+        self.0.get(x, y).copied().filter(|uv| uv.iter().all(|c| c.is_finite()))
+    }
+}
+
+/// One object of the truth in one frame: MOTChallenge's row in our pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectBox {
+    /// Identity, the same in every frame.
+    pub id: u32,
+    /// Left edge in px.
+    pub x: f32,
+    /// Top edge in px.
+    pub y: f32,
+    /// Width in px.
+    pub width: f32,
+    /// Height in px.
+    pub height: f32,
+    /// Share of the object that can be seen, 0 to 1.
+    pub visibility: f32,
+}
+
+/// What is known about a clip beyond its pixels. `Ok(None)` where nothing is known for that frame.
+pub trait Truth: Send + Sync {
+    /// Where each pixel of frame `t` goes in frame `t + 1`.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn flow(&self, t: usize) -> Result<Option<Arc<Flow>>, Error>;
+
+    /// Pixels of frame `t` that are hidden in frame `t + 1`.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn occlusion(&self, _t: usize) -> Result<Option<Arc<Grid<bool>>>, Error> {
+        Ok(None)
+    }
+
+    /// The objects in frame `t`, by identity.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn objects(&self, _t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
+        Ok(None)
+    }
+
+    /// What kinds of truth there are, in words for a person: `flow`, `occlusion`, `objects`.
+    fn kinds(&self) -> Vec<&'static str>;
+}
+
+/// Where frames come from. Reading may take long: never call it on the window's thread.
+pub trait FrameSource: Send + Sync {
+    /// Frame `index`, all of the clip's size.
+    ///
+    /// # Errors
+    /// One sentence if the frame does not exist or is damaged.
+    fn frame(&self, index: usize) -> Result<Arc<Frame>, Error>;
+
+    /// Frame `index` if it is at hand without any work.
+    fn cached(&self, index: usize) -> Option<Arc<Frame>>;
+}
+
+/// Facts about a clip that are known when it is opened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClipInfo {
+    /// Name to show: the file's or folder's.
+    pub name: String,
+    /// Width in pixels of every frame.
+    pub width: usize,
+    /// Height in pixels of every frame.
+    pub height: usize,
+    /// Number of frames; `None` where counting would need decoding the whole file.
+    pub frames: Option<usize>,
+    /// Mean frames per second, if the clip says.
+    pub fps: Option<f64>,
+    /// What holds the frames: `mp4`, `y4m`, `images`, `synthetic` …
+    pub container: String,
+    /// How the frames are coded: `h264`, `png`, `rgb24` …
+    pub codec: String,
+    /// What a person should know: lost frames, colours reduced …
+    pub warnings: Vec<String>,
+}
+
+/// A clip of numbered frames, all of one size.
+#[derive(Clone)]
+pub struct Clip {
+    info: Arc<ClipInfo>,
+    frames: Arc<dyn FrameSource>,
+    truth: Option<Arc<dyn Truth>>,
+}
+
+impl fmt::Debug for Clip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Clip").field("info", &self.info).finish_non_exhaustive()
+    }
+}
+
+impl Clip {
+    /// A clip of frames that `frames` delivers.
+    pub fn new(info: ClipInfo, frames: Arc<dyn FrameSource>) -> Self {
+        Self { info: Arc::new(info), frames, truth: None }
+    }
+
+    /// A clip of frames in memory.
+    ///
+    /// # Errors
+    /// If there is no frame, or not all have one size.
+    pub fn from_frames(name: impl Into<String>, frames: Vec<Frame>) -> Result<Self, Error> {
+        let name = name.into();
+        let Some((width, height)) = frames.first().map(Frame::size) else {
+            return Err(Error::new(format!("{name} has no frames")));
+        };
+        if let Some(odd) = frames.iter().position(|f| f.size() != (width, height)) {
+            let (w, h) = frames[odd].size();
+            return Err(Error::new(format!("{name}: frame {odd} is {w}×{h}, the first is {width}×{height}")));
+        }
+        let info = ClipInfo {
+            name,
+            width,
+            height,
+            frames: Some(frames.len()),
+            fps: None,
+            container: "memory".into(),
+            codec: "raw".into(),
+            warnings: Vec::new(),
+        };
+        Ok(Self::new(info, Arc::new(InMemory(frames.into_iter().map(Arc::new).collect()))))
+    }
+
+    /// The same clip with `truth` beside it.
+    pub fn with_truth(mut self, truth: Arc<dyn Truth>) -> Self {
+        self.truth = Some(truth);
+        self
+    }
+
+    /// The same clip with other facts told about it.
+    pub fn with_info(mut self, info: ClipInfo) -> Self {
+        self.info = Arc::new(info);
+        self
+    }
+
+    /// Facts about the clip.
+    pub fn info(&self) -> &ClipInfo {
+        &self.info
+    }
+
+    /// What is known about the clip beyond its pixels.
+    pub fn truth(&self) -> Option<&Arc<dyn Truth>> {
+        self.truth.as_ref()
+    }
+
+    /// Width and height in pixels of every frame.
+    pub fn size(&self) -> (usize, usize) {
+        (self.info.width, self.info.height)
+    }
+
+    /// Frame `index`. May decode: never call it on the window's thread.
+    ///
+    /// # Errors
+    /// One sentence if the frame does not exist or is damaged.
+    pub fn frame(&self, index: usize) -> Result<Arc<Frame>, Error> {
+        match self.info.frames {
+            Some(n) if index >= n => Err(Error::new(format!(
+                "{} has {n} frame{}, so there is no frame {index} (the first is 0)",
+                self.info.name,
+                if n == 1 { "" } else { "s" }
+            ))),
+            _ => self.frames.frame(index),
+        }
+    }
+
+    /// Frame `index` if it is at hand without any work.
+    pub fn cached(&self, index: usize) -> Option<Arc<Frame>> {
+        self.frames.cached(index)
+    }
+
+    /// Frames `t` and `t + 1`.
+    ///
+    /// # Errors
+    /// As [`Clip::frame`]; a clip of a single frame is told so.
+    pub fn pair(&self, t: usize) -> Result<[Arc<Frame>; 2], Error> {
+        if self.info.frames == Some(1) {
+            return Err(Error::new(format!(
+                "{} has a single frame and motion needs two; open a clip, or a folder of numbered pictures",
+                self.info.name
+            )));
+        }
+        if let Some(n) = self.info.frames.filter(|&n| t >= n.saturating_sub(1)) {
+            return Err(Error::new(format!(
+                "{} has {n} frames, so a pair can start at frame 0 to {}, not {t}",
+                self.info.name,
+                n.saturating_sub(2)
+            )));
+        }
+        Ok([self.frame(t)?, self.frame(t.saturating_add(1))?])
+    }
+}
+
+struct InMemory(Vec<Arc<Frame>>);
+
+impl FrameSource for InMemory {
+    fn frame(&self, index: usize) -> Result<Arc<Frame>, Error> {
+        self.cached(index).ok_or_else(|| Error::new(format!("there is no frame {index}")))
+    }
+
+    fn cached(&self, index: usize) -> Option<Arc<Frame>> {
+        self.0.get(index).cloned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gray_is_the_weighted_sum() {
+        let frame = Frame::rgb(Grid::from_fn(256, 1, |x, _| [x as u8; 3]));
+        assert!((0..256).all(|x| frame.luma()[(x, 0)] == x as u8));
+        let primaries = Frame::rgb(Grid::from_fn(3, 1, |x, _| std::array::from_fn(|c| if c == x { 255 } else { 0 })));
+        assert_eq!(primaries.luma().cells(), [76, 150, 29]);
+    }
+
+    #[test]
+    fn a_clip_tells_what_it_lacks() {
+        let frame = |w| Frame::gray(Grid::new(w, 2, 0));
+        assert!(Clip::from_frames("none", vec![]).is_err());
+        assert!(Clip::from_frames("odd", vec![frame(2), frame(3)]).is_err());
+        let one = Clip::from_frames("one", vec![frame(2)]).expect("one frame is a clip");
+        assert!(one.pair(0).unwrap_err().to_string().contains("single frame"));
+        let two = Clip::from_frames("two", vec![frame(2), frame(2)]).expect("two frames are a clip");
+        assert!(two.pair(0).is_ok());
+        assert!(two.pair(1).is_err() && two.frame(2).is_err());
+        assert!(two.pair(usize::MAX).is_err());
+    }
+}
