@@ -1,1 +1,3 @@
-//! x
+//! Motionscope's window and command line over `motionscope-core`.
+
+pub mod media;

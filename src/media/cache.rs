@@ -1,0 +1,232 @@
+//! The one frame cache: decodes on demand and remembers what it met, bounded in bytes.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use motionscope_core::{ClipInfo, Error, Frame, FrameSource};
+
+use super::{Decoder, contain};
+
+/// Frames that come from a decoder when they are wanted.
+///
+/// One thread decodes at a time. Looking into the cache never waits for it.
+pub(crate) struct Lazy {
+    name: String,
+    size: (usize, usize),
+    decoder: Mutex<Box<dyn Decoder>>,
+    cache: Mutex<Cache>,
+}
+
+impl Lazy {
+    /// The clip told by `info`, whose cached frames take up to `cache_bytes`.
+    pub(crate) fn new(info: &ClipInfo, decoder: Box<dyn Decoder>, cache_bytes: usize) -> Self {
+        Self {
+            name: info.name.clone(),
+            size: (info.width, info.height),
+            decoder: Mutex::new(decoder),
+            cache: Mutex::new(Cache::new(cache_bytes)),
+        }
+    }
+
+    fn decode(&self, index: usize, decoder: &mut dyn Decoder) -> Result<Arc<Frame>, Error> {
+        let mut wanted = None;
+        let mut misfit = None;
+        let mut keep = |number: usize, frame: Frame| {
+            if frame.size() != self.size {
+                misfit = Some((number, frame.size()));
+                return;
+            }
+            let frame = Arc::new(frame);
+            if number == index {
+                wanted = Some(Arc::clone(&frame));
+            }
+            lock(&self.cache).insert(number, frame);
+        };
+        let result = contain::contain(|| decoder.decode(index, &mut keep))
+            .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged ({panic})"))));
+        match (wanted, misfit, result) {
+            (Some(frame), _, _) => Ok(frame),
+            (None, Some((number, (w, h))), _) if number == index => {
+                let (width, height) = self.size;
+                Err(self.refuse(index, &format!("it is {w}×{h} px, but the clip is {width}×{height} px")))
+            }
+            (None, _, Err(error)) => Err(self.refuse(index, &error.to_string())),
+            (None, _, Ok(())) => Err(self.refuse(index, "the clip ends before it")),
+        }
+    }
+
+    fn refuse(&self, index: usize, why: &str) -> Error {
+        Error::new(format!(
+            "frame {index} of {} cannot be shown: {why}; frames before the damage can be used",
+            self.name
+        ))
+    }
+}
+
+impl FrameSource for Lazy {
+    fn frame(&self, index: usize) -> Result<Arc<Frame>, Error> {
+        if let Some(frame) = self.cached(index) {
+            return Ok(frame);
+        }
+        let mut decoder = lock(&self.decoder);
+        // Whoever held the decoder may have met the frame.
+        match self.cached(index) {
+            Some(frame) => Ok(frame),
+            None => self.decode(index, decoder.as_mut()),
+        }
+    }
+
+    fn cached(&self, index: usize) -> Option<Arc<Frame>> {
+        lock(&self.cache).get(index)
+    }
+}
+
+/// Locks also what a panicking thread held: the state under both locks stays whole.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The frames used last.
+struct Cache {
+    limit: usize,
+    bytes: usize,
+    clock: u64,
+    frames: HashMap<usize, (u64, Arc<Frame>)>,
+    /// Frame number by the time of its last use.
+    used: BTreeMap<u64, usize>,
+}
+
+impl Cache {
+    fn new(limit: usize) -> Self {
+        Self { limit, bytes: 0, clock: 0, frames: HashMap::new(), used: BTreeMap::new() }
+    }
+
+    fn get(&mut self, index: usize) -> Option<Arc<Frame>> {
+        self.clock += 1;
+        let (used, frame) = self.frames.get_mut(&index)?;
+        self.used.remove(used);
+        *used = self.clock;
+        self.used.insert(self.clock, index);
+        Some(Arc::clone(frame))
+    }
+
+    fn insert(&mut self, index: usize, frame: Arc<Frame>) {
+        self.remove(index);
+        self.clock += 1;
+        self.bytes += frame.bytes();
+        self.used.insert(self.clock, index);
+        self.frames.insert(index, (self.clock, frame));
+        // The frame that came last stays, whatever it takes.
+        while self.bytes > self.limit && self.frames.len() > 1 {
+            let Some(oldest) = self.used.first_entry().map(|entry| *entry.get()) else { break };
+            self.remove(oldest);
+        }
+    }
+
+    fn remove(&mut self, index: usize) {
+        if let Some((used, frame)) = self.frames.remove(&index) {
+            self.used.remove(&used);
+            self.bytes -= frame.bytes();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use motionscope_core::Grid;
+
+    use super::*;
+
+    /// Key frames every ten; each frame holds its number. Frame 25 is damaged, 35 panics, 45 has another size.
+    struct Tens {
+        next: usize,
+        decoded: Arc<AtomicUsize>,
+    }
+
+    impl Decoder for Tens {
+        fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
+            let key = index / 10 * 10;
+            if index < self.next || key > self.next {
+                self.next = key;
+            }
+            while self.next <= index {
+                let number = self.next;
+                self.decoded.fetch_add(1, Ordering::Relaxed);
+                match number {
+                    25 => return Err(Error::new("its bits are wrong")),
+                    35 => panic!("index out of bounds"),
+                    _ => {}
+                }
+                self.next += 1;
+                keep(number, Frame::gray(Grid::new(if number == 45 { 5 } else { 10 }, 10, number as u8)));
+            }
+            Ok(())
+        }
+    }
+
+    fn tens(cache_frames: usize) -> (Lazy, Arc<AtomicUsize>) {
+        let decoded = Arc::new(AtomicUsize::new(0));
+        let decoder = Tens { next: 0, decoded: Arc::clone(&decoded) };
+        let info = ClipInfo {
+            name: "tens".into(),
+            width: 10,
+            height: 10,
+            frames: Some(60),
+            fps: None,
+            container: "test".into(),
+            codec: "test".into(),
+            warnings: vec![],
+        };
+        (Lazy::new(&info, Box::new(decoder), cache_frames * 100), decoded)
+    }
+
+    #[test]
+    fn frames_on_the_way_are_kept_and_nothing_is_decoded_twice() {
+        let (clip, decoded) = tens(100);
+        for index in [7, 6, 5, 0, 8, 9, 10, 18, 12, 9] {
+            assert_eq!(clip.frame(index).unwrap().luma()[(0, 0)], index as u8);
+        }
+        assert_eq!(decoded.load(Ordering::Relaxed), 19);
+        assert!(clip.cached(11).is_some() && clip.cached(19).is_none());
+    }
+
+    #[test]
+    fn memory_is_bounded_and_the_oldest_goes_first() {
+        let (clip, _) = tens(4);
+        clip.frame(9).unwrap();
+        let kept: Vec<_> = (0..60).filter(|&i| clip.cached(i).is_some()).collect();
+        assert_eq!(kept, [6, 7, 8, 9]);
+        assert_eq!(lock(&clip.cache).bytes, 400);
+        clip.frame(6).unwrap();
+        clip.frame(10).unwrap();
+        assert!(clip.cached(6).is_some() && clip.cached(7).is_none());
+        let (tiny, _) = tens(0);
+        assert_eq!(tiny.frame(3).unwrap().luma()[(0, 0)], 3);
+        assert!(tiny.cached(3).is_some() && tiny.cached(2).is_none());
+    }
+
+    #[test]
+    fn damage_is_told_and_its_neighbours_stay_usable() {
+        let (clip, _) = tens(100);
+        for (bad, why) in [(25, "bits are wrong"), (35, "out of bounds"), (45, "5×10")] {
+            for _ in 0..2 {
+                let told = clip.frame(bad).unwrap_err().to_string();
+                assert!(told.contains(&format!("frame {bad} of tens")) && told.contains(why), "{told}");
+            }
+            assert!(clip.frame(bad - 1).is_ok() && clip.frame(bad + 5).is_ok());
+        }
+        assert!(clip.frame(27).unwrap_err().to_string().contains("bits are wrong"));
+    }
+
+    #[test]
+    fn looking_never_waits_for_decoding() {
+        let (clip, _) = tens(100);
+        clip.frame(1).unwrap();
+        let busy = clip.decoder.lock().unwrap();
+        assert!(clip.cached(1).is_some() && clip.cached(2).is_none());
+        assert!(clip.frame(0).is_ok());
+        drop(busy);
+    }
+}

@@ -1,0 +1,169 @@
+//! Any clip in: one function opens whatever a teacher has.
+//!
+//! [`open`] looks at the content, picks the reader, and wraps it in the one frame cache. A reader is a [`Decoder`]:
+//! it knows one format and nothing about caching, threads or truth.
+
+mod animation;
+mod cache;
+mod contain;
+mod sniff;
+mod stills;
+mod truth;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use motionscope_core::{Clip, ClipInfo, Error, Frame};
+
+use sniff::Kind;
+
+/// How long work tells how far it is, and learns that nobody wants it any more.
+pub trait Progress: Send + Sync {
+    /// A share from 0 to 1 of the work is done.
+    fn report(&self, fraction: f32);
+
+    /// Whether the work should stop.
+    fn cancelled(&self) -> bool;
+}
+
+/// How to open a clip.
+#[derive(Clone)]
+pub struct Open {
+    /// Bound on the memory that decoded frames take, in bytes; the frame that was asked for last is always kept.
+    pub cache_bytes: usize,
+    /// Whether to decode the whole file where nothing else tells how many frames there are.
+    pub count: bool,
+    /// Truth given by hand; otherwise it is looked for beside the clip.
+    pub truth: Option<PathBuf>,
+    /// Where long work tells how far it is.
+    pub progress: Option<Arc<dyn Progress>>,
+}
+
+impl Default for Open {
+    fn default() -> Self {
+        Self { cache_bytes: 512 << 20, count: false, truth: None, progress: None }
+    }
+}
+
+impl Open {
+    /// Tells how far the work is.
+    ///
+    /// # Errors
+    /// If the work was cancelled.
+    pub(crate) fn report(&self, fraction: f32) -> Result<(), Error> {
+        match &self.progress {
+            Some(progress) if progress.cancelled() => Err(Error::new("opening was cancelled")),
+            Some(progress) => {
+                progress.report(fraction);
+                Ok(())
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// One format's reader. It need not remember frames: the cache does.
+pub(crate) trait Decoder: Send {
+    /// Decodes frame `index` and gives `keep` every frame that is met on the way, by number; the wanted one comes last.
+    ///
+    /// Going on from the frame decoded last must be cheap where the format allows. After an error or a panic the next
+    /// call starts afresh.
+    ///
+    /// # Errors
+    /// One sentence, without the file's name, if there is no such frame or it is damaged.
+    fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error>;
+}
+
+/// What a format's reader makes of a file.
+pub(crate) struct Source {
+    /// Facts about the clip; the size has been checked with [`check_size`].
+    pub info: ClipInfo,
+    /// Delivers the frames.
+    pub decoder: Box<dyn Decoder>,
+}
+
+/// Largest width or height of a frame, in pixels.
+const MAX_SIDE_PX: usize = 16_384;
+/// Largest area of a frame, in pixels.
+const MAX_AREA_PX: usize = 128 << 20;
+
+/// Refuses sizes that no picture can have, before anything is allocated.
+///
+/// # Errors
+/// A sentence, without the file's name, that tells the size and what is allowed.
+pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Error> {
+    if width == 0 || height == 0 {
+        return Err(Error::new(format!("its pictures are {width}×{height} px, so there is nothing to see")));
+    }
+    if width > MAX_SIDE_PX || height > MAX_SIDE_PX || width.saturating_mul(height) > MAX_AREA_PX {
+        return Err(Error::new(format!(
+            "its header claims pictures of {width}×{height} px; up to {MAX_SIDE_PX} px a side and 128 megapixels can \
+             be opened, so the file is damaged or must be scaled down first"
+        )));
+    }
+    Ok(())
+}
+
+/// Opens any clip: a picture or a folder of pictures, an animation, a video file, or `-` for standard input.
+///
+/// The content decides, not the name: a mislabelled file opens with a warning. Call it off the window's thread.
+///
+/// # Errors
+/// One sentence that names the file, tells what is wrong and what to do.
+pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
+    let mut source = contain::contain(|| open_source(path, options))
+        .unwrap_or_else(|panic| Err(Error::new(format!("it is damaged in a way that cannot be read ({panic})"))))
+        .map_err(|error| about(path, &error))?;
+    let truth = find_truth(path, options, &mut source.info)?;
+    let frames = cache::Lazy::new(&source.info, source.decoder, options.cache_bytes);
+    let clip = Clip::new(source.info, Arc::new(frames));
+    Ok(match truth {
+        Some(truth) => clip.with_truth(truth),
+        None => clip,
+    })
+}
+
+fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
+    if path.is_dir() {
+        return stills::open(path, options);
+    }
+    let kind = sniff::kind(path)?;
+    let mut source = match kind {
+        Kind::Still => stills::open(path, options)?,
+        Kind::Animation => animation::open(path, options)?,
+        _ => return Err(Error::new("this kind of video cannot be opened yet")),
+    };
+    source.info.warnings.extend(sniff::mislabelled(path, kind));
+    Ok(source)
+}
+
+fn find_truth(
+    path: &Path,
+    options: &Open,
+    info: &mut ClipInfo,
+) -> Result<Option<Arc<dyn motionscope_core::Truth>>, Error> {
+    if let Some(given) = &options.truth {
+        return truth::open(given, info).map(Some);
+    }
+    match truth::beside(path, info) {
+        Ok(found) => Ok(found),
+        // What was not asked for must not stand in the way of the clip.
+        Err(error) => {
+            info.warnings.push(error.to_string());
+            Ok(None)
+        }
+    }
+}
+
+/// Puts the file's name in front of what is wrong with it.
+fn about(path: &Path, error: &Error) -> Error {
+    Error::new(format!("cannot open {}: {error}", path.display()))
+}
+
+/// The name to show for `path`: its last part.
+pub(crate) fn name_of(path: &Path) -> String {
+    match path.file_name() {
+        Some(name) => name.to_string_lossy().into_owned(),
+        None => path.display().to_string(),
+    }
+}

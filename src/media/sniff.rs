@@ -1,0 +1,164 @@
+//! What a file holds, told from its first bytes.
+
+use std::fs::File;
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+
+use motionscope_core::Error;
+
+/// Which reader a file needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// A single picture, perhaps of a numbered sequence.
+    Still,
+    /// GIF, and PNG and WebP that move.
+    Animation,
+    /// YUV4MPEG2.
+    Y4m,
+    /// MP4, QuickTime and their kin.
+    Mp4,
+    /// Matroska and WebM.
+    Matroska,
+    /// RIFF AVI.
+    Avi,
+    /// Something that another program may know.
+    Other,
+}
+
+impl Kind {
+    /// What such a file holds, in words.
+    fn words(self) -> &'static str {
+        match self {
+            Kind::Still => "a picture",
+            Kind::Animation => "an animated picture",
+            Kind::Y4m => "Y4M video",
+            Kind::Mp4 => "MP4 or QuickTime video",
+            Kind::Matroska => "Matroska or WebM video",
+            Kind::Avi => "AVI video",
+            Kind::Other => "something else",
+        }
+    }
+}
+
+/// Enough to see whether a PNG or a WebP moves, even past its colour profile.
+const HEAD_BYTES: u64 = 64 << 10;
+
+/// What the file at `path` holds.
+///
+/// # Errors
+/// A sentence, without the file's name, if it is not there, cannot be read or is empty.
+pub(crate) fn kind(path: &Path) -> Result<Kind, Error> {
+    let mut head = Vec::new();
+    File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head)).map_err(|error| {
+        Error::new(match error.kind() {
+            ErrorKind::NotFound => "there is no such file; check the path".into(),
+            ErrorKind::PermissionDenied => "you may not read this file; ask its owner".into(),
+            _ => format!("it cannot be read ({error})"),
+        })
+    })?;
+    if head.is_empty() {
+        return Err(Error::new("the file is empty; copy it again from where it came"));
+    }
+    Ok(kind_of(&head))
+}
+
+/// What a file holds that begins with `head`.
+pub(crate) fn kind_of(head: &[u8]) -> Kind {
+    let at = |offset: usize, magic: &[u8]| head.get(offset..).is_some_and(|rest| rest.starts_with(magic));
+    if at(0, b"YUV4MPEG2") {
+        Kind::Y4m
+    } else if at(0, &[0x1A, 0x45, 0xDF, 0xA3]) {
+        Kind::Matroska
+    } else if at(0, b"RIFF") && at(8, b"AVI ") {
+        Kind::Avi
+    } else if at(0, b"RIFF") && at(8, b"WEBP") {
+        if holds(head, b"ANIM") { Kind::Animation } else { Kind::Still }
+    } else if at(0, b"GIF8") {
+        Kind::Animation
+    } else if at(0, b"\x89PNG\r\n\x1a\n") {
+        if holds(head, b"acTL") { Kind::Animation } else { Kind::Still }
+    } else if at(0, &[0xFF, 0xD8, 0xFF]) || is_bmp(head) || is_tiff(head) || is_pnm(head) {
+        Kind::Still
+    } else if is_mp4(head) {
+        Kind::Mp4
+    } else {
+        Kind::Other
+    }
+}
+
+fn holds(head: &[u8], chunk: &[u8; 4]) -> bool {
+    head.windows(4).any(|name| name == chunk)
+}
+
+fn is_bmp(head: &[u8]) -> bool {
+    // The header's size follows two reserved words that are zero.
+    head.starts_with(b"BM") && head.get(14).is_some_and(|size| matches!(size, 12 | 40 | 52 | 56 | 64 | 108 | 124))
+}
+
+fn is_tiff(head: &[u8]) -> bool {
+    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| head.starts_with(*magic))
+}
+
+fn is_pnm(head: &[u8]) -> bool {
+    matches!(head, [b'P', b'1'..=b'7', space, ..] if space.is_ascii_whitespace())
+}
+
+fn is_mp4(head: &[u8]) -> bool {
+    let first_boxes: [&[u8]; 8] = [b"ftyp", b"moov", b"mdat", b"free", b"skip", b"wide", b"styp", b"pnot"];
+    head.get(4..8).is_some_and(|name| first_boxes.contains(&name))
+}
+
+/// A warning if the name of `path` promises something else than `kind`.
+pub(crate) fn mislabelled(path: &Path, kind: Kind) -> Option<String> {
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    let promised = match extension.as_str() {
+        "y4m" => Kind::Y4m,
+        "mp4" | "m4v" | "mov" | "3gp" | "qt" => Kind::Mp4,
+        "mkv" | "webm" => Kind::Matroska,
+        "avi" => Kind::Avi,
+        "gif" => Kind::Animation,
+        "jpg" | "jpeg" | "bmp" | "tif" | "tiff" | "pnm" | "pgm" | "ppm" | "pbm" => Kind::Still,
+        // These may move or stand still.
+        "png" | "apng" | "webp" if matches!(kind, Kind::Still | Kind::Animation) => kind,
+        "png" | "apng" | "webp" => Kind::Still,
+        _ => return None,
+    };
+    (promised != kind).then(|| format!("the file is named .{extension} but holds {}", kind.words()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_decides() {
+        let cases: [(&[u8], Kind); 14] = [
+            (b"YUV4MPEG2 W2 H2\n", Kind::Y4m),
+            (b"\x1A\x45\xDF\xA3....", Kind::Matroska),
+            (b"RIFF....AVI LIST", Kind::Avi),
+            (b"RIFF....WEBPVP8X..............ANIM", Kind::Animation),
+            (b"RIFF....WEBPVP8 ", Kind::Still),
+            (b"GIF89a", Kind::Animation),
+            (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", Kind::Still),
+            (b"\x89PNG\r\n\x1a\n....IHDR....acTL", Kind::Animation),
+            (b"\xFF\xD8\xFF\xE0", Kind::Still),
+            (b"P5\n2 2\n255\n", Kind::Still),
+            (b"\0\0\0\x18ftypisom", Kind::Mp4),
+            (b"\0\0\0\x08wide", Kind::Mp4),
+            (b"PIEH", Kind::Other),
+            (b"x", Kind::Other),
+        ];
+        for (head, kind) in cases {
+            assert_eq!(kind_of(head), kind, "{head:?}");
+        }
+    }
+
+    #[test]
+    fn a_false_name_is_told() {
+        assert_eq!(mislabelled(Path::new("a.MOV"), Kind::Mp4), None);
+        assert_eq!(mislabelled(Path::new("a.png"), Kind::Animation), None);
+        assert_eq!(mislabelled(Path::new("clip"), Kind::Avi), None);
+        let told = mislabelled(Path::new("a.mp4"), Kind::Y4m).unwrap();
+        assert_eq!(told, "the file is named .mp4 but holds Y4M video");
+    }
+}
