@@ -1,11 +1,30 @@
 //! Everything about motion estimation that can be known without a screen, a file or a codec.
+//!
+//! An estimator is one file in the folder of its family. It implements [`Estimator`]; the registry,
+//! [`estimators`], makes it known to the window, the command line and the laws that test it.
 
+pub mod block_matching;
+mod block_search;
 mod clip;
+mod cost;
 mod error;
+mod estimator;
 mod grid;
+pub mod metrics;
+mod output;
 pub mod params;
+mod registry;
+pub mod scene;
+mod threads;
+mod timeline;
 
 pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use error::Error;
+pub use estimator::{AnyEstimator, Count, Estimator, Extent, Info, Observer, Progress, Rung, Seen, run_observed};
 pub use grid::{Border, Gray, Grid};
+pub use output::{Block, BlockField, BlockGrid, BlockVector, Output, predict};
 pub use params::{Params, Spec, Value};
+pub use registry::{estimator, estimators};
+pub use scene::{Role, Scene, Step};
+pub use threads::Threads;
+pub use timeline::{Cursor, Move, Timeline, Walk, Way};

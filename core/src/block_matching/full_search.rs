@@ -1,0 +1,224 @@
+//! Full search, also called sequential or exhaustive search: every displacement in the window is tested.
+
+use std::sync::Arc;
+
+use crate::block_search::{self, BorderRule, Cost, Event, Match, Pair, Patch, Probe, Window, shorter};
+use crate::{
+    Block, Clip, Error, Estimator, Info, Observer, Output, Progress, Role, Rung, Scene, Seen, Step, Threads, choices,
+    cost, params,
+};
+
+choices! {
+    /// The order in which the candidates of a window are tested.
+    pub enum Order {
+        /// Row by row from the upper left corner.
+        Raster = "raster" "Raster",
+        /// In square rings outwards from the zero displacement, so that an early exit finds a low cost soon.
+        Spiral = "spiral" "Spiral",
+    }
+}
+
+params! {
+    /// Full search: every displacement in the window is tested, so the smallest cost is found for certain.
+    pub struct FullSearch {
+        /// Side of the square blocks.
+        block: usize = 16, 4..=64, "px";
+        /// Largest displacement to the left, right, up and down that is tested.
+        range: usize = 16, 1..=64, "px";
+        /// How unlike two blocks are. SSD and MSE are one divided by the other, so they choose the same vectors.
+        cost: Cost = Cost::Sad;
+        /// The order in which the candidates are tested. It never changes the result.
+        order: Order = Order::Raster;
+        /// Distance from one block to the next; 0 sets them edge to edge, less than the block lets them overlap.
+        step: usize = 0, 0..=64, "px";
+        /// Stop adding up a candidate as soon as its sum exceeds the best (partial distortion). Never changes the result.
+        early_exit: bool = false;
+        /// What happens where the window leaves the picture.
+        border: BorderRule = BorderRule::Inside;
+    }
+}
+
+/// What a full search reads and writes.
+#[derive(Clone)]
+pub struct State {
+    pair: Pair,
+    /// The order of a window that the border does not cut, by index into the window.
+    order: Arc<[u32]>,
+    found: Vec<Match>,
+    candidates: u64,
+}
+
+impl FullSearch {
+    /// The indices of `window` in the order of the search.
+    fn order_of(&self, window: Window) -> Arc<[u32]> {
+        let mut indices: Vec<u32> = (0..window.count() as u32).collect();
+        if self.order == Order::Spiral {
+            indices.sort_by_cached_key(|&index| ring_place(window.displacement(index as usize)));
+        }
+        indices.into()
+    }
+
+    /// Searches one block. This is the loop that is taught, timed and trusted: there is no other.
+    fn search(&self, state: &State, block: Block, patch: &mut Patch, observer: &mut impl Observer<Event>) -> Match {
+        let window = state.pair.window(block, self.range);
+        let cut;
+        let order = if window.count() == state.order.len() {
+            &state.order
+        } else {
+            cut = self.order_of(window);
+            &cut
+        };
+        patch.take(&state.pair, block, window);
+        let mut sums = Vec::new();
+        if !self.early_exit {
+            cost::window(self.cost.sum(), &patch.block, &patch.area, window.size, &mut sums);
+        }
+        observer.see(|| Event::Window);
+        let mut best: Option<Match> = None;
+        let mut limit = u32::MAX;
+        for &index in order.iter() {
+            let index = index as usize;
+            let (sum, rows) = if self.early_exit {
+                let place = (index % window.size.0, index / window.size.0);
+                block_search::sum_until(self.cost, patch, place, limit)
+            } else {
+                (sums[index], block.height)
+            };
+            observer.see(|| Event::Candidate { displacement: window.displacement(index), sum, rows });
+            if sum > limit {
+                continue;
+            }
+            let displacement = window.displacement(index);
+            if best.is_none_or(|best| sum < best.sum || shorter(displacement, best.displacement)) {
+                observer.see(|| Event::NewBest { before: best });
+                best = Some(Match { displacement, sum });
+                limit = sum;
+            }
+        }
+        let best = best.unwrap_or(Match { displacement: [0, 0], sum: limit });
+        observer.see(|| Event::Found(best));
+        best
+    }
+}
+
+/// Ring around the zero displacement, then the place along it, clockwise from its upper left corner.
+fn ring_place([u, v]: [i32; 2]) -> (i32, i32) {
+    let ring = u.abs().max(v.abs());
+    let along = if v == -ring {
+        u + ring
+    } else if u == ring {
+        2 * ring + v + ring
+    } else if v == ring {
+        4 * ring + ring - u
+    } else {
+        6 * ring + ring - v
+    };
+    (ring, along)
+}
+
+impl Estimator for FullSearch {
+    const INFO: Info = Info {
+        id: "full-search",
+        name: "Full search",
+        family: "Block matching",
+        summary: "Tests every displacement in a window and keeps the one with the smallest difference.",
+        source: "A. K. Jain, Fundamentals of Digital Image Processing, Prentice Hall 1989; \
+                 early exit: C.-D. Bei and R. M. Gray, IEEE Trans. Communications 33(10), 1985",
+        pseudocode: &[
+            "for each block B of frame t",
+            "  lay the window of ±range px around B in frame t+1",
+            "  for each displacement (u, v) in the window",
+            "    cost ← difference of B and the block at (u, v)",
+            "    if cost < best, or equal and (u, v) is shorter",
+            "      best ← cost at (u, v)",
+            "  displacement of B ← (u, v) of the best",
+        ],
+        rungs: &["frame", "block", "probe"],
+        frames: 2,
+    };
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        let pair = Pair::new(clip, frame, self.block, self.step, self.border)?;
+        let (min, side) = (-(self.range as i32), 2 * self.range + 1);
+        let order = self.order_of(Window { min: [min, min], size: (side, side) });
+        Ok(State { pair, order, found: Vec::new(), candidates: 0 })
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let block = state.pair.blocks.block(state.found.len());
+        let found = self.search(state, block, &mut Patch::default(), observer);
+        state.found.push(found);
+        state.candidates += state.pair.window(block, self.range).count() as u64;
+        Ok(if state.found.len() == state.pair.blocks.len() { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        Some(state.pair.blocks.len())
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        let block = Rung { index: state.found.len(), of: Some(state.pair.blocks.len()) };
+        vec![Rung { index: 0, of: Some(1) }, block]
+    }
+
+    fn unit_at(&self, state: &State, [x, y]: [f32; 2]) -> Option<usize> {
+        let (width, height) = state.pair.blocks.picture;
+        let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
+        let (column, row) = state.pair.blocks.nearest(inside(x, width)?, inside(y, height)?);
+        Some(row * state.pair.blocks.counts().0 + column)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + state.found.len() * size_of::<Match>()
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        matches!(event, Event::NewBest { .. }).then_some(Role::Best)
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        let line = match seen.events.last() {
+            None => 0,
+            Some(Event::Window) => 1,
+            Some(Event::Candidate { .. }) => 3,
+            Some(Event::NewBest { .. }) => 5,
+            Some(Event::Found(_)) => 6,
+        };
+        let probe = self.probe(seen);
+        Step { line, sentence: probe.sentence(), readouts: probe.readouts() }
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.probe(seen).draw(scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        block_search::output(&state.pair, self.cost, &state.found, state.candidates)
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let mut state = self.start(clip, frame)?;
+        let blocks = state.pair.blocks;
+        let (columns, rows) = blocks.counts();
+        let rows = threads.map(rows, |row| {
+            let mut patch = Patch::default();
+            let row = row * columns..(row + 1) * columns;
+            row.map(|i| self.search(&state, blocks.block(i), &mut patch, &mut ())).collect::<Vec<_>>()
+        });
+        state.found = rows.concat();
+        state.candidates =
+            (0..blocks.len()).map(|i| state.pair.window(blocks.block(i), self.range).count() as u64).sum();
+        Ok(state)
+    }
+}
+
+impl FullSearch {
+    fn probe<'a>(&self, seen: &'a Seen<Self>) -> Probe<'a> {
+        let Seen { before, events, focus, .. } = *seen;
+        let index = before.found.len();
+        let window = before.pair.window(before.pair.blocks.block(index), self.range);
+        Probe { pair: &before.pair, cost: self.cost, index, window, found: &before.found, events, focus }
+    }
+}

@@ -1,0 +1,229 @@
+//! What every estimator is: a declaration, a unit of work, and how it is seen and told.
+
+use crate::threads::Threads;
+use crate::timeline::Timeline;
+use crate::{Clip, Error, Output, Params, Role, Scene, Step, Walk};
+
+/// Where an algorithm tells what it does. `()` sees nothing and costs nothing; `Vec<E>` keeps everything.
+pub trait Observer<E> {
+    /// Sees `event`, which is only made if someone looks.
+    fn see(&mut self, event: impl FnOnce() -> E);
+}
+
+impl<E> Observer<E> for () {
+    #[inline(always)]
+    fn see(&mut self, _event: impl FnOnce() -> E) {}
+}
+
+impl<E> Observer<E> for Vec<E> {
+    fn see(&mut self, event: impl FnOnce() -> E) {
+        self.push(event());
+    }
+}
+
+/// An observer that only counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Count(pub u64);
+
+impl<E> Observer<E> for Count {
+    fn see(&mut self, _event: impl FnOnce() -> E) {
+        self.0 += 1;
+    }
+}
+
+/// What there is to say about an estimator before it runs.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Info {
+    /// Stable kebab-case id: `full-search`. Its file is called the same, with underscores.
+    pub id: &'static str,
+    /// Name in the window: `Full search`.
+    pub name: &'static str,
+    /// Family and folder: `Block matching` lives in `block_matching`.
+    pub family: &'static str,
+    /// What it does, in one sentence.
+    pub summary: &'static str,
+    /// The source that it follows.
+    pub source: &'static str,
+    /// The algorithm, line by line; indentation by two spaces.
+    pub pseudocode: &'static [&'static str],
+    /// Names of the ladder's rungs, outermost first. The last is an event, the one before it a unit.
+    pub rungs: &'static [&'static str],
+    /// How many frames a run looks at, from the one that it starts on.
+    pub frames: usize,
+}
+
+/// Where a run stands on one rung of the ladder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rung {
+    /// Which one, from 0.
+    pub index: usize,
+    /// How many there are, if that is known.
+    pub of: Option<usize>,
+}
+
+/// Whether there is more to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// At least one more unit.
+    More,
+    /// That was the last unit.
+    Done,
+}
+
+/// What can be seen at a cursor: everything that a step tells and a scene draws comes from this alone.
+pub struct Seen<'a, E: Estimator> {
+    /// The state before the unit at the cursor.
+    pub before: &'a E::State,
+    /// The state after it, once all its events were seen.
+    pub after: Option<&'a E::State>,
+    /// The unit's events up to the cursor; empty only at the very start of a run.
+    pub events: &'a [E::Event],
+    /// The pixel that the person points at. It changes what is explained, never what is computed.
+    pub focus: Option<[f32; 2]>,
+}
+
+/// A motion estimator: parameters, a state, and one unit of work at a time.
+///
+/// A *unit* is the natural outer step (a block, an iteration, a feature, a frame); *events* are what
+/// happens inside it. Everything that a unit reads and writes is in the state, so that a run can be
+/// taken up anywhere and gives the same bits.
+pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
+    /// What there is to say about it.
+    const INFO: Info;
+    /// All that a unit reads and writes, its random generator included.
+    type State: Clone + Send + Sync + 'static;
+    /// What happens inside a unit.
+    type Event: Clone + Send + Sync + 'static;
+
+    /// The state before the first unit of a run on frame `frame`.
+    ///
+    /// # Errors
+    /// Every bad input is refused here.
+    fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error>;
+
+    /// Does one unit of work. Called only while there is more to do.
+    ///
+    /// # Errors
+    /// If a frame that it needs is damaged; the run ends before this unit.
+    fn advance(
+        &self,
+        clip: &Clip,
+        state: &mut Self::State,
+        observer: &mut impl Observer<Self::Event>,
+    ) -> Result<Progress, Error>;
+
+    /// How many units the run has, if that is known beforehand.
+    fn units(&self, state: &Self::State) -> Option<usize>;
+
+    /// Where the next unit of `state` stands: one entry for each of [`Info::rungs`] but the innermost.
+    fn place(&self, state: &Self::State) -> Vec<Rung>;
+
+    /// The unit whose result lies at `point` in frame t, for a click on the stage.
+    fn unit_at(&self, _state: &Self::State, _point: [f32; 2]) -> Option<usize> {
+        None
+    }
+
+    /// Memory that one state takes, in bytes, for the budget of checkpoints.
+    fn state_bytes(&self, state: &Self::State) -> usize;
+
+    /// The role of an event that is worth a mark on the timeline.
+    fn landmark(&self, _event: &Self::Event) -> Option<Role> {
+        None
+    }
+
+    /// What the cursor tells.
+    fn step(&self, seen: &Seen<Self>) -> Step;
+
+    /// What the cursor shows on the stage.
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene);
+
+    /// What a state amounts to so far.
+    fn output(&self, state: &Self::State) -> Output;
+
+    /// Runs to the end. Override it to spread units over cores, never to compute differently:
+    /// the result is bit-identical to stepping.
+    ///
+    /// # Errors
+    /// As [`Estimator::start`] and [`Estimator::advance`].
+    fn run(&self, clip: &Clip, frame: usize, _threads: &Threads) -> Result<Self::State, Error> {
+        run_observed(self, clip, frame, &mut ()).map(|(state, _)| state)
+    }
+}
+
+/// Runs to the end before the eyes of `observer`; gives the last state and the number of units.
+///
+/// # Errors
+/// As [`Estimator::start`] and [`Estimator::advance`].
+pub fn run_observed<E: Estimator>(
+    estimator: &E,
+    clip: &Clip,
+    frame: usize,
+    observer: &mut impl Observer<E::Event>,
+) -> Result<(E::State, usize), Error> {
+    let mut state = estimator.start(clip, frame)?;
+    let mut units = 1;
+    while estimator.advance(clip, &mut state, observer)? == Progress::More {
+        units += 1;
+    }
+    Ok((state, units))
+}
+
+/// How much a run consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// Units.
+    pub units: usize,
+    /// Events that stepping through it shows.
+    pub events: u64,
+}
+
+/// An estimator of which only the declaration matters: what the window and the command line hold.
+pub trait AnyEstimator: Params + Send + Sync {
+    /// What there is to say about it.
+    fn info(&self) -> &'static Info;
+
+    /// The same estimator with the same parameters.
+    fn boxed_clone(&self) -> Box<dyn AnyEstimator>;
+
+    /// A run that can be walked through in both directions.
+    ///
+    /// # Errors
+    /// If the clip, the frame or the parameters do not allow a run.
+    fn walk(&self, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error>;
+
+    /// The result of a whole run.
+    ///
+    /// # Errors
+    /// If the clip, the frame or the parameters do not allow a run.
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error>;
+
+    /// How many units and events a whole run consists of.
+    ///
+    /// # Errors
+    /// If the clip, the frame or the parameters do not allow a run.
+    fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error>;
+}
+
+impl<E: Estimator> AnyEstimator for E {
+    fn info(&self) -> &'static Info {
+        const { &E::INFO }
+    }
+
+    fn boxed_clone(&self) -> Box<dyn AnyEstimator> {
+        Box::new(self.clone())
+    }
+
+    fn walk(&self, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error> {
+        Ok(Box::new(Timeline::new(self.clone(), clip.clone(), frame)?))
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error> {
+        Estimator::run(self, clip, frame, threads).map(|state| self.output(&state))
+    }
+
+    fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {
+        let mut events = crate::Count::default();
+        let (_, units) = run_observed(self, clip, frame, &mut events)?;
+        Ok(Extent { units, events: events.0 })
+    }
+}

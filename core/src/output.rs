@@ -1,0 +1,174 @@
+//! What an estimator amounts to, whatever its kind.
+
+use crate::{Border, Flow, Gray, Grid};
+
+/// The result of a run, or of the part of it that was done.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Output {
+    /// One displacement per block.
+    Blocks(BlockField),
+}
+
+impl Output {
+    /// The displacement of every pixel of the picture.
+    pub fn flow(&self) -> Flow {
+        match self {
+            Output::Blocks(field) => field.flow(),
+        }
+    }
+}
+
+/// Where the blocks of a picture lie: `size` px a side, one every `step` px, clipped at the right and bottom edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockGrid {
+    /// Width and height of the picture in px.
+    pub picture: (usize, usize),
+    /// Side of a block in px.
+    pub size: usize,
+    /// From one block to the next, in px.
+    pub step: usize,
+}
+
+/// A block of whole pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Block {
+    /// Left column.
+    pub x: usize,
+    /// Top row.
+    pub y: usize,
+    /// Width in px: less than the block size at the right edge.
+    pub width: usize,
+    /// Height in px: less than the block size at the bottom edge.
+    pub height: usize,
+}
+
+impl Block {
+    /// The centre in image pixels.
+    pub fn center(&self) -> [f32; 2] {
+        [self.x as f32 + (self.width as f32 - 1.0) / 2.0, self.y as f32 + (self.height as f32 - 1.0) / 2.0]
+    }
+}
+
+impl BlockGrid {
+    /// Columns and rows of blocks: as few as cover the picture.
+    pub fn counts(&self) -> (usize, usize) {
+        let count = |extent: usize| {
+            let covering = extent.saturating_sub(self.size).div_ceil(self.step) + 1;
+            covering.min(extent.div_ceil(self.step))
+        };
+        (count(self.picture.0), count(self.picture.1))
+    }
+
+    /// Number of blocks.
+    pub fn len(&self) -> usize {
+        let (columns, rows) = self.counts();
+        columns * rows
+    }
+
+    /// Whether there is no block at all; there always is one.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Block `index`, counted along the rows.
+    pub fn block(&self, index: usize) -> Block {
+        let columns = self.counts().0;
+        let (x, y) = (index % columns * self.step, index / columns * self.step);
+        let clip = |start: usize, extent: usize| self.size.min(extent.saturating_sub(start));
+        Block { x, y, width: clip(x, self.picture.0), height: clip(y, self.picture.1) }
+    }
+
+    /// The column and row of the block whose centre is nearest to pixel `(x, y)`.
+    pub fn nearest(&self, x: usize, y: usize) -> (usize, usize) {
+        let (columns, rows) = self.counts();
+        let nearest = |p: usize, count: usize| {
+            // Round half up of (p − (size − 1)/2) / step, in whole numbers.
+            let twice = 2 * p as isize - (self.size as isize - 1) + self.step as isize;
+            (twice.max(0) as usize / (2 * self.step)).min(count - 1)
+        };
+        (nearest(x, columns), nearest(y, rows))
+    }
+}
+
+/// One displacement per block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockField {
+    /// Where the blocks lie.
+    pub blocks: BlockGrid,
+    /// Displacement `[u, v]` in px/frame and its cost, by block index; `None` where not yet searched.
+    pub vectors: Vec<Option<BlockVector>>,
+    /// What the cost is called.
+    pub cost: &'static str,
+    /// Candidates that were tested.
+    pub candidates: u64,
+    /// How candidates outside the picture are read.
+    pub border: Border,
+}
+
+/// The displacement of one block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockVector {
+    /// Displacement `[u, v]` in px/frame.
+    pub displacement: [f32; 2],
+    /// Its cost.
+    pub cost: f32,
+}
+
+impl BlockField {
+    /// Every pixel moves as the block whose centre is nearest.
+    pub fn flow(&self) -> Flow {
+        let columns = self.blocks.counts().0;
+        let (width, height) = self.blocks.picture;
+        let columns_of: Vec<_> = (0..width).map(|x| self.blocks.nearest(x, 0).0).collect();
+        let rows_of: Vec<_> = (0..height).map(|y| self.blocks.nearest(0, y).1).collect();
+        Flow(Grid::from_fn(width, height, |x, y| {
+            self.vectors[rows_of[y] * columns + columns_of[x]].map_or(Flow::UNKNOWN, |v| v.displacement)
+        }))
+    }
+}
+
+/// The motion-compensated prediction of frame t: each pixel is fetched from where it goes in `next`.
+///
+/// Whole displacements are copied exactly, fractional ones interpolated; a pixel of unknown motion stays where it is.
+pub fn predict(flow: &Flow, next: &Gray, border: Border) -> Gray {
+    Grid::from_fn(flow.0.width(), flow.0.height(), |x, y| {
+        let [u, v] = flow.at(x, y).unwrap_or([0.0; 2]);
+        if u.fract() == 0.0 && v.fract() == 0.0 {
+            next.at(x as isize + u as isize, y as isize + v as isize, border)
+        } else {
+            (next.sample(x as f32 + u, y as f32 + v) + 0.5) as u8
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_cover_the_picture_and_no_more() {
+        for (extent, size, step) in [(32, 16, 16), (33, 16, 16), (5, 16, 16), (40, 8, 3), (50, 4, 20)] {
+            let grid = BlockGrid { picture: (extent, extent), size, step };
+            let last = grid.block(grid.len() - 1);
+            assert_eq!(last.x + last.width, extent.min(last.x + size));
+            assert!(last.width > 0 && (last.x + last.width == extent || step > size));
+            let before = grid.block(grid.len().saturating_sub(2));
+            assert!(grid.len() == 1 || before.x + size < extent, "the block before already reached the edge");
+        }
+    }
+
+    #[test]
+    fn every_pixel_belongs_to_the_nearest_centre() {
+        for (size, step) in [(16, 16), (8, 3), (5, 5), (4, 9)] {
+            let grid = BlockGrid { picture: (61, 47), size, step };
+            let (columns, rows) = grid.counts();
+            let center = |i: usize| (i * step) as f64 + (size as f64 - 1.0) / 2.0;
+            for x in 0..61 {
+                let (column, _) = grid.nearest(x, 0);
+                let best = (0..columns).map(|i| (x as f64 - center(i)).abs()).fold(f64::MAX, f64::min);
+                assert_eq!((x as f64 - center(column)).abs(), best);
+            }
+            assert!(grid.nearest(60, 46).1 < rows);
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! Every estimator there is, in the order of the course.
+
+use crate::block_matching::FullSearch;
+use crate::{AnyEstimator, Error};
+
+/// Every estimator with its default parameters, in the order of the course.
+pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
+    vec![Box::new(FullSearch::default())]
+}
+
+/// The estimator called `id`, with its default parameters.
+///
+/// # Errors
+/// A sentence with the ids there are.
+pub fn estimator(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
+    let all = estimators();
+    let ids: Vec<_> = all.iter().map(|e| e.info().id).collect();
+    let unknown = Error::new(format!("there is no estimator {id}; there are {}", ids.join(", ")));
+    all.into_iter().find(|e| e.info().id == id).ok_or(unknown)
+}

@@ -1,0 +1,342 @@
+//! What is drawn and told: marks in image pixels, each with an ink role, and words with roles.
+//!
+//! A scene is data. Painters (window, PNG, SVG) choose colours, dashes and halos by [`Role`].
+
+use crate::Grid;
+
+/// What a mark or a word stands for. A role has one colour, and one shape or line style, everywhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Role {
+    /// The block, point or feature that is being matched.
+    Reference,
+    /// The search window.
+    Window,
+    /// The candidate under test.
+    Candidate,
+    /// A candidate that lost.
+    Rejected,
+    /// The best candidate so far.
+    Best,
+    /// A result: the displacement that was chosen.
+    Result,
+    /// What a model predicts.
+    Predicted,
+    /// What was measured.
+    Measured,
+    /// What is believed after prediction and measurement.
+    Estimate,
+    /// What is truly so.
+    Truth,
+    /// How far off something is.
+    Error,
+}
+
+impl Role {
+    /// Every role, in the order of a legend.
+    pub const ALL: [Role; 11] = [
+        Role::Reference,
+        Role::Window,
+        Role::Candidate,
+        Role::Rejected,
+        Role::Best,
+        Role::Result,
+        Role::Predicted,
+        Role::Measured,
+        Role::Estimate,
+        Role::Truth,
+        Role::Error,
+    ];
+}
+
+/// Which picture of the pair a mark lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Picture {
+    /// Frame t.
+    Current,
+    /// Frame t + 1.
+    Next,
+}
+
+/// A mark's geometry in image pixels: x right, y down, pixel centres at integers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// An axis-parallel rectangle by its outer edges.
+    Rect {
+        /// Left and top edge.
+        min: [f32; 2],
+        /// Right and bottom edge.
+        max: [f32; 2],
+    },
+    /// Displacements; painters may lengthen them all by one factor, told in the legend.
+    Arrows(Vec<Arrow>),
+    /// An ellipse; `angle_rad` turns the first axis from x towards y.
+    Ellipse {
+        /// Centre.
+        center: [f32; 2],
+        /// Half axes.
+        radii: [f32; 2],
+        /// Angle of the first axis in radians.
+        angle_rad: f32,
+    },
+    /// A polyline, or a polygon if closed.
+    Path {
+        /// Corners.
+        points: Vec<[f32; 2]>,
+        /// Whether the last corner joins the first.
+        closed: bool,
+    },
+    /// Small crosses or dots.
+    Points(Vec<[f32; 2]>),
+    /// A short label with its lower left corner at a place.
+    Text {
+        /// Lower left corner.
+        at: [f32; 2],
+        /// The label.
+        text: String,
+    },
+    /// A grid of values, one per pixel, painted half-transparent in the colour map; NaN stays clear.
+    Heat {
+        /// Pixel of the grid's first cell.
+        origin: [f32; 2],
+        /// The values.
+        values: Grid<f32>,
+    },
+}
+
+impl Shape {
+    /// The rectangle around `width × height` whole pixels whose first is `(x, y)`.
+    pub fn pixels(x: i32, y: i32, width: usize, height: usize) -> Self {
+        let min = [x as f32 - 0.5, y as f32 - 0.5];
+        Shape::Rect { min, max: [min[0] + width as f32, min[1] + height as f32] }
+    }
+
+    /// Every number of the shape that must be finite for it to be drawn.
+    pub fn coordinates(&self) -> Vec<f32> {
+        match self {
+            Shape::Rect { min, max } => [*min, *max].concat(),
+            Shape::Arrows(arrows) => arrows.iter().flat_map(|a| [a.from[0], a.from[1], a.to[0], a.to[1]]).collect(),
+            Shape::Ellipse { center, radii, angle_rad } => {
+                center.iter().chain(radii).copied().chain([*angle_rad]).collect()
+            }
+            Shape::Path { points, .. } | Shape::Points(points) => points.concat(),
+            Shape::Text { at, .. } => at.to_vec(),
+            Shape::Heat { origin, .. } => origin.to_vec(),
+        }
+    }
+}
+
+/// A displacement: where it starts and where it ends, in image pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrow {
+    /// Where it starts; painters put a dot there.
+    pub from: [f32; 2],
+    /// Where it ends.
+    pub to: [f32; 2],
+}
+
+/// One mark of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// The picture that it lies on.
+    pub on: Picture,
+    /// What it stands for.
+    pub role: Role,
+    /// Where it is.
+    pub shape: Shape,
+}
+
+/// Everything drawn over a pair of pictures, back to front, and the legend that explains it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Marks, back to front.
+    pub marks: Vec<Mark>,
+    /// What each role means in this scene.
+    pub legend: Vec<(Role, &'static str)>,
+}
+
+impl Scene {
+    /// Adds a mark on top of the others.
+    pub fn mark(&mut self, on: Picture, role: Role, shape: Shape) {
+        self.marks.push(Mark { on, role, shape });
+    }
+
+    /// Says what `role` means here, once.
+    pub fn legend(&mut self, role: Role, meaning: &'static str) {
+        if !self.legend.iter().any(|(r, _)| *r == role) {
+            self.legend.push((role, meaning));
+        }
+    }
+}
+
+/// A sentence in which some words carry a role's colour.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sentence(pub Vec<(String, Option<Role>)>);
+
+impl Sentence {
+    /// Adds plain words.
+    #[must_use]
+    pub fn text(mut self, words: impl Into<String>) -> Self {
+        self.0.push((words.into(), None));
+        self
+    }
+
+    /// Adds words that carry a role's colour.
+    #[must_use]
+    pub fn ink(mut self, role: Role, words: impl Into<String>) -> Self {
+        self.0.push((words.into(), Some(role)));
+        self
+    }
+
+    /// The sentence without colours.
+    pub fn plain(&self) -> String {
+        self.0.iter().map(|(words, _)| words.as_str()).collect()
+    }
+}
+
+/// A typeset formula.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Math {
+    /// Upright numbers and operators, in a role's colour if it has one.
+    Text(String, Option<Role>),
+    /// An italic variable.
+    Var(&'static str),
+    /// One after the other.
+    Row(Vec<Math>),
+    /// A base with an index below right.
+    Sub(Box<Math>, Box<Math>),
+    /// A base with an exponent above right.
+    Sup(Box<Math>, Box<Math>),
+    /// A fraction.
+    Frac(Box<Math>, Box<Math>),
+    /// A sum sign with its running index below.
+    Sum(Box<Math>),
+    /// Between vertical bars.
+    Abs(Box<Math>),
+}
+
+impl Math {
+    /// Upright text.
+    pub fn text(text: impl Into<String>) -> Self {
+        Math::Text(text.into(), None)
+    }
+
+    /// Upright text in a role's colour.
+    pub fn ink(role: Role, text: impl Into<String>) -> Self {
+        Math::Text(text.into(), Some(role))
+    }
+
+    /// `base` with `index` below right.
+    pub fn sub(base: Math, index: Math) -> Self {
+        Math::Sub(Box::new(base), Box::new(index))
+    }
+
+    /// `base` with `exponent` above right.
+    pub fn sup(base: Math, exponent: Math) -> Self {
+        Math::Sup(Box::new(base), Box::new(exponent))
+    }
+
+    /// The formula on one line, for a screen reader or the clipboard.
+    pub fn plain(&self) -> String {
+        match self {
+            Math::Text(text, _) => text.clone(),
+            Math::Var(name) => (*name).into(),
+            Math::Row(parts) => parts.iter().map(Math::plain).collect(),
+            Math::Sub(base, index) => format!("{}_{}", base.plain(), index.plain()),
+            Math::Sup(base, exponent) => format!("{}^{}", base.plain(), exponent.plain()),
+            Math::Frac(top, bottom) => format!("({})/({})", top.plain(), bottom.plain()),
+            Math::Sum(index) => format!("Σ_{} ", index.plain()),
+            Math::Abs(inner) => format!("|{}|", inner.plain()),
+        }
+    }
+}
+
+/// Something that the explanation panel, the plots and the 3-D views show. One generic view draws each kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Readout {
+    /// Labelled numbers of this step.
+    Facts(Vec<Fact>),
+    /// A formula with this step's numbers put in, line by line.
+    Equation(Vec<Math>),
+    /// Small pictures with their numbers, side by side: the block, the candidate, their difference.
+    Tiles(Vec<Tile>),
+    /// A quantity over steps.
+    Series(Series),
+    /// A cost over displacements, as a heat map and as a 3-D surface.
+    Surface(Surface),
+}
+
+/// One labelled number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fact {
+    /// What it is: `Best so far`.
+    pub label: &'static str,
+    /// Its value as shown: `812 at (−3, 2)`.
+    pub value: String,
+    /// Its role, if it has one.
+    pub role: Option<Role>,
+}
+
+/// A small picture whose pixels are numbers worth reading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// What it is.
+    pub label: &'static str,
+    /// Its role, if it has one.
+    pub role: Option<Role>,
+    /// The numbers; NaN where there is none yet.
+    pub values: Grid<f32>,
+    /// The number shown black and the one shown white.
+    pub range: [f32; 2],
+}
+
+/// A quantity over steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// What is plotted.
+    pub title: &'static str,
+    /// What runs along x.
+    pub x_label: &'static str,
+    /// What runs along y, with its unit.
+    pub y_label: &'static str,
+    /// How many steps there will be, so that the axis does not jump.
+    pub x_max: usize,
+    /// The lines: name, role, and `(x, y)` points.
+    pub lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
+}
+
+/// A cost over displacements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// What is shown: `SAD`.
+    pub title: &'static str,
+    /// Displacement of the first cell, in px.
+    pub origin: [i32; 2],
+    /// The costs; NaN where nothing was tested yet.
+    pub values: Grid<f32>,
+    /// The displacement under test, if any.
+    pub probe: Option<[i32; 2]>,
+    /// The best displacement so far, if any.
+    pub best: Option<[i32; 2]>,
+}
+
+impl Surface {
+    /// The smallest and largest cost so far, or `None` before the first.
+    pub fn range(&self) -> Option<[f32; 2]> {
+        let known = self.values.cells().iter().filter(|v| v.is_finite());
+        known.fold(None, |range, &v| match range {
+            None => Some([v, v]),
+            Some([low, high]) => Some([v.min(low), v.max(high)]),
+        })
+    }
+}
+
+/// What a step tells: the line of the pseudocode, why, and the numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Step {
+    /// Line of [`crate::Info::pseudocode`], from 0.
+    pub line: usize,
+    /// What happened and why, in one or two sentences.
+    pub sentence: Sentence,
+    /// What the panels show.
+    pub readouts: Vec<Readout>,
+}
