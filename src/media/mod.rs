@@ -6,15 +6,22 @@
 mod animation;
 mod cache;
 mod contain;
+pub mod export;
+mod info;
+mod names;
+mod picture;
+mod sequence;
 mod sniff;
 mod stills;
 mod truth;
 
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::{Clip, ClipInfo, Error, Frame};
+use motionscope_core::{Clip, ClipInfo, Error, Frame, Truth};
 
+pub use info::Info;
 use sniff::Kind;
 
 /// How long work tells how far it is, and learns that nobody wants it any more.
@@ -124,7 +131,7 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
 }
 
 fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
-    if path.is_dir() {
+    if path.is_dir() || sequence::is_pattern(path) {
         return stills::open(path, options);
     }
     let kind = sniff::kind(path)?;
@@ -137,27 +144,30 @@ fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
     Ok(source)
 }
 
-fn find_truth(
-    path: &Path,
-    options: &Open,
-    info: &mut ClipInfo,
-) -> Result<Option<Arc<dyn motionscope_core::Truth>>, Error> {
+fn find_truth(path: &Path, options: &Open, info: &mut ClipInfo) -> Result<Option<Arc<dyn Truth>>, Error> {
+    let subject = truth::Subject::new(path, info);
     if let Some(given) = &options.truth {
-        return truth::open(given, info).map(Some);
+        return truth::open(given, &subject).map(Some);
     }
-    match truth::beside(path, info) {
-        Ok(found) => Ok(found),
-        // What was not asked for must not stand in the way of the clip.
-        Err(error) => {
-            info.warnings.push(error.to_string());
-            Ok(None)
-        }
-    }
+    // What was not asked for must not stand in the way of the clip.
+    let found = truth::beside(&subject);
+    info.warnings.extend(found.warnings);
+    Ok(found.truth)
 }
 
 /// Puts the file's name in front of what is wrong with it.
 fn about(path: &Path, error: &Error) -> Error {
     Error::new(format!("cannot open {}: {error}", path.display()))
+}
+
+/// Why a file cannot be read, without its name.
+pub(crate) fn cannot_read(error: &io::Error) -> Error {
+    Error::new(match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file; check the path".into(),
+        io::ErrorKind::PermissionDenied => "you may not read this file; ask its owner".into(),
+        io::ErrorKind::InvalidData => "it is no text; give another file".into(),
+        _ => format!("it cannot be read ({error})"),
+    })
 }
 
 /// The name to show for `path`: its last part.

@@ -1,10 +1,12 @@
 //! What a file holds, told from its first bytes.
 
 use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 use std::path::Path;
 
 use motionscope_core::Error;
+
+use super::cannot_read;
 
 /// Which reader a file needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,13 +51,8 @@ const HEAD_BYTES: u64 = 64 << 10;
 /// A sentence, without the file's name, if it is not there, cannot be read or is empty.
 pub(crate) fn kind(path: &Path) -> Result<Kind, Error> {
     let mut head = Vec::new();
-    File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head)).map_err(|error| {
-        Error::new(match error.kind() {
-            ErrorKind::NotFound => "there is no such file; check the path".into(),
-            ErrorKind::PermissionDenied => "you may not read this file; ask its owner".into(),
-            _ => format!("it cannot be read ({error})"),
-        })
-    })?;
+    let file = File::open(path).map_err(|e| cannot_read(&e))?;
+    file.take(HEAD_BYTES).read_to_end(&mut head).map_err(|e| cannot_read(&e))?;
     if head.is_empty() {
         return Err(Error::new("the file is empty; copy it again from where it came"));
     }

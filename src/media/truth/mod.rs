@@ -1,22 +1,94 @@
-//! Truth files: dense flow and object tracks.
+//! Truth that lies in files: exact flow, occlusion, tracks. Found beside a clip, or given by hand.
 
-use std::path::Path;
-use std::sync::Arc;
+mod field;
+mod find;
+mod mot;
 
-use motionscope_core::{ClipInfo, Error, Truth};
+use std::collections::{BTreeMap, VecDeque};
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// Opens truth that was given by hand.
-///
-/// # Errors
-/// One sentence that names the file.
-pub(crate) fn open(path: &Path, _info: &ClipInfo) -> Result<Arc<dyn Truth>, Error> {
-    Err(Error::new(format!("cannot open the truth {}: truth cannot be read yet", path.display())))
+use motionscope_core::{Error, Flow, Grid, ObjectBox, Truth};
+
+pub(crate) use find::{Subject, beside, open};
+
+/// Truth in files: a field is read when it is asked for, and the last few are kept.
+struct Files {
+    size: (usize, usize),
+    flows: BTreeMap<usize, PathBuf>,
+    masks: BTreeMap<usize, PathBuf>,
+    objects: Option<BTreeMap<usize, Vec<ObjectBox>>>,
+    last_flows: Mutex<Last<Flow>>,
+    last_masks: Mutex<Last<Grid<bool>>>,
 }
 
-/// Looks for truth beside the clip at `path`.
-///
-/// # Errors
-/// One sentence that names the file, if there is truth that cannot be read.
-pub(crate) fn beside(_path: &Path, _info: &ClipInfo) -> Result<Option<Arc<dyn Truth>>, Error> {
-    Ok(None)
+impl Files {
+    fn new(size: (usize, usize)) -> Self {
+        Self {
+            size,
+            flows: BTreeMap::new(),
+            masks: BTreeMap::new(),
+            objects: None,
+            last_flows: Mutex::default(),
+            last_masks: Mutex::default(),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.kinds().is_empty()
+    }
+}
+
+impl Truth for Files {
+    fn flow(&self, t: usize) -> Result<Option<Arc<Flow>>, Error> {
+        keep(&self.last_flows, t, &self.flows, |path| field::flow(path, self.size))
+    }
+
+    fn occlusion(&self, t: usize) -> Result<Option<Arc<Grid<bool>>>, Error> {
+        keep(&self.last_masks, t, &self.masks, |path| field::mask(path, self.size))
+    }
+
+    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
+        Ok(self.objects.as_ref().map(|frames| frames.get(&t).cloned().unwrap_or_default()))
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        let kinds = [
+            ("flow", !self.flows.is_empty()),
+            ("occlusion", !self.masks.is_empty()),
+            ("objects", self.objects.is_some()),
+        ];
+        kinds.into_iter().filter_map(|(name, known)| known.then_some(name)).collect()
+    }
+}
+
+/// The last fields that were asked for, newest at the back.
+type Last<T> = VecDeque<(usize, Arc<T>)>;
+
+/// Enough for a pair of neighbours in both directions; a 1080p flow takes 16 MiB.
+const KEPT: usize = 4;
+
+fn keep<T>(
+    last: &Mutex<Last<T>>,
+    t: usize,
+    files: &BTreeMap<usize, PathBuf>,
+    read: impl FnOnce(&Path) -> Result<T, Error>,
+) -> Result<Option<Arc<T>>, Error> {
+    let Some(path) = files.get(&t) else { return Ok(None) };
+    let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+    let field = match last.iter().position(|(kept, _)| *kept == t).and_then(|i| last.remove(i)) {
+        Some((_, field)) => field,
+        None => Arc::new(read(path)?),
+    };
+    last.push_back((t, Arc::clone(&field)));
+    if last.len() > KEPT {
+        last.pop_front();
+    }
+    Ok(Some(field))
+}
+
+/// What is wrong with the truth at `path`.
+fn file_error(path: &Path, why: impl Display) -> Error {
+    Error::new(format!("{}: {why}", path.display()))
 }

@@ -1,0 +1,17 @@
+//! What leaves the program as a file: flow, tables, pictures, tracks. Encoders make bytes; [`save`] alone writes them.
+
+mod flo;
+mod kitti;
+mod mot;
+mod npy;
+mod picture;
+mod save;
+mod table;
+
+pub use flo::flo;
+pub use kitti::{Kitti, kitti};
+pub use mot::mot;
+pub use npy::npy;
+pub use picture::{Pixels, png};
+pub use save::save;
+pub use table::{Cell, Table};

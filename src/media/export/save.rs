@@ -1,0 +1,122 @@
+//! Files are written whole or not at all.
+
+use std::fs::{self, OpenOptions, Permissions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use motionscope_core::Error;
+
+/// Writes `bytes` to the file at `path`, whole or not at all; `-` is the standard output.
+///
+/// # Errors
+/// If the folder does not exist or cannot be written to, the disk is full, or the reader of a pipe is gone. A file
+/// that was there before is then as it was.
+pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let written = if path == Path::new("-") {
+        pour(&mut io::stdout().lock(), bytes)
+    } else {
+        match fs::canonicalize(path) {
+            // A link keeps pointing where it points, and `/dev/null` stays what it is.
+            Ok(target) if target.is_file() => replace(&target, bytes),
+            Ok(target) => OpenOptions::new().write(true).open(target).and_then(|mut file| pour(&mut file, bytes)),
+            Err(_) => replace(path, bytes),
+        }
+    };
+    written.map_err(|e| Error::new(format!("{} cannot be written: {}", path.display(), reason(path, &e))))
+}
+
+fn pour(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
+    to.write_all(bytes)?;
+    to.flush()
+}
+
+/// Writes beside `path`, then renames.
+fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".motionscope-");
+    if let Some(permissions) = permissions(path) {
+        builder.permissions(permissions);
+    }
+    let mut file = builder.tempfile_in(folder(path))?;
+    pour(&mut file, bytes)?;
+    file.persist(path)?;
+    Ok(())
+}
+
+/// The permissions of the file that is replaced; for a new one those that any program would give it.
+fn permissions(path: &Path) -> Option<Permissions> {
+    fs::metadata(path).ok().map(|old| old.permissions()).or_else(default_permissions)
+}
+
+#[cfg(unix)]
+fn default_permissions() -> Option<Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn default_permissions() -> Option<Permissions> {
+    None
+}
+
+fn folder(path: &Path) -> PathBuf {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).map_or_else(|| PathBuf::from("."), Path::to_path_buf)
+}
+
+fn reason(path: &Path, error: &io::Error) -> String {
+    let folder = folder(path);
+    match error.kind() {
+        io::ErrorKind::NotFound => format!("there is no folder {}; make it first", folder.display()),
+        io::ErrorKind::PermissionDenied => {
+            format!("no permission to write to {}; choose another folder", folder.display())
+        }
+        io::ErrorKind::BrokenPipe => "whoever was to read it has stopped reading".into(),
+        io::ErrorKind::StorageFull => "the disk is full; make room or choose another one".into(),
+        io::ErrorKind::IsADirectory => "it is a folder; give a file name".into(),
+        _ => format!("{error}; choose another place"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.flo");
+        save(&path, b"first").unwrap();
+        save(&path, b"second").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"second");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_told_and_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("gone").join("a.flo");
+        assert!(save(&missing, b"x").unwrap_err().to_string().contains("there is no folder"));
+        assert!(save(folder.path(), b"x").unwrap_err().to_string().contains("cannot be written"));
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permissions_and_links_are_kept() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.csv"), folder.path().join("link.csv"));
+        fs::write(&path, b"old").unwrap();
+        let usual = fs::metadata(&path).unwrap().permissions().mode();
+        let fresh = folder.path().join("b.csv");
+        save(&fresh, b"new").unwrap();
+        assert_eq!(fs::metadata(&fresh).unwrap().permissions().mode(), usual);
+
+        fs::set_permissions(&path, Permissions::from_mode(0o600)).unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        save(&link, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+    }
+}

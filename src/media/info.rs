@@ -1,0 +1,104 @@
+//! What a clip is, for a person and for a script.
+
+use std::fmt;
+
+use motionscope_core::Clip;
+use serde::Serialize;
+
+/// Facts about a clip, as `motionscope info` tells them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Info {
+    /// Width in pixels.
+    pub width: usize,
+    /// Height in pixels.
+    pub height: usize,
+    /// Number of frames; `None` where counting would need decoding the whole file.
+    pub frames: Option<usize>,
+    /// Mean frames per second, if the clip says.
+    pub fps: Option<f64>,
+    /// Duration in seconds, if frames and rate are known.
+    pub seconds: Option<f64>,
+    /// What holds the frames.
+    pub container: String,
+    /// How the frames are coded.
+    pub codec: String,
+    /// Kinds of truth that come with the clip.
+    pub truth: Vec<&'static str>,
+    /// What a person should know.
+    pub warnings: Vec<String>,
+}
+
+impl Info {
+    /// The facts about `clip`.
+    pub fn of(clip: &Clip) -> Self {
+        let info = clip.info().clone();
+        Self {
+            width: info.width,
+            height: info.height,
+            frames: info.frames,
+            fps: info.fps,
+            seconds: info.frames.zip(info.fps).map(|(frames, fps)| frames as f64 / fps).filter(|s| s.is_finite()),
+            container: info.container,
+            codec: info.codec,
+            truth: clip.truth().map(|truth| truth.kinds()).unwrap_or_default(),
+            warnings: info.warnings,
+        }
+    }
+}
+
+impl fmt::Display for Info {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { width, height, frames, fps, seconds, container, codec, truth, warnings } = self;
+        writeln!(f, "size      {width}×{height} px")?;
+        match frames {
+            Some(frames) => writeln!(f, "frames    {frames}")?,
+            None => writeln!(f, "frames    not counted (--count decodes the whole file)")?,
+        }
+        if let Some(fps) = fps {
+            writeln!(f, "rate      {} frames/s", brief(*fps))?;
+        }
+        if let Some(seconds) = seconds {
+            writeln!(f, "length    {} s", brief(*seconds))?;
+        }
+        writeln!(f, "container {container}")?;
+        writeln!(f, "codec     {codec}")?;
+        writeln!(f, "truth     {}", if truth.is_empty() { "none".into() } else { truth.join(", ") })?;
+        warnings.iter().try_for_each(|warning| writeln!(f, "warning   {warning}"))
+    }
+}
+
+/// Three decimals at most, and no trailing zeros.
+fn brief(value: f64) -> f64 {
+    (value * 1000.0).round() / 1000.0
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::{ClipInfo, Frame, Grid};
+
+    use super::*;
+
+    fn clip(frames: Option<usize>, fps: Option<f64>) -> Clip {
+        let clip = Clip::from_frames("c", vec![Frame::gray(Grid::new(4, 3, 0))]).unwrap();
+        let warnings = vec!["16 bits per channel are reduced to 8".into()];
+        let info = ClipInfo { frames, fps, warnings, ..clip.info().clone() };
+        clip.with_info(info)
+    }
+
+    #[test]
+    fn a_script_finds_every_key() {
+        let json = serde_json::to_string(&Info::of(&clip(Some(36), Some(24.0)))).unwrap();
+        let golden = r#"{"width":4,"height":3,"frames":36,"fps":24.0,"seconds":1.5,"container":"memory","codec":"raw","truth":[],"warnings":["16 bits per channel are reduced to 8"]}"#;
+        assert_eq!(json, golden);
+        let unknown = serde_json::to_value(Info::of(&clip(None, Some(0.0)))).unwrap();
+        assert!(unknown["frames"].is_null() && unknown["seconds"].is_null());
+        assert!(serde_json::to_value(Info::of(&clip(Some(1), Some(0.0)))).unwrap()["seconds"].is_null());
+    }
+
+    #[test]
+    fn a_person_reads_units() {
+        let told = Info::of(&clip(Some(7), Some(30_000.0 / 1001.0))).to_string();
+        assert!(told.contains("4×3 px\n") && told.contains("29.97 frames/s\n") && told.contains("0.234 s\n"), "{told}");
+        assert!(Info::of(&clip(None, None)).to_string().contains("--count"));
+    }
+}

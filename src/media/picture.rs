@@ -1,0 +1,130 @@
+//! One picture file, whatever its format.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Seek};
+use std::path::Path;
+
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use motionscope_core::{Error, Frame, Grid};
+
+use super::{MAX_AREA_PX, MAX_SIDE_PX, cannot_read, check_size};
+
+/// A picture whose header was read and whose pixels were not.
+pub(crate) struct Picture<D> {
+    decoder: D,
+    upright: image::metadata::Orientation,
+    /// `png`, `jpeg` …
+    pub codec: &'static str,
+    /// Width and height in pixels as a person sees it.
+    pub size: (usize, usize),
+}
+
+/// Reads the header of the picture at `path`.
+///
+/// # Errors
+/// A sentence, without the file's name, if it is no picture or claims a size that none can have.
+pub(crate) fn open(path: &Path) -> Result<Picture<impl ImageDecoder + use<>>, Error> {
+    let file = File::open(path).map_err(|e| cannot_read(&e))?;
+    read(BufReader::new(file))
+}
+
+fn read<'a>(input: impl BufRead + Seek + 'a) -> Result<Picture<impl ImageDecoder + 'a>, Error> {
+    let mut reader = ImageReader::new(input).with_guessed_format().map_err(|e| cannot_read(&e))?;
+    let codec = reader.format().map(codec).ok_or_else(|| {
+        Error::new("it holds no picture that can be read; give PNG, JPEG, TIFF, BMP, PNM, WebP or GIF")
+    })?;
+    reader.limits(limits(MAX_AREA_PX as u64));
+    let mut decoder = reader.into_decoder().map_err(|e| damaged(&e))?;
+    let (width, height) = decoder.dimensions();
+    check_size(width as usize, height as usize)?;
+    decoder.set_limits(limits(decoder.total_bytes())).map_err(|e| damaged(&e))?;
+    let upright = decoder.orientation().unwrap_or(image::metadata::Orientation::NoTransforms);
+    let size = if turns(upright) { (height, width) } else { (width, height) };
+    Ok(Picture { decoder, upright, codec, size: (size.0 as usize, size.1 as usize) })
+}
+
+impl<D: ImageDecoder> Picture<D> {
+    /// What is not shown as the file has it.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let color = self.decoder.color_type();
+        let bits = u16::from(color.bytes_per_pixel()) * 8 / u16::from(color.channel_count());
+        let deep = (bits > 8).then(|| format!("{bits} bits per channel are reduced to 8"));
+        let clear = color.has_alpha().then(|| "what is transparent is shown on black".to_owned());
+        deep.into_iter().chain(clear).collect()
+    }
+
+    /// Decodes the pixels.
+    ///
+    /// # Errors
+    /// A sentence, without the file's name, if they are damaged.
+    pub(crate) fn frame(self) -> Result<Frame, Error> {
+        let mut image = DynamicImage::from_decoder(self.decoder).map_err(|e| damaged(&e))?;
+        image.apply_orientation(self.upright);
+        frame(image)
+    }
+}
+
+/// `image` as a frame: eight bits per channel, on black, in colour where it has any.
+pub(crate) fn frame(image: DynamicImage) -> Result<Frame, Error> {
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let color = image.color();
+    let rgb = |cells| Grid::from_vec(width, height, cells).map(Frame::rgb);
+    let gray = |cells| Grid::from_vec(width, height, cells).map(Frame::gray);
+    match (color.has_color(), color.has_alpha()) {
+        (true, false) => rgb(image.into_rgb8().as_chunks().0.to_vec()),
+        (false, false) => gray(image.into_luma8().into_raw()),
+        (true, true) => {
+            let pixels = image.into_rgba8();
+            rgb(pixels.as_chunks().0.iter().map(|&[r, g, b, a]| [r, g, b].map(|c| on_black(c, a))).collect())
+        }
+        (false, true) => gray(image.into_luma_alpha8().as_chunks().0.iter().map(|&[c, a]| on_black(c, a)).collect()),
+    }
+}
+
+fn on_black(value: u8, alpha: u8) -> u8 {
+    ((u32::from(value) * u32::from(alpha) + 127) / 255) as u8
+}
+
+/// What a decoder of pictures of `bytes` may claim and allocate.
+pub(crate) fn limits(bytes: u64) -> Limits {
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE_PX as u32);
+    limits.max_image_height = Some(MAX_SIDE_PX as u32);
+    // The pixels twice more while they are decoded, and some tables.
+    limits.max_alloc = Some(bytes.saturating_mul(3).saturating_add(64 << 20));
+    limits
+}
+
+/// Says in our words what a decoder found.
+pub(crate) fn damaged(error: &ImageError) -> Error {
+    Error::new(match error {
+        ImageError::Limits(_) => {
+            format!(
+                "its header claims more than {MAX_SIDE_PX} px a side, so it is damaged or must be scaled down first"
+            )
+        }
+        ImageError::Unsupported(_) => format!("it uses a rare variant ({error}); save it again as a plain PNG"),
+        ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
+            "it is cut short; copy it again from where it came".into()
+        }
+        _ => format!("it is damaged ({error}); copy it again from where it came"),
+    })
+}
+
+fn turns(orientation: image::metadata::Orientation) -> bool {
+    use image::metadata::Orientation::{Rotate90, Rotate90FlipH, Rotate270, Rotate270FlipH};
+    matches!(orientation, Rotate90 | Rotate270 | Rotate90FlipH | Rotate270FlipH)
+}
+
+fn codec(format: ImageFormat) -> &'static str {
+    match format {
+        ImageFormat::Png => "png",
+        ImageFormat::Jpeg => "jpeg",
+        ImageFormat::Tiff => "tiff",
+        ImageFormat::Bmp => "bmp",
+        ImageFormat::Pnm => "pnm",
+        ImageFormat::WebP => "webp",
+        ImageFormat::Gif => "gif",
+        _ => "picture",
+    }
+}

@@ -1,0 +1,253 @@
+//! Which pictures make up a clip.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use motionscope_core::Error;
+
+use super::cannot_read;
+use super::names::{Numbered, extension, file_name, natural_order, stem};
+
+/// The pictures of a clip, in order.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Sequence {
+    /// One file per frame.
+    pub files: Vec<PathBuf>,
+    /// What was left out, and why.
+    pub warnings: Vec<String>,
+}
+
+impl Sequence {
+    /// The pictures that `path` stands for: a folder, a pattern like `frame%02d.png`, or the first of numbered files.
+    ///
+    /// # Errors
+    /// A sentence, without the path, if there are none or the folder cannot be read.
+    pub(crate) fn find(path: &Path) -> Result<Self, Error> {
+        if path.is_dir() {
+            folder(path)
+        } else if let Some(pattern) = Pattern::parse(path) {
+            pattern.sequence(path)
+        } else {
+            numbered(path)
+        }
+    }
+
+    fn of_names(folder: &Path, names: Vec<String>, warnings: Vec<String>) -> Self {
+        let mut sequence = Self { files: names.iter().map(|name| folder.join(name)).collect(), warnings };
+        sequence.warnings.extend(gap_warning(&names));
+        sequence
+    }
+}
+
+/// Whether `path` is a pattern like `frame%02d.png` rather than a file.
+pub(crate) fn is_pattern(path: &Path) -> bool {
+    Pattern::parse(path).is_some()
+}
+
+/// Kinds of pictures by the extensions that they have.
+const KINDS: [&[&str]; 6] =
+    [&["png"], &["jpg", "jpeg"], &["tif", "tiff"], &["bmp"], &["pnm", "ppm", "pgm", "pbm", "pam"], &["webp"]];
+
+fn kind(name: &str) -> Option<usize> {
+    let extension = extension(Path::new(name));
+    KINDS.iter().position(|kind| kind.contains(&extension.as_str()))
+}
+
+/// The names of the files in `folder` that are not hidden, in natural order.
+fn names_in(folder: &Path) -> Result<Vec<String>, Error> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).map_err(|e| cannot_read(&e))? {
+        let entry = entry.map_err(|e| cannot_read(&e))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if !name.starts_with('.') && entry.path().is_file() {
+            names.push(name);
+        }
+    }
+    names.sort_by(|a, b| natural_order(a, b));
+    Ok(names)
+}
+
+/// Pictures of the most common kind; of these the numbered ones alone if they are most.
+fn folder(path: &Path) -> Result<Sequence, Error> {
+    let mut names = names_in(path)?;
+    names.retain(|name| kind(name).is_some());
+    let all = names.len();
+    let common = most(names.iter().filter_map(|name| kind(name)));
+    names.retain(|name| kind(name) == common);
+    if let Some(pattern) = most(names.iter().filter_map(|name| shape(name))) {
+        let fits = |name: &String| shape(name).as_ref() == Some(&pattern);
+        if names.iter().filter(|name| fits(name)).count() * 2 > names.len() {
+            names.retain(fits);
+        }
+    }
+    let Some(first) = names.first() else {
+        return Err(Error::new(
+            "the folder holds no pictures; choose one with PNG, JPEG, TIFF, BMP, PNM or WebP files, or a video file",
+        ));
+    };
+    let warning = match all - names.len() {
+        0 => None,
+        1 => Some(format!("1 picture of the folder is left out, because it is not named like {first}")),
+        n => Some(format!("{n} pictures of the folder are left out, because they are not named like {first}")),
+    };
+    Ok(Sequence::of_names(path, names, warning.into_iter().collect()))
+}
+
+/// The value that comes most often; of several the least.
+fn most<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
+    let mut counts = BTreeMap::new();
+    for value in values {
+        *counts.entry(value).or_insert(0_usize) += 1;
+    }
+    // Reversed, because the last of several equals is taken.
+    counts.into_iter().rev().max_by_key(|(_, count)| *count).map(|(value, _)| value)
+}
+
+/// All of a numbered name but the number.
+fn shape(name: &str) -> Option<(String, String, String)> {
+    let path = Path::new(name);
+    let stem = stem(path);
+    let number = Numbered::parse(&stem)?;
+    Some((number.prefix.into(), number.suffix.into(), extension(path)))
+}
+
+/// The picture at `path` and those whose number comes after its.
+fn numbered(path: &Path) -> Result<Sequence, Error> {
+    let name = file_name(path);
+    let Some(wanted) = shape(&name) else {
+        return Ok(Sequence { files: vec![path.into()], warnings: vec![] });
+    };
+    let folder = parent(path);
+    let mut names = names_in(folder)?;
+    names.retain(|other| shape(other).as_ref() == Some(&wanted));
+    let Some(start) = names.iter().position(|other| *other == name) else {
+        return Ok(Sequence { files: vec![path.into()], warnings: vec![] });
+    };
+    let warning = match start {
+        0 => None,
+        n => Some(format!("the clip starts at {name}; open {} to have the {n} before it too", names[0])),
+    };
+    Ok(Sequence::of_names(folder, names.split_off(start), warning.into_iter().collect()))
+}
+
+/// The folder that holds `path`, never empty.
+pub(crate) fn parent(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// `frame%02d.png` taken apart.
+struct Pattern {
+    prefix: String,
+    suffix: String,
+    digits: usize,
+}
+
+impl Pattern {
+    fn parse(path: &Path) -> Option<Self> {
+        let name = path.file_name()?.to_str()?;
+        let (prefix, rest) = name.split_once('%')?;
+        let (digits, suffix) = rest.split_once('d')?;
+        let digits = match digits {
+            "" => 0,
+            _ => digits.strip_prefix('0')?.parse().ok().filter(|digits| *digits < 20)?,
+        };
+        // A file may really be called so.
+        (!path.exists()).then(|| Self { prefix: prefix.into(), suffix: suffix.into(), digits })
+    }
+
+    fn fits(&self, name: &str) -> bool {
+        let digits = name.strip_prefix(&self.prefix).and_then(|rest| rest.strip_suffix(&self.suffix));
+        let number = digits.and_then(|digits| digits.parse::<u64>().ok());
+        number.is_some_and(|number| digits == Some(&format!("{number:0width$}", width = self.digits)))
+    }
+
+    fn sequence(&self, path: &Path) -> Result<Sequence, Error> {
+        let folder = parent(path);
+        let mut names = names_in(folder)?;
+        names.retain(|name| self.fits(name));
+        if names.is_empty() {
+            return Err(Error::new("no file fits this pattern; check the folder and the number of digits"));
+        }
+        Ok(Sequence::of_names(folder, names, vec![]))
+    }
+}
+
+/// Tells of numbers that are missing between the pictures.
+fn gap_warning(names: &[String]) -> Option<String> {
+    let shapes: Vec<_> = names.iter().map(|name| shape(name)).collect();
+    if shapes.windows(2).any(|pair| pair[0].is_none() || pair[0] != pair[1]) {
+        return None;
+    }
+    let gap = |pair: &&[String]| number(&pair[1]) > number(&pair[0]).map(|n| n.saturating_add(1));
+    let gaps = names.windows(2).filter(gap).count();
+    let first = names.windows(2).find(gap)?;
+    let others = match gaps - 1 {
+        0 => String::new(),
+        1 => " and in 1 more place".into(),
+        n => format!(" and in {n} more places"),
+    };
+    let [before, after] = [&first[0], &first[1]];
+    Some(format!("numbers are missing between {before} and {after}{others}; the pictures are taken as consecutive"))
+}
+
+/// The number in the name of a picture.
+pub(crate) fn number(name: &str) -> Option<u64> {
+    Numbered::parse(&stem(Path::new(name))).map(|n| n.number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with_files(names: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        folder
+    }
+
+    fn found(folder: &Path, name: &str) -> (Vec<String>, Vec<String>) {
+        let sequence = Sequence::find(&folder.join(name)).unwrap();
+        (sequence.files.iter().map(|file| file_name(file)).collect(), sequence.warnings)
+    }
+
+    #[test]
+    fn a_numbered_picture_opens_those_after_it() {
+        let folder = with_files(&["f9.png", "f10.png", "f11.png", "g12.png", "f12.jpg", "f10.flo", "cat.png"]);
+        assert_eq!(found(folder.path(), "f9.png"), (vec!["f9.png".into(), "f10.png".into(), "f11.png".into()], vec![]));
+        let (names, warnings) = found(folder.path(), "f10.png");
+        assert_eq!(names, ["f10.png", "f11.png"]);
+        assert_eq!(warnings, ["the clip starts at f10.png; open f9.png to have the 1 before it too"]);
+        assert_eq!(found(folder.path(), "cat.png"), (vec!["cat.png".into()], vec![]));
+    }
+
+    #[test]
+    fn a_folder_is_its_most_common_pictures() {
+        let folder = with_files(&["f1.png", "f2.png", "f3.png", "occ_1.png", "occ_2.png", "a.jpg", "b.txt", ".f4.png"]);
+        let (names, warnings) = found(folder.path(), "");
+        assert_eq!(names, ["f1.png", "f2.png", "f3.png"]);
+        assert_eq!(warnings, ["3 pictures of the folder are left out, because they are not named like f1.png"]);
+        let holiday = with_files(&["zoo.JPG", "beach.jpeg", "IMG_7.jpg"]);
+        assert_eq!(found(holiday.path(), "").0, ["IMG_7.jpg", "beach.jpeg", "zoo.JPG"]);
+        assert!(Sequence::find(with_files(&["a.txt"]).path()).unwrap_err().to_string().contains("no pictures"));
+    }
+
+    #[test]
+    fn gaps_are_told() {
+        let folder = with_files(&["f1.png", "f2.png", "f5.png", "f9.png"]);
+        let told = "numbers are missing between f2.png and f5.png and in 1 more place; the pictures are taken as \
+                    consecutive";
+        assert_eq!(found(folder.path(), "").1, [told]);
+    }
+
+    #[test]
+    fn a_pattern_takes_the_numbers_it_would_print() {
+        let folder = with_files(&["f07.png", "f08.png", "f100.png", "f9.png", "%d.png"]);
+        assert_eq!(found(folder.path(), "f%02d.png").0, ["f07.png", "f08.png", "f100.png"]);
+        assert_eq!(found(folder.path(), "f%d.png").0, ["f9.png", "f100.png"]);
+        assert_eq!(found(folder.path(), "%d.png").0, ["%d.png"]);
+        assert!(Sequence::find(&folder.path().join("g%d.png")).unwrap_err().to_string().contains("pattern"));
+    }
+}

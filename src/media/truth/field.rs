@@ -1,0 +1,249 @@
+//! One value per pixel: Middlebury and KITTI flow, occlusion masks.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek};
+use std::path::Path;
+
+use motionscope_core::{Error, Flow, Grid};
+use png::{BitDepth, ColorType, Transformations};
+
+use super::file_error;
+use crate::media::cannot_read;
+
+/// Magnitudes above this say that the motion is not known (Middlebury).
+const UNKNOWN_ABOVE: f32 = 1e9;
+
+/// The flow in the file at `path`, whichever format it has, if it is `size` pixels.
+///
+/// # Errors
+/// If it cannot be read, is damaged or has another size.
+pub fn flow(path: &Path, size: (usize, usize)) -> Result<Flow, Error> {
+    let mut reader = start(path)?;
+    match sniff(&mut reader, path)? {
+        Format::Flo => flo(reader, path, size),
+        Format::Png => kitti(reader, path, size),
+    }
+}
+
+/// Whether the header of the flow at `path` tells of `size` pixels.
+///
+/// # Errors
+/// If it cannot be read, is no flow or has another size.
+pub fn check_flow(path: &Path, size: (usize, usize)) -> Result<(), Error> {
+    let mut reader = start(path)?;
+    let found = match sniff(&mut reader, path)? {
+        Format::Flo => flo_size(&mut reader, path)?,
+        Format::Png => Picture::open(reader, path, Transformations::IDENTITY)?.flow_size(path)?,
+    };
+    must_fit(path, found, size)
+}
+
+/// Whether the header of the mask at `path` tells of `size` pixels.
+///
+/// # Errors
+/// If it cannot be read, is no PNG or has another size.
+pub fn check_mask(path: &Path, size: (usize, usize)) -> Result<(), Error> {
+    must_fit(path, Picture::open(start(path)?, path, Transformations::IDENTITY)?.size, size)
+}
+
+/// The mask in the PNG at `path`, true where any of its colours is not black, if it is `size` pixels.
+///
+/// # Errors
+/// If it cannot be read, is damaged or has another size.
+pub fn mask(path: &Path, size: (usize, usize)) -> Result<Grid<bool>, Error> {
+    let expand = Transformations::EXPAND | Transformations::STRIP_16;
+    let mut picture = Picture::open(start(path)?, path, expand)?;
+    must_fit(path, picture.size, size)?;
+    let (color, _) = picture.reader.output_color_type();
+    let colors = if matches!(color, ColorType::Rgb | ColorType::Rgba) { 3 } else { 1 };
+    let samples = picture.samples(path)?;
+    let set = samples.chunks_exact(color.samples()).map(|pixel| pixel[..colors].iter().any(|&c| c != 0)).collect();
+    Grid::from_vec(size.0, size.1, set)
+}
+
+enum Format {
+    Flo,
+    Png,
+}
+
+fn start(path: &Path) -> Result<BufReader<File>, Error> {
+    File::open(path).map(BufReader::new).map_err(|e| file_error(path, cannot_read(&e)))
+}
+
+fn sniff(reader: &mut BufReader<File>, path: &Path) -> Result<Format, Error> {
+    let head = reader.fill_buf().map_err(|e| file_error(path, cannot_read(&e)))?;
+    if head.starts_with(b"PIEH") {
+        Ok(Format::Flo)
+    } else if head.starts_with(b"\x89PNG") {
+        Ok(Format::Png)
+    } else {
+        Err(file_error(path, "this is no flow field; give a Middlebury .flo or a KITTI 16-bit PNG"))
+    }
+}
+
+fn must_fit(path: &Path, (w, h): (usize, usize), (width, height): (usize, usize)) -> Result<(), Error> {
+    if (w, h) == (width, height) {
+        return Ok(());
+    }
+    Err(file_error(path, format!("it is {w}×{h} but the clip is {width}×{height}; it belongs to another clip")))
+}
+
+fn flo_size(reader: &mut impl Read, path: &Path) -> Result<(usize, usize), Error> {
+    let mut head = [0; 12];
+    reader.read_exact(&mut head).map_err(|_| file_error(path, "the file ends within its header"))?;
+    let side = |at: usize| {
+        let value = i32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
+        usize::try_from(value).map_err(|_| file_error(path, format!("its header claims a side of {value} pixels")))
+    };
+    Ok((side(4)?, side(8)?))
+}
+
+fn flo(mut reader: BufReader<File>, path: &Path, size: (usize, usize)) -> Result<Flow, Error> {
+    must_fit(path, flo_size(&mut reader, path)?, size)?;
+    let mut bytes = vec![0; 8 * size.0 * size.1];
+    reader.read_exact(&mut bytes).map_err(|_| file_error(path, "it is cut short; get a whole copy"))?;
+    let float = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+    let cells = bytes.chunks_exact(8).map(|cell| known([float(&cell[..4]), float(&cell[4..])])).collect();
+    Grid::from_vec(size.0, size.1, cells).map(Flow)
+}
+
+fn known(uv: [f32; 2]) -> [f32; 2] {
+    // Not a number compares false: unknown as well.
+    if uv.iter().all(|c| c.abs() <= UNKNOWN_ABOVE) { uv } else { Flow::UNKNOWN }
+}
+
+fn kitti(reader: BufReader<File>, path: &Path, size: (usize, usize)) -> Result<Flow, Error> {
+    let mut picture = Picture::open(reader, path, Transformations::IDENTITY)?;
+    must_fit(path, picture.flow_size(path)?, size)?;
+    let samples = picture.samples(path)?;
+    let component = |b: &[u8]| (f32::from(u16::from_be_bytes([b[0], b[1]])) - 32_768.0) / 64.0;
+    let pixel = |b: &[u8]| match b {
+        [.., 0, 0] => Flow::UNKNOWN,
+        _ => [component(b), component(&b[2..])],
+    };
+    Grid::from_vec(size.0, size.1, samples.chunks_exact(6).map(pixel).collect()).map(Flow)
+}
+
+/// A PNG whose header was read and whose pixels were not.
+struct Picture<R: BufRead + Seek> {
+    reader: png::Reader<R>,
+    size: (usize, usize),
+}
+
+impl<R: BufRead + Seek> Picture<R> {
+    fn open(input: R, path: &Path, transformations: Transformations) -> Result<Self, Error> {
+        let mut decoder = png::Decoder::new(input);
+        decoder.set_transformations(transformations);
+        let reader = decoder.read_info().map_err(|e| file_error(path, format!("this is no sound PNG ({e})")))?;
+        let (width, height) = reader.info().size();
+        Ok(Self { reader, size: (width as usize, height as usize) })
+    }
+
+    /// Width and height, if the channels are those of a KITTI flow.
+    fn flow_size(&self, path: &Path) -> Result<(usize, usize), Error> {
+        if self.reader.output_color_type() == (ColorType::Rgb, BitDepth::Sixteen) {
+            Ok(self.size)
+        } else {
+            Err(file_error(path, "a KITTI flow is a PNG with three 16-bit channels; this one has others"))
+        }
+    }
+
+    /// All samples. The size must have been checked.
+    fn samples(&mut self, path: &Path) -> Result<Vec<u8>, Error> {
+        let length = self.reader.output_buffer_size().ok_or_else(|| file_error(path, "its header claims too much"))?;
+        let mut samples = vec![0; length];
+        self.reader.next_frame(&mut samples).map_err(|e| file_error(path, format!("the PNG is damaged ({e})")))?;
+        Ok(samples)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::media::export;
+
+    fn sample() -> Flow {
+        Flow(Grid::from_fn(5, 3, |x, y| match (x, y) {
+            (4, 2) => Flow::UNKNOWN,
+            _ => [x as f32 * 0.25 - 1.0, y as f32 * -3.5],
+        }))
+    }
+
+    fn formats() -> [Vec<u8>; 2] {
+        [export::flo(&sample()), export::kitti(&sample()).unwrap().bytes]
+    }
+
+    fn read(bytes: &[u8], size: (usize, usize)) -> Result<Flow, Error> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flow10.flo");
+        fs::write(&path, bytes).unwrap();
+        flow(&path, size)
+    }
+
+    /// Equality that takes unknown for equal to unknown.
+    fn same(a: &Flow, b: &Flow) -> bool {
+        a.0.size() == b.0.size() && (0..3).all(|y| (0..5).all(|x| a.at(x, y) == b.at(x, y)))
+    }
+
+    #[test]
+    fn what_was_written_is_read() {
+        for bytes in formats() {
+            assert!(same(&read(&bytes, (5, 3)).unwrap(), &sample()));
+        }
+    }
+
+    #[test]
+    fn unknown_is_what_the_formats_say() {
+        let mut bytes = export::flo(&sample());
+        bytes[12..16].copy_from_slice(&(-1.7e9_f32).to_le_bytes());
+        assert_eq!(read(&bytes, (5, 3)).unwrap().at(0, 0), None);
+    }
+
+    #[test]
+    fn another_size_is_a_sentence_and_nothing_is_allocated_for_it() {
+        for bytes in formats() {
+            let told = read(&bytes, (5, 4)).unwrap_err().to_string();
+            assert!(told.contains("5×3") && told.contains("5×4") && told.contains("flow10.flo"), "{told}");
+        }
+        let mut hostile = export::flo(&sample());
+        hostile[4..12].copy_from_slice(&[0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff, 0x7f]);
+        assert!(read(&hostile, (5, 3)).is_err());
+        hostile[7] = 0xff;
+        assert!(read(&hostile, (5, 3)).unwrap_err().to_string().contains("-1 pixels"));
+    }
+
+    #[test]
+    fn a_mask_is_set_where_it_is_not_black() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("occ_0000.png");
+        fs::write(&path, export::png(3, 1, export::Pixels::Gray(&[0, 1, 255])).unwrap()).unwrap();
+        assert_eq!(mask(&path, (3, 1)).unwrap().cells(), [false, true, true]);
+        fs::write(&path, export::png(2, 1, export::Pixels::Rgba(&[0, 0, 0, 255, 0, 0, 9, 255])).unwrap()).unwrap();
+        assert_eq!(mask(&path, (2, 1)).unwrap().cells(), [false, true]);
+        assert!(mask(&path, (3, 1)).is_err());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(128))]
+        #[test]
+        fn damage_is_told(which in 0..2_usize, at in any::<prop::sample::Index>(), flip in 1..=255_u8, cut: bool) {
+            let mut bytes = formats()[which].clone();
+            let at = at.index(bytes.len());
+            if cut {
+                bytes.truncate(at);
+                // Nothing after the pixels is needed.
+                let needed = if which == 0 { bytes.len() } else { at + 12 };
+                prop_assert!(read(&bytes, (5, 3)).is_err() || needed >= formats()[which].len());
+            } else {
+                bytes[at] ^= flip;
+                if let Err(error) = read(&bytes, (5, 3)) {
+                    prop_assert!(error.to_string().contains("flow10.flo"));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! MOTChallenge's rows of tracked objects.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use motionscope_core::{Error, ObjectBox};
+
+use super::file_error;
+use crate::media::cannot_read;
+
+/// More than any sequence of the benchmark by a factor of ten.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// The objects of each frame in the `gt.txt` at `path`, by identity; frames counted from 0.
+///
+/// Rows that the benchmark does not count (confidence 0) are left out.
+///
+/// # Errors
+/// A sentence that names the line if a row cannot be understood.
+pub fn read(path: &Path) -> Result<BTreeMap<usize, Vec<ObjectBox>>, Error> {
+    let mut text = String::new();
+    let file = File::open(path).map_err(|e| file_error(path, cannot_read(&e)))?;
+    let read = file.take(MOST_BYTES).read_to_string(&mut text).map_err(|e| file_error(path, cannot_read(&e)))?;
+    if read as u64 == MOST_BYTES {
+        return Err(file_error(path, "it is too large for a table of tracks"));
+    }
+    parse(&text).map_err(|why| file_error(path, why))
+}
+
+fn parse(text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, String> {
+    let mut frames: BTreeMap<usize, Vec<ObjectBox>> = BTreeMap::new();
+    for (i, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        if let Some((frame, object)) = row(line).map_err(|why| format!("line {}: {why}", i + 1))? {
+            frames.entry(frame).or_default().push(object);
+        }
+    }
+    if frames.is_empty() {
+        return Err("it holds no objects; rows are frame, id, left, top, width, height, confidence …".into());
+    }
+    for objects in frames.values_mut() {
+        objects.sort_by_key(|object| object.id);
+    }
+    Ok(frames)
+}
+
+/// One row: its frame counted from 0, and the object, unless the row does not count.
+fn row(line: &str) -> Result<Option<(usize, ObjectBox)>, String> {
+    let cells = line.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    let &[frame, id, left, top, width, height, ref rest @ ..] = cells.as_slice() else {
+        return Err(format!(
+            "{} values where at least 6 are needed (frame, id, left, top, width, height)",
+            cells.len()
+        ));
+    };
+    if rest.first() == Some(&0.0) {
+        return Ok(None);
+    }
+    if id < 0.0 {
+        return Err("identity -1 is a detection, not a track; give the gt.txt".into());
+    }
+    let frame = whole("frame", frame, 1.0)? as usize - 1;
+    let id = whole("identity", id, 0.0)?;
+    if width <= 0.0 || height <= 0.0 {
+        return Err(format!("a box of {width}×{height} px has no area"));
+    }
+    // Nine columns end in the visibility; the older ten end in a place in the world.
+    let visibility = if let &[_, _, visibility] = rest { visibility.clamp(0.0, 1.0) as f32 } else { 1.0 };
+    // The left edge of our first pixel lies at −0.5, that of theirs at 1.
+    let (x, y) = ((left - 1.5) as f32, (top - 1.5) as f32);
+    Ok(Some((frame, ObjectBox { id, x, y, width: width as f32, height: height as f32, visibility })))
+}
+
+fn number(cell: &str) -> Result<f64, String> {
+    let cell = cell.trim();
+    cell.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| format!("“{cell}” is not a number"))
+}
+
+fn whole(what: &str, value: f64, least: f64) -> Result<u32, String> {
+    if value.fract() == 0.0 && (least..=f64::from(u32::MAX)).contains(&value) {
+        Ok(value as u32)
+    } else {
+        Err(format!("{what} {value} should be a whole number from {least} on"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::media::export;
+
+    #[test]
+    fn both_generations_are_read() {
+        let frames =
+            parse("1,2,399,182,121,229,1,-1,-1,-1\n1,1,1,1,4,4,1\n\n2,1,2,1,4,4,1,1,0.25\n2,9,1,1,1,1,0,1,1\n");
+        let frames = frames.unwrap();
+        let ids = |t| frames[&t].iter().map(|o: &ObjectBox| o.id).collect::<Vec<_>>();
+        assert_eq!((ids(0), ids(1)), (vec![1, 2], vec![1]));
+        let object = ObjectBox { id: 1, x: 0.5, y: -0.5, width: 4.0, height: 4.0, visibility: 0.25 };
+        assert_eq!(frames[&1], [object]);
+        assert_eq!(frames[&0][1].visibility, 1.0);
+    }
+
+    #[test]
+    fn the_line_is_named() {
+        let told = |row| parse(&format!("1,1,1,1,4,4,1\n{row}\n")).unwrap_err();
+        for (row, why) in [
+            ("1,1,1,1,4", "5 values"),
+            ("0,1,1,1,4,4", "frame 0"),
+            ("1.5,1,1,1,4,4", "frame 1.5"),
+            ("1,-1,1,1,4,4,0.9", "give the gt.txt"),
+            ("1,1,a,1,4,4", "“a”"),
+            ("1,1,nan,1,4,4", "“nan”"),
+            ("1,1,1,1,0,4", "no area"),
+            ("99999999999,1,1,1,4,4", "whole number"),
+        ] {
+            assert!(told(row).starts_with("line 2: ") && told(row).contains(why), "{row}: {}", told(row));
+        }
+        assert!(parse("").is_err());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn what_was_written_is_read(x in -50..50_i16, width in 1..99_u8, visibility in 0..=8_u8, t in 0..5_usize) {
+            let object = ObjectBox {
+                id: 3,
+                x: f32::from(x) / 4.0,
+                y: -0.5,
+                width: f32::from(width) / 2.0,
+                height: 1.25,
+                visibility: f32::from(visibility) / 8.0,
+            };
+            let mut frames = vec![vec![]; t];
+            frames.push(vec![object]);
+            prop_assert_eq!(parse(&export::mot(&frames)).unwrap(), BTreeMap::from([(t, vec![object])]));
+        }
+
+        #[test]
+        fn anything_is_read_or_told(text in "[0-9,.e\\-\n ]{0,40}") {
+            let _ = parse(&text);
+        }
+    }
+}
