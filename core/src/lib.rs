@@ -15,6 +15,7 @@ mod output;
 pub mod params;
 mod registry;
 pub mod scene;
+pub mod synth;
 mod threads;
 mod timeline;
 

@@ -1,0 +1,216 @@
+//! How layers move: exact in both directions, at any time, whole frames or not.
+
+use super::maths::{cos, exp, ln, sin, sin_cos, there_and_back};
+use super::shape::Point;
+
+/// A linear map and a shift of the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Affine {
+    /// Rows of the linear part.
+    pub linear: [Point; 2],
+    /// What is added.
+    pub shift: Point,
+}
+
+impl Affine {
+    /// Turns by `turns` (clockwise on the screen) and scales about the origin, then shifts.
+    pub fn similarity(turns: f64, scale: f64, shift: Point) -> Self {
+        let (sin, cos) = sin_cos(turns);
+        Self { linear: [[cos * scale, -sin * scale], [sin * scale, cos * scale]], shift }
+    }
+
+    /// Where `p` goes.
+    pub fn apply(&self, p: Point) -> Point {
+        std::array::from_fn(|i| self.linear[i][0] * p[0] + self.linear[i][1] * p[1] + self.shift[i])
+    }
+
+    /// First `self`, then `next`.
+    pub fn then(&self, next: &Self) -> Self {
+        let column = |j: usize| next.linear.map(|row| row[0] * self.linear[0][j] + row[1] * self.linear[1][j]);
+        let (a, b) = (column(0), column(1));
+        Self { linear: [[a[0], b[0]], [a[1], b[1]]], shift: next.apply(self.shift) }
+    }
+
+    /// The way back. The linear part must not be singular.
+    pub fn inverse(&self) -> Self {
+        let [[a, b], [c, d]] = self.linear;
+        let det = self.area();
+        let linear = [[d / det, -b / det], [-c / det, a / det]];
+        let back = Self { linear, shift: [0.0; 2] }.apply(self.shift);
+        Self { linear, shift: back.map(|s| -s) }
+    }
+
+    /// By how much areas grow.
+    pub fn area(&self) -> f64 {
+        let [[a, b], [c, d]] = self.linear;
+        a * d - b * c
+    }
+}
+
+/// How a layer moves. Lengths are in the scene's units, times in frames.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// Where the layer's origin is at time 0.
+    pub from: Point,
+    /// How far it goes in each frame.
+    pub velocity: Point,
+    /// After how far it comes round again from the other side, if it does.
+    pub lap: Option<f64>,
+    /// How far it swings to either side, about its path.
+    pub sway: Point,
+    /// How high it bounces.
+    pub bounce: f64,
+    /// How many frames a swing or a bounce takes.
+    pub period: f64,
+    /// How far it is turned clockwise at time 0, in turns.
+    pub turned: f64,
+    /// How many turns it makes in each frame.
+    pub spin: f64,
+    /// How much it grows in each frame, as a share; once doubled or halved, it goes back.
+    pub growth: f64,
+    /// How it bends, if it does.
+    pub wave: Option<Wave>,
+}
+
+impl Motion {
+    /// Stays at `from`.
+    pub fn still(from: Point) -> Self {
+        Self {
+            from,
+            velocity: [0.0; 2],
+            lap: None,
+            sway: [0.0; 2],
+            bounce: 0.0,
+            period: 24.0,
+            turned: 0.0,
+            spin: 0.0,
+            growth: 0.0,
+            wave: None,
+        }
+    }
+
+    /// Goes straight on from the origin.
+    pub fn drift(velocity: Point) -> Self {
+        Self { velocity, ..Self::still([0.0; 2]) }
+    }
+
+    /// The map from the layer at rest, before it bends, to the scene at time `t`.
+    pub fn pose(&self, t: f64) -> Affine {
+        let swing = sin(t / self.period);
+        let hop = (t / self.period).rem_euclid(1.0);
+        let distance = super::shape::length(self.velocity) * t;
+        let laps = self.lap.map_or(0.0, |lap| (distance / lap).floor() * lap);
+        let travelled = if distance == 0.0 { 0.0 } else { t * (1.0 - laps / distance) };
+        let path: Point = std::array::from_fn(|i| self.from[i] + self.velocity[i] * travelled + self.sway[i] * swing);
+        let lifted = [path[0], path[1] - 4.0 * self.bounce * hop * (1.0 - hop)];
+        Affine::similarity(self.turned + self.spin * t, grown(self.growth, t), lifted)
+    }
+}
+
+/// The size at time `t` of what grows by the share `growth` in each frame until it has doubled (or halved), and
+/// then goes back as fast, for ever. It turns round at a whole frame, so that every frame changes by exactly `growth`.
+pub fn grown(growth: f64, t: f64) -> f64 {
+    let rate = ln(1.0 + growth);
+    if rate == 0.0 {
+        return 1.0;
+    }
+    let frames = (std::f64::consts::LN_2 / rate.abs()).floor().max(1.0);
+    exp(rate * there_and_back(t, frames))
+}
+
+/// A wave that runs along x through a cloth that is held at x = 0, stronger the farther out.
+#[derive(Clone, Copy, Debug)]
+pub struct Wave {
+    /// How far the cloth's end goes up and down.
+    pub height: f64,
+    /// From crest to crest.
+    pub wavelength: f64,
+    /// Frames from one crest to the next.
+    pub period: f64,
+    /// How long the cloth is.
+    pub reach: f64,
+}
+
+impl Wave {
+    /// Where the cloth at `p` has come from.
+    pub fn back(&self, p: Point, t: f64) -> Point {
+        let [dx, dy] = self.push(p, t);
+        [p[0] - dx, p[1] - dy]
+    }
+
+    /// Where the cloth's `rest` goes: the place that [`Wave::back`] brings back to `rest`. The steps towards it
+    /// shrink at least by a third each, as long as the wave is flatter than two ninths of its length.
+    pub fn forward(&self, rest: Point, t: f64) -> Point {
+        let mut p = rest;
+        for _ in 0..100 {
+            let [dx, dy] = self.push(p, t);
+            let next = [rest[0] + dx, rest[1] + dy];
+            let step = (next[0] - p[0]).abs() + (next[1] - p[1]).abs();
+            p = next;
+            if step < 1e-11 {
+                break;
+            }
+        }
+        p
+    }
+
+    fn push(&self, p: Point, t: f64) -> Point {
+        let growth = (p[0] / self.reach).clamp(0.0, 1.25);
+        let phase = p[0] / self.wavelength - t / self.period;
+        let up = self.height * growth * sin(phase + p[1] / self.wavelength * 0.3);
+        let along = self.height * growth * 0.3 * cos(phase);
+        [along, up]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(a: Point, b: Point) -> bool {
+        (a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9
+    }
+
+    #[test]
+    fn affine_maps_chain_and_invert() {
+        let (a, b) = (Affine::similarity(0.1, 1.3, [4.0, -2.0]), Affine::similarity(-0.3, 0.7, [1.0, 9.0]));
+        let p = [12.5, -7.25];
+        assert!(near(a.then(&b).apply(p), b.apply(a.apply(p))));
+        assert!(near(a.inverse().apply(a.apply(p)), p));
+        assert!((a.area() - 1.69).abs() < 1e-12);
+    }
+
+    #[test]
+    fn whole_shifts_are_exact() {
+        let pose = Motion::drift([3.0, -2.0]).pose(7.0);
+        assert_eq!((pose.apply([10.0, 20.0]), pose.inverse().apply([31.0, 6.0])), ([31.0, 6.0], [10.0, 20.0]));
+    }
+
+    #[test]
+    fn what_leaves_comes_round_again() {
+        let motion = Motion { lap: Some(100.0), ..Motion::drift([10.0, 0.0]) };
+        assert!(near(motion.pose(3.0).shift, [30.0, 0.0]));
+        assert!(near(motion.pose(23.0).shift, [30.0, 0.0]));
+    }
+
+    #[test]
+    fn growing_turns_round_at_a_whole_frame() {
+        for growth in [0.05, -0.05, 0.013, -0.001] {
+            for t in 0..200 {
+                let ratio = grown(growth, f64::from(t + 1)) / grown(growth, f64::from(t));
+                assert!((ratio - 1.0 - growth).abs() < 1e-12 || (1.0 / ratio - 1.0 - growth).abs() < 1e-12);
+                assert!((0.49..2.01).contains(&grown(growth, f64::from(t))));
+            }
+        }
+        assert_eq!(grown(0.0, 17.0), 1.0);
+    }
+
+    #[test]
+    fn waves_run_both_ways() {
+        let wave = Wave { height: 14.0, wavelength: 110.0, period: 12.0, reach: 170.0 };
+        for i in 0..200 {
+            let (rest, t) = ([f64::from(i), f64::from(i % 13) * 9.0], f64::from(i) * 0.37);
+            assert!(near(wave.back(wave.forward(rest, t), t), rest));
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! Two equal stars fly towards each other at night, and pass.
+
+use crate::synth::layer::Layer;
+use crate::synth::motion::Motion;
+use crate::synth::shape::Shape;
+use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth};
+use crate::synth::{Sample, Setting};
+
+pub const SAMPLE: Sample = Sample {
+    id: "crossing-stars",
+    title: "Crossing stars: who is who?",
+    teaches: "Two objects that look alike meet and part: only a model of their motion tells which is which afterwards.",
+    tune: |_| {},
+    layers,
+};
+
+fn layers(setting: &Setting) -> Vec<Layer> {
+    let seed = setting.seed;
+    let fly = |from, velocity, spin| Motion { velocity, lap: Some(640.0), spin, ..Motion::still(from) };
+    let star = || Shape::star(5, 30.0, 14.5);
+    vec![
+        Layer::new(star(), fly([48.0, 62.0], [9.5, 4.0], 0.01), rgb(0xf2c14e), move |spot| gold(seed, spot)).object(1),
+        Layer::new(star(), fly([272.0, 66.0], [-9.5, 4.0], -0.01), rgb(0xf2c14e), move |spot| gold(seed, spot))
+            .object(2),
+        Layer::new(Shape::Everywhere, Motion::drift([0.5, 0.0]), rgb(0x1d2a4d), move |spot| night(seed + 100, spot)),
+    ]
+}
+
+fn gold(seed: u32, spot: Spot) -> Rgb {
+    let radius = ((spot.x * spot.x + spot.y * spot.y).sqrt() / 30.0) as f32;
+    let hammered = spot.fractal(seed, 11.0, 3);
+    let color = ramp(&[rgb(0xfff3c4), rgb(0xf6c445), rgb(0xd98324)], radius * 1.1 + 0.3 * hammered);
+    shade(color, 1.0 + 0.1 * hammered)
+}
+
+fn night(seed: u32, spot: Spot) -> Rgb {
+    let clouds = spot.warped(seed, 90.0, 26.0).fractal(seed + 10, 60.0, 5);
+    let depth = (spot.y / 240.0) as f32;
+    let air = ramp(&[rgb(0x0d1433), rgb(0x1d2a5c), rgb(0x4a3b72), rgb(0x8a5a7d)], 0.6 * depth + 0.35 * clouds + 0.15);
+    let speck = crate::synth::texture::cell(seed + 20, spot, 17.0);
+    let distance = (speck.offset[0] * speck.offset[0] + speck.offset[1] * speck.offset[1]).sqrt() * 17.0;
+    let bright = crate::synth::random::part(speck.hash, 3) as f32;
+    mix(air, rgb(0xeef2ff), smooth(1.3 - distance as f32 * 0.8) * bright * bright)
+}

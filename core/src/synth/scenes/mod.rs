@@ -1,0 +1,36 @@
+//! The scenes, one file each, in the order in which a course would show them.
+//!
+//! A scene is drawn for a picture of 320×240 and shown larger or smaller in any other; what lies farther out is there too.
+
+mod barber_pole;
+mod crossing_stars;
+mod fast_ball;
+mod flag;
+mod flat_wall;
+mod flicker;
+mod parallax;
+mod pillar;
+mod spin_zoom;
+mod sub_pixel;
+mod traffic;
+mod translation;
+mod wallpaper;
+
+use super::Sample;
+
+/// All scenes.
+pub const SCENES: &[Sample] = &[
+    translation::SAMPLE,
+    sub_pixel::SAMPLE,
+    pillar::SAMPLE,
+    parallax::SAMPLE,
+    spin_zoom::SAMPLE,
+    fast_ball::SAMPLE,
+    barber_pole::SAMPLE,
+    wallpaper::SAMPLE,
+    flat_wall::SAMPLE,
+    flicker::SAMPLE,
+    crossing_stars::SAMPLE,
+    traffic::SAMPLE,
+    flag::SAMPLE,
+];

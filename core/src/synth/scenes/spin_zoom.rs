@@ -1,0 +1,49 @@
+//! A rose window that turns and comes nearer.
+
+use crate::synth::layer::Layer;
+use crate::synth::maths::floor;
+use crate::synth::motion::Motion;
+use crate::synth::random::{lattice, part};
+use crate::synth::shape::Shape;
+use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade};
+use crate::synth::{Sample, Setting};
+
+pub const SAMPLE: Sample = Sample {
+    id: "spin-zoom",
+    title: "Rose window: turning and growing",
+    teaches: "A block can only shift, but here every pixel of a block moves differently: errors grow away from the middle.",
+    tune: |_| {},
+    layers,
+};
+
+fn layers(setting: &Setting) -> Vec<Layer> {
+    let seed = setting.seed;
+    let motion = Motion { spin: 2.5 / 360.0, growth: 0.015, ..Motion::still([159.5, 119.5]) };
+    vec![Layer::new(Shape::Everywhere, motion, rgb(0x6b6f86), move |spot| glass(seed, spot))]
+}
+
+/// Rings of panes between bars of lead; twelve petals in the inner rings, twenty-four in the outer ones.
+fn glass(seed: u32, spot: Spot) -> Rgb {
+    const PANES: [Rgb; 7] =
+        [rgb(0x1d4e89), rgb(0xd1495b), rgb(0xedae49), rgb(0x00798c), rgb(0x7d4f8c), rgb(0x9cc5a1), rgb(0xc0392b)];
+    let radius = (spot.x * spot.x + spot.y * spot.y).sqrt().max(1e-9);
+    let direction = [spot.x / radius, spot.y / radius];
+    let petals = if radius < 66.0 { 6 } else { 12 };
+    let [along, across] = power(direction, petals);
+    let ring_place = (radius + 5.0 * along * along) / 22.0;
+    let ring = floor(ring_place);
+    let ring_edge = (ring_place - f64::from(ring)).min(f64::from(ring) + 1.0 - ring_place) * 22.0;
+    let petal_edge = along.abs().min(across.abs()) * radius / f64::from(petals);
+    let edge = if ring == 0 { ring_edge } else { ring_edge.min(petal_edge) };
+    let which = i32::from(along > 0.0) + 2 * i32::from(along * across > 0.0);
+    let pane = lattice(seed, ring, if ring == 0 { 0 } else { which });
+    let color = ramp(&PANES, part(pane, 1) as f32);
+    let bubbles = spot.warped(seed + 40, 25.0, 7.0).fractal(seed + 50, 16.0, 4);
+    let lit = shade(color, 0.92 + 0.12 * part(pane, 2) as f32 + 0.34 * bubbles);
+    mix(rgb(0x17161c), lit, spot.cover(edge - 1.4))
+}
+
+/// Cosine and sine of `n` times the angle of a direction, by multiplying it with itself.
+fn power([cos, sin]: [f64; 2], n: u32) -> [f64; 2] {
+    (0..n).fold([1.0, 0.0], |[c, s], _| [c * cos - s * sin, c * sin + s * cos])
+}

@@ -1,0 +1,32 @@
+//! Marbled paper, drawn past at a whole number of pixels per frame.
+
+use crate::synth::layer::Layer;
+use crate::synth::motion::Motion;
+use crate::synth::shape::Shape;
+use crate::synth::texture::{Rgb, Spot, ramp, rgb, shade};
+use crate::synth::{Sample, Setting};
+
+pub const SAMPLE: Sample = Sample {
+    id: "translation",
+    title: "First steps: everything moves together",
+    teaches: "Every pixel moves by exactly (3, −2) px per frame, so every estimator that works must find this vector.",
+    tune: |_| {},
+    layers,
+};
+
+/// Always whole pixels, however large the picture.
+fn layers(setting: &Setting) -> Vec<Layer> {
+    let seed = setting.seed;
+    let velocity = [3.0 / setting.scale, -2.0 / setting.scale];
+    vec![Layer::new(Shape::Everywhere, Motion::drift(velocity), rgb(0x7fa3a8), move |spot| marble(seed, spot))]
+}
+
+/// Inks that were stirred and lifted off: bands of a noise whose place is pushed about by another.
+pub fn marble(seed: u32, spot: Spot) -> Rgb {
+    const INKS: [Rgb; 7] =
+        [rgb(0x17324d), rgb(0x2a6f97), rgb(0x61a5c2), rgb(0xf3ead7), rgb(0xe9b872), rgb(0xc8553d), rgb(0x4a2a3c)];
+    let stirred = spot.warped(seed, 90.0, 34.0);
+    let bands = stirred.fractal(seed + 10, 70.0, 3);
+    let grain = spot.fractal(seed + 20, 12.0, 3);
+    shade(ramp(&INKS, 0.5 + 0.62 * bands + 0.04 * grain), 0.96 + 0.09 * grain)
+}

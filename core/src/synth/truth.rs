@@ -1,0 +1,82 @@
+//! The exact motion of every pixel, what gets hidden, and where the objects are.
+
+use std::sync::Arc;
+
+use super::difficulty::Difficulty;
+use super::layer::Stage;
+use super::recent::Recent;
+use crate::{Error, Flow, Grid, ObjectBox, Truth};
+
+/// The truth of a synthetic clip, computed from the same layers and motions as its pixels.
+pub struct ExactTruth {
+    stage: Arc<Stage>,
+    difficulty: Difficulty,
+    kept: Recent<Pair>,
+}
+
+/// Flow and occlusion from one frame to the next; they are found together.
+struct Pair {
+    flow: Arc<Flow>,
+    hidden: Arc<Grid<bool>>,
+}
+
+impl ExactTruth {
+    /// The truth of what `stage` shows.
+    pub fn new(stage: Arc<Stage>, difficulty: Difficulty) -> Self {
+        Self { stage, difficulty, kept: Recent::new(4) }
+    }
+
+    /// Frames `t` and `t + 1`, if there are both.
+    fn pair(&self, t: usize) -> Option<Arc<Pair>> {
+        (t < self.difficulty.frames - 1).then(|| self.kept.get(t, || self.follow(t)))
+    }
+
+    fn follow(&self, t: usize) -> Pair {
+        let (width, height) = (self.difficulty.width, self.difficulty.height);
+        let (now, next) = (self.stage.at(t as f64), self.stage.at(t as f64 + 1.0));
+        let mut hidden = Grid::new(width, height, false);
+        let flow = Grid::from_fn(width, height, |x, y| {
+            let p = [x as f64, y as f64];
+            let Some((layer, to)) = now.foremost(p).and_then(|layer| Some((layer, now.carry(layer, p, &next)?))) else {
+                return Flow::UNKNOWN;
+            };
+            hidden[(x, y)] = !next.in_picture(to) || next.hides(layer, to);
+            [(to[0] - p[0]) as f32, (to[1] - p[1]) as f32]
+        });
+        Pair { flow: Arc::new(Flow(flow)), hidden: Arc::new(hidden) }
+    }
+}
+
+impl Truth for ExactTruth {
+    fn flow(&self, t: usize) -> Result<Option<Arc<Flow>>, Error> {
+        Ok(self.pair(t).map(|pair| Arc::clone(&pair.flow)))
+    }
+
+    /// Pixels of frame `t` that are hidden in frame `t + 1`, or have left the picture.
+    fn occlusion(&self, t: usize) -> Result<Option<Arc<Grid<bool>>>, Error> {
+        Ok(self.pair(t).map(|pair| Arc::clone(&pair.hidden)))
+    }
+
+    /// The objects that are at least partly within the picture's borders, hidden or not, with their whole extent.
+    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
+        if t >= self.difficulty.frames {
+            return Ok(None);
+        }
+        let boxed = |s: &super::layer::Sighting| {
+            let [left, top, right, bottom] = s.bounds;
+            ObjectBox {
+                id: s.id,
+                x: left as f32,
+                y: top as f32,
+                width: (right - left) as f32,
+                height: (bottom - top) as f32,
+                visibility: s.visible as f32,
+            }
+        };
+        Ok(Some(self.stage.at(t as f64).sightings().iter().map(boxed).collect()))
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        vec!["flow", "occlusion", "objects"]
+    }
+}
