@@ -169,11 +169,11 @@ fn tracks_beside(subject: &Subject) -> Option<PathBuf> {
 /// Folders of the given names inside `folder`, and where Sintel and Middlebury have them: `clean/alley_1` has its flow
 /// in `flow/alley_1`.
 fn neighbours(folder: &Path, names: &[&str]) -> Vec<PathBuf> {
-    let inside = names.iter().map(|name| folder.join(name));
-    let clip = folder.file_name();
-    let above = folder.parent().and_then(Path::parent).zip(clip);
+    let whole = fs::canonicalize(folder).unwrap_or_else(|_| folder.into());
+    let above = whole.parent().and_then(Path::parent).zip(whole.file_name());
     let beside = names.iter().filter_map(|name| above.map(|(above, clip)| above.join(name).join(clip)));
-    inside.chain(beside).filter(|folder| folder.is_dir()).collect()
+    let inside = names.iter().map(|name| folder.join(name));
+    inside.chain(beside.filter(|beside| *beside != whole)).filter(|folder| folder.is_dir()).collect()
 }
 
 fn is_flow(file: &Path) -> bool {
@@ -233,6 +233,18 @@ mod tests {
         assert_eq!(all.truth().unwrap().kinds(), ["flow"]);
         let from = open(&folder.path().join("frame08.png"));
         assert_eq!((u(&from, 0), u(&from, 1)), (Some(8.0), Some(9.0)));
+    }
+
+    #[test]
+    fn flow_lies_where_sintel_has_it() {
+        let folder = tempfile::tempdir().unwrap();
+        pictures(&folder.path().join("clean/alley"));
+        put(folder.path(), "flow/alley/frame_0008.flo", export::flo(&flow(3.0)));
+        assert_eq!(u(&open(&folder.path().join("clean/alley")), 1), Some(3.0));
+        // Pictures in a folder of that very name are no flow.
+        pictures(&folder.path().join("flow/whale"));
+        let whale = open(&folder.path().join("flow/whale/frame08.png"));
+        assert!(whale.truth().is_none() && whale.info().warnings.len() == 2, "{:?}", whale.info().warnings);
     }
 
     #[test]

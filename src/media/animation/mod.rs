@@ -1,0 +1,195 @@
+//! Animated GIF, PNG and WebP: composed pictures, one after the other.
+
+mod scan;
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+
+use image::codecs::gif::GifDecoder;
+use image::codecs::png::PngDecoder;
+use image::codecs::webp::WebPDecoder;
+use image::{AnimationDecoder, Frames, ImageDecoder, ImageResult, RgbaImage};
+use motionscope_core::{ClipInfo, Error, Frame};
+
+use self::scan::Scan;
+use super::{Decoder, Open, Source, cannot_read, check_size, contain, name_of, picture, stills};
+
+/// What can be animated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Gif,
+    Png,
+    WebP,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self, Error> {
+        let mut head = [0; 4];
+        File::open(path).and_then(|mut file| file.read_exact(&mut head)).map_err(|e| cannot_read(&e))?;
+        match &head {
+            b"GIF8" => Ok(Format::Gif),
+            b"\x89PNG" => Ok(Format::Png),
+            b"RIFF" => Ok(Format::WebP),
+            _ => Err(Error::new("it is no animated GIF, PNG or WebP")),
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Format::Gif => "gif",
+            Format::Png => "apng",
+            Format::WebP => "webp",
+        }
+    }
+}
+
+/// Opens the animation at `path`.
+///
+/// # Errors
+/// One sentence, without the file's name.
+pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
+    let format = Format::of(path)?;
+    let scan = scan::scan(path, format).map_err(|e| cannot_read(&e))?;
+    if scan.delays_ms.is_empty() && format != Format::Gif {
+        // It only looked as if it moved.
+        return stills::open(path, options);
+    }
+    let (width, height) = scan.size;
+    check_size(width, height)?;
+    if scan.delays_ms.is_empty() {
+        return Err(Error::new("it is cut short within its first picture; copy it again from where it came"));
+    }
+    let animation = Animation { path: path.into(), format, stream: None };
+    let mut warnings = warnings(&scan);
+    if animation.first()?.pixels().any(|pixel| pixel[3] < 255) {
+        warnings.push("what is transparent is shown on black".into());
+    }
+    let info = ClipInfo {
+        name: name_of(path),
+        width,
+        height,
+        frames: Some(scan.delays_ms.len()),
+        fps: fps(&scan.delays_ms),
+        container: format.name().into(),
+        codec: format.name().into(),
+        warnings,
+    };
+    Ok(Source { info, decoder: Box::new(animation) })
+}
+
+/// How long browsers show a picture that asks for no time, in milliseconds.
+const HURRIED_MS: f64 = 100.0;
+
+fn shown_ms(delay_ms: f64) -> f64 {
+    if delay_ms <= 10.0 { HURRIED_MS } else { delay_ms }
+}
+
+fn fps(delays_ms: &[f64]) -> Option<f64> {
+    let total_ms: f64 = delays_ms.iter().copied().map(shown_ms).sum();
+    (delays_ms.len() > 1).then(|| 1000.0 * delays_ms.len() as f64 / total_ms)
+}
+
+fn warnings(scan: &Scan) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let shown = || scan.delays_ms.iter().copied().map(shown_ms);
+    let (least, most) = (shown().fold(f64::INFINITY, f64::min), shown().fold(0.0, f64::max));
+    if most > least {
+        warnings.push(format!("the pictures are shown for {least} to {most} ms; the rate is their mean"));
+    }
+    if !scan.whole {
+        let n = scan.delays_ms.len();
+        warnings.push(format!("the file is cut short or damaged; what comes after its first {n} pictures is lost"));
+    }
+    warnings
+}
+
+/// Decodes from the start on, because each picture builds on those before it.
+struct Animation {
+    path: PathBuf,
+    format: Format,
+    stream: Option<Stream>,
+}
+
+impl Animation {
+    fn first(&self) -> Result<RgbaImage, Error> {
+        let stream = Stream::start(&self.path, self.format)?;
+        stream.pictures.recv().unwrap_or_else(|_| Err(Error::new("it holds no picture")))
+    }
+}
+
+impl Decoder for Animation {
+    fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
+        // Taken out, so that after an error the next call starts afresh.
+        let mut stream = match self.stream.take() {
+            Some(stream) if stream.next <= index => stream,
+            _ => Stream::start(&self.path, self.format)?,
+        };
+        while stream.next <= index {
+            let Ok(picture) = stream.pictures.recv() else { return Ok(()) };
+            keep(stream.next, picture::frame(picture?.into())?);
+            stream.next += 1;
+        }
+        self.stream = Some(stream);
+        Ok(())
+    }
+}
+
+/// The composed pictures from the first on, made on a thread of their own, which stays a little ahead and ends when
+/// this is dropped.
+struct Stream {
+    pictures: Receiver<Result<RgbaImage, Error>>,
+    /// Number of the picture that comes next.
+    next: usize,
+}
+
+impl Stream {
+    fn start(path: &Path, format: Format) -> Result<Self, Error> {
+        let (sender, pictures) = sync_channel(1);
+        let path = path.to_path_buf();
+        let work = move || {
+            let done = contain::contain(|| pour(&path, format, &sender))
+                .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged ({panic})"))));
+            if let Err(error) = done {
+                // Nobody may be listening any more.
+                _ = sender.send(Err(error));
+            }
+        };
+        thread::Builder::new()
+            .name("animation".into())
+            .spawn(work)
+            .map_err(|e| Error::new(format!("no thread can be started to decode it ({e}); close other programs")))?;
+        Ok(Self { pictures, next: 0 })
+    }
+}
+
+fn pour(path: &Path, format: Format, to: &SyncSender<Result<RgbaImage, Error>>) -> Result<(), Error> {
+    let input = BufReader::new(File::open(path).map_err(|e| cannot_read(&e))?);
+    let frames = match format {
+        Format::Gif => GifDecoder::new(input).and_then(limited).map(AnimationDecoder::into_frames),
+        Format::Png => {
+            PngDecoder::new(input).and_then(limited).and_then(PngDecoder::apng).map(AnimationDecoder::into_frames)
+        }
+        Format::WebP => WebPDecoder::new(input).and_then(limited).map(AnimationDecoder::into_frames),
+    };
+    let frames: Frames = frames.map_err(|e| picture::damaged(&e))?;
+    for frame in frames {
+        let frame = frame.map_err(|e| picture::damaged(&e))?;
+        if to.send(Ok(frame.into_buffer())).is_err() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn limited<D: ImageDecoder>(mut decoder: D) -> ImageResult<D> {
+    let (width, height) = decoder.dimensions();
+    // Canvas, its predecessor, and the part that changes.
+    decoder.set_limits(picture::limits(4 * u64::from(width) * u64::from(height)))?;
+    Ok(decoder)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,178 @@
+use std::fs;
+use std::io::Cursor;
+use std::sync::LazyLock;
+
+use image::codecs::gif::{GifEncoder, Repeat};
+use image::{Delay, ExtendedColorType};
+use motionscope_core::Clip;
+use proptest::prelude::*;
+
+use super::*;
+use crate::media;
+
+const FRAMES: usize = 5;
+const EXTENSIONS: [&str; 3] = ["gif", "png", "webp"];
+
+/// Frame `t`: a bright column at `t` on a ground of one colour, exact in every format.
+fn canvas(t: usize) -> RgbaImage {
+    RgbaImage::from_fn(8, 6, |x, _| if x as usize == t { [250, 200, 10, 255].into() } else { [0, 0, 80, 255].into() })
+}
+
+fn gif(delays_ms: &[u32]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = GifEncoder::new(&mut bytes);
+    encoder.set_repeat(Repeat::Infinite).unwrap();
+    for (t, &ms) in delays_ms.iter().enumerate() {
+        let delay = Delay::from_numer_denom_ms(ms, 1);
+        encoder.encode_frame(image::Frame::from_parts(canvas(t), 0, 0, delay)).unwrap();
+    }
+    drop(encoder);
+    bytes
+}
+
+/// Only the columns that change are coded after the first picture.
+fn apng() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 8, 6);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_animated(FRAMES as u32, 0).unwrap();
+    encoder.set_frame_delay(1, 25).unwrap();
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(canvas(0).as_raw()).unwrap();
+    for t in 1..FRAMES {
+        let change = image::imageops::crop_imm(&canvas(t), t as u32 - 1, 0, 2, 6).to_image();
+        writer.set_frame_position(0, 0).unwrap();
+        writer.set_frame_dimension(2, 6).unwrap();
+        writer.set_frame_position(t as u32 - 1, 0).unwrap();
+        writer.write_image_data(change.as_raw()).unwrap();
+    }
+    writer.finish().unwrap();
+    bytes
+}
+
+fn chunk(name: &[u8; 4], content: &[u8]) -> Vec<u8> {
+    let mut bytes = name.to_vec();
+    bytes.extend_from_slice(&(content.len() as u32).to_le_bytes());
+    bytes.extend_from_slice(content);
+    bytes.resize(bytes.len().next_multiple_of(2), 0);
+    bytes
+}
+
+fn webp() -> Vec<u8> {
+    let size = [7, 0, 0, 5, 0, 0];
+    let mut content = b"WEBP".to_vec();
+    content.extend(chunk(b"VP8X", &[&[0b10, 0, 0, 0][..], &size].concat()));
+    content.extend(chunk(b"ANIM", &[0; 6]));
+    for t in 0..FRAMES {
+        let mut still = Cursor::new(Vec::new());
+        let encoder = image::codecs::webp::WebPEncoder::new_lossless(&mut still);
+        let rgb = image::DynamicImage::from(canvas(t)).into_rgb8();
+        encoder.encode(rgb.as_raw(), 8, 6, ExtendedColorType::Rgb8).unwrap();
+        let place = [&[0; 6][..], &size, &[40, 0, 0, 0b10]].concat();
+        // After the RIFF header comes the picture's own chunk.
+        content.extend(chunk(b"ANMF", &[&place, &still.into_inner()[12..]].concat()));
+    }
+    chunk(b"RIFF", &content)
+}
+
+static FIXTURES: LazyLock<[Vec<u8>; 3]> = LazyLock::new(|| [gif(&[40; FRAMES]), apng(), webp()]);
+
+fn write(bytes: &[u8], extension: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(format!("moves.{extension}"));
+    fs::write(&path, bytes).unwrap();
+    (folder, path)
+}
+
+fn open(path: &Path, cache_bytes: usize) -> Result<Clip, Error> {
+    media::open(path, &Open { cache_bytes, ..Open::default() })
+}
+
+fn shows(frame: &Frame, t: usize) -> bool {
+    let wanted = canvas(t);
+    let cells = frame.color().unwrap().cells();
+    cells.iter().zip(wanted.pixels()).all(|(cell, pixel)| cell[..] == pixel.0[..3])
+}
+
+#[test]
+fn every_format_is_composed_and_can_be_sought() {
+    for (bytes, extension) in FIXTURES.iter().zip(EXTENSIONS) {
+        let (_folder, path) = write(bytes, extension);
+        // The second cache holds a single frame, so that going back decodes again.
+        for cache_bytes in [1 << 20, 0] {
+            let clip = open(&path, cache_bytes).unwrap();
+            let info = clip.info();
+            assert_eq!((clip.size(), info.frames, info.fps), ((8, 6), Some(FRAMES), Some(25.0)), "{extension}");
+            assert_eq!(info.warnings, [""; 0], "{extension}");
+            for t in [0, 3, 1, 4, 2, 2, 0] {
+                assert!(shows(&clip.frame(t).unwrap(), t), "{extension} frame {t}");
+            }
+            assert!(clip.frame(FRAMES).is_err());
+        }
+    }
+}
+
+#[test]
+fn the_rate_is_the_mean_and_hurried_pictures_are_slowed() {
+    let (_folder, path) = write(&gif(&[0, 50, 150]), "gif");
+    let clip = open(&path, 0).unwrap();
+    assert_eq!(clip.info().fps, Some(10.0));
+    assert_eq!(clip.info().warnings, ["the pictures are shown for 50 to 150 ms; the rate is their mean"]);
+    let (_folder, path) = write(&gif(&[50]), "gif");
+    assert_eq!((open(&path, 0).unwrap().info().frames, open(&path, 0).unwrap().info().fps), (Some(1), None));
+}
+
+#[test]
+fn what_is_before_the_cut_can_be_used() {
+    for (bytes, extension) in FIXTURES.iter().zip(EXTENSIONS) {
+        let (_folder, path) = write(&bytes[..bytes.len() * 3 / 4], extension);
+        let clip = open(&path, 0).unwrap();
+        let frames = clip.info().frames.unwrap();
+        assert!((1..FRAMES).contains(&frames), "{extension}: {frames}");
+        assert!(clip.info().warnings.iter().any(|told| told.contains("is lost")), "{extension}");
+        assert!((0..frames).all(|t| shows(&clip.frame(t).unwrap(), t)), "{extension}");
+    }
+}
+
+#[test]
+fn transparency_is_told() {
+    let (_folder, path) = write(&gif(&[40]), "gif");
+    assert!(open(&path, 0).unwrap().info().warnings.is_empty());
+    let clear = image::Frame::new(RgbaImage::from_pixel(4, 4, [9, 9, 9, 0].into()));
+    let mut bytes = Vec::new();
+    GifEncoder::new(&mut bytes).encode_frame(clear).unwrap();
+    let (_folder, path) = write(&bytes, "gif");
+    let clip = open(&path, 0).unwrap();
+    assert_eq!(clip.info().warnings, ["what is transparent is shown on black"]);
+    assert_eq!(clip.frame(0).unwrap().luma()[(0, 0)], 0);
+}
+
+#[test]
+fn hostile_sizes_are_refused() {
+    let mut hostile = gif(&[40]);
+    hostile[6..10].copy_from_slice(&[0xff; 4]);
+    let (_folder, path) = write(&hostile, "gif");
+    assert!(open(&path, 0).unwrap_err().to_string().contains("65535×65535"));
+    hostile[6..10].copy_from_slice(&[0; 4]);
+    fs::write(&path, &hostile).unwrap();
+    assert!(open(&path, 0).unwrap_err().to_string().contains("0×0"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+    #[test]
+    fn damage_never_panics(which in 0..3_usize, at in any::<prop::sample::Index>(), flip in 1..=255_u8, cut: bool) {
+        let mut bytes = FIXTURES[which].clone();
+        let at = at.index(bytes.len());
+        if cut { bytes.truncate(at) } else { bytes[at] ^= flip }
+        let (_folder, path) = write(&bytes, EXTENSIONS[which]);
+        match open(&path, 0) {
+            Ok(clip) => for t in 0..clip.info().frames.unwrap_or(1).min(20) {
+                if let Err(error) = clip.frame(t) {
+                    prop_assert!(error.to_string().contains("moves."), "{error}");
+                }
+            }
+            Err(error) => prop_assert!(error.to_string().contains("moves."), "{error}"),
+        }
+    }
+}
