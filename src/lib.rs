@@ -1,3 +1,4 @@
 //! Motionscope's window and command line over `motionscope-core`.
 
 pub mod media;
+pub mod paint;

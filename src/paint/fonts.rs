@@ -1,0 +1,120 @@
+//! The program's type: Inter with digits of one width, and JetBrains Mono for pseudocode.
+
+use std::sync::LazyLock;
+
+use ab_glyph::{Font, FontRef, GlyphId};
+
+/// A face of the program's type.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Face {
+    /// Inter: nearly everything.
+    #[default]
+    Sans,
+    /// Inter SemiBold: headings.
+    Bold,
+    /// Inter Italic: variables.
+    Italic,
+    /// JetBrains Mono: pseudocode, and characters that Inter lacks.
+    Mono,
+}
+
+impl Face {
+    /// Every face.
+    pub const ALL: [Face; 4] = [Face::Sans, Face::Bold, Face::Italic, Face::Mono];
+
+    /// Its family name.
+    pub fn family(self) -> &'static str {
+        match self {
+            Face::Sans | Face::Bold | Face::Italic => "Inter",
+            Face::Mono => "JetBrains Mono",
+        }
+    }
+
+    /// The font file.
+    pub fn bytes(self) -> &'static [u8] {
+        match self {
+            Face::Sans => include_bytes!("../../assets/fonts/Inter-Regular.otf"),
+            Face::Bold => include_bytes!("../../assets/fonts/Inter-SemiBold.otf"),
+            Face::Italic => include_bytes!("../../assets/fonts/Inter-Italic.otf"),
+            Face::Mono => include_bytes!("../../assets/fonts/JetBrainsMono-Regular.ttf"),
+        }
+    }
+
+    pub(crate) fn font(self) -> Option<&'static FontRef<'static>> {
+        static FONTS: LazyLock<[Option<FontRef<'static>>; 4]> =
+            LazyLock::new(|| Face::ALL.map(|face| FontRef::try_from_slice(face.bytes()).ok()));
+        FONTS[self as usize].as_ref()
+    }
+
+    /// The face that has `c`: this one, else Mono.
+    fn with(self, c: char) -> Face {
+        let has = self.font().is_some_and(|font| font.glyph_id(c).0 != 0);
+        if has { self } else { Face::Mono }
+    }
+}
+
+/// One character of a line of text, placed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    pub face: Face,
+    pub glyph: GlyphId,
+    /// Left edge, from the start of the line, in points.
+    pub x: f32,
+    /// Size of an em's unit in points.
+    pub unit: f32,
+}
+
+/// The characters of `text` in `face` at `size` points, and where the line ends.
+pub(crate) fn place(text: &str, face: Face, size: f32) -> (Vec<Placed>, f32) {
+    let (mut line, mut x) = (Vec::new(), 0.0);
+    let mut before: Option<(Face, GlyphId)> = None;
+    for c in text.chars() {
+        let face = face.with(c);
+        let Some(font) = face.font() else { continue };
+        let glyph = font.glyph_id(c);
+        let unit = size / font.units_per_em().unwrap_or(1000.0);
+        if let Some((_, last)) = before.replace((face, glyph)).filter(|(last, _)| *last == face) {
+            x += font.kern_unscaled(last, glyph) * unit;
+        }
+        line.push(Placed { face, glyph, x, unit });
+        x += font.h_advance_unscaled(glyph) * unit;
+    }
+    (line, x)
+}
+
+/// Width of `text` in points.
+pub fn width(text: &str, face: Face, size: f32) -> f32 {
+    place(text, face, size).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_face_loads_and_is_small() {
+        for face in Face::ALL {
+            assert!(face.font().is_some(), "{face:?}");
+            assert!(face.bytes().len() < 200_000, "{face:?}");
+        }
+    }
+
+    #[test]
+    fn the_characters_that_are_shown_exist() {
+        for c in "ÄÖÜäöüßéèΣΔσαβθ−×÷±√∇≤≥≠≈∞·…→←↑↓₁₂²ₜ|–—‹›°▸".chars()
+        {
+            let face = Face::Sans.with(c);
+            assert!(face.font().is_some_and(|font| font.glyph_id(c).0 != 0), "{c}");
+        }
+    }
+
+    #[test]
+    fn digits_have_one_width_and_pairs_are_kerned() {
+        for face in Face::ALL {
+            let one = width("1", face, 14.0);
+            assert!("023456789".chars().all(|c| width(&c.to_string(), face, 14.0) == one), "{face:?}");
+            assert!(width("1471", face, 14.0) - 4.0 * one < 0.01);
+        }
+        assert!(width("AV", Face::Sans, 14.0) < width("A", Face::Sans, 14.0) + width("V", Face::Sans, 14.0));
+    }
+}

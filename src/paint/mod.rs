@@ -1,0 +1,14 @@
+//! One scene, painters that agree: what is exported is what was shown.
+//!
+//! [`resolve`] turns a scene's marks into [`Primitive`]s in points: filled polygons, strokes, circles, arrows,
+//! words and pictures. Every painter walks that one list: the window's stage, [`export_png`] and [`export_svg`].
+//! A [`Plate`] is what one exported picture consists of. Nothing here needs a window or a GPU.
+
+mod color;
+mod color_map;
+pub mod fonts;
+mod theme;
+
+pub use color::Color;
+pub use color_map::ColorMap;
+pub use theme::{Chrome, Ink, PointShape, Theme, TypeSizes};
