@@ -1,5 +1,6 @@
 //! What leaves the program as a file: flow, tables, pictures, tracks. Encoders make bytes; [`save`] alone writes them.
 
+mod clip;
 mod flo;
 mod kitti;
 mod mot;
@@ -7,7 +8,9 @@ mod npy;
 mod picture;
 mod save;
 mod table;
+mod vectors;
 
+pub use clip::{clip, frame};
 pub use flo::flo;
 pub use kitti::{Kitti, kitti};
 pub use mot::mot;
@@ -15,3 +18,4 @@ pub use npy::npy;
 pub use picture::{Pixels, png};
 pub use save::save;
 pub use table::{Cell, Table};
+pub use vectors::{FlowFormat, csv};

@@ -7,11 +7,17 @@ use motionscope_core::ObjectBox;
 pub fn mot(frames: &[Vec<ObjectBox>]) -> String {
     let rows = frames.iter().enumerate().flat_map(|(t, objects)| objects.iter().map(move |object| (t + 1, object)));
     rows.map(|(frame, object)| {
-        let ObjectBox { id, x, y, width, height, visibility } = object;
+        let ObjectBox { id, x, y, width, height, visibility } = *object;
         // The left edge of our first pixel lies at −0.5, that of theirs at 1.
-        format!("{frame},{id},{},{},{width},{height},1,1,{visibility}\n", x + 1.5, y + 1.5)
+        let [left, top, width, height, visibility] = [x + 1.5, y + 1.5, width, height, visibility].map(brief);
+        format!("{frame},{id},{left},{top},{width},{height},1,1,{visibility}\n")
     })
     .collect()
+}
+
+/// Four decimals at most.
+fn brief(value: f32) -> f64 {
+    (f64::from(value) * 1e4).round() / 1e4
 }
 
 #[cfg(test)]

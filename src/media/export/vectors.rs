@@ -1,0 +1,105 @@
+//! What an estimator found, as a table and as a dense field.
+
+use std::path::Path;
+
+use motionscope_core::{BlockField, Error, Flow, Output};
+
+use super::{Cell, Table, flo, kitti, npy};
+use crate::media::names::extension;
+
+/// `output` as CSV, one row per block, without those that have no result yet.
+pub fn csv(output: &Output) -> String {
+    match output {
+        Output::Blocks(field) => blocks(field).csv(),
+    }
+}
+
+/// Centre and size of each block, its displacement per frame, and what that costs.
+fn blocks(field: &BlockField) -> Table<7> {
+    let found = field.vectors.iter().enumerate().filter_map(|(i, vector)| Some((field.blocks.block(i), (*vector)?)));
+    let rows = found.map(|(block, vector)| {
+        let [x, y] = block.center().map(Cell::Single);
+        let [width, height] = [block.width, block.height].map(|side| Cell::Int(side as i64));
+        let [u, v] = vector.displacement.map(Cell::Single);
+        [x, y, width, height, u, v, Cell::Single(vector.cost)]
+    });
+    let columns = ["x_px", "y_px", "width_px", "height_px", "u_px", "v_px", "cost"];
+    Table { columns, rows: rows.collect() }
+}
+
+/// How a dense flow is kept in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlowFormat {
+    /// Middlebury's `.flo`.
+    Flo,
+    /// KITTI's 16-bit PNG.
+    Kitti,
+    /// A NumPy array.
+    Npy,
+}
+
+impl FlowFormat {
+    /// The format that the extension of `path` asks for; `-` is a `.flo`.
+    ///
+    /// # Errors
+    /// A sentence that tells which extensions there are.
+    pub fn of(path: &Path) -> Result<Self, Error> {
+        match extension(path).as_str() {
+            "flo" => Ok(Self::Flo),
+            "png" => Ok(Self::Kitti),
+            "npy" => Ok(Self::Npy),
+            _ if path == Path::new("-") => Ok(Self::Flo),
+            _ => Err(Error::new(format!("{}: a flow is written as .flo, .png (KITTI) or .npy", path.display()))),
+        }
+    }
+
+    /// `flow` in this format, and what it could not keep.
+    ///
+    /// # Errors
+    /// If the field has no pixels.
+    pub fn encode(self, flow: &Flow) -> Result<(Vec<u8>, Option<String>), Error> {
+        match self {
+            Self::Flo => Ok((flo(flow), None)),
+            Self::Npy => Ok((npy(flow), None)),
+            Self::Kitti => kitti(flow).map(|made| {
+                let lost = made.out_of_range;
+                let told =
+                    format!("{lost} pixels move farther than the ±512 px of a KITTI flow and are marked unknown");
+                (made.bytes, (lost > 0).then_some(told))
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::{BlockGrid, BlockVector, Border, Grid};
+
+    use super::*;
+
+    #[test]
+    fn a_block_is_a_row() {
+        let vector = |u, cost| Some(BlockVector { displacement: [u, -1.0], cost });
+        let output = Output::Blocks(BlockField {
+            blocks: BlockGrid { picture: (40, 16), size: 16, step: 16 },
+            vectors: vec![vector(2.0, 12.0), None, vector(0.5, 3.25)],
+            cost: "SAD",
+            candidates: 0,
+            border: Border::Replicate,
+        });
+        let golden = "x_px,y_px,width_px,height_px,u_px,v_px,cost\n7.5,7.5,16,16,2,-1,12\n35.5,7.5,8,16,0.5,-1,3.25\n";
+        assert_eq!(csv(&output), golden);
+    }
+
+    #[test]
+    fn the_extension_chooses() {
+        let flow = Flow(Grid::new(2, 2, [600.0, 0.0]));
+        for (name, start, told) in [("a.FLO", "PIEH", false), ("b.png", "PNG", true), ("c.npy", "NUMPY", false)] {
+            let (bytes, lost) = FlowFormat::of(Path::new(name)).unwrap().encode(&flow).unwrap();
+            assert!(String::from_utf8_lossy(&bytes[..6]).contains(start));
+            assert_eq!(lost.is_some_and(|lost| lost.starts_with("4 pixels")), told);
+        }
+        assert_eq!(FlowFormat::of(Path::new("-")), Ok(FlowFormat::Flo));
+        assert!(FlowFormat::of(Path::new("a.csv")).unwrap_err().to_string().contains(".npy"));
+    }
+}
