@@ -34,8 +34,8 @@ pub struct Cut {
     pixels: Vec<u8>,
 }
 
-/// Rows past the end of a cut that a kernel may read and ignore: 15 of its last tile, 3 of its last lanes.
-const SLACK_ROWS: usize = 18;
+/// Rows past the end of a cut that a kernel may read and ignore: 15 of its last tile, 2 of its second lane.
+const SLACK_ROWS: usize = 17;
 /// Bytes past those rows that it may read and ignore.
 const SLACK_BYTES: usize = 16;
 
@@ -76,13 +76,33 @@ impl Cut {
 pub fn until(sum: Sum, block: &Cut, area: &Cut, (i, j): (usize, usize), limit: u32) -> (u32, usize) {
     let mut total = 0;
     for y in 0..block.height {
-        let rows = block.row(0, y)[..block.width].iter().zip(area.row(i, j + y));
-        total += rows.map(|(&a, &b)| sum.term(a, b)).sum::<u32>();
+        total += match sum {
+            Sum::Absolute => {
+                row_sum(&block.row(0, y)[..block.width], area.row(i, j + y), |a, b| Sum::Absolute.term(a, b))
+            }
+            Sum::Squared => {
+                row_sum(&block.row(0, y)[..block.width], area.row(i, j + y), |a, b| Sum::Squared.term(a, b))
+            }
+        };
         if total > limit {
             return (total, y + 1);
         }
     }
     (total, block.height)
+}
+
+/// The sum over a row, 16 pixels at a time, which compilers turn into vector instructions.
+#[inline(always)]
+fn row_sum(block: &[u8], area: &[u8], term: impl Fn(u8, u8) -> u32) -> u32 {
+    let area = &area[..block.len()];
+    let ((a, a_rest), (b, b_rest)) = (block.as_chunks::<16>(), area.as_chunks::<16>());
+    let mut total = 0;
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..16 {
+            total += term(a[k], b[k]);
+        }
+    }
+    total + a_rest.iter().zip(b_rest).map(|(&a, &b)| term(a, b)).sum::<u32>()
 }
 
 /// The costs of `block` at all `columns × rows` places of `area`, row by row, into `costs`.
@@ -92,16 +112,21 @@ pub fn window(sum: Sum, block: &Cut, area: &Cut, (columns, rows): (usize, usize)
     costs.resize(columns * rows, 0);
     #[cfg(target_arch = "x86_64")]
     {
-        if sum == Sum::Absolute && is_x86_feature_detected!("avx512bw") {
-            // SAFETY: the processor has the features that the function was compiled for.
-            return unsafe { x86::sad_avx512(block, area, columns, costs) };
+        if is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("avx512vl") {
+            // SAFETY: the processor has the features that the functions were compiled for.
+            return unsafe {
+                match sum {
+                    Sum::Absolute => x86::avx512::<false>(block, area, columns, costs),
+                    Sum::Squared => x86::avx512::<true>(block, area, columns, costs),
+                }
+            };
         }
         if is_x86_feature_detected!("avx2") {
             // SAFETY: as above.
             return unsafe {
                 match sum {
-                    Sum::Absolute => x86::sad_avx2(block, area, columns, costs),
-                    Sum::Squared => x86::ssd_avx2(block, area, columns, costs),
+                    Sum::Absolute => x86::avx2::<false>(block, area, columns, costs),
+                    Sum::Squared => x86::avx2::<true>(block, area, columns, costs),
                 }
             };
         }
@@ -109,161 +134,153 @@ pub fn window(sum: Sum, block: &Cut, area: &Cut, (columns, rows): (usize, usize)
     plain(sum, block, area, columns, costs);
 }
 
-/// The textbook loops; the oracle of the tests and the way on other processors.
-#[inline(always)]
+/// Candidate by candidate: the way on other processors.
 fn plain(sum: Sum, block: &Cut, area: &Cut, columns: usize, costs: &mut [u32]) {
     for (j, costs) in costs.chunks_exact_mut(columns).enumerate() {
         for (i, cost) in costs.iter_mut().enumerate() {
-            *cost = (0..block.height)
-                .map(|y| {
-                    let pixels = block.row(0, y)[..block.width].iter().zip(&area.row(i, j + y)[..block.width]);
-                    pixels.map(|(&a, &b)| sum.term(a, b)).sum::<u32>()
-                })
-                .sum();
+            *cost = until(sum, block, area, (i, j), u32::MAX).0;
         }
     }
 }
 
 /// Kernels for x86-64.
 ///
-/// Several candidates below one another share each row that is read: with lanes `l` of 16 pixels, lane `l` holds
-/// the block's row `r − l`, so row `r` of the area, broadcast to all lanes, meets the right row in each.
+/// Two candidates, one below the other, share the rows that are read: of the two lanes of 16 pixels the second
+/// stands one row lower. Row `r` of the area, broadcast to both lanes, meets row `r` of the block in the first
+/// and row `r − 1` in the second; what sticks out at the top and the bottom is put together in one.
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use std::arch::x86_64::*;
 
-    use super::{Cut, SLACK_BYTES, Sum, plain};
+    use super::{Cut, SLACK_BYTES};
 
     /// Side of the tiles into which a block is cut.
     const TILE: usize = 16;
 
-    /// A 16-pixel row of the block, or zeros outside it, and a mask of the pixels that count.
-    fn tile_row(block: &Cut, x: usize, y0: usize, r: isize) -> ([u8; TILE], u16) {
-        let mut row = [0; TILE];
-        let height = TILE.min(block.height - y0) as isize;
-        if !(0..height).contains(&r) {
-            return (row, 0);
-        }
-        let width = TILE.min(block.width - x);
-        row[..width].copy_from_slice(&block.row(x, y0 + r as usize)[..width]);
-        (row, ((1u32 << width) - 1) as u16)
+    /// The rows of one tile for both lanes, and masks of the pixels that count.
+    struct Tile {
+        x: usize,
+        y: usize,
+        pixels: [__m256i; TILE],
+        masks: [__m256i; TILE],
+        is_full: bool,
     }
 
-    /// Every tile of the block, by its first column and row.
-    fn tiles(block: &Cut) -> impl Iterator<Item = (usize, usize)> {
-        let (width, height) = (block.width, block.height);
-        (0..height).step_by(TILE).flat_map(move |y| (0..width).step_by(TILE).map(move |x| (x, y)))
-    }
-
-    #[target_feature(enable = "avx512f,avx512bw")]
-    pub fn sad_avx512(block: &Cut, area: &Cut, columns: usize, costs: &mut [u32]) {
-        const LANES: usize = 4;
-        const ROWS: usize = TILE + LANES - 1;
-        let rows = costs.len() / columns;
-        for (x, y) in tiles(block) {
-            let mut lanes = [_mm512_setzero_si512(); ROWS];
-            let mut masks = [0u64; ROWS];
-            for r in 0..ROWS {
-                let mut bytes = [0u8; 64];
-                for l in 0..LANES {
-                    let (row, mask) = tile_row(block, x, y, r as isize - l as isize);
-                    bytes[l * TILE..][..TILE].copy_from_slice(&row);
-                    masks[r] |= u64::from(mask) << (l * TILE);
-                }
-                // SAFETY: 64 bytes are there to be read.
-                lanes[r] = unsafe { _mm512_loadu_si512(bytes.as_ptr().cast()) };
-            }
-            let full = (LANES - 1..TILE).all(|r| masks[r] == u64::MAX);
-            let last = (rows - 1) / LANES * LANES + y + ROWS - 1;
-            assert!(x + columns <= area.stride && (last + 1) * area.stride + SLACK_BYTES <= area.pixels.len());
-            for j in (0..rows).step_by(LANES) {
-                let lanes_used = LANES.min(rows - j);
-                for i in 0..columns {
-                    let mut total = _mm512_setzero_si512();
-                    for r in 0..ROWS {
-                        // SAFETY: the assertion above keeps 16 bytes from every place in every row inside the area.
-                        let pixels = unsafe {
-                            let start = area.pixels.as_ptr().add((j + y + r) * area.stride + x + i);
-                            _mm512_broadcast_i32x4(_mm_loadu_si128(start.cast()))
-                        };
-                        let pixels = if full && (LANES - 1..TILE).contains(&r) {
-                            pixels
-                        } else {
-                            _mm512_maskz_mov_epi8(masks[r], pixels)
-                        };
-                        total = _mm512_add_epi64(total, _mm512_sad_epu8(pixels, lanes[r]));
-                    }
-                    let pairs = _mm512_add_epi64(total, _mm512_unpackhi_epi64(total, total));
-                    let mut sums = [0u64; 8];
-                    // SAFETY: 64 bytes are there to be written.
-                    unsafe { _mm512_storeu_si512(sums.as_mut_ptr().cast(), pairs) };
-                    for l in 0..lanes_used {
-                        costs[(j + l) * columns + i] += sums[2 * l] as u32;
+    impl Tile {
+        #[target_feature(enable = "avx2")]
+        fn new(block: &Cut, x: usize, y: usize) -> Self {
+            let (width, height) = (TILE.min(block.width - x), TILE.min(block.height - y));
+            let (mut pixels, mut masks) = ([_mm256_setzero_si256(); TILE], [_mm256_setzero_si256(); TILE]);
+            for r in 0..TILE {
+                let (mut row, mut mask) = ([0u8; 2 * TILE], [0u8; 2 * TILE]);
+                for (lane, of_block) in [r, (r + TILE - 1) % TILE].into_iter().enumerate() {
+                    if of_block < height {
+                        let lane = lane * TILE..lane * TILE + width;
+                        row[lane.clone()].copy_from_slice(&block.row(x, y + of_block)[..width]);
+                        mask[lane].fill(u8::MAX);
                     }
                 }
-            }
-        }
-    }
-
-    #[target_feature(enable = "avx2")]
-    pub fn sad_avx2(block: &Cut, area: &Cut, columns: usize, costs: &mut [u32]) {
-        const LANES: usize = 2;
-        const ROWS: usize = TILE + LANES - 1;
-        let rows = costs.len() / columns;
-        for (x, y) in tiles(block) {
-            let mut lanes = [_mm256_setzero_si256(); ROWS];
-            let mut masks = [_mm256_setzero_si256(); ROWS];
-            let mut full = true;
-            for r in 0..ROWS {
-                let (mut bytes, mut mask) = ([0u8; 32], [0u8; 32]);
-                for l in 0..LANES {
-                    let (row, bits) = tile_row(block, x, y, r as isize - l as isize);
-                    bytes[l * TILE..][..TILE].copy_from_slice(&row);
-                    for (k, m) in mask[l * TILE..][..TILE].iter_mut().enumerate() {
-                        *m = if bits >> k & 1 == 1 { u8::MAX } else { 0 };
-                    }
-                }
-                full &= !(LANES - 1..TILE).contains(&r) || mask == [u8::MAX; 32];
                 // SAFETY: 32 bytes are there to be read.
                 unsafe {
-                    lanes[r] = _mm256_loadu_si256(bytes.as_ptr().cast());
+                    pixels[r] = _mm256_loadu_si256(row.as_ptr().cast());
                     masks[r] = _mm256_loadu_si256(mask.as_ptr().cast());
                 }
             }
-            let last = (rows - 1) / LANES * LANES + y + ROWS - 1;
-            assert!(x + columns <= area.stride && (last + 1) * area.stride + SLACK_BYTES <= area.pixels.len());
-            for j in (0..rows).step_by(LANES) {
-                let lanes_used = LANES.min(rows - j);
-                for i in 0..columns {
+            Self { x, y, pixels, masks, is_full: (width, height) == (TILE, TILE) }
+        }
+    }
+
+    /// Sums of the differences of two times 16 pixels, spread over each lane.
+    #[inline(always)]
+    unsafe fn differences<const SQUARED: bool>(a: __m256i, b: __m256i) -> __m256i {
+        // SAFETY: the caller vouches for AVX2.
+        unsafe {
+            if !SQUARED {
+                return _mm256_sad_epu8(a, b);
+            }
+            let zero = _mm256_setzero_si256();
+            let difference = _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
+            let (low, high) = (_mm256_unpacklo_epi8(difference, zero), _mm256_unpackhi_epi8(difference, zero));
+            _mm256_add_epi32(_mm256_madd_epi16(low, low), _mm256_madd_epi16(high, high))
+        }
+    }
+
+    /// The sum of each lane, in the first and the fifth of eight numbers.
+    #[inline(always)]
+    unsafe fn lane_sums<const SQUARED: bool>(total: __m256i) -> __m256i {
+        // SAFETY: the caller vouches for AVX2.
+        unsafe {
+            let halves = _mm256_add_epi32(total, _mm256_unpackhi_epi64(total, total));
+            if SQUARED { _mm256_add_epi32(halves, _mm256_srli_epi64::<32>(halves)) } else { halves }
+        }
+    }
+
+    /// Adds the part of `tile` to the sums of all candidates.
+    #[inline(always)]
+    unsafe fn add_tile<const SQUARED: bool, const FULL: bool>(
+        tile: &Tile,
+        area: &Cut,
+        columns: usize,
+        sums: &mut [u32],
+    ) {
+        let rows = sums.len() / columns;
+        let lowest = (rows - 1) / 2 * 2 + tile.y + TILE;
+        assert!(tile.x + columns <= area.stride && (lowest + 1) * area.stride + SLACK_BYTES <= area.pixels.len());
+        for j in (0..rows).step_by(2) {
+            for i in 0..columns {
+                // SAFETY: the assertion above keeps 16 bytes from every place in every row inside the area; the
+                // caller vouches for AVX2.
+                unsafe {
+                    let start = area.pixels.as_ptr().add((j + tile.y) * area.stride + tile.x + i);
+                    let row = |r: usize| _mm_loadu_si128(start.add(r * area.stride).cast());
                     let mut total = _mm256_setzero_si256();
-                    for r in 0..ROWS {
-                        // SAFETY: the assertion above keeps 16 bytes from every place in every row inside the area.
-                        let pixels = unsafe {
-                            let start = area.pixels.as_ptr().add((j + y + r) * area.stride + x + i);
-                            _mm256_broadcastsi128_si256(_mm_loadu_si128(start.cast()))
-                        };
-                        let pixels = if full && (LANES - 1..TILE).contains(&r) {
-                            pixels
+                    for r in 0..TILE {
+                        let both = if r == 0 {
+                            _mm256_set_m128i(row(TILE), row(0))
                         } else {
-                            _mm256_and_si256(masks[r], pixels)
+                            _mm256_broadcastsi128_si256(row(r))
                         };
-                        total = _mm256_add_epi64(total, _mm256_sad_epu8(pixels, lanes[r]));
+                        let both = if FULL { both } else { _mm256_and_si256(tile.masks[r], both) };
+                        total = _mm256_add_epi32(total, differences::<SQUARED>(both, tile.pixels[r]));
                     }
-                    let pairs = _mm256_add_epi64(total, _mm256_unpackhi_epi64(total, total));
-                    let mut sums = [0u64; 4];
-                    // SAFETY: 32 bytes are there to be written.
-                    unsafe { _mm256_storeu_si256(sums.as_mut_ptr().cast(), pairs) };
-                    for l in 0..lanes_used {
-                        costs[(j + l) * columns + i] += sums[2 * l] as u32;
+                    let halves = lane_sums::<SQUARED>(total);
+                    sums[j * columns + i] += _mm256_extract_epi32::<0>(halves) as u32;
+                    if let Some(below) = sums.get_mut((j + 1) * columns + i) {
+                        *below += _mm256_extract_epi32::<4>(halves) as u32;
                     }
                 }
             }
         }
     }
 
+    #[inline(always)]
+    unsafe fn all_tiles<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
+        for y in (0..block.height).step_by(TILE) {
+            for x in (0..block.width).step_by(TILE) {
+                // SAFETY: the caller vouches for AVX2.
+                unsafe {
+                    let tile = Tile::new(block, x, y);
+                    if tile.is_full {
+                        add_tile::<SQUARED, true>(&tile, area, columns, sums);
+                    } else {
+                        add_tile::<SQUARED, false>(&tile, area, columns, sums);
+                    }
+                }
+            }
+        }
+    }
+
+    /// With the 32 registers of AVX-512 the whole tile stays in registers.
+    #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx2")]
+    pub fn avx512<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
+        // SAFETY: this function is only compiled for processors with AVX2.
+        unsafe { all_tiles::<SQUARED>(block, area, columns, sums) }
+    }
+
     #[target_feature(enable = "avx2")]
-    pub fn ssd_avx2(block: &Cut, area: &Cut, columns: usize, costs: &mut [u32]) {
-        plain(Sum::Squared, block, area, columns, costs);
+    pub fn avx2<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
+        // SAFETY: as above.
+        unsafe { all_tiles::<SQUARED>(block, area, columns, sums) }
     }
 }
 
@@ -273,6 +290,20 @@ mod tests {
 
     use super::*;
     use crate::Grid;
+
+    /// As simple as possible.
+    fn textbook(sum: Sum, block: &Cut, area: &Cut, (columns, rows): (usize, usize)) -> Vec<u32> {
+        let mut costs = Vec::new();
+        for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
+            let mut cost = 0;
+            for (x, y) in (0..block.height).flat_map(|y| (0..block.width).map(move |x| (x, y))) {
+                let difference = i64::from(block.pixel(x, y)) - i64::from(area.pixel(i + x, j + y));
+                cost += if sum == Sum::Absolute { difference.abs() } else { difference * difference };
+            }
+            costs.push(cost as u32);
+        }
+        costs
+    }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(300))]
@@ -293,14 +324,20 @@ mod tests {
             for sum in [Sum::Absolute, Sum::Squared] {
                 let mut costs = Vec::new();
                 window(sum, &block, &area, (columns, rows), &mut costs);
-                let mut expected = vec![0; columns * rows];
-                plain(sum, &block, &area, columns, &mut expected);
+                let expected = textbook(sum, &block, &area, (columns, rows));
+                prop_assert_eq!(&costs, &expected);
+                plain(sum, &block, &area, columns, &mut costs);
                 prop_assert_eq!(&costs, &expected);
                 #[cfg(target_arch = "x86_64")]
-                if sum == Sum::Absolute && is_x86_feature_detected!("avx2") {
-                    let mut costs = vec![0; columns * rows];
+                if is_x86_feature_detected!("avx2") {
+                    costs.fill(0);
                     // SAFETY: the processor has AVX2.
-                    unsafe { x86::sad_avx2(&block, &area, columns, &mut costs) };
+                    unsafe {
+                        match sum {
+                            Sum::Absolute => x86::avx2::<false>(&block, &area, columns, &mut costs),
+                            Sum::Squared => x86::avx2::<true>(&block, &area, columns, &mut costs),
+                        }
+                    }
                     prop_assert_eq!(&costs, &expected);
                 }
                 for (k, &cost) in expected.iter().enumerate() {

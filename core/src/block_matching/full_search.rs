@@ -42,32 +42,26 @@ params! {
 #[derive(Clone)]
 pub struct State {
     pair: Pair,
-    /// The order of a window that the border does not cut, by index into the window.
-    order: Arc<[u32]>,
+    /// The order of a window that the border does not cut, by index into the window; `None` for raster.
+    order: Option<Arc<[u32]>>,
     found: Vec<Match>,
     candidates: u64,
 }
 
 impl FullSearch {
-    /// The indices of `window` in the order of the search.
-    fn order_of(&self, window: Window) -> Arc<[u32]> {
+    /// The indices of `window` in the order of the search; `None` if that is simply from first to last.
+    fn order_of(&self, window: Window) -> Option<Arc<[u32]>> {
         let mut indices: Vec<u32> = (0..window.count() as u32).collect();
-        if self.order == Order::Spiral {
-            indices.sort_by_cached_key(|&index| ring_place(window.displacement(index as usize)));
+        match self.order {
+            Order::Raster => return None,
+            Order::Spiral => indices.sort_by_cached_key(|&index| ring_place(window.displacement(index as usize))),
         }
-        indices.into()
+        Some(indices.into())
     }
 
     /// Searches one block. This is the loop that is taught, timed and trusted: there is no other.
     fn search(&self, state: &State, block: Block, patch: &mut Patch, observer: &mut impl Observer<Event>) -> Match {
         let window = state.pair.window(block, self.range);
-        let cut;
-        let order = if window.count() == state.order.len() {
-            &state.order
-        } else {
-            cut = self.order_of(window);
-            &cut
-        };
         patch.take(&state.pair, block, window);
         let mut sums = Vec::new();
         if !self.early_exit {
@@ -76,8 +70,7 @@ impl FullSearch {
         observer.see(|| Event::Window);
         let mut best: Option<Match> = None;
         let mut limit = u32::MAX;
-        for &index in order.iter() {
-            let index = index as usize;
+        let mut test = |index: usize| {
             let (sum, rows) = if self.early_exit {
                 let place = (index % window.size.0, index / window.size.0);
                 block_search::sum_until(self.cost, patch, place, limit)
@@ -86,7 +79,7 @@ impl FullSearch {
             };
             observer.see(|| Event::Candidate { displacement: window.displacement(index), sum, rows });
             if sum > limit {
-                continue;
+                return;
             }
             let displacement = window.displacement(index);
             if best.is_none_or(|best| sum < best.sum || shorter(displacement, best.displacement)) {
@@ -94,6 +87,11 @@ impl FullSearch {
                 best = Some(Match { displacement, sum });
                 limit = sum;
             }
+        };
+        match &state.order {
+            None => (0..window.count()).for_each(test),
+            Some(order) if order.len() == window.count() => order.iter().for_each(|&i| test(i as usize)),
+            Some(_) => self.order_of(window).iter().flat_map(|order| order.iter()).for_each(|&i| test(i as usize)),
         }
         let best = best.unwrap_or(Match { displacement: [0, 0], sum: limit });
         observer.see(|| Event::Found(best));

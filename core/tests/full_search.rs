@@ -1,0 +1,129 @@
+//! Full search against a plain reference, and against what the issue of ties and borders demands.
+
+use motionscope_core::{Clip, Frame, Gray, Grid, Output, Threads, estimator};
+use proptest::prelude::*;
+
+/// What a search is asked for.
+#[derive(Clone, Copy, Debug)]
+struct Question {
+    block: usize,
+    range: i64,
+    squared: bool,
+    border: &'static str,
+}
+
+/// Full search as simple as possible: displacement and cost of the block at `(x, y)`.
+fn reference(current: &Gray, next: &Gray, (x0, y0): (usize, usize), question: Question) -> ([f32; 2], f32) {
+    let (width, height) = (current.width() as i64, current.height() as i64);
+    let (x1, y1) = ((x0 + question.block).min(current.width()), (y0 + question.block).min(current.height()));
+    let fold = |i: i64, n: i64| match question.border {
+        "mirror" if n == 1 => 0,
+        "mirror" => {
+            let mut i = i;
+            while i < 0 || i >= n {
+                i = if i < 0 { -i } else { 2 * (n - 1) - i };
+            }
+            i
+        }
+        _ => i.clamp(0, n - 1),
+    };
+    let mut tested = Vec::new();
+    for v in -question.range..=question.range {
+        for u in -question.range..=question.range {
+            let inside = x0 as i64 + u >= 0 && y0 as i64 + v >= 0 && x1 as i64 + u <= width && y1 as i64 + v <= height;
+            if question.border == "inside" && !inside {
+                continue;
+            }
+            let mut cost = 0i64;
+            for (x, y) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))) {
+                let other = next[(fold(x as i64 + u, width) as usize, fold(y as i64 + v, height) as usize)];
+                let difference = (i64::from(current[(x, y)]) - i64::from(other)).abs();
+                cost += if question.squared { difference * difference } else { difference };
+            }
+            tested.push((cost, u * u + v * v, v, u));
+        }
+    }
+    let (cost, _, v, u) = tested.into_iter().min().expect("the zero displacement is always there");
+    ([u as f32, v as f32], cost as f32)
+}
+
+fn picture(width: usize, height: usize, seed: u32, levels: u32) -> Gray {
+    Grid::from_fn(width, height, |x, y| {
+        let h = (x as u32).wrapping_mul(0x9E37_79B9) ^ (y as u32).wrapping_mul(0x85EB_CA6B) ^ seed;
+        ((h.wrapping_mul(0xC2B2_AE35) >> 16) % levels * (255 / levels)) as u8
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn agrees_with_the_plain_reference(
+        (block, range) in (4usize..20, 1i64..7),
+        (width, height) in (20usize..50, 20usize..50),
+        (squared, border) in (any::<bool>(), prop::sample::select(vec!["inside", "replicate", "mirror"])),
+        (order, early) in (prop::sample::select(vec!["raster", "spiral"]), any::<bool>()),
+        // Few levels make many ties.
+        (seed, levels) in (any::<u32>(), prop::sample::select(vec![2u32, 3, 255])),
+        step in 0usize..9,
+    ) {
+        let question = Question { block, range, squared, border };
+        let (current, next) = (picture(width, height, seed, levels), picture(width, height, seed ^ 0xABCD, levels));
+        let clip = Clip::from_frames("pair", vec![Frame::gray(current.clone()), Frame::gray(next.clone())]).unwrap();
+        let mut search = estimator("full-search").unwrap();
+        for (name, value) in [
+            ("block", block.to_string()),
+            ("range", range.to_string()),
+            ("step", step.to_string()),
+            ("cost", if squared { "ssd" } else { "sad" }.into()),
+            ("border", border.into()),
+            ("order", order.into()),
+            ("early-exit", if early { "on" } else { "off" }.into()),
+        ] {
+            search.set(name, &value).unwrap();
+        }
+        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap();
+        for (i, found) in field.vectors.iter().enumerate() {
+            let at = field.blocks.block(i);
+            let found = found.expect("every block is searched");
+            prop_assert_eq!((found.displacement, found.cost), reference(&current, &next, (at.x, at.y), question));
+        }
+    }
+}
+
+#[test]
+fn mse_is_ssd_divided_and_chooses_the_same() {
+    let clip =
+        Clip::from_frames("pair", vec![Frame::gray(picture(40, 40, 1, 255)), Frame::gray(picture(40, 40, 2, 255))])
+            .unwrap();
+    let run = |cost: &str| {
+        let mut search = estimator("full-search").unwrap();
+        search.set("cost", cost).unwrap();
+        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap();
+        field
+    };
+    let (ssd, mse) = (run("ssd"), run("mse"));
+    for (i, (a, b)) in ssd.vectors.iter().zip(&mse.vectors).enumerate() {
+        let (a, b, block) = (a.unwrap(), b.unwrap(), ssd.blocks.block(i));
+        assert_eq!(a.displacement, b.displacement);
+        assert_eq!(b.cost, a.cost / (block.width * block.height) as f32);
+    }
+}
+
+#[test]
+fn a_flat_picture_does_not_move() {
+    let clip = Clip::from_frames("flat", vec![Frame::gray(Grid::new(64, 64, 9)); 2]).unwrap();
+    for order in ["raster", "spiral"] {
+        let mut search = estimator("full-search").unwrap();
+        search.set("order", order).unwrap();
+        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap();
+        assert!(field.vectors.iter().all(|v| v.is_some_and(|v| v.displacement == [0.0, 0.0])));
+    }
+}
+
+#[test]
+fn refuses_a_block_larger_than_the_picture_in_words() {
+    let clip = Clip::from_frames("tiny", vec![Frame::gray(Grid::new(10, 10, 0)); 2]).unwrap();
+    let error = estimator("full-search").unwrap().walk(&clip, 0).err().unwrap().to_string();
+    assert_eq!(error, "a block of 16 px does not fit into a picture of 10×10 px; choose a smaller block");
+}

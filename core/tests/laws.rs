@@ -1,0 +1,289 @@
+//! Laws that hold for every estimator of the registry. A new one is tested here unasked.
+
+use motionscope_core::params::{Kind, Value};
+use motionscope_core::{
+    AnyEstimator, Clip, Cursor, Frame, Grid, Move, Output, Scene, Step, Threads, Walk, Way, estimators,
+};
+use proptest::prelude::*;
+
+/// A texture without repetition: every place can be told from every other.
+fn texture(x: i64, y: i64) -> u8 {
+    let hash = |x: i64, y: i64| {
+        let h = (x.wrapping_mul(0x9E37_79B9) ^ y.wrapping_mul(0x85EB_CA6B)).wrapping_mul(0x2545_F491_4F6C_DD1D);
+        (h >> 40) & 0xff
+    };
+    // Smoothed over 2×2 so that it is a picture rather than noise.
+    ((hash(x, y) + hash(x + 1, y) + hash(x, y + 1) + hash(x + 1, y + 1)) / 4) as u8
+}
+
+/// Frames in which everything moves by `(u, v)` px/frame.
+fn moving(width: usize, height: usize, (u, v): (i64, i64), frames: i64) -> Clip {
+    let frame = |t: i64| Frame::gray(Grid::from_fn(width, height, |x, y| texture(x as i64 - u * t, y as i64 - v * t)));
+    Clip::from_frames("moving", (0..frames).map(frame).collect()).expect("frames of one size")
+}
+
+/// Everything that can be seen at a cursor.
+#[derive(Debug, PartialEq)]
+struct View {
+    cursor: Cursor,
+    step: Step,
+    scene: Scene,
+    output: Output,
+}
+
+impl View {
+    fn of(walk: &dyn Walk) -> Self {
+        Self { cursor: walk.cursor(), step: walk.step(None), scene: walk.scene(None), output: walk.output() }
+    }
+
+    /// Equal but for NaN, which stands for "not known yet" and differs from itself.
+    fn same(&self, other: &Self) -> bool {
+        format!("{self:?}") == format!("{other:?}")
+    }
+}
+
+fn into(way: Way, walk: &mut dyn Walk) {
+    walk.jump(Move::Rung(walk.info().rungs.len() - 1, way));
+}
+
+/// Parameters small enough that whole runs can be walked.
+fn small(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
+    for (name, value) in [("block", "8"), ("range", "2")] {
+        if estimator.get(name).is_ok() {
+            estimator.set(name, value).expect("in range");
+        }
+    }
+    estimator
+}
+
+fn each(law: impl Fn(Box<dyn AnyEstimator>)) {
+    for estimator in estimators() {
+        law(small(estimator));
+    }
+}
+
+#[test]
+fn run_equals_stepping_on_any_number_of_threads() {
+    each(|estimator| {
+        let clip = moving(50, 41, (1, -2), 2);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        while !walk.at_end() {
+            into(Way::Forward, &mut *walk);
+        }
+        for threads in 1..4 {
+            let run = estimator.run(&clip, 0, &Threads::new(threads).unwrap()).unwrap();
+            assert_eq!(run, walk.output(), "{}", estimator.info().id);
+        }
+        let extent = estimator.extent(&clip, 0).unwrap();
+        assert_eq!(Some(extent.units), walk.units());
+    });
+}
+
+#[test]
+fn seeking_anywhere_equals_walking_there() {
+    each(|estimator| {
+        let clip = moving(34, 27, (1, 1), 2);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let mut views = vec![View::of(&*walk)];
+        while !walk.at_end() {
+            into(Way::Forward, &mut *walk);
+            views.push(View::of(&*walk));
+        }
+        let extent = estimator.extent(&clip, 0).unwrap();
+        assert_eq!(views.len() as u64, extent.events + 1, "one stop for each event, and the start");
+        for view in views.iter().rev() {
+            assert!(view.same(&View::of(&*walk)), "walking back: {}", view.cursor);
+            into(Way::Back, &mut *walk);
+        }
+        // A fixed order that visits every stop from an unrelated one.
+        for i in 0..views.len() {
+            let view = &views[i * 7919 % views.len()];
+            walk.jump(Move::To(view.cursor));
+            assert!(view.same(&View::of(&*walk)), "seeking: {}", view.cursor);
+        }
+    });
+}
+
+#[test]
+fn rungs_lead_to_ends_of_units_and_back() {
+    each(|estimator| {
+        let clip = moving(40, 24, (0, 1), 2);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let unit = walk.info().rungs.len() - 2;
+        let mut ends = vec![walk.cursor()];
+        while !walk.at_end() {
+            walk.jump(Move::Rung(unit, Way::Forward));
+            assert_eq!(walk.cursor().event, walk.events());
+            ends.push(walk.cursor());
+        }
+        assert_eq!(Some(ends.len() - 1), walk.units());
+        for end in ends.iter().rev() {
+            assert_eq!(walk.cursor(), *end);
+            walk.jump(Move::Rung(unit, Way::Back));
+        }
+        walk.jump(Move::Rung(0, Way::Forward));
+        assert!(walk.at_end(), "the outermost rung is the whole run");
+        walk.jump(Move::Rung(0, Way::Back));
+        assert_eq!(walk.cursor(), Cursor::default());
+        walk.jump(Move::To(Cursor { unit: usize::MAX, event: usize::MAX }));
+        assert!(walk.at_end(), "a place beyond the end is the end");
+    });
+}
+
+#[test]
+fn sliced_seeking_arrives_at_the_same_place() {
+    each(|estimator| {
+        let clip = moving(80, 60, (1, 0), 2);
+        let mut direct = estimator.walk(&clip, 0).unwrap();
+        let mut sliced = estimator.walk(&clip, 0).unwrap();
+        let target = Move::To(Cursor { unit: direct.units().unwrap_or(9) - 2, event: 3 });
+        direct.jump(target);
+        sliced.go(target);
+        let mut slices = 1;
+        while !sliced.work(&mut || false) {
+            let (done, of) = sliced.progress().expect("this move has a known length");
+            assert!(done <= of);
+            assert_eq!(sliced.cursor(), Cursor::default(), "nothing shows before the move is finished");
+            slices += 1;
+        }
+        assert!(slices > 10, "one unit a slice");
+        assert!(View::of(&*direct).same(&View::of(&*sliced)));
+    });
+}
+
+#[test]
+fn known_translations_are_recovered() {
+    each(|estimator| {
+        for motion in [(0, 0), (2, -1), (-2, 2)] {
+            let clip = moving(64, 48, motion, 2);
+            let flow = estimator.run(&clip, 0, &Threads::single()).unwrap().flow();
+            // Away from the border, where what moved in cannot be known.
+            for (x, y) in (16..40).flat_map(|y| (16..48).map(move |x| (x, y))) {
+                let found = flow.at(x, y).expect("a displacement for every pixel");
+                assert_eq!(found, [motion.0 as f32, motion.1 as f32], "{} at {x}, {y}", estimator.info().id);
+            }
+        }
+    });
+}
+
+#[test]
+fn every_mark_is_finite_and_every_event_is_told() {
+    each(|estimator| {
+        let clip = moving(24, 24, (1, 1), 2);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let info = estimator.info();
+        while !walk.at_end() {
+            into(Way::Forward, &mut *walk);
+            let step = walk.step(Some([9.0, 9.0]));
+            assert!(step.line < info.pseudocode.len());
+            assert!(step.sentence.plain().len() > 10, "{}: {}", walk.cursor(), step.sentence.plain());
+            assert!(!step.readouts.is_empty());
+            let scene = walk.scene(None);
+            assert!(scene.marks.iter().all(|mark| mark.shape.coordinates().iter().all(|c| c.is_finite())));
+            assert!(!scene.legend.is_empty());
+        }
+    });
+}
+
+#[test]
+fn declarations_are_complete() {
+    let family_of = |info: &motionscope_core::Info| info.family.to_lowercase().replace(' ', "_");
+    let mut files = Vec::new();
+    for estimator in estimators() {
+        let info = estimator.info();
+        files.push(format!("{}/{}.rs", family_of(info), info.id.replace('-', "_")));
+        assert!(info.rungs.len() >= 3 && !info.pseudocode.is_empty() && !info.source.is_empty());
+        for (i, spec) in estimator.specs().iter().enumerate() {
+            assert!(spec.doc.ends_with('.'), "{}: the doc of {} is a sentence", info.id, spec.name);
+            assert_eq!(spec.check(spec.default), Ok(spec.default));
+            assert_eq!(estimator.value(i), spec.default, "{}: {}", info.id, spec.name);
+        }
+    }
+    // Registry and files agree, both ways.
+    let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    let families: std::collections::BTreeSet<_> = estimators().iter().map(|e| family_of(e.info())).collect();
+    for family in families {
+        for entry in std::fs::read_dir(source.join(&family)).unwrap() {
+            let name = entry.unwrap().file_name().into_string().unwrap();
+            if name != "mod.rs" {
+                found.push(format!("{family}/{name}"));
+            }
+        }
+    }
+    found.sort();
+    files.sort();
+    assert_eq!(files, found);
+}
+
+#[test]
+fn a_single_frame_and_a_missing_one_are_refused() {
+    each(|estimator| {
+        assert!(estimator.walk(&moving(32, 32, (0, 0), 1), 0).is_err());
+        for frame in [1, 2, usize::MAX] {
+            assert!(estimator.walk(&moving(32, 32, (0, 0), 2), frame).is_err());
+        }
+    });
+}
+
+/// A value for `kind` that is in range, chosen by `dice`.
+fn in_range(kind: &Kind, dice: u64) -> Value {
+    match kind {
+        Kind::Int { min, max } => Value::Int(min + (dice % (*max - *min + 1) as u64) as i64),
+        Kind::Real { min, max } => Value::Real(min + (max - min) * ((dice % 1001) as f64 / 1000.0)),
+        Kind::Switch => Value::Switch(dice.is_multiple_of(2)),
+        Kind::Choice(all) => Value::Choice(all[dice as usize % all.len()].name),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn any_parameters_in_range_run_or_are_refused_in_words(
+        dice in prop::collection::vec(any::<u64>(), 16),
+        (width, height) in (1usize..90, 1usize..90),
+        motion in (-3i64..4, -3i64..4),
+    ) {
+        for mut estimator in estimators() {
+            for (i, spec) in estimator.specs().iter().enumerate() {
+                let value = in_range(&spec.kind, dice[i % dice.len()]);
+                prop_assert!(estimator.set_value(i, value).is_ok());
+            }
+            let clip = moving(width, height, motion, 2);
+            match estimator.walk(&clip, 0) {
+                Err(error) => prop_assert!(error.to_string().len() > 20),
+                Ok(mut walk) => {
+                    walk.jump(Move::To(Cursor { unit: (dice[0] % 50) as usize, event: (dice[1] % 100) as usize }));
+                    walk.step(Some([3.0, 4.0]));
+                    let scene = walk.scene(None);
+                    let finite = |mark: &motionscope_core::scene::Mark| {
+                        mark.shape.coordinates().iter().all(|c| c.is_finite())
+                    };
+                    prop_assert!(scene.marks.iter().all(finite));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn parameters_out_of_range_are_refused_with_the_range(beyond in 1i64..1000) {
+        for mut estimator in estimators() {
+            for (i, spec) in estimator.specs().iter().enumerate() {
+                let outside = match &spec.kind {
+                    Kind::Int { min, max } => vec![Value::Int(min - beyond), Value::Int(max + beyond)],
+                    Kind::Real { min, max } => {
+                        vec![Value::Real(min - beyond as f64), Value::Real(max + beyond as f64), Value::Real(f64::NAN)]
+                    }
+                    Kind::Switch => vec![Value::Int(1)],
+                    Kind::Choice(_) => vec![Value::Choice("none-of-these")],
+                };
+                for value in outside {
+                    let refusal = estimator.set_value(i, value).expect_err("out of range").to_string();
+                    prop_assert!(refusal.contains(&spec.allowed()), "{refusal}");
+                    prop_assert_eq!(estimator.value(i), spec.default);
+                }
+            }
+        }
+    }
+}
