@@ -8,12 +8,14 @@ mod cache;
 mod contain;
 pub mod export;
 mod info;
+mod input;
 mod names;
 mod picture;
 mod sequence;
 mod sniff;
 mod stills;
 mod truth;
+mod video;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -22,6 +24,7 @@ use std::sync::Arc;
 use motionscope_core::{Clip, ClipInfo, Error, Frame, Truth};
 
 pub use info::Info;
+use input::Input;
 use sniff::Kind;
 
 /// How long work tells how far it is, and learns that nobody wants it any more.
@@ -134,11 +137,15 @@ fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
     if path.is_dir() || sequence::is_pattern(path) {
         return stills::open(path, options);
     }
-    let kind = sniff::kind(path)?;
+    let mut input = Input::open(path)?;
+    let kind = sniff::kind(&mut input)?;
     let mut source = match kind {
+        Kind::Still | Kind::Animation if path == Path::new("-") => {
+            return Err(Error::new("pictures cannot come from a pipe; save them to files and open those"));
+        }
         Kind::Still => stills::open(path, options)?,
         Kind::Animation => animation::open(path, options)?,
-        _ => return Err(Error::new("this kind of video cannot be opened yet")),
+        Kind::Video(format) => video::open(path, format, input, options)?,
     };
     source.info.warnings.extend(sniff::mislabelled(path, kind));
     Ok(source)

@@ -1,12 +1,11 @@
 //! What a file holds, told from its first bytes.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use motionscope_core::Error;
 
-use super::cannot_read;
+use super::input::Input;
+use super::video::Format;
 
 /// Which reader a file needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,16 +14,8 @@ pub(crate) enum Kind {
     Still,
     /// GIF, and PNG and WebP that move.
     Animation,
-    /// YUV4MPEG2.
-    Y4m,
-    /// MP4, QuickTime and their kin.
-    Mp4,
-    /// Matroska and WebM.
-    Matroska,
-    /// RIFF AVI.
-    Avi,
-    /// Something that another program may know.
-    Other,
+    /// Video, or something that another program may know as such.
+    Video(Format),
 }
 
 impl Kind {
@@ -33,11 +24,11 @@ impl Kind {
         match self {
             Kind::Still => "a picture",
             Kind::Animation => "an animated picture",
-            Kind::Y4m => "Y4M video",
-            Kind::Mp4 => "MP4 or QuickTime video",
-            Kind::Matroska => "Matroska or WebM video",
-            Kind::Avi => "AVI video",
-            Kind::Other => "something else",
+            Kind::Video(Format::Y4m) => "Y4M video",
+            Kind::Video(Format::Mp4) => "MP4 or QuickTime video",
+            Kind::Video(Format::Matroska) => "Matroska or WebM video",
+            Kind::Video(Format::Avi) => "AVI video",
+            Kind::Video(Format::Other) => "something else",
         }
     }
 }
@@ -45,29 +36,26 @@ impl Kind {
 /// Enough to see whether a PNG or a WebP moves, even past its colour profile.
 const HEAD_BYTES: u64 = 64 << 10;
 
-/// What the file at `path` holds.
+/// What `input` holds.
 ///
 /// # Errors
-/// A sentence, without the file's name, if it is not there, cannot be read or is empty.
-pub(crate) fn kind(path: &Path) -> Result<Kind, Error> {
-    let mut head = Vec::new();
-    let file = File::open(path).map_err(|e| cannot_read(&e))?;
-    file.take(HEAD_BYTES).read_to_end(&mut head).map_err(|e| cannot_read(&e))?;
-    if head.is_empty() {
+/// A sentence, without the file's name, if it cannot be read or is empty.
+pub(crate) fn kind(input: &mut Input) -> Result<Kind, Error> {
+    if input.len() == 0 {
         return Err(Error::new("the file is empty; copy it again from where it came"));
     }
-    Ok(kind_of(&head))
+    Ok(kind_of(&input.read_up_to(0, HEAD_BYTES)?))
 }
 
 /// What a file holds that begins with `head`.
-pub(crate) fn kind_of(head: &[u8]) -> Kind {
+fn kind_of(head: &[u8]) -> Kind {
     let at = |offset: usize, magic: &[u8]| head.get(offset..).is_some_and(|rest| rest.starts_with(magic));
     if at(0, b"YUV4MPEG2") {
-        Kind::Y4m
+        Kind::Video(Format::Y4m)
     } else if at(0, &[0x1A, 0x45, 0xDF, 0xA3]) {
-        Kind::Matroska
+        Kind::Video(Format::Matroska)
     } else if at(0, b"RIFF") && at(8, b"AVI ") {
-        Kind::Avi
+        Kind::Video(Format::Avi)
     } else if at(0, b"RIFF") && at(8, b"WEBP") {
         if holds(head, b"ANIM") { Kind::Animation } else { Kind::Still }
     } else if at(0, b"GIF8") {
@@ -77,9 +65,9 @@ pub(crate) fn kind_of(head: &[u8]) -> Kind {
     } else if at(0, &[0xFF, 0xD8, 0xFF]) || is_bmp(head) || is_tiff(head) || is_pnm(head) {
         Kind::Still
     } else if is_mp4(head) {
-        Kind::Mp4
+        Kind::Video(Format::Mp4)
     } else {
-        Kind::Other
+        Kind::Video(Format::Other)
     }
 }
 
@@ -109,10 +97,10 @@ fn is_mp4(head: &[u8]) -> bool {
 pub(crate) fn mislabelled(path: &Path, kind: Kind) -> Option<String> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     let promised = match extension.as_str() {
-        "y4m" => Kind::Y4m,
-        "mp4" | "m4v" | "mov" | "3gp" | "qt" => Kind::Mp4,
-        "mkv" | "webm" => Kind::Matroska,
-        "avi" => Kind::Avi,
+        "y4m" => Kind::Video(Format::Y4m),
+        "mp4" | "m4v" | "mov" | "3gp" | "qt" => Kind::Video(Format::Mp4),
+        "mkv" | "webm" => Kind::Video(Format::Matroska),
+        "avi" => Kind::Video(Format::Avi),
         "gif" => Kind::Animation,
         "jpg" | "jpeg" | "bmp" | "tif" | "tiff" | "pnm" | "pgm" | "ppm" | "pbm" => Kind::Still,
         // These may move or stand still.
@@ -130,9 +118,9 @@ mod tests {
     #[test]
     fn content_decides() {
         let cases: [(&[u8], Kind); 14] = [
-            (b"YUV4MPEG2 W2 H2\n", Kind::Y4m),
-            (b"\x1A\x45\xDF\xA3....", Kind::Matroska),
-            (b"RIFF....AVI LIST", Kind::Avi),
+            (b"YUV4MPEG2 W2 H2\n", Kind::Video(Format::Y4m)),
+            (b"\x1A\x45\xDF\xA3....", Kind::Video(Format::Matroska)),
+            (b"RIFF....AVI LIST", Kind::Video(Format::Avi)),
             (b"RIFF....WEBPVP8X..............ANIM", Kind::Animation),
             (b"RIFF....WEBPVP8 ", Kind::Still),
             (b"GIF89a", Kind::Animation),
@@ -140,10 +128,10 @@ mod tests {
             (b"\x89PNG\r\n\x1a\n....IHDR....acTL", Kind::Animation),
             (b"\xFF\xD8\xFF\xE0", Kind::Still),
             (b"P5\n2 2\n255\n", Kind::Still),
-            (b"\0\0\0\x18ftypisom", Kind::Mp4),
-            (b"\0\0\0\x08wide", Kind::Mp4),
-            (b"PIEH", Kind::Other),
-            (b"x", Kind::Other),
+            (b"\0\0\0\x18ftypisom", Kind::Video(Format::Mp4)),
+            (b"\0\0\0\x08wide", Kind::Video(Format::Mp4)),
+            (b"PIEH", Kind::Video(Format::Other)),
+            (b"x", Kind::Video(Format::Other)),
         ];
         for (head, kind) in cases {
             assert_eq!(kind_of(head), kind, "{head:?}");
@@ -152,10 +140,10 @@ mod tests {
 
     #[test]
     fn a_false_name_is_told() {
-        assert_eq!(mislabelled(Path::new("a.MOV"), Kind::Mp4), None);
+        assert_eq!(mislabelled(Path::new("a.MOV"), Kind::Video(Format::Mp4)), None);
         assert_eq!(mislabelled(Path::new("a.png"), Kind::Animation), None);
-        assert_eq!(mislabelled(Path::new("clip"), Kind::Avi), None);
-        let told = mislabelled(Path::new("a.mp4"), Kind::Y4m).unwrap();
+        assert_eq!(mislabelled(Path::new("clip"), Kind::Video(Format::Avi)), None);
+        let told = mislabelled(Path::new("a.mp4"), Kind::Video(Format::Y4m)).unwrap();
         assert_eq!(told, "the file is named .mp4 but holds Y4M video");
     }
 }

@@ -1,0 +1,140 @@
+//! A file, or standard input, that can be read at any place and never beyond what it holds.
+
+use std::fs::File;
+use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use motionscope_core::Error;
+
+use super::{cannot_read, name_of};
+
+/// Largest clip that is read from a pipe, in bytes.
+const MAX_PIPE_BYTES: u64 = 1 << 30;
+
+trait Bytes: Read + Seek + Send {}
+impl<T: Read + Seek + Send> Bytes for T {}
+
+/// Bytes that can be read at any place.
+pub(crate) struct Input {
+    name: String,
+    len: u64,
+    position: u64,
+    bytes: BufReader<Box<dyn Bytes>>,
+}
+
+impl Input {
+    /// The file at `path`; all of standard input if that is `-`.
+    ///
+    /// # Errors
+    /// A sentence, without the file's name.
+    pub(crate) fn open(path: &Path) -> Result<Self, Error> {
+        if path == Path::new("-") {
+            return Self::pipe(std::io::stdin().lock());
+        }
+        let file = File::open(path).map_err(|error| cannot_read(&error))?;
+        let facts = file.metadata().map_err(|error| cannot_read(&error))?;
+        if !facts.is_file() {
+            // A named pipe has no length and no way back.
+            return Self::pipe(file);
+        }
+        Ok(Self::new(name_of(path), facts.len(), Box::new(file)))
+    }
+
+    fn pipe(reader: impl Read) -> Result<Self, Error> {
+        let mut bytes = Vec::new();
+        reader.take(MAX_PIPE_BYTES + 1).read_to_end(&mut bytes).map_err(|error| cannot_read(&error))?;
+        if bytes.len() as u64 > MAX_PIPE_BYTES {
+            return Err(Error::new(format!(
+                "standard input holds more than {} MiB; save it to a file and open that",
+                MAX_PIPE_BYTES >> 20
+            )));
+        }
+        Ok(Self::memory("standard input".into(), bytes))
+    }
+
+    /// Bytes in memory, called `name`.
+    pub(crate) fn memory(name: String, bytes: Vec<u8>) -> Self {
+        Self::new(name, bytes.len() as u64, Box::new(Cursor::new(bytes)))
+    }
+
+    fn new(name: String, len: u64, bytes: Box<dyn Bytes>) -> Self {
+        Self { name, len, position: 0, bytes: BufReader::with_capacity(64 << 10, bytes) }
+    }
+
+    /// Name to show.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// How many bytes there are.
+    pub(crate) fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// Fills `buffer` with the bytes from `offset` on.
+    ///
+    /// # Errors
+    /// If there are not as many, or they cannot be read.
+    pub(crate) fn read_into(&mut self, offset: u64, buffer: &mut [u8]) -> Result<(), Error> {
+        self.check(offset, buffer.len() as u64)?;
+        self.go_to(offset).and_then(|()| self.bytes.read_exact(buffer)).map_err(|error| cannot_read(&error))?;
+        self.position = offset + buffer.len() as u64;
+        Ok(())
+    }
+
+    /// The `count` bytes from `offset` on; nothing is allocated if there are not as many.
+    ///
+    /// # Errors
+    /// If there are not as many, or they cannot be read.
+    pub(crate) fn read(&mut self, offset: u64, count: u64) -> Result<Vec<u8>, Error> {
+        self.check(offset, count)?;
+        let count = usize::try_from(count).map_err(|_| Error::new("it is too large for this computer's memory"))?;
+        let mut bytes = vec![0; count];
+        self.read_into(offset, &mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// Up to `count` bytes from `offset` on: fewer where the end comes first.
+    ///
+    /// # Errors
+    /// If they cannot be read.
+    pub(crate) fn read_up_to(&mut self, offset: u64, count: u64) -> Result<Vec<u8>, Error> {
+        self.read(offset.min(self.len), count.min(self.len.saturating_sub(offset)))
+    }
+
+    fn check(&self, offset: u64, count: u64) -> Result<(), Error> {
+        if offset.checked_add(count).is_none_or(|end| end > self.len) {
+            return Err(Error::new("the file ends too early; it was not copied or recorded to its end"));
+        }
+        Ok(())
+    }
+
+    /// Moves within the buffer where possible.
+    fn go_to(&mut self, offset: u64) -> std::io::Result<()> {
+        let from = std::mem::replace(&mut self.position, offset);
+        match i64::try_from(i128::from(offset) - i128::from(from)) {
+            Ok(0) => Ok(()),
+            Ok(ahead) if ahead.unsigned_abs() < (64 << 10) => self.bytes.seek_relative(ahead),
+            _ => self.bytes.seek(SeekFrom::Start(offset)).map(|_| ()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_anywhere_and_never_beyond() {
+        let bytes: Vec<u8> = (0..200_000_u32).map(|i| i as u8).collect();
+        let mut input = Input::pipe(bytes.as_slice()).unwrap();
+        for offset in [0, 3, 199_990, 5, 70_000, 69_990, 1] {
+            assert_eq!(input.read(offset, 7).unwrap(), bytes[offset as usize..][..7]);
+        }
+        assert!(input.read(199_999, 2).is_err());
+        assert!(input.read(u64::MAX, 2).is_err());
+        assert!(input.read(0, u64::MAX / 2).is_err());
+        assert_eq!(input.read_up_to(199_999, 9).unwrap(), [bytes[199_999]]);
+        assert!(input.read_up_to(u64::MAX, 9).unwrap().is_empty());
+    }
+}

@@ -1,0 +1,337 @@
+//! Everything else, through the user's own ffmpeg as a child process.
+//!
+//! ffprobe tells what the file is, ffmpeg pipes its frames as portable pixmaps. Neither sees a shell or the network.
+
+use std::ffi::OsString;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use motionscope_core::{ClipInfo, Error, Frame, Grid};
+use serde::Deserialize;
+
+use crate::media::{Decoder, Open, Source, check_size, name_of};
+
+/// Frames that are decoded before the one sought, so that stepping back is at hand.
+const RUN_UP_FRAMES: usize = 24;
+/// Frames that are rather decoded than skipped.
+const PATIENCE_FRAMES: usize = 250;
+/// How often a waiting thread asks whether it should stop.
+const POLL: Duration = Duration::from_millis(10);
+/// Containers without an index, where packets are no frames.
+const STREAMS: [&str; 4] = ["mpegts", "mpeg", "mpegvideo", "h264"];
+
+/// Opens the video at `path` by ffmpeg; `why` tells what keeps us from doing it ourselves.
+///
+/// # Errors
+/// One sentence, without the file's name, with `why` in it.
+pub(crate) fn open(path: &Path, options: &Open, why: &Error) -> Result<Source, Error> {
+    if path == Path::new("-") {
+        return Err(Error::new(format!("{why}; save standard input to a file and open that")));
+    }
+    let probe = Probe::run(path, options, why)?;
+    let times = probe.times(path, options)?;
+    let mut warnings = vec![format!("{} video is decoded by the ffmpeg of this computer", probe.stream.codec_name)];
+    let frames = match (&times, probe.stream.nb_frames.as_deref().and_then(|n| n.parse().ok())) {
+        (Some(times), _) => Some(times.len()),
+        (None, Some(told)) => Some(told),
+        (None, None) if options.count => Some(probe.count(path, options)?),
+        (None, None) => None,
+    };
+    let mut decoder = Ffmpeg {
+        path: path.to_owned(),
+        old: probe.old(),
+        // Without distinct times only the beginning can be found again.
+        times: times.filter(|times| times.windows(2).all(|pair| pair[0] < pair[1])),
+        running: None,
+        next: 0,
+        first: None,
+    };
+    decoder.start(0)?;
+    let first = decoder.read()?.ok_or_else(|| {
+        Error::new(format!("{why}, and ffmpeg finds no picture in it either; copy it again from where it came"))
+    })?;
+    if probe.varies() {
+        warnings.push("the frame rate varies; one frame is taken as one step of time".into());
+    }
+    let (width, height) = first.size();
+    decoder.first = Some(first);
+    let container = probe.format.format_name.split(',').next().unwrap_or("unknown").to_owned();
+    let info = ClipInfo {
+        name: name_of(path),
+        width,
+        height,
+        frames,
+        fps: probe.stream.rate(),
+        container,
+        codec: probe.stream.codec_name,
+        warnings,
+    };
+    Ok(Source { info, decoder: Box::new(decoder) })
+}
+
+#[derive(Deserialize)]
+struct Answer {
+    #[serde(default)]
+    streams: Vec<Stream>,
+    #[serde(default)]
+    packets: Vec<Packet>,
+    format: Option<Format>,
+    program_version: Option<Version>,
+}
+
+#[derive(Deserialize)]
+struct Stream {
+    #[serde(default)]
+    codec_name: String,
+    avg_frame_rate: Option<String>,
+    r_frame_rate: Option<String>,
+    nb_frames: Option<String>,
+    nb_read_frames: Option<String>,
+}
+
+impl Stream {
+    fn rate(&self) -> Option<f64> {
+        self.avg_frame_rate.as_deref().and_then(ratio).or_else(|| self.r_frame_rate.as_deref().and_then(ratio))
+    }
+}
+
+#[derive(Deserialize)]
+struct Packet {
+    pts_time: Option<String>,
+    #[serde(default)]
+    flags: String,
+}
+
+#[derive(Deserialize)]
+struct Format {
+    #[serde(default)]
+    format_name: String,
+}
+
+#[derive(Deserialize)]
+struct Version {
+    version: String,
+}
+
+/// `30000/1001` as a number; `None` if it is unknown (`0/0`).
+fn ratio(text: &str) -> Option<f64> {
+    let (n, d) = text.split_once('/')?;
+    let rate = n.parse::<f64>().ok()? / d.parse::<f64>().ok()?;
+    (rate.is_finite() && rate > 0.0).then_some(rate)
+}
+
+/// What ffprobe tells of a file.
+struct Probe {
+    stream: Stream,
+    format: Format,
+    version: String,
+}
+
+impl Probe {
+    fn run(path: &Path, options: &Open, why: &Error) -> Result<Self, Error> {
+        let entries = "stream=codec_name,avg_frame_rate,r_frame_rate,nb_frames:format=format_name";
+        let answer = ask(path, &["-show_program_version", "-show_entries", entries], options).map_err(|failed| {
+            Error::new(match failed {
+                Failed::Absent => format!(
+                    "{why}; install ffmpeg (ffmpeg.org), which is then used by itself, or convert the clip to MP4 with \
+                     H.264"
+                ),
+                Failed::Refused => format!("{why}, and ffmpeg does not know it either; convert it, or copy it again"),
+                Failed::Stopped(error) => return error,
+            })
+        })?;
+        let version = answer.program_version.map(|version| version.version).unwrap_or_default();
+        match (answer.streams.into_iter().next(), answer.format) {
+            (Some(stream), Some(format)) => Ok(Self { stream, format, version }),
+            _ => Err(Error::new("it holds no video; open a clip with pictures")),
+        }
+    }
+
+    /// When each frame is shown, in seconds, by the container alone; `None` where it does not tell.
+    fn times(&self, path: &Path, options: &Open) -> Result<Option<Vec<f64>>, Error> {
+        if self.format.format_name.split(',').any(|name| STREAMS.contains(&name)) {
+            return Ok(None);
+        }
+        let answer = match ask(path, &["-show_entries", "packet=pts_time,flags"], options) {
+            Ok(answer) => answer,
+            Err(Failed::Stopped(error)) => return Err(error),
+            Err(_) => return Ok(None),
+        };
+        // Packets flagged D are decoded but not shown.
+        let shown = answer.packets.iter().filter(|packet| !packet.flags.contains('D'));
+        let times: Option<Vec<f64>> = shown.map(|packet| packet.pts_time.as_deref()?.parse().ok()).collect();
+        Ok(times.filter(|times| !times.is_empty()).map(|mut times| {
+            times.sort_by(f64::total_cmp);
+            times
+        }))
+    }
+
+    /// The number of frames, by decoding them all.
+    fn count(&self, path: &Path, options: &Open) -> Result<usize, Error> {
+        let answer = ask(path, &["-count_frames", "-show_entries", "stream=nb_read_frames"], options);
+        let read = answer.ok().and_then(|answer| answer.streams.into_iter().next()?.nb_read_frames?.parse().ok());
+        options.report(1.0)?;
+        read.ok_or_else(|| Error::new("its frames cannot be counted; open it without counting"))
+    }
+
+    fn varies(&self) -> bool {
+        let rates =
+            [&self.stream.avg_frame_rate, &self.stream.r_frame_rate].map(|rate| rate.as_deref().and_then(ratio));
+        matches!(rates, [Some(mean), Some(finest)] if finest > 1.1 * mean)
+    }
+
+    /// Whether this ffmpeg knows only the old name of `-fps_mode`, which came with 5.1.
+    fn old(&self) -> bool {
+        let mut numbers = self.version.split(|c: char| !c.is_ascii_digit()).map(str::parse::<u32>);
+        match (numbers.next(), numbers.next()) {
+            (Some(Ok(major)), Some(Ok(minor))) => (major, minor) < (5, 1),
+            // Versions built from its repository begin with a letter.
+            _ => false,
+        }
+    }
+}
+
+enum Failed {
+    /// There is no ffprobe.
+    Absent,
+    /// It found nothing to tell.
+    Refused,
+    /// It was told to stop.
+    Stopped(Error),
+}
+
+/// What ffprobe answers about the first video stream of the file at `path`.
+fn ask(path: &Path, what: &[&str], options: &Open) -> Result<Answer, Failed> {
+    let mut command = Command::new("ffprobe");
+    command.args(["-v", "error", "-protocol_whitelist", "file,pipe", "-select_streams", "V:0", "-of", "json"]);
+    command.args(what).arg(url(path));
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
+    let mut child = Running(command.spawn().map_err(|_| Failed::Absent)?);
+    let mut output = child.0.stdout.take().ok_or(Failed::Refused)?;
+    let reader = thread::spawn(move || {
+        let mut text = Vec::new();
+        output.read_to_end(&mut text).map(|_| text)
+    });
+    while !reader.is_finished() {
+        options.report(0.0).map_err(Failed::Stopped)?;
+        thread::sleep(POLL);
+    }
+    let text = reader.join().ok().and_then(Result::ok).ok_or(Failed::Refused)?;
+    serde_json::from_slice(&text).map_err(|_| Failed::Refused)
+}
+
+/// A local file, whatever its name looks like.
+fn url(path: &Path) -> OsString {
+    let mut url = OsString::from("file:");
+    url.push(path);
+    url
+}
+
+/// A child process that does not outlive its owner.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+struct Ffmpeg {
+    path: std::path::PathBuf,
+    old: bool,
+    times: Option<Vec<f64>>,
+    running: Option<(Running, BufReader<ChildStdout>)>,
+    next: usize,
+    first: Option<Frame>,
+}
+
+impl Ffmpeg {
+    /// Starts a process whose first frame is `index`.
+    fn start(&mut self, index: usize) -> Result<(), Error> {
+        self.running = None;
+        let mut command = Command::new("ffmpeg");
+        command.args(["-v", "quiet", "-nostdin", "-protocol_whitelist", "file,pipe"]);
+        if let Some(seconds) = self.times.as_ref().and_then(|times| between(times, index)) {
+            command.args(["-seek_timestamp", "1", "-ss", &format!("{seconds:.6}")]);
+        }
+        command.arg("-i").arg(url(&self.path)).args(["-map", "0:V:0"]);
+        command.args(if self.old { ["-vsync", "passthrough"] } else { ["-fps_mode", "passthrough"] });
+        command.args(["-sws_flags", "accurate_rnd", "-f", "image2pipe", "-c:v", "ppm", "-pix_fmt", "rgb24", "-"]);
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut child =
+            Running(command.spawn().map_err(|error| Error::new(format!("ffmpeg does not start ({error})")))?);
+        let pipe = child.0.stdout.take().ok_or_else(|| Error::new("ffmpeg does not answer"))?;
+        self.running = Some((child, BufReader::with_capacity(1 << 20, pipe)));
+        self.next = index;
+        Ok(())
+    }
+
+    /// The next frame; `None` at the end.
+    fn read(&mut self) -> Result<Option<Frame>, Error> {
+        let Some((_, pipe)) = &mut self.running else { return Ok(None) };
+        let frame = read_pixmap(pipe)?;
+        self.next += 1;
+        Ok(frame)
+    }
+}
+
+impl Decoder for Ffmpeg {
+    fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
+        if let Some(first) = self.first.take() {
+            keep(0, first);
+            if index == 0 {
+                return Ok(());
+            }
+        }
+        let seekable = self.times.is_some();
+        if self.running.is_none() || index < self.next || (seekable && index > self.next + PATIENCE_FRAMES) {
+            self.start(if seekable { index.saturating_sub(RUN_UP_FRAMES) } else { 0 })?;
+        }
+        while self.next <= index {
+            let number = self.next;
+            let Some(frame) = self.read().inspect_err(|_| self.running = None)? else {
+                self.running = None;
+                return Ok(());
+            };
+            keep(number, frame);
+        }
+        Ok(())
+    }
+}
+
+/// A time in seconds after the frame before `index` and before `index` itself.
+fn between(times: &[f64], index: usize) -> Option<f64> {
+    let before = index.checked_sub(1)?;
+    Some(0.5 * (times.get(before)? + times.get(index)?))
+}
+
+/// One binary portable pixmap; `None` at the end.
+fn read_pixmap(pipe: &mut impl BufRead) -> Result<Option<Frame>, Error> {
+    let stopped = || Error::new("ffmpeg stopped in the middle of it");
+    let mut numbers = [0_usize; 3];
+    let mut word = Vec::new();
+    if pipe.by_ref().take(3).read_until(b'\n', &mut word).map_err(|_| stopped())? == 0 {
+        return Ok(None);
+    }
+    for number in &mut numbers {
+        word.clear();
+        // Numbers end with a blank or a line's end, the way ffmpeg writes them.
+        for byte in pipe.by_ref().take(12).bytes() {
+            match byte.map_err(|_| stopped())? {
+                b' ' | b'\n' => break,
+                digit => word.push(digit),
+            }
+        }
+        *number = std::str::from_utf8(&word).ok().and_then(|word| word.parse().ok()).ok_or_else(stopped)?;
+    }
+    let [width, height, _] = numbers;
+    check_size(width, height)?;
+    let mut cells = vec![[0_u8; 3]; width * height];
+    pipe.read_exact(bytemuck::cast_slice_mut(&mut cells)).map_err(|_| stopped())?;
+    Grid::from_vec(width, height, cells).map(|rgb| Some(Frame::rgb(rgb)))
+}

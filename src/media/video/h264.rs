@@ -1,0 +1,135 @@
+//! H.264, as MP4 and Matroska hold it: parameter sets apart, units behind their length.
+
+use motionscope_core::Error;
+use rust_h264::decoder::{ChromaFormat, Decoder, Frame};
+use rust_h264::nal::{NalUnit, NalUnitType, SpsInfo, parse_avcc, parse_avcc_config, parse_sps_info};
+
+use super::coded::Codec;
+use super::color::{Chroma, Colors, Matrix, Yuv};
+use crate::media::check_size;
+
+/// Most reference frames that the standard allows.
+const MAX_REFERENCES: u32 = 16;
+
+/// Decodes H.264 in decoding order.
+pub(crate) struct H264 {
+    config: Vec<u8>,
+    length_size: usize,
+    info: SpsInfo,
+    colors: Colors,
+    decoder: Decoder,
+}
+
+fn damaged(what: &str) -> Error {
+    Error::new(format!("its H.264 data are damaged ({what})"))
+}
+
+impl H264 {
+    /// A decoder for the stream whose `avcC` record is `config`; `colors` is what the container tells of them.
+    ///
+    /// # Errors
+    /// If the record is damaged, or asks for what cannot be decoded here.
+    pub(crate) fn new(config: Vec<u8>, colors: Option<(u32, bool)>) -> Result<Self, Error> {
+        let record = parse_avcc_config(&config).map_err(damaged)?;
+        let sps = record.sps_nals.first().ok_or_else(|| damaged("it has no parameters"))?;
+        let info = check_parameters(sps)?;
+        let length_size = record.length_size;
+        drop(record);
+        // What the stream says of its colours goes before what the container says.
+        let (matrix, full_range) = match colors {
+            Some(told) if info.matrix == 2 => told,
+            _ => (u32::from(info.matrix), info.full_range),
+        };
+        let colors = Colors { matrix: Matrix::from_code(matrix, info.height as usize), full_range };
+        Ok(Self { config, length_size, info, colors, decoder: Decoder::new() })
+    }
+
+    fn feed(&mut self, unit: &NalUnit) -> Result<Option<Frame>, Error> {
+        if unit.nal_unit_type == NalUnitType::Sps {
+            let info = check_parameters(unit)?;
+            if (info.width, info.height) != (self.info.width, self.info.height) {
+                return Err(Error::new(format!(
+                    "the size of its pictures changes to {}×{} px; split it where that happens",
+                    info.width, info.height
+                )));
+            }
+        }
+        self.decoder.decode_nal(unit).map_err(|error| damaged(&error.to_string()))
+    }
+
+    fn picture(&self, frame: Frame) -> Yuv {
+        let (width, height) = (frame.width as usize, frame.height as usize);
+        let chroma = match (self.info.chroma_format, frame.chroma_format) {
+            (0, _) => Chroma::Mono,
+            (_, ChromaFormat::Yuv420) => Chroma::Yuv420,
+            (_, ChromaFormat::Yuv422) => Chroma::Yuv422,
+        };
+        let planes = if chroma == Chroma::Mono { [frame.y, vec![], vec![]] } else { [frame.y, frame.u, frame.v] };
+        Yuv { width, height, chroma, depth: u32::from(frame.bit_depth), planes, colors: self.colors }
+    }
+}
+
+impl Codec for H264 {
+    fn reset(&mut self) -> Result<(), Error> {
+        self.decoder = Decoder::new();
+        let config = std::mem::take(&mut self.config);
+        let fed = parse_avcc_config(&config).map_err(damaged).and_then(|record| {
+            record.sps_nals.iter().chain(&record.pps_nals).try_for_each(|unit| self.feed(unit).map(|_| ()))
+        });
+        self.config = config;
+        fed
+    }
+
+    fn decode(&mut self, sample: &[u8]) -> Result<Yuv, Error> {
+        let mut picture = None;
+        for unit in units(sample, self.length_size) {
+            for unit in parse_avcc(unit?, self.length_size) {
+                picture = self.feed(&unit)?.or(picture);
+            }
+        }
+        // A sample is one whole picture, so there is nothing to wait for.
+        let frame = self.decoder.flush().or(picture).ok_or_else(|| damaged("a picture is missing"))?;
+        Ok(self.picture(frame))
+    }
+
+    fn starts(&self, sample: &[u8]) -> bool {
+        let kinds = units(sample, self.length_size).filter_map(|unit| unit.ok()?.get(self.length_size).copied());
+        kinds.map(|header| NalUnitType::from(header & 0x1F)).any(|kind| kind == NalUnitType::SliceIdr)
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.info.bit_depth_luma > 8 {
+            warnings.push(format!("{} bits per sample are rounded to 8", self.info.bit_depth_luma));
+        }
+        if !self.info.progressive {
+            warnings.push("interlaced video is shown as whole frames".into());
+        }
+        warnings
+    }
+}
+
+/// Refuses parameters that no real stream has before the decoder makes room for them.
+fn check_parameters(sps: &NalUnit) -> Result<SpsInfo, Error> {
+    let info = parse_sps_info(sps).map_err(|error| damaged(&error.to_string()))?;
+    check_size(info.coded_width as usize, info.coded_height as usize)?;
+    check_size(info.width as usize, info.height as usize)?;
+    if info.width > info.coded_width || info.height > info.coded_height || info.reference_frames > MAX_REFERENCES {
+        return Err(damaged("its parameters contradict each other"));
+    }
+    Ok(info)
+}
+
+/// The units of `sample`, each with its length in front; an error where one is cut off.
+fn units(sample: &[u8], length_size: usize) -> impl Iterator<Item = Result<&[u8], Error>> {
+    let mut rest = sample;
+    std::iter::from_fn(move || {
+        if rest.is_empty() {
+            return None;
+        }
+        let length = rest.get(..length_size).map(|bytes| bytes.iter().fold(0, |sum, &b| sum << 8 | usize::from(b)));
+        let unit = length.and_then(|length| rest.split_at_checked(length_size + length));
+        rest = unit.map_or(&[], |(_, rest)| rest);
+        Some(unit.map(|(unit, _)| unit).ok_or_else(|| damaged("a unit is cut off")))
+    })
+}

@@ -1,0 +1,87 @@
+//! Video: containers find the coded pictures, codecs decode them, the user's own ffmpeg does all the rest.
+
+mod bytes;
+mod coded;
+mod color;
+mod ffmpeg;
+mod h264;
+mod matroska;
+mod mp4;
+mod mp4_samples;
+mod turn;
+mod vp9;
+mod y4m;
+
+use std::path::Path;
+
+use motionscope_core::{ClipInfo, Error};
+
+use super::contain::contain;
+use super::input::Input;
+use super::{Open, Source};
+use coded::{Codec, Coded, Track};
+use h264::H264;
+use vp9::Vp9;
+
+/// What holds the pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Format {
+    /// YUV4MPEG2.
+    Y4m,
+    /// MP4, QuickTime and their kin.
+    Mp4,
+    /// Matroska and WebM.
+    Matroska,
+    /// RIFF AVI.
+    Avi,
+    /// Something that ffmpeg may know.
+    Other,
+}
+
+/// Opens the video in `input`, the file at `path`.
+///
+/// # Errors
+/// One sentence, without the file's name.
+pub(crate) fn open(path: &Path, format: Format, mut input: Input, options: &Open) -> Result<Source, Error> {
+    let track = match format {
+        Format::Y4m => return y4m::open(input, options),
+        Format::Mp4 => mp4::open(&mut input, options),
+        Format::Matroska => matroska::open(&mut input, options),
+        Format::Avi | Format::Other => Err(Error::new("its format is not known")),
+    };
+    let container = match format {
+        Format::Mp4 => "mp4",
+        Format::Matroska => "matroska",
+        _ => "unknown",
+    };
+    if track.as_ref().is_ok_and(|track| track.encrypted) {
+        return Err(Error::new("its video is encrypted (copy protection); open an unprotected copy"));
+    }
+    // A file that our own decoders cannot begin may still be one that ffmpeg knows.
+    track.and_then(|track| decode(container, input, track)).or_else(|why| ffmpeg::open(path, options, &why))
+}
+
+/// The frames of `track` by our own decoders.
+fn decode(container: &str, input: Input, mut track: Track) -> Result<Source, Error> {
+    let codec: Box<dyn Codec> = match track.codec.as_str() {
+        "h264" => Box::new(H264::new(std::mem::take(&mut track.config), track.colors)?),
+        "vp9" => Box::new(Vp9::new(track.colors)),
+        other => return Err(Error::new(format!("its video is coded as {other}, which needs ffmpeg"))),
+    };
+    let mut info = ClipInfo {
+        name: input.name().to_owned(),
+        width: 0,
+        height: 0,
+        frames: Some(track.order.len()),
+        fps: track.fps,
+        container: container.into(),
+        codec: track.codec.clone(),
+        warnings: std::mem::take(&mut track.warnings),
+    };
+    let mut coded = Coded::new(input, track, codec);
+    let (size, warnings) = contain(|| coded.look())
+        .unwrap_or_else(|panic| Err(Error::new(format!("its first picture is damaged ({panic})"))))?;
+    (info.width, info.height) = size;
+    info.warnings.extend(warnings);
+    Ok(Source { info, decoder: Box::new(coded) })
+}
