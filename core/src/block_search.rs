@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::cost::{Cut, Sum, until};
+use crate::cost::{Cut, Sum};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Series, Shape, Surface, Tile};
 use crate::{
     Block, BlockField, BlockGrid, BlockVector, Border, Clip, Error, Frame, Grid, Output, Role, Scene, choices,
@@ -596,9 +596,4 @@ pub(crate) fn output(pair: &Pair, cost: Cost, found: &[Match], candidates: u64) 
         candidates,
         border: pair.rule.border(),
     })
-}
-
-/// The smallest sum of `patch` at place `(i, j)`, given up where it exceeds `limit`: sum and rows looked at.
-pub(crate) fn sum_until(cost: Cost, patch: &Patch, place: (usize, usize), limit: u32) -> (u32, usize) {
-    until(cost.sum(), &patch.block, &patch.area, place, limit)
 }

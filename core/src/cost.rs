@@ -46,15 +46,19 @@ impl Cut {
         self.height = height;
         self.stride = width.next_multiple_of(16);
         self.pixels.resize((height + SLACK_ROWS) * self.stride + SLACK_BYTES, 0);
-        let columns_inside = x >= 0 && x as usize + width <= picture.width();
-        for (row, target) in self.pixels.chunks_exact_mut(self.stride).take(height).enumerate() {
+        let targets = self.pixels.chunks_exact_mut(self.stride).take(height);
+        let inside = |start: isize, length: usize, extent: usize| start >= 0 && start as usize + length <= extent;
+        if inside(x, width, picture.width()) && inside(y, height, picture.height()) {
+            let start = y as usize * picture.width() + x as usize;
+            for (target, source) in targets.zip(picture.cells()[start..].chunks(picture.width())) {
+                copy(&source[..width], target);
+            }
+            return;
+        }
+        for (row, target) in targets.enumerate() {
             let source = picture.row(border.index(y + row as isize, picture.height()));
-            if columns_inside {
-                target[..width].copy_from_slice(&source[x as usize..x as usize + width]);
-            } else {
-                for (column, pixel) in target[..width].iter_mut().enumerate() {
-                    *pixel = source[border.index(x + column as isize, source.len())];
-                }
+            for (column, pixel) in target[..width].iter_mut().enumerate() {
+                *pixel = source[border.index(x + column as isize, source.len())];
             }
         }
     }
@@ -68,6 +72,21 @@ impl Cut {
     /// The pixel at `(x, y)` of the cut.
     pub fn pixel(&self, x: usize, y: usize) -> u8 {
         self.pixels[y * self.stride + x]
+    }
+}
+
+/// Copies a row. Rows are short: a call into the C library would cost more than the copy.
+#[inline(always)]
+fn copy(source: &[u8], target: &mut [u8]) {
+    let (chunks, rest) = source.as_chunks::<16>();
+    let (targets, target_rest) = target.as_chunks_mut::<16>();
+    for (target, source) in targets.iter_mut().zip(chunks) {
+        *target = *source;
+    }
+    if let Some(target) = targets.get_mut(chunks.len()) {
+        target[..rest.len()].copy_from_slice(rest);
+    } else {
+        target_rest[..rest.len()].copy_from_slice(rest);
     }
 }
 

@@ -59,27 +59,49 @@ impl FullSearch {
         Some(indices.into())
     }
 
-    /// Searches one block. This is the loop that is taught, timed and trusted: there is no other.
-    fn search(&self, state: &State, block: Block, patch: &mut Patch, observer: &mut impl Observer<Event>) -> Match {
+    /// Searches one block.
+    fn search(&self, state: &State, block: Block, task: &mut Task, observer: &mut impl Observer<Event>) -> Match {
         let window = state.pair.window(block, self.range);
-        patch.take(&state.pair, block, window);
-        let mut sums = Vec::new();
-        if !self.early_exit {
-            cost::window(self.cost.sum(), &patch.block, &patch.area, window.size, &mut sums);
-        }
+        task.set(self, &state.pair, block, window);
         observer.see(|| Event::Window);
+        let best = match &state.order {
+            // Plain counting, for the compiler to see through.
+            None if !self.early_exit => {
+                let tested = task.sums.iter().enumerate();
+                self.scan(window, tested, |(index, &sum), _| (index, sum, block.height), observer)
+            }
+            None => self.scan(window, 0..window.count(), |index, limit| task.test(self, index, limit), observer),
+            Some(order) => {
+                let cut;
+                let order = if order.len() == window.count() {
+                    order
+                } else {
+                    cut = self.order_of(window).unwrap_or_default();
+                    &cut
+                };
+                self.scan(window, order.iter(), |&index, limit| task.test(self, index as usize, limit), observer)
+            }
+        };
+        observer.see(|| Event::Found(best));
+        best
+    }
+
+    /// Tests the candidates in `order`. This is the loop that is taught, timed and trusted: there is no other.
+    #[inline(always)]
+    fn scan<T>(
+        &self,
+        window: Window,
+        order: impl Iterator<Item = T>,
+        test: impl Fn(T, u32) -> (usize, u32, usize),
+        observer: &mut impl Observer<Event>,
+    ) -> Match {
         let mut best: Option<Match> = None;
         let mut limit = u32::MAX;
-        let mut test = |index: usize| {
-            let (sum, rows) = if self.early_exit {
-                let place = (index % window.size.0, index / window.size.0);
-                block_search::sum_until(self.cost, patch, place, limit)
-            } else {
-                (sums[index], block.height)
-            };
+        for candidate in order {
+            let (index, sum, rows) = test(candidate, limit);
             observer.see(|| Event::Candidate { displacement: window.displacement(index), sum, rows });
             if sum > limit {
-                return;
+                continue;
             }
             let displacement = window.displacement(index);
             if best.is_none_or(|best| sum < best.sum || shorter(displacement, best.displacement)) {
@@ -87,15 +109,41 @@ impl FullSearch {
                 best = Some(Match { displacement, sum });
                 limit = sum;
             }
-        };
-        match &state.order {
-            None => (0..window.count()).for_each(test),
-            Some(order) if order.len() == window.count() => order.iter().for_each(|&i| test(i as usize)),
-            Some(_) => self.order_of(window).iter().flat_map(|order| order.iter()).for_each(|&i| test(i as usize)),
         }
-        let best = best.unwrap_or(Match { displacement: [0, 0], sum: limit });
-        observer.see(|| Event::Found(best));
-        best
+        best.unwrap_or(Match { displacement: [0, 0], sum: limit })
+    }
+}
+
+/// One block's pixels, those under its window, and unless there is an early exit the sums of all candidates.
+struct Task {
+    patch: Patch,
+    window: Window,
+    height: usize,
+    sums: Vec<u32>,
+}
+
+impl Task {
+    fn new() -> Self {
+        Self { patch: Patch::default(), window: Window { min: [0, 0], size: (0, 0) }, height: 0, sums: Vec::new() }
+    }
+
+    fn set(&mut self, search: &FullSearch, pair: &Pair, block: Block, window: Window) {
+        self.patch.take(pair, block, window);
+        (self.window, self.height) = (window, block.height);
+        if !search.early_exit {
+            cost::window(search.cost.sum(), &self.patch.block, &self.patch.area, window.size, &mut self.sums);
+        }
+    }
+
+    /// Index, sum and rows looked at of one candidate, given up where the sum exceeds `limit` if so chosen.
+    #[inline(always)]
+    fn test(&self, search: &FullSearch, index: usize, limit: u32) -> (usize, u32, usize) {
+        if !search.early_exit {
+            return (index, self.sums[index], self.height);
+        }
+        let place = (index % self.window.size.0, index / self.window.size.0);
+        let (sum, rows) = cost::until(search.cost.sum(), &self.patch.block, &self.patch.area, place, limit);
+        (index, sum, rows)
     }
 }
 
@@ -146,7 +194,7 @@ impl Estimator for FullSearch {
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let block = state.pair.blocks.block(state.found.len());
-        let found = self.search(state, block, &mut Patch::default(), observer);
+        let found = self.search(state, block, &mut Task::new(), observer);
         state.found.push(found);
         state.candidates += state.pair.window(block, self.range).count() as u64;
         Ok(if state.found.len() == state.pair.blocks.len() { Progress::Done } else { Progress::More })
@@ -201,9 +249,9 @@ impl Estimator for FullSearch {
         let blocks = state.pair.blocks;
         let (columns, rows) = blocks.counts();
         let rows = threads.map(rows, |row| {
-            let mut patch = Patch::default();
+            let mut task = Task::new();
             let row = row * columns..(row + 1) * columns;
-            row.map(|i| self.search(&state, blocks.block(i), &mut patch, &mut ())).collect::<Vec<_>>()
+            row.map(|i| self.search(&state, blocks.block(i), &mut task, &mut ())).collect::<Vec<_>>()
         });
         state.found = rows.concat();
         state.candidates =
