@@ -7,8 +7,20 @@
 mod color;
 mod color_map;
 pub mod fonts;
+pub mod legend;
+mod marks;
+mod panel;
+mod plate;
+pub mod primitive;
 mod theme;
+mod wrap;
 
 pub use color::Color;
 pub use color_map::ColorMap;
+pub use fonts::Face;
+pub use marks::{Lengthen, Look, Placement, is_lengthened, resolve};
+pub use panel::{Panel, View};
+pub use plate::{Caption, Layer, Plate, PlateOptions};
+pub use primitive::Primitive;
 pub use theme::{Chrome, Ink, PointShape, Theme, TypeSizes};
+pub use wrap::{inked, wrap};

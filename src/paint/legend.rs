@@ -1,0 +1,220 @@
+//! What the marks mean: each role in its real shape, and the colours of heat.
+
+use std::sync::Arc;
+
+use motionscope_core::scene::{Arrow, Mark, Picture, Shape};
+use motionscope_core::{Grid, Role};
+
+use super::primitive::{Anchor, Line, Point, Primitive, Rect, Run, Stroke};
+use super::{ColorMap, Face, Look, Placement, Theme, fonts, marks};
+
+/// Width and height of a swatch.
+pub const SWATCH: [f32; 2] = [24.0, 12.0];
+const BAR: [f32; 2] = [128.0, 8.0];
+const GAP: f32 = 8.0;
+
+/// One line of a legend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// The role.
+    pub role: Role,
+    /// What it looks like on the stage.
+    pub sample: Sample,
+    /// What it means here.
+    pub meaning: String,
+}
+
+/// What a role looks like on the stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Sample {
+    /// A rectangle.
+    Frame,
+    /// An ellipse.
+    Ellipse,
+    /// An arrow.
+    Arrow,
+    /// A point.
+    Point,
+    /// A line.
+    Line,
+}
+
+impl Sample {
+    fn of(shape: &Shape) -> Option<Self> {
+        match shape {
+            Shape::Rect { .. } => Some(Sample::Frame),
+            Shape::Ellipse { .. } => Some(Sample::Ellipse),
+            Shape::Arrows(_) => Some(Sample::Arrow),
+            Shape::Points(_) => Some(Sample::Point),
+            Shape::Path { .. } => Some(Sample::Line),
+            Shape::Text { .. } | Shape::Heat { .. } => None,
+        }
+    }
+}
+
+/// What `meanings` tells about the roles of `marks`, and how long displacements are drawn.
+pub fn entries<'a>(
+    meanings: &[(Role, &'static str)],
+    marks: impl Iterator<Item = &'a Mark> + Clone,
+    look: &Look,
+) -> Vec<Entry> {
+    let entry = |&(role, meaning): &(Role, &'static str)| {
+        let sample = marks.clone().filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min()?;
+        let times = match look.lengthen {
+            0.5 => "½".to_owned(),
+            times => times.to_string(),
+        };
+        let long =
+            if sample == Sample::Arrow && marks::is_lengthened(role) { format!(", × {times}") } else { String::new() };
+        Some(Entry { role, sample, meaning: format!("{meaning}{long}") })
+    };
+    meanings.iter().filter_map(entry).collect()
+}
+
+/// `sample` in the ink of `role`, [`SWATCH`] large, with its upper left corner at `min`.
+pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primitive> {
+    let ink = theme.ink(role);
+    let rect = Rect::new(min, SWATCH);
+    let inner = rect.grown(-(ink.width / 2.0 + ink.halo_width));
+    let ([x0, y0], [x1, y1]) = (inner.min, inner.max);
+    let middle = (y0 + y1) / 2.0;
+    let mut out = Vec::new();
+    match sample {
+        Sample::Frame => marks::line(&mut out, &ink, inner.corners(), true),
+        Sample::Line => marks::line(&mut out, &ink, vec![[rect.min[0], middle], [rect.max[0], middle]], false),
+        Sample::Point => marks::point(&mut out, &ink, [(x0 + x1) / 2.0, middle]),
+        Sample::Ellipse | Sample::Arrow => {
+            let shape = if sample == Sample::Ellipse {
+                let (rx, ry) = ((x1 - x0) / 2.0, (y1 - y0) / 2.0);
+                Shape::Ellipse { center: [x0 + rx, middle], radii: [rx, ry], angle_rad: 0.0 }
+            } else {
+                let arrow = Arrow { from: [x0 + 1.0, middle], to: [x1 + 1.0, middle] };
+                Shape::Arrows(vec![arrow])
+            };
+            let mark = Mark { on: Picture::Current, role, shape };
+            let look = Look { theme, colors: ColorMap::Viridis, heat: None, lengthen: 1.0 };
+            out = marks::resolve([&mark], &look, Placement { origin: [-0.5; 2], zoom: 1.0 });
+        }
+    }
+    out
+}
+
+/// The colours from small to large, left to right.
+pub fn color_bar(colors: ColorMap, rect: Rect) -> Primitive {
+    let cells = (rect.size()[0].round() as usize).clamp(2, 512);
+    let pixels = Grid::from_fn(cells, 1, |x, _| colors.at(x as f32 / (cells - 1) as f32).0);
+    Primitive::Image { pixels: Arc::new(pixels), rect }
+}
+
+/// A number as a label shows it: three digits are enough, with a true minus sign.
+pub fn number(v: f32) -> String {
+    let shown = match v.abs() {
+        a if a >= 100.0 || v.fract() == 0.0 => format!("{:.0}", v.abs()),
+        a if a >= 1.0 => format!("{:.1}", v.abs()),
+        _ => format!("{:.3}", v.abs()),
+    };
+    if v < 0.0 { format!("−{shown}") } else { shown }
+}
+
+/// The legend, laid out in lines of at most `width` from `min` down, and its height.
+pub(super) fn strip(entries: &[Entry], heat: &str, look: &Look, (min, width): (Point, f32)) -> (Vec<Primitive>, f32) {
+    let size = look.theme.sizes().small;
+    let mut strip = Strip { look, min, width, at: min, height: line_height(size), size, out: Vec::new() };
+    for entry in entries {
+        strip.entry(entry);
+    }
+    if let Some(range) = look.heat {
+        strip.heat(heat, range);
+    }
+    let height = if strip.out.is_empty() { 0.0 } else { strip.at[1] + strip.height - min[1] };
+    (strip.out, height)
+}
+
+/// Height of a line of type, on the grid of 4 points.
+pub(super) fn line_height(size: f32) -> f32 {
+    (size * 1.4 / 4.0).ceil() * 4.0
+}
+
+struct Strip<'a> {
+    look: &'a Look,
+    min: Point,
+    width: f32,
+    at: Point,
+    height: f32,
+    size: f32,
+    out: Vec<Primitive>,
+}
+
+impl Strip<'_> {
+    /// Room for an item this wide: on this line, else on the next.
+    fn place(&mut self, width: f32) -> Point {
+        if self.at[0] > self.min[0] && self.at[0] + width > self.min[0] + self.width {
+            self.at = [self.min[0], self.at[1] + self.height + 4.0];
+        }
+        let at = self.at;
+        self.at[0] = ((at[0] + width) / 4.0).ceil() * 4.0 + 2.0 * GAP;
+        at
+    }
+
+    fn words(&mut self, text: &str, [x, y]: Point) {
+        let color = self.look.theme.chrome().text;
+        // Capitals and digits of Inter are 0.73 em high: this centres them on the line.
+        let baseline = (y + self.height / 2.0 + self.size * 0.365).round();
+        let runs = vec![Run::new(text, color)];
+        let line = Line { at: [x, baseline], anchor: Anchor::Start, size: self.size, runs, halo: None };
+        self.out.push(Primitive::Text(line));
+    }
+
+    fn entry(&mut self, entry: &Entry) {
+        let width = SWATCH[0] + GAP + fonts::width(&entry.meaning, Face::Sans, self.size);
+        let [x, y] = self.place(width);
+        let swatch = swatch(entry.role, entry.sample, self.look.theme, [x, y + (self.height - SWATCH[1]) / 2.0]);
+        self.out.extend(swatch);
+        self.words(&entry.meaning, [x + SWATCH[0] + GAP, y]);
+    }
+
+    fn heat(&mut self, label: &str, range: [f32; 2]) {
+        let low = if label.is_empty() { number(range[0]) } else { format!("{label}  {}", number(range[0])) };
+        let high = number(range[1]);
+        let (left, right) = (fonts::width(&low, Face::Sans, self.size), fonts::width(&high, Face::Sans, self.size));
+        let [x, y] = self.place(left + BAR[0] + right + 2.0 * GAP);
+        self.words(&low, [x, y]);
+        let bar = [(x + left + GAP).round(), y + (self.height - BAR[1]) / 2.0];
+        let rect = Rect::new(bar, BAR);
+        self.out.push(color_bar(self.look.colors, rect));
+        let stroke = Stroke { width: 1.0, color: self.look.theme.chrome().line, dash: &[] };
+        self.out.push(Primitive::Polyline { points: rect.grown(0.5).corners(), closed: true, stroke });
+        self.words(&high, [bar[0] + BAR[0] + GAP, y]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_true() {
+        assert_eq!([812.0, -3.0, 0.5, 12.34, 10234.4].map(number), ["812", "−3", "0.500", "12.3", "10234"]);
+    }
+
+    #[test]
+    fn every_swatch_stays_in_its_box() {
+        let samples = [Sample::Frame, Sample::Ellipse, Sample::Arrow, Sample::Point, Sample::Line];
+        for theme in Theme::ALL {
+            for role in Role::ALL {
+                for sample in samples {
+                    let primitives = swatch(role, sample, theme, [8.0, 8.0]);
+                    assert!(!primitives.is_empty());
+                    let room = Rect::new([8.0, 8.0], SWATCH).grown(4.0);
+                    let inside = |p: &Point| (0..2).all(|i| p[i] >= room.min[i] && p[i] <= room.max[i]);
+                    let points = primitives.iter().flat_map(|primitive| match primitive {
+                        Primitive::Polygon { points, .. } | Primitive::Polyline { points, .. } => points.clone(),
+                        Primitive::Arrow(arrow) => vec![arrow.from, arrow.to],
+                        other => other.bounds().grown(-1.0).corners(),
+                    });
+                    assert!(points.into_iter().all(|p| inside(&p)), "{theme:?} {role:?} {sample:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,345 @@
+//! Marks of a scene become primitives: the one place where roles turn into ink.
+
+use std::sync::Arc;
+
+use motionscope_core::scene::{self, Mark, Shape};
+use motionscope_core::{Grid, Role, Scene};
+
+use super::fonts::Face;
+use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Run, Stroke};
+use super::{ColorMap, Ink, PointShape, Theme};
+
+/// Opacity of heat over footage.
+const HEAT_ALPHA: u8 = 0xb8;
+
+/// How a scene is to look, the same in every painter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// Theme.
+    pub theme: Theme,
+    /// Colours for heat.
+    pub colors: ColorMap,
+    /// The numbers shown in the first and last of those colours.
+    pub heat: Option<[f32; 2]>,
+    /// How many times their length displacements are drawn.
+    pub lengthen: f32,
+}
+
+/// How long displacements are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Lengthen {
+    /// As long as fits between their neighbours, by a power of two.
+    #[default]
+    Auto,
+    /// This many times their length.
+    Times(f32),
+}
+
+impl Look {
+    /// The look of `scene`: heat spans the values that it has, and `lengthen` is settled.
+    pub fn new(scene: &Scene, theme: Theme, colors: ColorMap, lengthen: Lengthen) -> Self {
+        let lengthen = match lengthen {
+            Lengthen::Auto => fitting(scene),
+            Lengthen::Times(factor) if factor.is_finite() && factor > 0.0 => factor,
+            Lengthen::Times(_) => 1.0,
+        };
+        Self { theme, colors, heat: heat_range(scene), lengthen }
+    }
+}
+
+/// Where a picture lies: its upper left corner in points, and points per pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Upper left corner of the first pixel.
+    pub origin: Point,
+    /// Points per pixel.
+    pub zoom: f32,
+}
+
+impl Placement {
+    /// Where a place in image pixels (pixel centres at integers) lies.
+    pub fn at(&self, [x, y]: [f32; 2]) -> Point {
+        [self.origin[0] + (x + 0.5) * self.zoom, self.origin[1] + (y + 0.5) * self.zoom]
+    }
+
+    fn rect(&self, min: [f32; 2], max: [f32; 2]) -> Rect {
+        let (a, b) = (self.at(min), self.at(max));
+        Rect { min: [a[0].min(b[0]), a[1].min(b[1])], max: [a[0].max(b[0]), a[1].max(b[1])] }
+    }
+}
+
+/// Whether arrows of `role` are displacements that may be lengthened. The others point at a place that they must reach.
+pub fn is_lengthened(role: Role) -> bool {
+    matches!(role, Role::Result | Role::Truth | Role::Error)
+}
+
+/// What `marks` look like at `place`, back to front. Line widths do not depend on the zoom.
+pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place: Placement) -> Vec<Primitive> {
+    let mut primitives = Vec::new();
+    for mark in marks {
+        if mark.shape.coordinates().iter().all(|c| c.is_finite()) {
+            Painter { ink: look.theme.ink(mark.role), look, place, out: &mut primitives }.shape(mark.role, &mark.shape);
+        }
+    }
+    primitives
+}
+
+struct Painter<'a> {
+    ink: Ink,
+    look: &'a Look,
+    place: Placement,
+    out: &'a mut Vec<Primitive>,
+}
+
+impl Painter<'_> {
+    fn shape(&mut self, role: Role, shape: &Shape) {
+        match shape {
+            Shape::Rect { min, max } => {
+                // The line lies outside, so that it hides no pixel of what it frames.
+                let rect = self.place.rect(*min, *max).grown(self.ink.width / 2.0);
+                self.outline(rect.corners());
+            }
+            Shape::Ellipse { center, radii, angle_rad } => self.outline(self.ellipse(*center, *radii, *angle_rad)),
+            Shape::Path { points, closed } => {
+                line(self.out, &self.ink, points.iter().map(|&p| self.place.at(p)).collect(), *closed);
+            }
+            Shape::Arrows(arrows) => self.arrows(role, arrows),
+            Shape::Points(points) => {
+                for &at in points {
+                    point(self.out, &self.ink, self.place.at(at));
+                }
+            }
+            Shape::Text { at, text } => self.out.push(Primitive::Text(Line {
+                at: self.place.at(*at),
+                anchor: Anchor::Start,
+                size: self.look.theme.sizes().small,
+                runs: vec![Run::new(text, self.ink.color).face(Face::Bold)],
+                halo: Some(self.ink.halo),
+            })),
+            Shape::Heat { origin, values } => self.heat(*origin, values),
+        }
+    }
+
+    /// A closed convex shape: its fill, if the ink has one, and its line.
+    fn outline(&mut self, points: Vec<Point>) {
+        if self.ink.fill.0[3] > 0 {
+            self.out.push(Primitive::Polygon { points: points.clone(), color: self.ink.fill });
+        }
+        line(self.out, &self.ink, points, true);
+    }
+
+    fn ellipse(&self, center: [f32; 2], radii: [f32; 2], angle_rad: f32) -> Vec<Point> {
+        let (sin, cos) = angle_rad.sin_cos();
+        let on_rim = |i: usize| {
+            let (y, x) = (i as f32 / 64.0 * std::f32::consts::TAU).sin_cos();
+            let (x, y) = (x * radii[0], y * radii[1]);
+            self.place.at([center[0] + x * cos - y * sin, center[1] + x * sin + y * cos])
+        };
+        (0..64).map(on_rim).collect()
+    }
+
+    fn arrows(&mut self, role: Role, arrows: &[scene::Arrow]) {
+        let times = if is_lengthened(role) { self.look.lengthen } else { 1.0 };
+        // Where neighbours are close, arrows are thinner.
+        let room = if arrows.len() > 1 { spacing(arrows) * self.place.zoom * 0.12 } else { f32::MAX };
+        let width = self.ink.width.min(room.max(0.5));
+        let halo_width = self.ink.halo_width.min(width * 0.5);
+        for arrow in arrows {
+            let from = self.place.at(arrow.from);
+            let mut to: Point =
+                std::array::from_fn(|i| from[i] + (arrow.to[i] - arrow.from[i]) * times * self.place.zoom);
+            let (x, y) = (to[0] - from[0], to[1] - from[1]);
+            let length = x.hypot(y);
+            // Any displacement at all reaches beyond its dot, so that its direction can be seen.
+            let least = width * 2.2;
+            if length > 0.0 && length < least {
+                to = [from[0] + x / length * least, from[1] + y / length * least];
+            }
+            let Ink { color, halo, .. } = self.ink;
+            self.out.push(Primitive::Arrow(Arrow { from, to, width, color, halo, halo_width }));
+        }
+    }
+
+    fn heat(&mut self, origin: [f32; 2], values: &Grid<f32>) {
+        let (Some([low, high]), (width @ 1.., height @ 1..)) = (self.look.heat, values.size()) else { return };
+        let span = (high - low).max(f32::MIN_POSITIVE);
+        let pixels = values.map(|&v| match self.look.colors.at((v - low) / span) {
+            color if v.is_finite() => color.alpha(HEAT_ALPHA).0,
+            _ => [0; 4],
+        });
+        let min = origin.map(|c| c - 0.5);
+        let rect = self.place.rect(min, [min[0] + width as f32, min[1] + height as f32]);
+        self.out.push(Primitive::Image { pixels: Arc::new(pixels), rect });
+    }
+}
+
+/// A line in `ink` along `points`: the rim, solid even under dashes, and the line.
+pub(super) fn line(out: &mut Vec<Primitive>, ink: &Ink, points: Vec<Point>, closed: bool) {
+    if points.len() < 2 {
+        return;
+    }
+    let rim = Stroke { width: ink.width + 2.0 * ink.halo_width, color: ink.halo, dash: &[] };
+    out.push(Primitive::Polyline { points: points.clone(), closed, stroke: rim });
+    let stroke = Stroke { width: ink.width, color: ink.color, dash: ink.dash };
+    out.push(Primitive::Polyline { points, closed, stroke });
+}
+
+/// A point in `ink` at `at`.
+pub(super) fn point(out: &mut Vec<Primitive>, ink: &Ink, at: Point) {
+    let r = 2.0 + ink.width;
+    let around = |offsets: &[Point]| offsets.iter().map(|o| [at[0] + o[0] * r, at[1] + o[1] * r]).collect::<Vec<_>>();
+    match ink.point {
+        PointShape::Disc => {
+            for (radius, color) in [(r + ink.halo_width, ink.halo), (r, ink.color)] {
+                out.push(Primitive::Disc { center: at, radius, color });
+            }
+        }
+        PointShape::Ring => {
+            let rim = |i: usize| {
+                let (y, x) = (i as f32 / 24.0 * std::f32::consts::TAU).sin_cos();
+                [at[0] + x * (r + 1.0), at[1] + y * (r + 1.0)]
+            };
+            let solid = Ink { dash: &[], ..*ink };
+            line(out, if ink.dash.is_empty() { ink } else { &solid }, (0..24).map(rim).collect(), true);
+        }
+        PointShape::Plus => cross(out, ink, [around(&[[-1.5, 0.0], [1.5, 0.0]]), around(&[[0.0, -1.5], [0.0, 1.5]])]),
+        PointShape::Cross => {
+            cross(out, ink, [around(&[[-1.0, -1.0], [1.0, 1.0]]), around(&[[-1.0, 1.0], [1.0, -1.0]])]);
+        }
+        PointShape::Square => filled(out, ink, around(&[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]])),
+        PointShape::Diamond => filled(out, ink, around(&[[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]])),
+        PointShape::Triangle => filled(out, ink, around(&[[0.0, -1.3], [1.2, 0.9], [-1.2, 0.9]])),
+    }
+}
+
+/// Two strokes; both rims lie below both lines.
+fn cross(out: &mut Vec<Primitive>, ink: &Ink, bars: [Vec<Point>; 2]) {
+    let longer = |bar: &[Point]| {
+        let (a, b) = (bar[0], bar[1]);
+        let unit = ink.halo_width / (b[0] - a[0]).hypot(b[1] - a[1]).max(1e-3);
+        let out = [(b[0] - a[0]) * unit, (b[1] - a[1]) * unit];
+        vec![[a[0] - out[0], a[1] - out[1]], [b[0] + out[0], b[1] + out[1]]]
+    };
+    for bar in &bars {
+        let stroke = Stroke { width: ink.width + 2.0 * ink.halo_width, color: ink.halo, dash: &[] };
+        out.push(Primitive::Polyline { points: longer(bar), closed: false, stroke });
+    }
+    for points in bars {
+        let stroke = Stroke { width: ink.width, color: ink.color, dash: &[] };
+        out.push(Primitive::Polyline { points, closed: false, stroke });
+    }
+}
+
+/// A filled convex polygon with its rim.
+fn filled(out: &mut Vec<Primitive>, ink: &Ink, points: Vec<Point>) {
+    let stroke = Stroke { width: 2.0 * ink.halo_width, color: ink.halo, dash: &[] };
+    out.push(Primitive::Polyline { points: points.clone(), closed: true, stroke });
+    out.push(Primitive::Polygon { points, color: ink.color });
+}
+
+/// Smallest and largest number of all heat in `scene`.
+fn heat_range(scene: &Scene) -> Option<[f32; 2]> {
+    let heats = scene.marks.iter().filter_map(|mark| match &mark.shape {
+        Shape::Heat { values, .. } => Some(values.cells()),
+        _ => None,
+    });
+    heats.flatten().filter(|v| v.is_finite()).fold(None, |range, &v| match range {
+        None => Some([v, v]),
+        Some([low, high]) => Some([v.min(low), v.max(high)]),
+    })
+}
+
+/// The power of two, ½ to 8, by which displacements are drawn so that few reach their neighbour's origin.
+fn fitting(scene: &Scene) -> f32 {
+    let fields = scene.marks.iter().filter_map(|mark| match &mark.shape {
+        Shape::Arrows(arrows) if is_lengthened(mark.role) => Some(arrows),
+        _ => None,
+    });
+    let fit = |arrows: &Vec<scene::Arrow>| {
+        let mut lengths: Vec<f32> = arrows
+            .iter()
+            .map(|arrow| (arrow.to[0] - arrow.from[0]).hypot(arrow.to[1] - arrow.from[1]))
+            .filter(|length| *length > 0.0)
+            .collect();
+        lengths.sort_by(f32::total_cmp);
+        // One in twenty may be longer.
+        let long = lengths.get(lengths.len().saturating_sub(1) * 19 / 20)?;
+        let room = spacing(arrows) / long;
+        [8.0, 4.0, 2.0, 1.0].into_iter().find(|times| *times <= room).or(Some(0.5))
+    };
+    fields.filter_map(fit).min_by(f32::total_cmp).unwrap_or(1.0)
+}
+
+/// Distance between neighbouring origins in px; 16 where there are no neighbours.
+fn spacing(arrows: &[scene::Arrow]) -> f32 {
+    let gap = |pair: &[scene::Arrow]| (pair[1].from[0] - pair[0].from[0]).hypot(pair[1].from[1] - pair[0].from[1]);
+    let gaps = arrows.windows(2).map(gap).filter(|gap| *gap > 0.0);
+    gaps.min_by(f32::total_cmp).unwrap_or(16.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motionscope_core::scene::Picture;
+
+    fn field(step: f32, motion: f32) -> Scene {
+        let arrows = (0..20).map(|i| {
+            let from = [i as f32 * step, 0.0];
+            scene::Arrow { from, to: [from[0] + motion, 0.0] }
+        });
+        let mut scene = Scene::default();
+        scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows.collect()));
+        scene
+    }
+
+    #[test]
+    fn small_motions_are_lengthened_and_large_ones_shortened() {
+        let factor =
+            |step, motion| Look::new(&field(step, motion), Theme::Dark, ColorMap::Viridis, Lengthen::Auto).lengthen;
+        assert_eq!(factor(16.0, 1.0), 8.0);
+        assert_eq!(factor(16.0, 5.0), 2.0);
+        assert_eq!(factor(16.0, 15.0), 1.0);
+        assert_eq!(factor(16.0, 30.0), 0.5);
+        assert_eq!(factor(16.0, 0.0), 1.0);
+    }
+
+    #[test]
+    fn only_displacements_are_lengthened() {
+        let arrow = scene::Arrow { from: [0.0, 0.0], to: [10.0, 0.0] };
+        let mut scene = Scene::default();
+        scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow]));
+        scene.mark(Picture::Next, Role::Result, Shape::Arrows(vec![arrow]));
+        let look = Look { theme: Theme::Dark, colors: ColorMap::Viridis, heat: None, lengthen: 2.0 };
+        let tips: Vec<_> = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 3.0 })
+            .into_iter()
+            .map(|primitive| match primitive {
+                Primitive::Arrow(arrow) => arrow.to[0],
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        assert_eq!(tips, [31.5, 61.5]);
+    }
+
+    #[test]
+    fn a_frame_lies_outside_the_pixels_that_it_frames() {
+        let mut scene = Scene::default();
+        scene.mark(Picture::Current, Role::Reference, Shape::pixels(4, 8, 16, 16));
+        let look = Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto);
+        let primitives = resolve(&scene.marks, &look, Placement { origin: [100.0, 0.0], zoom: 2.0 });
+        let Some(Primitive::Polyline { points, stroke, closed: true }) = primitives.last() else {
+            panic!("{primitives:?}")
+        };
+        assert_eq!(stroke.width, 2.0);
+        assert_eq!((points[0], points[2]), ([107.0, 15.0], [141.0, 49.0]));
+    }
+
+    #[test]
+    fn what_is_not_finite_is_not_drawn() {
+        let mut scene = Scene::default();
+        scene.mark(Picture::Current, Role::Truth, Shape::Points(vec![[f32::NAN, 1.0]]));
+        scene.mark(Picture::Current, Role::Truth, Shape::Heat { origin: [0.0; 2], values: Grid::new(2, 2, f32::NAN) });
+        let look = Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Times(f32::NAN));
+        assert_eq!((look.heat, look.lengthen), (None, 1.0));
+        assert!(resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 1.0 }).is_empty());
+    }
+}

@@ -1,0 +1,241 @@
+//! A plate: what one exported picture consists of.
+
+use std::sync::Arc;
+
+use motionscope_core::scene::{Mark, Sentence, Shape};
+use motionscope_core::{Frame, Grid, Scene};
+
+use super::legend::{self, line_height};
+use super::primitive::{Anchor, Line, Primitive, Rect, Run, Stroke};
+use super::wrap::{inked, wrap};
+use super::{Color, ColorMap, Face, Lengthen, Look, Panel, Placement, Theme, TypeSizes, View, fonts, marks};
+
+/// Space around everything.
+const MARGIN: f32 = 16.0;
+/// Space between things that belong together.
+const GAP: f32 = 8.0;
+/// Words are given at least this many times their size to run in.
+const LEAST_WIDTH: f32 = 26.0;
+
+/// What a plate shows and how.
+#[derive(Clone, Debug, Default)]
+pub struct PlateOptions {
+    /// How the pair is looked at.
+    pub view: View,
+    /// Colours and sizes.
+    pub theme: Theme,
+    /// Colours of heat.
+    pub colors: ColorMap,
+    /// How long displacements are drawn.
+    pub lengthen: Lengthen,
+    /// Points per pixel of the clip, a whole number; 0 counts as 1. Lines and words do not grow with it.
+    pub zoom: u16,
+    /// Number of frame t, for the titles.
+    pub frame: Option<usize>,
+    /// Whether what the marks mean stands below.
+    pub legend: bool,
+    /// What heat shows, for the legend: `SAD`.
+    pub heat: String,
+    /// Words above and below the pictures.
+    pub caption: Option<Caption>,
+}
+
+/// Words around the pictures.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Caption {
+    /// The estimator: `Full search`.
+    pub title: String,
+    /// Its parameters: `block 16 px · range 16 px · SAD`.
+    pub details: String,
+    /// Where in the run: `step 35.412`.
+    pub place: String,
+    /// Why the last event happened.
+    pub sentence: Sentence,
+}
+
+/// Primitives that are seen only inside a rectangle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// Nothing is painted outside, if there is one.
+    pub clip: Option<Rect>,
+    /// Back to front.
+    pub primitives: Vec<Primitive>,
+}
+
+/// Everything of one exported picture, laid out in points.
+///
+/// Without legend and caption it is the panels alone: one panel has exactly the clip's pixels, times the zoom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plate {
+    /// Width and height, whole numbers.
+    pub size: [f32; 2],
+    /// Behind everything.
+    pub background: Color,
+    /// Back to front.
+    pub layers: Vec<Layer>,
+    /// The panels and where their pictures lie.
+    pub panels: Vec<(Panel, Placement)>,
+    /// One line that says what it is, for those who cannot see it.
+    pub description: String,
+}
+
+impl Plate {
+    /// Lays out `scene` over `frames`, t and t + 1.
+    pub fn new(frames: &[Arc<Frame>; 2], scene: &Scene, options: &PlateOptions) -> Self {
+        let look = Look::new(scene, options.theme, options.colors, options.lengthen);
+        let is_framed = options.legend || options.caption.is_some();
+        let mut layout = Layout {
+            options,
+            look,
+            sizes: options.theme.sizes(),
+            margin: if is_framed { MARGIN } else { 0.0 },
+            width: 0.0,
+            y: if is_framed { MARGIN } else { 0.0 },
+            words: Vec::new(),
+            pictures: Vec::new(),
+            panels: Vec::new(),
+        };
+        layout.lay_out(frames, scene, is_framed);
+        let Layout { margin, width, y, words, mut pictures, panels, .. } = layout;
+        pictures.push(Layer { clip: None, primitives: words });
+        Self {
+            size: [width + 2.0 * margin, y + margin],
+            background: if is_framed { options.theme.chrome().panel } else { options.theme.chrome().background },
+            layers: pictures,
+            panels,
+            description: description(options),
+        }
+    }
+}
+
+fn description(options: &PlateOptions) -> String {
+    let titles: Vec<_> = options.view.panels().iter().map(|panel| panel.title(options.frame, 1)).collect();
+    let pictures = titles.join(" and ");
+    match &options.caption {
+        None => pictures,
+        Some(caption) => {
+            let said = [&caption.title, &caption.details, &caption.place, &pictures, &caption.sentence.plain()];
+            said.into_iter().filter(|part| !part.is_empty()).cloned().collect::<Vec<_>>().join(". ")
+        }
+    }
+}
+
+/// A plate on its way, from the top down.
+struct Layout<'a> {
+    options: &'a PlateOptions,
+    look: Look,
+    sizes: TypeSizes,
+    margin: f32,
+    /// Width between the margins.
+    width: f32,
+    /// Where the next thing goes.
+    y: f32,
+    words: Vec<Primitive>,
+    pictures: Vec<Layer>,
+    panels: Vec<(Panel, Placement)>,
+}
+
+impl Layout<'_> {
+    fn lay_out(&mut self, frames: &[Arc<Frame>; 2], scene: &Scene, is_framed: bool) {
+        let zoom = f32::from(self.options.zoom.max(1));
+        let pictures: Vec<_> = self.options.view.panels().iter().map(|panel| (*panel, panel.pixels(frames))).collect();
+        let widths = pictures.iter().map(|(_, (pixels, _))| pixels.width() as f32 * zoom);
+        let total = widths.sum::<f32>() + GAP * (pictures.len() - 1) as f32;
+        self.width = if is_framed { total.max(LEAST_WIDTH * self.sizes.body) } else { total };
+        if let Some(caption) = &self.options.caption {
+            self.header(caption);
+        }
+        let mut x = self.margin + ((self.width - total) / 2.0).floor();
+        let (top, mut bottom) = (self.y, self.y);
+        for (panel, (pixels, gain)) in pictures {
+            self.y = top;
+            let size = [pixels.width() as f32 * zoom, pixels.height() as f32 * zoom];
+            if is_framed {
+                let title = Run::new(panel.title(self.options.frame, gain), self.options.theme.chrome().dim);
+                self.line(vec![title], self.sizes.small, x);
+                self.y += 4.0;
+            }
+            let placement = Placement { origin: [x, self.y], zoom };
+            self.panel(panel, placement, Rect::new(placement.origin, size), Arc::new(pixels), scene);
+            x += size[0] + GAP;
+            bottom = bottom.max(self.y + size[1]);
+        }
+        self.y = bottom;
+        if let Some(caption) = self.options.caption.as_ref().filter(|caption| !caption.sentence.0.is_empty()) {
+            self.y += GAP;
+            self.paragraph(&inked(&caption.sentence, self.options.theme), self.sizes.body);
+        }
+        if self.options.legend {
+            self.legend(scene);
+        }
+    }
+
+    fn panel(&mut self, panel: Panel, placement: Placement, rect: Rect, pixels: Arc<Grid<[u8; 4]>>, scene: &Scene) {
+        let mut primitives = vec![Primitive::Image { pixels, rect }];
+        primitives.extend(marks::resolve(shown(panel, scene), &self.look, placement));
+        self.pictures.push(Layer { clip: Some(rect), primitives });
+        self.panels.push((panel, placement));
+    }
+
+    /// Title and, if it fits on the line, the place in the run; the parameters below.
+    fn header(&mut self, caption: &Caption) {
+        let chrome = self.options.theme.chrome();
+        let (heading, small) = (self.sizes.heading, self.sizes.small);
+        let title = fonts::width(&caption.title, Face::Bold, heading);
+        let place = fonts::width(&caption.place, Face::Sans, small);
+        let fits = title + 2.0 * GAP + place <= self.width;
+        if fits && !caption.place.is_empty() {
+            let runs = vec![Run::new(&caption.place, chrome.dim)];
+            let at = [self.margin + self.width, baseline(self.y, heading)];
+            self.words.push(Primitive::Text(Line { at, anchor: Anchor::End, size: small, runs, halo: None }));
+        }
+        self.line(vec![Run::new(&caption.title, chrome.text).face(Face::Bold)], heading, self.margin);
+        let mut below = caption.details.clone();
+        if !fits {
+            below = format!("{below} · {}", caption.place);
+        }
+        self.paragraph(&[Run::new(below, chrome.dim)], small);
+        self.y += GAP;
+    }
+
+    fn legend(&mut self, scene: &Scene) {
+        let panels = self.options.view.panels();
+        let marks = scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
+        let look = Look { heat: self.look.heat.filter(|_| has_heat(marks.clone())), ..self.look };
+        let entries = legend::entries(&scene.legend, marks, &look);
+        let place = ([self.margin, self.y + 2.0 * GAP], self.width);
+        let (primitives, height) = legend::strip(&entries, &self.options.heat, &look, place);
+        if height > 0.0 {
+            let points = vec![[self.margin, self.y + GAP + 0.5], [self.margin + self.width, self.y + GAP + 0.5]];
+            let stroke = Stroke { width: 1.0, color: self.options.theme.chrome().line, dash: &[] };
+            self.words.push(Primitive::Polyline { points, closed: false, stroke });
+            self.words.extend(primitives);
+            self.y += 2.0 * GAP + height;
+        }
+    }
+
+    fn paragraph(&mut self, runs: &[Run], size: f32) {
+        for runs in wrap(runs, size, self.width) {
+            self.line(runs, size, self.margin);
+        }
+    }
+
+    fn line(&mut self, runs: Vec<Run>, size: f32, x: f32) {
+        let at = [x, baseline(self.y, size)];
+        self.words.push(Primitive::Text(Line { at, anchor: Anchor::Start, size, runs, halo: None }));
+        self.y += line_height(size);
+    }
+}
+
+fn shown(panel: Panel, scene: &Scene) -> impl Iterator<Item = &Mark> {
+    scene.marks.iter().filter(move |mark| panel.shows(mark.on))
+}
+
+fn has_heat<'a>(mut marks: impl Iterator<Item = &'a Mark>) -> bool {
+    marks.any(|mark| matches!(mark.shape, Shape::Heat { .. }))
+}
+
+/// The baseline of a line of type whose box begins at `y`.
+fn baseline(y: f32, size: f32) -> f32 {
+    (y + line_height(size) / 2.0 + size * 0.365).round()
+}

@@ -1,0 +1,304 @@
+//! What painters paint: a handful of shapes in points, back to front.
+
+use std::sync::Arc;
+
+use motionscope_core::Grid;
+
+use super::Color;
+use super::fonts::{self, Face};
+
+/// A place in points: x right, y down.
+pub type Point = [f32; 2];
+
+/// An axis-parallel rectangle in points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rect {
+    /// Upper left corner.
+    pub min: Point,
+    /// Lower right corner.
+    pub max: Point,
+}
+
+impl Rect {
+    /// The rectangle of `size` whose upper left corner is `min`.
+    pub fn new(min: Point, size: [f32; 2]) -> Self {
+        Self { min, max: [min[0] + size[0], min[1] + size[1]] }
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [f32; 2] {
+        [self.max[0] - self.min[0], self.max[1] - self.min[1]]
+    }
+
+    /// The rectangle whose edges lie `by` further out.
+    #[must_use]
+    pub fn grown(&self, by: f32) -> Self {
+        Self { min: self.min.map(|c| c - by), max: self.max.map(|c| c + by) }
+    }
+
+    /// The four corners, clockwise from the upper left.
+    pub fn corners(&self) -> Vec<Point> {
+        let ([x0, y0], [x1, y1]) = (self.min, self.max);
+        vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]
+    }
+
+    /// Whether the two have an inner point in common.
+    pub fn meets(&self, other: &Rect) -> bool {
+        (0..2).all(|i| self.min[i] < other.max[i] && other.min[i] < self.max[i])
+    }
+}
+
+/// How a line is drawn: flat ends, mitred corners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Width.
+    pub width: f32,
+    /// Colour.
+    pub color: Color,
+    /// Lengths of dashes and gaps in turn; empty for a solid line.
+    pub dash: &'static [f32],
+}
+
+/// Words in one colour and face.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// The words.
+    pub text: String,
+    /// Their colour.
+    pub color: Color,
+    /// Their face.
+    pub face: Face,
+}
+
+impl Run {
+    /// Words in Inter.
+    pub fn new(text: impl Into<String>, color: Color) -> Self {
+        Self { text: text.into(), color, face: Face::Sans }
+    }
+
+    /// The same words in `face`.
+    #[must_use]
+    pub fn face(mut self, face: Face) -> Self {
+        self.face = face;
+        self
+    }
+}
+
+/// Which part of a line of text lies at its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// Its left end.
+    Start,
+    /// Its middle.
+    Middle,
+    /// Its right end.
+    End,
+}
+
+/// One line of text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// A point of its baseline.
+    pub at: Point,
+    /// Which point that is.
+    pub anchor: Anchor,
+    /// Size of the type.
+    pub size: f32,
+    /// The words, one run after the other.
+    pub runs: Vec<Run>,
+    /// Colour of a thin rim around the letters, over footage.
+    pub halo: Option<Color>,
+}
+
+impl Line {
+    /// Width in the program's own type.
+    pub fn width(&self) -> f32 {
+        self.runs.iter().map(|run| fonts::width(&run.text, run.face, self.size)).sum()
+    }
+
+    /// Left end of the baseline.
+    pub fn start(&self) -> Point {
+        let share = match self.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => 0.5,
+            Anchor::End => 1.0,
+        };
+        [self.at[0] - share * self.width(), self.at[1]]
+    }
+}
+
+/// A thin tapered arrow with a dot at its origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrow {
+    /// Centre of the dot.
+    pub from: Point,
+    /// Tip; equal to `from` for no displacement, which is drawn as the dot alone.
+    pub to: Point,
+    /// Width of the shaft where it meets the head.
+    pub width: f32,
+    /// Colour.
+    pub color: Color,
+    /// Colour of the rim.
+    pub halo: Color,
+    /// Width of the rim.
+    pub halo_width: f32,
+}
+
+impl Arrow {
+    /// Radius of the dot at the origin.
+    pub fn dot(&self) -> f32 {
+        self.width * 0.95
+    }
+
+    fn length(&self) -> f32 {
+        (self.to[0] - self.from[0]).hypot(self.to[1] - self.from[1])
+    }
+
+    /// Shaft and head as one outline, `grow` further out all round (0 for the arrow, its `halo_width` for the rim).
+    /// `None` for no displacement.
+    ///
+    /// It is star-shaped about [`Arrow::hub`]: triangles from there to each side fill it.
+    pub fn outline(&self, grow: f32) -> Option<[Point; 7]> {
+        let length = self.length();
+        if length < 1e-3 {
+            return None;
+        }
+        let (head, half) = self.head();
+        let along = [(self.to[0] - self.from[0]) / length, (self.to[1] - self.from[1]) / length];
+        let slope = half / head;
+        // The rim runs parallel to the head's sides; its tip is cut short of the full mitre.
+        let barb = half + grow * slope + grow * slope.hypot(1.0);
+        let tip = length + grow * 1.6;
+        let neck = length - head - grow;
+        let thick = (self.width * 0.5).min(half * 0.6);
+        let (thin, thick) = (thick * 0.5 + grow, thick + grow);
+        let tail = neck.min(0.0);
+        let at = |s: f32, side: f32| {
+            [self.from[0] + along[0] * s - along[1] * side, self.from[1] + along[1] * s + along[0] * side]
+        };
+        Some([
+            at(tail, -thin),
+            at(neck, -thick),
+            at(neck, -barb),
+            at(tip, 0.0),
+            at(neck, barb),
+            at(neck, thick),
+            at(tail, thin),
+        ])
+    }
+
+    /// Where shaft and head meet.
+    pub fn hub(&self) -> Point {
+        let t = 1.0 - self.head().0 / self.length().max(1e-3);
+        std::array::from_fn(|i| self.from[i] + (self.to[i] - self.from[i]) * t)
+    }
+
+    /// Length and half the width of the head; a short arrow has a small head.
+    fn head(&self) -> (f32, f32) {
+        let head = (self.width * 3.6).min(self.length() * 0.75);
+        (head, head * 0.42)
+    }
+}
+
+/// One thing to paint.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Primitive {
+    /// A filled convex polygon.
+    Polygon {
+        /// Corners.
+        points: Vec<Point>,
+        /// Colour.
+        color: Color,
+    },
+    /// A line along points.
+    Polyline {
+        /// Corners.
+        points: Vec<Point>,
+        /// Whether the last corner joins the first.
+        closed: bool,
+        /// How it is drawn.
+        stroke: Stroke,
+    },
+    /// A filled disc.
+    Disc {
+        /// Centre.
+        center: Point,
+        /// Radius.
+        radius: f32,
+        /// Colour.
+        color: Color,
+    },
+    /// An arrow.
+    Arrow(Arrow),
+    /// A line of text.
+    Text(Line),
+    /// A picture whose pixels are shown as squares, never blurred.
+    Image {
+        /// Red, green, blue and straight alpha.
+        pixels: Arc<Grid<[u8; 4]>>,
+        /// Where its outer edges lie.
+        rect: Rect,
+    },
+}
+
+impl Primitive {
+    /// A rectangle that holds everything that is painted.
+    pub fn bounds(&self) -> Rect {
+        match self {
+            Primitive::Polygon { points, .. } => around(points).grown(1.0),
+            // A mitred corner reaches at most four half widths out.
+            Primitive::Polyline { points, stroke, .. } => around(points).grown(stroke.width * 2.0 + 1.0),
+            Primitive::Disc { center, radius, .. } => around(&[*center]).grown(radius + 1.0),
+            Primitive::Arrow(arrow) => {
+                around(&[arrow.from, arrow.to]).grown(arrow.width * 2.0 + arrow.halo_width * 3.0 + 1.0)
+            }
+            Primitive::Text(line) => {
+                let [x, y] = line.start();
+                Rect::new([x, y - line.size], [line.width(), line.size * 1.4]).grown(4.0)
+            }
+            Primitive::Image { rect, .. } => *rect,
+        }
+    }
+}
+
+fn around(points: &[Point]) -> Rect {
+    let mut rect = Rect { min: [f32::MAX; 2], max: [f32::MIN; 2] };
+    for point in points {
+        for i in 0..2 {
+            rect.min[i] = rect.min[i].min(point[i]);
+            rect.max[i] = rect.max[i].max(point[i]);
+        }
+    }
+    rect
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arrow(to: Point) -> Arrow {
+        Arrow { from: [10.0, 10.0], to, width: 2.0, color: Color::WHITE, halo: Color::BLACK, halo_width: 1.0 }
+    }
+
+    #[test]
+    fn an_arrow_is_star_shaped_about_its_hub_and_its_rim_holds_it() {
+        for to in [[40.0, 10.0], [11.0, 10.5], [3.0, -17.0]] {
+            let arrow = arrow(to);
+            let (inner, outer) = (arrow.outline(0.0), arrow.outline(1.0));
+            let (Some(inner), Some(outer)) = (inner, outer) else { panic!("an arrow without an outline") };
+            let cross = |o: Point, a: Point, b: Point| (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+            for outline in [inner, outer] {
+                for i in 0..7 {
+                    assert!(cross(arrow.hub(), outline[i], outline[(i + 1) % 7]) > -1e-2, "{arrow:?} side {i}");
+                }
+            }
+            let inside = |p: Point| (0..7).all(|i| i == 1 || i == 4 || cross(outer[i], outer[(i + 1) % 7], p) > -1e-3);
+            assert!(inside(inner[3]) && inside(inner[6]), "the tip or the tail sticks out of the rim");
+        }
+    }
+
+    #[test]
+    fn no_displacement_is_a_dot() {
+        assert_eq!(arrow([10.0, 10.0]).outline(0.0), None);
+    }
+}

@@ -1,0 +1,90 @@
+//! Words into lines.
+
+use motionscope_core::scene::Sentence;
+
+use super::primitive::Run;
+use super::{Theme, fonts};
+
+/// `runs` in lines of at most `width` points, broken at spaces only.
+pub fn wrap(runs: &[Run], size: f32, width: f32) -> Vec<Vec<Run>> {
+    let (mut lines, mut line, mut used) = (Vec::new(), Vec::new(), 0.0);
+    for word in words(runs) {
+        let long: f32 = word.iter().map(|run| fonts::width(run.text.trim_end(), run.face, size)).sum();
+        if used > 0.0 && used + long > width {
+            lines.push(joined(std::mem::take(&mut line)));
+            used = 0.0;
+        }
+        used += word.iter().map(|run| fonts::width(&run.text, run.face, size)).sum::<f32>();
+        line.extend(word);
+    }
+    if !line.is_empty() {
+        lines.push(joined(line));
+    }
+    lines
+}
+
+/// What must stay together: everything up to a space, whatever its colours.
+fn words(runs: &[Run]) -> Vec<Vec<Run>> {
+    let mut words = vec![Vec::new()];
+    for run in runs {
+        for piece in run.text.split_inclusive(' ') {
+            if let Some(word) = words.last_mut() {
+                word.push(Run { text: piece.into(), ..run.clone() });
+            }
+            if piece.ends_with(' ') {
+                words.push(Vec::new());
+            }
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// Neighbours of one look become one run; the line's last space goes.
+fn joined(line: Vec<Run>) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for run in line {
+        match runs.last_mut() {
+            Some(last) if (last.color, last.face) == (run.color, run.face) => last.text.push_str(&run.text),
+            _ => runs.push(run),
+        }
+    }
+    if let Some(last) = runs.last_mut() {
+        last.text.truncate(last.text.trim_end().len());
+    }
+    runs
+}
+
+/// A sentence in the colours of its roles.
+pub fn inked(sentence: &Sentence, theme: Theme) -> Vec<Run> {
+    let color = |role: Option<_>| role.map_or(theme.chrome().text, |role| theme.word(role));
+    sentence.0.iter().map(|(words, role)| Run::new(words, color(*role))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motionscope_core::Role;
+
+    #[test]
+    fn lines_break_at_spaces_and_lose_no_word() {
+        let sentence = Sentence::default()
+            .text("Candidate ")
+            .ink(Role::Candidate, "(−3, 2)")
+            .text(" costs 812, less than the best so far, ")
+            .ink(Role::Best, "903 at (0, 1)")
+            .text(".");
+        let runs = inked(&sentence, Theme::Dark);
+        for width in [1.0, 80.0, 150.0, 400.0, 4000.0] {
+            let lines = wrap(&runs, 14.0, width);
+            let text = |line: &[Run]| line.iter().map(|run| run.text.as_str()).collect::<String>();
+            let whole = lines.iter().map(|line| text(line)).collect::<Vec<_>>().join(" ");
+            assert_eq!(whole, sentence.plain());
+            for line in &lines {
+                let long: f32 = line.iter().map(|run| fonts::width(&run.text, run.face, 14.0)).sum();
+                assert!(long <= width || !text(line).contains(' '), "{} is {long} wide", text(line));
+            }
+        }
+        assert_eq!(wrap(&runs, 14.0, 4000.0).len(), 1);
+    }
+}
