@@ -56,10 +56,8 @@ impl Lazy {
     }
 
     fn refuse(&self, index: usize, why: &str) -> Error {
-        Error::new(format!(
-            "frame {index} of {} cannot be shown: {why}; frames before the damage can be used",
-            self.name
-        ))
+        let rest = if index > 0 { "; frames before the damage can be used" } else { "" };
+        Error::new(format!("frame {index} of {} cannot be shown: {why}{rest}", self.name))
     }
 }
 

@@ -1,7 +1,8 @@
 //! One picture file, whatever its format.
 
+use std::error::Error as _;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Seek};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
@@ -24,8 +25,26 @@ pub(crate) struct Picture<D> {
 /// # Errors
 /// A sentence, without the file's name, if it is no picture or claims a size that none can have.
 pub(crate) fn open(path: &Path) -> Result<Picture<impl ImageDecoder + use<>>, Error> {
-    let file = File::open(path).map_err(|e| cannot_read(&e))?;
+    let mut file = File::open(path).map_err(|e| cannot_read(&e))?;
+    if is_cut_jpeg(&mut file).map_err(|e| cannot_read(&e))? {
+        return Err(Error::new(CUT_SHORT));
+    }
     read(BufReader::new(file))
+}
+
+/// Whether `file` is a JPEG without an end mark. Its decoder would make up what is missing.
+fn is_cut_jpeg(file: &mut File) -> io::Result<bool> {
+    /// Some programs append to the picture.
+    const TAIL_BYTES: u64 = 64 << 10;
+    let mut head = [0; 3];
+    let is_jpeg = file.read(&mut head)? == 3 && head == [0xFF, 0xD8, 0xFF];
+    let mut tail = Vec::new();
+    if is_jpeg {
+        file.seek(SeekFrom::Start(file.metadata()?.len().saturating_sub(TAIL_BYTES)))?;
+        file.read_to_end(&mut tail)?;
+    }
+    file.rewind()?;
+    Ok(is_jpeg && !tail.windows(2).any(|mark| mark == [0xFF, 0xD9]))
 }
 
 fn read<'a>(input: impl BufRead + Seek + 'a) -> Result<Picture<impl ImageDecoder + 'a>, Error> {
@@ -104,11 +123,17 @@ pub(crate) fn damaged(error: &ImageError) -> Error {
             )
         }
         ImageError::Unsupported(_) => format!("it uses a rare variant ({error}); save it again as a plain PNG"),
-        ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
-            "it is cut short; copy it again from where it came".into()
-        }
-        _ => format!("it is damaged ({error}); copy it again from where it came"),
+        ImageError::IoError(e) if e.kind() == io::ErrorKind::UnexpectedEof => CUT_SHORT.into(),
+        _ => format!("it is damaged ({}); copy it again from where it came", reason(error)),
     })
+}
+
+const CUT_SHORT: &str = "it is cut short; copy it again from where it came";
+
+/// The decoder's own words, without those around them.
+fn reason(error: &ImageError) -> String {
+    let words = error.source().map_or_else(|| error.to_string(), ToString::to_string);
+    words.lines().next().unwrap_or_default().trim_end_matches('.').to_owned()
 }
 
 fn turns(orientation: image::metadata::Orientation) -> bool {

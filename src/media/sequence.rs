@@ -54,13 +54,13 @@ fn kind(name: &str) -> Option<usize> {
     KINDS.iter().position(|kind| kind.contains(&extension.as_str()))
 }
 
-/// The names of the files in `folder` that are not hidden, in natural order.
-fn names_in(folder: &Path) -> Result<Vec<String>, Error> {
+/// The names of the files in `folder` that `fit` and are not hidden, in natural order.
+fn names_in(folder: &Path, fits: impl Fn(&str) -> bool) -> Result<Vec<String>, Error> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).map_err(|e| cannot_read(&e))? {
         let entry = entry.map_err(|e| cannot_read(&e))?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        if !name.starts_with('.') && entry.path().is_file() {
+        if !name.starts_with('.') && fits(&name) && entry.path().is_file() {
             names.push(name);
         }
     }
@@ -70,8 +70,7 @@ fn names_in(folder: &Path) -> Result<Vec<String>, Error> {
 
 /// Pictures of the most common kind; of these the numbered ones alone if they are most.
 fn folder(path: &Path) -> Result<Sequence, Error> {
-    let mut names = names_in(path)?;
-    names.retain(|name| kind(name).is_some());
+    let mut names = names_in(path, |name| kind(name).is_some())?;
     let all = names.len();
     let common = most(names.iter().filter_map(|name| kind(name)));
     names.retain(|name| kind(name) == common);
@@ -119,8 +118,7 @@ fn numbered(path: &Path) -> Result<Sequence, Error> {
         return Ok(Sequence { files: vec![path.into()], warnings: vec![] });
     };
     let folder = parent(path);
-    let mut names = names_in(folder)?;
-    names.retain(|other| shape(other).as_ref() == Some(&wanted));
+    let mut names = names_in(folder, |other| shape(other).as_ref() == Some(&wanted))?;
     let Some(start) = names.iter().position(|other| *other == name) else {
         return Ok(Sequence { files: vec![path.into()], warnings: vec![] });
     };
@@ -164,8 +162,7 @@ impl Pattern {
 
     fn sequence(&self, path: &Path) -> Result<Sequence, Error> {
         let folder = parent(path);
-        let mut names = names_in(folder)?;
-        names.retain(|name| self.fits(name));
+        let names = names_in(folder, |name| self.fits(name))?;
         if names.is_empty() {
             return Err(Error::new("no file fits this pattern; check the folder and the number of digits"));
         }

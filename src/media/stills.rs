@@ -165,6 +165,17 @@ mod tests {
     }
 
     #[test]
+    fn a_jpeg_without_its_end_is_not_made_up() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.jpg");
+        let whole = encode(&picture(30, 1), ImageFormat::Jpeg);
+        fs::write(&path, &whole[..whole.len() - 20]).unwrap();
+        assert!(open(&path).unwrap_err().to_string().contains("cut short"));
+        fs::write(&path, [whole, vec![7; 99]].concat()).unwrap();
+        assert!(open(&path).unwrap().frame(0).is_ok());
+    }
+
+    #[test]
     fn hostile_headers_are_refused_before_anything_is_allocated() {
         let folder = tempfile::tempdir().unwrap();
         let mut bmp = encode(&picture(8, 1), ImageFormat::Bmp);

@@ -37,11 +37,12 @@ impl Format {
         }
     }
 
-    fn name(self) -> &'static str {
+    /// Container and codec.
+    fn names(self) -> (&'static str, &'static str) {
         match self {
-            Format::Gif => "gif",
-            Format::Png => "apng",
-            Format::WebP => "webp",
+            Format::Gif => ("gif", "gif"),
+            Format::Png => ("apng", "png"),
+            Format::WebP => ("webp", "webp"),
         }
     }
 }
@@ -67,14 +68,15 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     if animation.first()?.pixels().any(|pixel| pixel[3] < 255) {
         warnings.push("what is transparent is shown on black".into());
     }
+    let (container, codec) = format.names();
     let info = ClipInfo {
         name: name_of(path),
         width,
         height,
         frames: Some(scan.delays_ms.len()),
         fps: fps(&scan.delays_ms),
-        container: format.name().into(),
-        codec: format.name().into(),
+        container: container.into(),
+        codec: codec.into(),
         warnings,
     };
     Ok(Source { info, decoder: Box::new(animation) })
@@ -116,7 +118,10 @@ struct Animation {
 impl Animation {
     fn first(&self) -> Result<RgbaImage, Error> {
         let stream = Stream::start(&self.path, self.format)?;
-        stream.pictures.recv().unwrap_or_else(|_| Err(Error::new("it holds no picture")))
+        stream
+            .pictures
+            .recv()
+            .unwrap_or_else(|_| Err(Error::new("it holds no picture; copy it again from where it came")))
     }
 }
 

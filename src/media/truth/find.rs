@@ -1,6 +1,6 @@
 //! Where truth lies: beside the clip, or where a person says.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,8 +15,12 @@ use crate::media::sequence::{Sequence, number, parent};
 pub(crate) struct Subject {
     path: PathBuf,
     size: (usize, usize),
-    /// The clip's pictures, if it is made of pictures.
-    pictures: Vec<PathBuf>,
+    /// The first of the clip's pictures, if it is made of pictures.
+    first: Option<PathBuf>,
+    /// The numbers in the pictures' names, by frame.
+    numbers: Vec<Option<u64>>,
+    by_name: HashMap<String, usize>,
+    by_number: HashMap<u64, usize>,
 }
 
 /// What lay beside a clip.
@@ -35,29 +39,50 @@ impl Subject {
             "images" => Sequence::find(path).map(|sequence| sequence.files).unwrap_or_default(),
             _ => Vec::new(),
         };
-        Self { path: path.into(), size: (info.width, info.height), pictures }
+        let mut subject = Self {
+            path: path.into(),
+            size: (info.width, info.height),
+            first: pictures.first().cloned(),
+            numbers: Vec::new(),
+            by_name: HashMap::new(),
+            by_number: HashMap::new(),
+        };
+        for (t, picture) in pictures.iter().enumerate() {
+            let number = number(&file_name(picture));
+            subject.numbers.push(number);
+            subject.by_name.entry(stem(picture)).or_insert(t);
+            if let Some(number) = number {
+                subject.by_number.entry(number).or_insert(t);
+            }
+        }
+        subject
     }
 
     /// Where the frames lie.
     fn folder(&self) -> &Path {
-        self.pictures.first().map_or_else(|| parent(&self.path), |first| parent(first))
+        parent(self.first.as_ref().unwrap_or(&self.path))
+    }
+
+    /// Whether the clip is made of pictures rather than a single file.
+    fn has_pictures(&self) -> bool {
+        self.first.is_some()
     }
 
     /// The frame that the truth called `name` belongs to: that of the same name or number; in a video the
     /// number counts frames from 0.
     fn frame_of(&self, name: &str) -> Option<usize> {
-        let wanted = number(name);
-        if self.pictures.is_empty() {
-            return wanted.and_then(|n| usize::try_from(n).ok());
+        let number = number(name);
+        if self.has_pictures() {
+            let by_number = || number.and_then(|number| self.by_number.get(&number));
+            self.by_name.get(&stem(Path::new(name))).or_else(by_number).copied()
+        } else {
+            number.and_then(|number| usize::try_from(number).ok())
         }
-        let named = |picture: &PathBuf| stem(picture) == stem(Path::new(name));
-        let numbered = |picture: &PathBuf| wanted.is_some() && number(&file_name(picture)) == wanted;
-        self.pictures.iter().position(named).or_else(|| self.pictures.iter().position(numbered))
     }
 
     /// Whether the picture after frame `t` is missing, so that the clip's next frame is not what the flow leads to.
     fn gap_after(&self, t: usize) -> bool {
-        let number = |t: usize| self.pictures.get(t).and_then(|picture| number(&file_name(picture)));
+        let number = |t: usize| self.numbers.get(t).copied().flatten();
         number(t).zip(number(t + 1)).is_some_and(|(this, next)| next > this.saturating_add(1))
     }
 
@@ -111,14 +136,14 @@ pub(crate) fn beside(subject: &Subject) -> Found {
 pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Error> {
     let mut files = Files::new(subject.size);
     if path.is_dir() {
-        files.flows = subject.by_frame(list(path).into_iter().filter(|file| is_flow(file)));
+        files.flows = subject.by_frame(list(path, is_flow));
         if files.flows.is_empty() {
             return Err(super::file_error(path, "the folder holds no .flo or PNG whose number is that of a frame"));
         }
     } else if extension(path) == "txt" {
         files.objects = Some(mot::read(path)?);
     } else {
-        let t = subject.frame_of(&file_name(path)).filter(|_| !subject.pictures.is_empty()).unwrap_or(0);
+        let t = subject.frame_of(&file_name(path)).filter(|_| subject.has_pictures()).unwrap_or(0);
         files.flows.insert(t, path.into());
     }
     if let Some(first) = files.flows.values().next() {
@@ -129,13 +154,10 @@ pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Err
 
 fn flows_beside(subject: &Subject) -> BTreeMap<usize, PathBuf> {
     let folder = subject.folder();
-    let mut files: Vec<_> = neighbours(folder, &["flow", "other-gt-flow"])
-        .iter()
-        .flat_map(|folder| list(folder))
-        .filter(|file| is_flow(file))
-        .collect();
-    if !subject.pictures.is_empty() {
-        files.extend(list(folder).into_iter().filter(|file| extension(file) == "flo"));
+    let mut files: Vec<_> =
+        neighbours(folder, &["flow", "other-gt-flow"]).iter().flat_map(|folder| list(folder, is_flow)).collect();
+    if subject.has_pictures() {
+        files.extend(list(folder, |file| extension(file) == "flo"));
     }
     let mut frames = subject.by_frame(files);
     let own = subject.path.with_extension("flo");
@@ -147,11 +169,11 @@ fn flows_beside(subject: &Subject) -> BTreeMap<usize, PathBuf> {
 
 fn masks_beside(subject: &Subject) -> BTreeMap<usize, PathBuf> {
     let folder = subject.folder();
-    let is_mask = |file: &PathBuf| file_name(file).starts_with("occ") && extension(file) == "png";
+    let is_png = |file: &Path| extension(file) == "png";
+    let is_mask =
+        |file: &Path| is_png(file) && file_name(file).starts_with("occ") && !subject.by_name.contains_key(&stem(file));
     let inside = neighbours(folder, &["occ", "occlusions"]);
-    let files = inside.iter().flat_map(|folder| list(folder)).filter(|file| extension(file) == "png");
-    let here = list(folder).into_iter().filter(|file| is_mask(file) && !subject.pictures.contains(file));
-    subject.by_frame(files.chain(here))
+    subject.by_frame(inside.iter().flat_map(|folder| list(folder, is_png)).chain(list(folder, is_mask)))
 }
 
 fn tracks_beside(subject: &Subject) -> Option<PathBuf> {
@@ -180,10 +202,10 @@ fn is_flow(file: &Path) -> bool {
     matches!(extension(file).as_str(), "flo" | "png")
 }
 
-/// The files in `folder` in natural order; none if it cannot be read.
-fn list(folder: &Path) -> Vec<PathBuf> {
+/// The files in `folder` that `fit`, in natural order; none if it cannot be read.
+fn list(folder: &Path, fits: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut files: Vec<_> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
+    let mut files: Vec<_> = entries.map(|entry| entry.path()).filter(|path| fits(path) && path.is_file()).collect();
     files.sort_by(|a, b| natural_order(&file_name(a), &file_name(b)));
     files
 }
