@@ -77,7 +77,7 @@ fn sniff(reader: &mut BufReader<File>, path: &Path) -> Result<Format, Error> {
     } else if head.starts_with(b"\x89PNG") {
         Ok(Format::Png)
     } else {
-        Err(file_error(path, "this is no flow field; give a Middlebury .flo or a KITTI 16-bit PNG"))
+        Err(file_error(path, "this is no truth; give a Middlebury .flo, a KITTI 16-bit PNG, or a MOTChallenge gt.txt"))
     }
 }
 

@@ -1,27 +1,14 @@
 //! Where truth lies: beside the clip, or where a person says.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::{ClipInfo, Error, Truth};
+use motionscope_core::{Error, Truth};
 
-use super::{Files, field, mot};
-use crate::media::names::{extension, file_name, natural_order, stem};
-use crate::media::sequence::{Sequence, number, parent};
-
-/// The clip that truth is sought for.
-pub(crate) struct Subject {
-    path: PathBuf,
-    size: (usize, usize),
-    /// The first of the clip's pictures, if it is made of pictures.
-    first: Option<PathBuf>,
-    /// The numbers in the pictures' names, by frame.
-    numbers: Vec<Option<u64>>,
-    by_name: HashMap<String, usize>,
-    by_number: HashMap<u64, usize>,
-}
+use super::{Files, Subject, field, file_error, mot};
+use crate::media::names::{extension, file_name, natural_order};
 
 /// What lay beside a clip.
 #[derive(Default)]
@@ -32,90 +19,31 @@ pub(crate) struct Found {
     pub warnings: Vec<String>,
 }
 
-impl Subject {
-    /// The clip at `path` that `info` tells about.
-    pub(crate) fn new(path: &Path, info: &ClipInfo) -> Self {
-        let pictures = match info.container.as_str() {
-            "images" => Sequence::find(path).map(|sequence| sequence.files).unwrap_or_default(),
-            _ => Vec::new(),
-        };
-        let mut subject = Self {
-            path: path.into(),
-            size: (info.width, info.height),
-            first: pictures.first().cloned(),
-            numbers: Vec::new(),
-            by_name: HashMap::new(),
-            by_number: HashMap::new(),
-        };
-        for (t, picture) in pictures.iter().enumerate() {
-            let number = number(&file_name(picture));
-            subject.numbers.push(number);
-            subject.by_name.entry(stem(picture)).or_insert(t);
-            if let Some(number) = number {
-                subject.by_number.entry(number).or_insert(t);
-            }
-        }
-        subject
-    }
-
-    /// Where the frames lie.
-    fn folder(&self) -> &Path {
-        parent(self.first.as_ref().unwrap_or(&self.path))
-    }
-
-    /// Whether the clip is made of pictures rather than a single file.
-    fn has_pictures(&self) -> bool {
-        self.first.is_some()
-    }
-
-    /// The frame that the truth called `name` belongs to: that of the same name or number; in a video the
-    /// number counts frames from 0.
-    fn frame_of(&self, name: &str) -> Option<usize> {
-        let number = number(name);
-        if self.has_pictures() {
-            let by_number = || number.and_then(|number| self.by_number.get(&number));
-            self.by_name.get(&stem(Path::new(name))).or_else(by_number).copied()
-        } else {
-            number.and_then(|number| usize::try_from(number).ok())
-        }
-    }
-
-    /// Whether the picture after frame `t` is missing, so that the clip's next frame is not what the flow leads to.
-    fn gap_after(&self, t: usize) -> bool {
-        let number = |t: usize| self.numbers.get(t).copied().flatten();
-        number(t).zip(number(t + 1)).is_some_and(|(this, next)| next > this.saturating_add(1))
-    }
-
-    /// Files of one kind of truth by frame; the first in natural order wins.
-    fn by_frame(&self, files: impl IntoIterator<Item = PathBuf>) -> BTreeMap<usize, PathBuf> {
-        let mut frames = BTreeMap::new();
-        for file in files {
-            if let Some(t) = self.frame_of(&file_name(&file)).filter(|&t| !self.gap_after(t)) {
-                frames.entry(t).or_insert(file);
-            }
-        }
-        frames
-    }
-}
-
 /// Looks for truth beside the clip, where the benchmarks and `motionscope synth` put it.
 pub(crate) fn beside(subject: &Subject) -> Found {
     let mut found = Found::default();
+    if subject.path == Path::new("-") {
+        return found;
+    }
+    let folder = subject.folder();
     let mut files = Files::new(subject.size);
     let mut accept = |sound: Result<(), Error>| {
         let is_sound = sound.is_ok();
         found.warnings.extend(sound.err().map(|why| format!("truth beside the clip is not used: {why}")));
         is_sound
     };
-    let flows = flows_beside(subject);
-    if flows.values().next().is_none_or(|first| accept(field::check_flow(first, subject.size))) {
+    let mut flows = flows_in(folder, subject);
+    if let Some(own) = own_flow(subject) {
+        flows.entry(0).or_insert(own);
+    }
+    if accept(check(&flows, field::check_flow, subject)) {
         files.flows = flows;
     }
-    let masks = masks_beside(subject);
-    if masks.values().next().is_none_or(|first| accept(field::check_mask(first, subject.size))) {
+    let masks = masks_in(folder, subject);
+    if accept(check(&masks, field::check_mask, subject)) {
         files.masks = masks;
     }
-    if let Some(path) = tracks_beside(subject) {
+    if let Some(path) = tracks_in(folder) {
         match mot::read(&path) {
             Ok(objects) => files.objects = Some(objects),
             Err(why) => _ = accept(Err(why)),
@@ -127,7 +55,7 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     found
 }
 
-/// Opens truth that a person points to: a flow, a `gt.txt`, or a folder of flows.
+/// Opens truth that a person points to: a flow, a `gt.txt`, a folder of flows, or one that `motionscope synth` wrote.
 ///
 /// A single flow whose name fits no frame belongs to the first.
 ///
@@ -136,70 +64,109 @@ pub(crate) fn beside(subject: &Subject) -> Found {
 pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Error> {
     let mut files = Files::new(subject.size);
     if path.is_dir() {
-        files.flows = subject.by_frame(list(path, is_flow));
+        files.flows = flows_in(path, subject);
+        files.masks = masks_in(path, subject);
+        files.objects = tracks_in(path).map(|tracks| mot::read(&tracks)).transpose()?;
         if files.flows.is_empty() {
-            return Err(super::file_error(path, "the folder holds no .flo or PNG whose number is that of a frame"));
+            files.flows = subject.by_frame(list(path, is_flow));
         }
     } else if extension(path) == "txt" {
         files.objects = Some(mot::read(path)?);
     } else {
-        let t = subject.frame_of(&file_name(path)).filter(|_| subject.has_pictures()).unwrap_or(0);
-        files.flows.insert(t, path.into());
+        let t = subject.named(path).or_else(|| subject.numbered(path)).filter(|_| subject.has_pictures());
+        files.flows.insert(t.unwrap_or(0), path.into());
     }
-    if let Some(first) = files.flows.values().next() {
-        field::check_flow(first, subject.size)?;
+    if files.is_empty() {
+        return Err(file_error(path, "the folder holds no truth: no gt.txt, and no flow with the number of a frame"));
     }
+    check(&files.flows, field::check_flow, subject)?;
+    check(&files.masks, field::check_mask, subject)?;
     Ok(Arc::new(files))
 }
 
-fn flows_beside(subject: &Subject) -> BTreeMap<usize, PathBuf> {
-    let folder = subject.folder();
-    let mut files: Vec<_> =
-        neighbours(folder, &["flow", "other-gt-flow"]).iter().flat_map(|folder| list(folder, is_flow)).collect();
+/// Whether the first of `files` belongs to this clip, told from its header.
+fn check(
+    files: &BTreeMap<usize, PathBuf>,
+    header: fn(&Path, (usize, usize)) -> Result<(), Error>,
+    subject: &Subject,
+) -> Result<(), Error> {
+    files.values().next().map_or(Ok(()), |first| header(first, subject.size))
+}
+
+/// Where one kind of truth lies, seen from the folder of the frames.
+struct Places {
+    /// Folders in it.
+    inside: &'static [&'static str],
+    /// Folders beside it, as KITTI has them: `image_2` and `flow_occ`.
+    beside: &'static [&'static str],
+    /// Folders two above it that hold one of its name, as Sintel and Middlebury have them: `clean/alley_1` and
+    /// `flow/alley_1`.
+    across: &'static [&'static str],
+}
+
+const FLOWS: Places =
+    Places { inside: &["flow"], beside: &["flow_occ", "flow_noc"], across: &["flow", "other-gt-flow"] };
+const MASKS: Places = Places { inside: &["occ", "occlusions"], beside: &[], across: &["occlusions"] };
+
+impl Places {
+    /// The files that `fit` in the first of these places that has any for the clip.
+    fn search(&self, folder: &Path, subject: &Subject, fits: fn(&Path) -> bool) -> BTreeMap<usize, PathBuf> {
+        let whole = fs::canonicalize(folder).unwrap_or_else(|_| folder.into());
+        let inside = self.inside.iter().map(|name| folder.join(name));
+        let beside = self.beside.iter().filter_map(|name| Some(whole.parent()?.join(name)));
+        let across =
+            self.across.iter().filter_map(|name| Some(whole.parent()?.parent()?.join(name).join(whole.file_name()?)));
+        let places = inside.chain(beside).chain(across.filter(|across| *across != whole));
+        let mut found = places.map(|place| subject.by_frame(list(&place, fits)));
+        found.find(|frames| !frames.is_empty()).unwrap_or_default()
+    }
+}
+
+fn flows_in(folder: &Path, subject: &Subject) -> BTreeMap<usize, PathBuf> {
+    let mut flows = FLOWS.search(folder, subject, is_flow);
     if subject.has_pictures() {
-        files.extend(list(folder, |file| extension(file) == "flo"));
+        for (t, flow) in subject.by_frame(list(folder, |file| extension(file) == "flo")) {
+            flows.entry(t).or_insert(flow);
+        }
     }
-    let mut frames = subject.by_frame(files);
-    let own = subject.path.with_extension("flo");
-    if !frames.contains_key(&0) && own.is_file() && !subject.gap_after(0) {
-        frames.insert(0, own);
-    }
-    frames
+    flows
 }
 
-fn masks_beside(subject: &Subject) -> BTreeMap<usize, PathBuf> {
-    let folder = subject.folder();
-    let is_png = |file: &Path| extension(file) == "png";
-    let is_mask =
-        |file: &Path| is_png(file) && file_name(file).starts_with("occ") && !subject.by_name.contains_key(&stem(file));
-    let inside = neighbours(folder, &["occ", "occlusions"]);
-    subject.by_frame(inside.iter().flat_map(|folder| list(folder, is_png)).chain(list(folder, is_mask)))
+/// The flow that is called as the clip.
+fn own_flow(subject: &Subject) -> Option<PathBuf> {
+    let own = if subject.path.is_dir() {
+        subject.path.with_file_name(format!("{}.flo", subject.path.file_name()?.display()))
+    } else {
+        subject.path.with_extension("flo")
+    };
+    (own.is_file() && !subject.gap_after(0)).then_some(own)
 }
 
-fn tracks_beside(subject: &Subject) -> Option<PathBuf> {
-    let folder = subject.folder();
+fn masks_in(folder: &Path, subject: &Subject) -> BTreeMap<usize, PathBuf> {
+    let mut masks = MASKS.search(folder, subject, is_png);
+    let is_mask = |file: &Path| is_png(file) && file_name(file).starts_with("occ") && subject.named(file).is_none();
+    for (t, mask) in subject.by_frame(list(folder, is_mask)) {
+        masks.entry(t).or_insert(mask);
+    }
+    masks
+}
+
+fn tracks_in(folder: &Path) -> Option<PathBuf> {
     // MOTChallenge keeps the pictures in `img1` and the tracks in `gt` beside it.
     let above = if folder.ends_with("img1") { folder.parent() } else { None };
-    let folders = [Some(folder), above];
-    folders
+    [Some(folder), above]
         .into_iter()
         .flatten()
         .flat_map(|folder| [folder.join("gt.txt"), folder.join("gt").join("gt.txt")])
         .find(|file| file.is_file())
 }
 
-/// Folders of the given names inside `folder`, and where Sintel and Middlebury have them: `clean/alley_1` has its flow
-/// in `flow/alley_1`.
-fn neighbours(folder: &Path, names: &[&str]) -> Vec<PathBuf> {
-    let whole = fs::canonicalize(folder).unwrap_or_else(|_| folder.into());
-    let above = whole.parent().and_then(Path::parent).zip(whole.file_name());
-    let beside = names.iter().filter_map(|name| above.map(|(above, clip)| above.join(name).join(clip)));
-    let inside = names.iter().map(|name| folder.join(name));
-    inside.chain(beside.filter(|beside| *beside != whole)).filter(|folder| folder.is_dir()).collect()
+fn is_png(file: &Path) -> bool {
+    extension(file) == "png"
 }
 
 fn is_flow(file: &Path) -> bool {
-    matches!(extension(file).as_str(), "flo" | "png")
+    is_png(file) || extension(file) == "flo"
 }
 
 /// The files in `folder` that `fit`, in natural order; none if it cannot be read.
@@ -270,6 +237,24 @@ mod tests {
     }
 
     #[test]
+    fn flow_lies_where_kitti_has_it() {
+        let folder = tempfile::tempdir().unwrap();
+        for clip in 0..3 {
+            for t in [10, 11] {
+                let picture = export::png(4, 3, Pixels::Gray(&[9; 12])).unwrap();
+                put(folder.path(), &format!("image_2/00000{clip}_{t}.png"), picture);
+            }
+            // The last has none.
+            if clip < 2 {
+                let made = export::kitti(&flow(clip as f32)).unwrap();
+                put(folder.path(), &format!("flow_occ/00000{clip}_10.png"), made.bytes);
+            }
+        }
+        let u_of = |clip| u(&open(&folder.path().join(format!("image_2/00000{clip}_10.png"))), 0);
+        assert_eq!((u_of(0), u_of(1), u_of(2)), (Some(0.0), Some(1.0), None));
+    }
+
+    #[test]
     fn a_clip_s_own_flow_is_that_of_its_first_frame() {
         let folder = tempfile::tempdir().unwrap();
         pictures(&folder.path().join("whale"));
@@ -330,5 +315,7 @@ mod tests {
         assert_eq!(by_hand("made/my.flo"), (Some(1.0), None));
         assert_eq!(by_hand("made/my08.flo"), (None, Some(2.0)));
         assert_eq!(by_hand("made"), (None, Some(2.0)));
+        put(folder.path(), "whole/flow/frame_0007.flo", export::flo(&flow(3.0)));
+        assert_eq!(by_hand("whole"), (Some(3.0), None));
     }
 }

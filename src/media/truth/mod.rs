@@ -3,6 +3,7 @@
 mod field;
 mod find;
 mod mot;
+mod subject;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Display;
@@ -11,7 +12,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use motionscope_core::{Error, Flow, Grid, ObjectBox, Truth};
 
-pub(crate) use find::{Subject, beside, open};
+pub(crate) use find::{beside, open};
+pub(crate) use subject::Subject;
 
 /// Truth in files: a field is read when it is asked for, and the last few are kept.
 struct Files {
