@@ -1,6 +1,6 @@
 //! Any clip in: one function opens whatever a teacher has.
 //!
-//! [`open`] looks at the content, picks the reader, and wraps it in the one frame cache. A reader is a [`Decoder`]:
+//! [`open`] looks at the content, picks the reader, and wraps it in the one frame cache. A reader is a `Decoder`:
 //! it knows one format and nothing about caching, threads or truth.
 
 mod animation;
