@@ -138,30 +138,53 @@ impl Wave {
         [p[0] - dx, p[1] - dy]
     }
 
-    /// Where the cloth's `rest` goes: the place that [`Wave::back`] brings back to `rest`. The steps towards it
-    /// shrink at least by a third each, as long as the wave is flatter than two ninths of its length.
+    /// Where the cloth's `rest` goes: the place that [`Wave::back`] brings back to `rest`, by Newton's method.
     pub fn forward(&self, rest: Point, t: f64) -> Point {
         let mut p = rest;
-        for _ in 0..100 {
-            let [dx, dy] = self.push(p, t);
-            let next = [rest[0] + dx, rest[1] + dy];
-            let step = (next[0] - p[0]).abs() + (next[1] - p[1]).abs();
-            p = next;
-            if step < 1e-11 {
+        for _ in 0..20 {
+            let ([dx, dy], [[a, b], [c, d]]) = (self.push(p, t), self.stretch(p, t));
+            let miss = [p[0] - dx - rest[0], p[1] - dy - rest[1]];
+            let (a, b, c, d) = (1.0 - a, -b, -c, 1.0 - d);
+            let det = a * d - b * c;
+            let step = [(d * miss[0] - b * miss[1]) / det, (a * miss[1] - c * miss[0]) / det];
+            p = [p[0] - step[0], p[1] - step[1]];
+            if step[0].abs() + step[1].abs() < 1e-10 {
                 break;
             }
         }
         p
     }
 
+    /// How far the wave has brought what is now at `p`.
     fn push(&self, p: Point, t: f64) -> Point {
-        let growth = (p[0] / self.reach).clamp(0.0, 1.25);
+        let height = self.height * (p[0] / self.reach).clamp(0.0, MOST);
+        let [along, up] = self.phases(p, t);
+        [ALONG * height * cos(along), height * sin(up)]
+    }
+
+    /// How that changes with `p`: rows for its two parts, columns for x and y.
+    fn stretch(&self, p: Point, t: f64) -> [Point; 2] {
+        let share = p[0] / self.reach;
+        let growth = if (0.0..MOST).contains(&share) { self.height / self.reach } else { 0.0 };
+        let turn = std::f64::consts::TAU / self.wavelength * self.height * share.clamp(0.0, MOST);
+        let [(sin, cos), (up, slope)] = self.phases(p, t).map(sin_cos);
+        [[ALONG * (growth * cos - turn * sin), 0.0], [growth * up + turn * slope, SLANT * turn * slope]]
+    }
+
+    fn phases(&self, p: Point, t: f64) -> Point {
         let phase = p[0] / self.wavelength - t / self.period;
-        let up = self.height * growth * sin(phase + p[1] / self.wavelength * 0.3);
-        let along = self.height * growth * 0.3 * cos(phase);
-        [along, up]
+        [phase, phase + p[1] / self.wavelength * SLANT]
     }
 }
+
+/// How far a wave also pulls the cloth along, as a share of its height.
+const ALONG: f64 = 0.3;
+
+/// How much later the lower edge of the cloth rises.
+const SLANT: f64 = 0.3;
+
+/// Beyond the cloth's end the wave grows up to this share of its height and no more.
+const MOST: f64 = 1.25;
 
 #[cfg(test)]
 mod tests {

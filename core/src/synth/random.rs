@@ -26,10 +26,25 @@ pub fn gaussian(hash: u64) -> f64 {
     (-2.0 * ln(positive)).sqrt() * cos(unit(hash << 32))
 }
 
+const ACROSS: u32 = 0x9E37_79B1;
+const DOWN: u32 = 0x85EB_CA77;
+const SEED: u32 = 0xC2B2_AE3D;
+
 /// A random number for a corner of a texture's lattice; faster than [`hash`], and good enough to look at.
 pub fn lattice(seed: u32, x: i32, y: i32) -> u32 {
-    let h =
-        (x as u32).wrapping_mul(0x9E37_79B1) ^ (y as u32).wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE3D);
+    scramble((x as u32).wrapping_mul(ACROSS) ^ (y as u32).wrapping_mul(DOWN) ^ seed.wrapping_mul(SEED))
+}
+
+/// [`lattice`] at (`x`, `y`), to its right, below it, and below to the right.
+pub fn lattice_square(seed: u32, x: i32, y: i32) -> [u32; 4] {
+    let (left, top) = ((x as u32).wrapping_mul(ACROSS), (y as u32).wrapping_mul(DOWN) ^ seed.wrapping_mul(SEED));
+    let bottom = (y as u32).wrapping_add(1).wrapping_mul(DOWN) ^ seed.wrapping_mul(SEED);
+    let right = left.wrapping_add(ACROSS);
+    [left ^ top, right ^ top, left ^ bottom, right ^ bottom].map(scramble)
+}
+
+/// The finaliser "lowbias32" (Wellons 2018).
+fn scramble(h: u32) -> u32 {
     let h = (h ^ (h >> 16)).wrapping_mul(0x7FEB_352D);
     let h = (h ^ (h >> 15)).wrapping_mul(0x846C_A68B);
     h ^ (h >> 16)
@@ -58,6 +73,15 @@ mod tests {
         assert!(mean.abs() < 0.01 && (variance - 1.0).abs() < 0.015);
         let beyond_two = (0..n).filter(|&i| gaussian(hash(7, 3, i)).abs() > 1.959_964).count() as f64 / n as f64;
         assert!((beyond_two - 0.05).abs() < 0.003);
+    }
+
+    #[test]
+    fn a_square_is_four_corners() {
+        for (x, y) in [(0, 0), (-5, 7), (i32::MAX, i32::MIN)] {
+            let (right, below) = (x.wrapping_add(1), y.wrapping_add(1));
+            let corners = [(x, y), (right, y), (x, below), (right, below)].map(|(x, y)| lattice(3, x, y));
+            assert_eq!(lattice_square(3, x, y), corners);
+        }
     }
 
     #[test]

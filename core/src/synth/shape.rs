@@ -5,6 +5,9 @@ use super::maths::sin_cos;
 /// A point or vector: x right, y down.
 pub type Point = [f64; 2];
 
+/// From here on nobody needs to know exactly how far away an edge is.
+const FAR: f64 = 8.0;
+
 /// A height for every x.
 pub type Profile = Box<dyn Fn(f64) -> f64 + Send + Sync>;
 
@@ -13,7 +16,12 @@ pub enum Shape {
     /// All of it.
     Everywhere,
     /// What lies below a skyline.
-    Below(Profile),
+    Below {
+        /// The skyline's y for every x.
+        skyline: Profile,
+        /// Its highest place's y, and its lowest one's, or a little beyond.
+        range: Point,
+    },
     /// Everything but what is inside another shape: a wall with a window.
     Around(Box<Shape>),
     /// An ellipse about the origin.
@@ -48,13 +56,24 @@ impl Shape {
         Self::Polygon((0..2 * points).map(corner).collect())
     }
 
+    /// What lies below `skyline`, which runs between `highest` and `lowest`.
+    pub fn below([highest, lowest]: Point, skyline: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Self {
+        Self::Below { skyline: Box::new(skyline), range: [highest, lowest] }
+    }
+
     /// How far `p` is inside (negative outside); exact near the outline, a fair guess elsewhere.
     pub fn inside(&self, p: Point) -> f64 {
         match self {
             Self::Everywhere => f64::INFINITY,
-            Self::Below(skyline) => {
+            Self::Below { range, .. } if p[1] < range[0] - FAR => p[1] - range[0],
+            Self::Below { range, .. } if p[1] > range[1] + FAR => p[1] - range[1],
+            Self::Below { skyline, .. } => {
+                let depth = p[1] - skyline(p[0]);
+                if depth.abs() > FAR {
+                    return depth;
+                }
                 let slope = skyline(p[0] + 0.5) - skyline(p[0] - 0.5);
-                (p[1] - skyline(p[0])) / (1.0 + slope * slope).sqrt()
+                depth / (1.0 + slope * slope).sqrt()
             }
             Self::Around(hole) => -hole.inside(p),
             Self::Ellipse { radii: [rx, ry] } => {
@@ -74,7 +93,7 @@ impl Shape {
     /// None if it has no end.
     pub fn outline(&self) -> Vec<Point> {
         match self {
-            Self::Everywhere | Self::Below(_) | Self::Around(_) => Vec::new(),
+            Self::Everywhere | Self::Below { .. } | Self::Around(_) => Vec::new(),
             Self::Ellipse { radii: [rx, ry] } => circle().map(|[x, y]| [x * rx, y * ry]).collect(),
             Self::Rectangle { half, corner } => {
                 let reach = |c: f64, half: f64| c * corner + (half - corner).copysign(c);
@@ -165,7 +184,7 @@ mod tests {
         assert_eq!(rectangle.inside([14.0, 0.0]), 1.0);
         assert_eq!(rectangle.inside([0.0, -10.0]), -2.0);
         assert_eq!(Shape::Around(Box::new(rectangle)).inside([0.0, -10.0]), 2.0);
-        let slope = Shape::Below(Box::new(|x| x));
+        let slope = Shape::below([-1e9, 1e9], |x| x);
         assert!((slope.inside([0.0, 1.0]) - 0.5_f64.sqrt()).abs() < 1e-12 && slope.inside([0.0, -1.0]) < 0.0);
     }
 }

@@ -3,7 +3,7 @@
 //! They know how large a pixel is and leave out what is finer, so that nothing flickers when a scene shrinks.
 
 use super::maths::floor;
-use super::random::lattice;
+use super::random::{lattice, lattice_square};
 
 /// A colour, 0 to 255 in each of red, green and blue.
 pub type Rgb = [f32; 3];
@@ -32,18 +32,17 @@ impl Spot {
 
     /// Fractal noise: `octaves` of gradient noise, each half as large and half as strong; about −1 to 1.
     pub fn fractal(self, seed: u32, wavelength: f64, octaves: u32) -> f32 {
+        let (mut frequency, mut strength) = (1.0 / wavelength, 1.0);
+        let mut pixels = (wavelength / self.pixel) as f32;
         let mut sum = 0.0;
-        let mut wavelength = wavelength;
-        let mut strength = 1.0;
         for octave in 0..octaves {
-            let seen = smooth((wavelength / self.pixel * 0.5 - 1.0) as f32);
+            let seen = smooth(pixels * 0.5 - 1.0);
             if seen <= 0.0 {
                 break;
             }
-            sum +=
-                seen * strength * gradient_noise(seed.wrapping_add(octave), self.x / wavelength, self.y / wavelength);
-            wavelength *= 0.5;
-            strength *= 0.5;
+            let noise = gradient_noise(seed.wrapping_add(octave), self.x * frequency, self.y * frequency);
+            sum += seen * strength * noise;
+            (frequency, strength, pixels) = (frequency * 2.0, strength * 0.5, pixels * 0.5);
         }
         sum
     }
@@ -55,25 +54,31 @@ impl Spot {
 
     /// The same spot pushed about by noise, which turns even patterns into organic ones.
     pub fn warped(self, seed: u32, wavelength: f64, strength: f64) -> Self {
-        let push = |seed| f64::from(self.fractal(seed, wavelength, 2)) * strength;
+        let push = |seed| f64::from(self.fractal(seed, wavelength, 1)) * strength;
         Self { x: self.x + push(seed), y: self.y + push(seed.wrapping_add(77)), ..self }
     }
 }
 
 /// Smooth noise with a random slope at every whole coordinate and zero there; about −1 to 1 (Perlin 1985, 2002).
 fn gradient_noise(seed: u32, x: f64, y: f64) -> f32 {
-    let (x0, y0) = (floor(x), floor(y));
-    let (fx, fy) = ((x - f64::from(x0)) as f32, (y - f64::from(y0)) as f32);
-    let slope = |dx: i32, dy: i32| {
-        let h = lattice(seed, x0.wrapping_add(dx), y0.wrapping_add(dy));
-        let [gx, gy] = [(h & 0xffff) as f32 / 32_768.0 - 1.0, (h >> 16) as f32 / 32_768.0 - 1.0];
-        gx * (fx - dx as f32) + gy * (fy - dy as f32)
-    };
+    let ((x0, fx), (y0, fy)) = (split(x), split(y));
+    let [a, b, c, d] = lattice_square(seed, x0, y0);
+    let slope =
+        |h: u32, dx: f32, dy: f32| ((h & 0xffff) as i32 - 32_768) as f32 * dx + ((h >> 16) as i32 - 32_768) as f32 * dy;
     let fade = |f: f32| f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
     let (wx, wy) = (fade(fx), fade(fy));
-    let top = slope(0, 0) + (slope(1, 0) - slope(0, 0)) * wx;
-    let bottom = slope(0, 1) + (slope(1, 1) - slope(0, 1)) * wx;
-    2.0 * (top + (bottom - top) * wy)
+    let (a, b) = (slope(a, fx, fy), slope(b, fx - 1.0, fy));
+    let (c, d) = (slope(c, fx, fy - 1.0), slope(d, fx - 1.0, fy - 1.0));
+    let (top, bottom) = (a + (b - a) * wx, c + (d - c) * wx);
+    (top + (bottom - top) * wy) / 16_384.0
+}
+
+/// A whole number and what is beyond it, from 0 to 1; on a whole number it may be the one below, and 1.
+/// Adding 1.5·2⁵² leaves no bits for a fraction, which is much faster than asking for the floor.
+fn split(x: f64) -> (i32, f32) {
+    const WHOLE: f64 = 6_755_399_441_055_744.0;
+    let shifted = (x - 0.5) + WHOLE;
+    (shifted.to_bits() as i32, (x - (shifted - WHOLE)) as f32)
 }
 
 /// Where the nearest of randomly strewn points is, one in each unit cell (Worley 1996).
@@ -98,7 +103,7 @@ pub fn cell(seed: u32, spot: Spot, size: f64) -> Cell {
         let h = lattice(seed, cx, cy);
         let jitter = |bits: u32| f64::from(bits & 0xffff) / 65_536.0 * 0.7 + 0.15;
         let offset = [x - f64::from(cx) - jitter(h), y - f64::from(cy) - jitter(h >> 16)];
-        let distance = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
+        let distance = offset[0] * offset[0] + offset[1] * offset[1];
         if distance < nearest.0 {
             second = nearest.0;
             nearest = (distance, h, offset);
@@ -106,7 +111,7 @@ pub fn cell(seed: u32, spot: Spot, size: f64) -> Cell {
             second = distance;
         }
     }
-    Cell { border: (second - nearest.0) * 0.5, hash: nearest.1, offset: nearest.2 }
+    Cell { border: (second.sqrt() - nearest.0.sqrt()) * 0.5, hash: nearest.1, offset: nearest.2 }
 }
 
 /// 0 up to 0, 1 from 1 on, and smoothly between.
@@ -123,6 +128,11 @@ pub const fn rgb(hex: u32) -> Rgb {
 /// `a` at 0, `b` at 1.
 pub fn mix(a: Rgb, b: Rgb, share: f32) -> Rgb {
     std::array::from_fn(|c| a[c] + (b[c] - a[c]) * share)
+}
+
+/// `top`, which is asked for only where it is seen, over `base`.
+pub fn over(base: Rgb, cover: f32, top: impl FnOnce() -> Rgb) -> Rgb {
+    if cover > 0.0 { mix(base, top(), cover) } else { base }
 }
 
 /// A colour made lighter by `factor` (darker below 1).
@@ -145,6 +155,17 @@ mod tests {
 
     fn spots() -> impl Iterator<Item = Spot> {
         (0..4000).map(|i| Spot { x: f64::from(i) * 0.731 - 900.0, y: f64::from(i) * 0.417 - 400.0, pixel: 1.0 })
+    }
+
+    #[test]
+    fn splitting_finds_the_whole_and_the_rest() {
+        for i in -4000..4000 {
+            let x = f64::from(i) * 0.125;
+            let (whole, rest) = split(x);
+            assert_eq!(f64::from(whole) + f64::from(rest), x);
+            assert!((0.0..=1.0).contains(&rest));
+        }
+        assert!(split(1e300).1.is_finite());
     }
 
     #[test]

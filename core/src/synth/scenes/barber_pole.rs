@@ -4,7 +4,7 @@ use crate::synth::layer::Layer;
 use crate::synth::maths::floor;
 use crate::synth::motion::Motion;
 use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth};
+use crate::synth::texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth};
 use crate::synth::{Sample, Setting};
 
 pub const SAMPLE: Sample = Sample {
@@ -45,6 +45,6 @@ fn shop(seed: u32, spot: Spot) -> Rgb {
     let grain = spot.relative([f64::from(row) * 91.0, f64::from(row) * 37.0], 1.0).streaks(seed, 24.0, 0.22, 4);
     let wood = ramp(&[rgb(0x14403f), rgb(0x1f5b56), rgb(0x3c8278)], 0.5 + 0.55 * grain);
     let wood = mix(shade(wood, 0.6), wood, spot.cover(plank.min(1.0 - plank) * 32.0 - 1.0));
-    let frame = mix(wood, brass(rim - 2.0), spot.cover(rim));
-    mix(frame, brass((y - 87.0) * 0.55 + 1.0), spot.cover(cap))
+    let frame = over(wood, spot.cover(rim), || brass(rim - 2.0));
+    over(frame, spot.cover(cap), || brass((y - 87.0) * 0.55 + 1.0))
 }

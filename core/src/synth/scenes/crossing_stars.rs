@@ -1,8 +1,10 @@
 //! Two equal stars fly towards each other at night, and pass.
 
 use crate::synth::layer::Layer;
+use crate::synth::maths::floor;
 use crate::synth::motion::Motion;
-use crate::synth::shape::Shape;
+use crate::synth::random::{lattice, part};
+use crate::synth::shape::{Shape, length};
 use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth};
 use crate::synth::{Sample, Setting};
 
@@ -26,19 +28,26 @@ fn layers(setting: &Setting) -> Vec<Layer> {
     ]
 }
 
+/// How bright the far star is that shines here, if one does: there is one in each square of 17 units.
+fn far_star(seed: u32, spot: Spot) -> f32 {
+    let square = [spot.x, spot.y].map(|c| floor(c / 17.0));
+    let star = lattice(seed, square[0], square[1]);
+    let from = |c: f64, square: i32, index| c - (f64::from(square) + 0.15 + 0.7 * part(star, index)) * 17.0;
+    let distance = length([from(spot.x, square[0], 0), from(spot.y, square[1], 1)]);
+    let bright = part(star, 2) as f32;
+    smooth(1.4 - distance as f32 * 0.7) * bright * bright
+}
+
 fn gold(seed: u32, spot: Spot) -> Rgb {
-    let radius = ((spot.x * spot.x + spot.y * spot.y).sqrt() / 30.0) as f32;
+    let radius = (length([spot.x, spot.y]) / 30.0) as f32;
     let hammered = spot.fractal(seed, 11.0, 3);
     let color = ramp(&[rgb(0xfff3c4), rgb(0xf6c445), rgb(0xd98324)], radius * 1.1 + 0.3 * hammered);
     shade(color, 1.0 + 0.1 * hammered)
 }
 
 fn night(seed: u32, spot: Spot) -> Rgb {
-    let clouds = spot.warped(seed, 90.0, 26.0).fractal(seed + 10, 60.0, 5);
+    let clouds = spot.warped(seed, 90.0, 26.0).fractal(seed + 10, 60.0, 4);
     let depth = (spot.y / 240.0) as f32;
     let air = ramp(&[rgb(0x0d1433), rgb(0x1d2a5c), rgb(0x4a3b72), rgb(0x8a5a7d)], 0.6 * depth + 0.35 * clouds + 0.15);
-    let speck = crate::synth::texture::cell(seed + 20, spot, 17.0);
-    let distance = (speck.offset[0] * speck.offset[0] + speck.offset[1] * speck.offset[1]).sqrt() * 17.0;
-    let bright = crate::synth::random::part(speck.hash, 3) as f32;
-    mix(air, rgb(0xeef2ff), smooth(1.3 - distance as f32 * 0.8) * bright * bright)
+    mix(air, rgb(0xeef2ff), far_star(seed + 20, spot))
 }

@@ -28,7 +28,7 @@ fn layers(setting: &Setting) -> Vec<Layer> {
     };
     vec![
         Layer::new(Shape::disc(23.0), ball, rgb(0xe07a2f), move |spot| basketball(seed, spot)).object(1),
-        Layer::new(Shape::Below(Box::new(|_| 178.0)), Motion::still([0.0; 2]), rgb(0xc99a66), move |spot| {
+        Layer::new(Shape::below([178.0; 2], |_| 178.0), Motion::still([0.0; 2]), rgb(0xc99a66), move |spot| {
             floorboards(seed + 100, spot)
         }),
         Layer::new(Shape::Everywhere, Motion::still([0.0; 2]), rgb(0x5f7f8c), move |spot| wall(seed + 200, spot)),

@@ -3,7 +3,7 @@
 use crate::synth::layer::Layer;
 use crate::synth::motion::Motion;
 use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, mix, rgb, shade, smooth};
+use crate::synth::texture::{Rgb, Spot, mix, over, rgb, shade, smooth};
 use crate::synth::{Sample, Setting};
 
 pub const SAMPLE: Sample = Sample {
@@ -24,15 +24,16 @@ fn wall(seed: u32, spot: Spot) -> Rgb {
     let plaster = shade(rgb(0xd8cfc0), 1.0 + 0.006 * spot.fractal(seed, 60.0, 3));
     let hung = spot.relative([70.0, 72.0], 1.0);
     let switch = spot.relative([226.0, 128.0], 1.0);
-    let color = mix(plaster, picture(seed + 100, hung), spot.cover(box_inside(hung, 44.0, 34.0)));
-    mix(color, light_switch(switch), spot.cover(box_inside(switch, 11.0, 15.0)))
+    let color = over(plaster, spot.cover(box_inside(hung, 44.0, 34.0)), || picture(seed + 100, hung));
+    over(color, spot.cover(box_inside(switch, 11.0, 15.0)), || light_switch(switch))
 }
 
 fn picture(seed: u32, spot: Spot) -> Rgb {
     let oak = shade(rgb(0x6b4428), 1.0 + 0.25 * spot.fractal(seed, 9.0, 3));
     let mat = mix(oak, rgb(0xf4f0e6), spot.cover(box_inside(spot, 39.0, 29.0)));
-    let painting = super::translation::marble(seed, spot.relative([0.0; 2], 0.4));
-    mix(mat, painting, spot.cover(box_inside(spot, 32.0, 22.0)))
+    over(mat, spot.cover(box_inside(spot, 32.0, 22.0)), || {
+        super::translation::marble(seed, spot.relative([0.0; 2], 0.6))
+    })
 }
 
 fn light_switch(spot: Spot) -> Rgb {

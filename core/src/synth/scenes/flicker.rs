@@ -5,7 +5,7 @@ use crate::synth::maths::floor;
 use crate::synth::motion::Motion;
 use crate::synth::random::{lattice, part};
 use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth};
+use crate::synth::texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth};
 use crate::synth::{Sample, Setting};
 
 pub const SAMPLE: Sample = Sample {
@@ -35,11 +35,10 @@ fn shelf(seed: u32, spot: Spot) -> Rgb {
     let h = lattice(seed + 7, book, row);
     let top = 6.0 + 20.0 * part(h, 0);
     let x = (spot.x - left) / (right - left);
-    let spine = spine(seed, spot, h, [x, (y - top) / (SHELF - 10.0 - top)]);
     let inside = (y - top).min((spot.x - left).min(right - spot.x) - 0.3);
     let behind = shade(rgb(0x2a1d18), 0.7 + 0.5 * smooth((y / SHELF) as f32));
-    let books = mix(behind, spine, spot.cover(inside));
-    mix(books, board(seed + 90, spot, y), spot.cover(y - (SHELF - 10.0)).max(spot.cover(0.0 - y)))
+    let books = over(behind, spot.cover(inside), || spine(seed, spot, h, [x, (y - top) / (SHELF - 10.0 - top)]));
+    over(books, spot.cover(y - (SHELF - 10.0)).max(spot.cover(-y)), || board(seed + 90, spot, y))
 }
 
 fn spine(seed: u32, spot: Spot, book: u32, [x, y]: [f64; 2]) -> Rgb {

@@ -34,15 +34,15 @@ fn layers(setting: &Setting) -> Vec<Layer> {
 }
 
 fn ridge(level: f64, height: f64, wavelength: f64) -> Shape {
-    Shape::Below(Box::new(move |x| {
+    Shape::below([level - 1.45 * height, level + 1.45 * height], move |x| {
         level
             - height * (sin(x / wavelength + 0.1) + 0.35 * sin(x * 2.7 / wavelength) + 0.1 * sin(x * 7.3 / wavelength))
-    }))
+    })
 }
 
 /// One mountain per 120 units, each of its own height, with a rugged edge.
 fn peaks(seed: u32) -> Shape {
-    Shape::Below(Box::new(move |x| {
+    Shape::below([47.0, 183.0], move |x| {
         let flank = |i: i32| {
             let h = lattice(seed + 41, i, 0);
             let top = (f64::from(i) + 0.3 + 0.4 * part(h, 0)) * 120.0;
@@ -51,12 +51,12 @@ fn peaks(seed: u32) -> Shape {
         let here = floor(x / 120.0);
         let edge = (here - 1..=here + 1).map(flank).fold(f64::MAX, f64::min);
         edge + 2.0 * sin(x / 17.0) + sin(x / 7.3)
-    }))
+    })
 }
 
 /// Firs of different heights in front of a low bank.
 fn pines(seed: u32) -> Shape {
-    Shape::Below(Box::new(move |x| {
+    Shape::below([92.0, 216.0], move |x| {
         let tree = |i: i32| {
             let h = lattice(seed, i, 0);
             let middle = (f64::from(i) + 0.2 + 0.6 * part(h, 0)) * 46.0;
@@ -71,27 +71,27 @@ fn pines(seed: u32) -> Shape {
         let here = floor(x / 46.0);
         let trees = (here - 1..=here + 1).map(tree).fold(f64::MAX, f64::min);
         trees.min(212.0 + 4.0 * sin(x / 90.0))
-    }))
+    })
 }
 
 fn needles(seed: u32, spot: Spot) -> Rgb {
-    let boughs = spot.warped(seed, 16.0, 5.0).fractal(seed + 10, 13.0, 4);
-    ramp(&[rgb(0x0b1f1d), rgb(0x1c4238), rgb(0x4a7a4f)], 0.42 + 0.55 * boughs)
+    let boughs = spot.streaks(seed + 10, 7.0, 1.6, 3) + 0.5 * spot.fractal(seed + 20, 24.0, 1);
+    ramp(&[rgb(0x0b1f1d), rgb(0x1b4238), rgb(0x3f7350)], 0.42 + 0.4 * boughs)
 }
 
 fn meadow(seed: u32, spot: Spot) -> Rgb {
-    let fields = spot.streaks(seed, 36.0, 2.0, 5);
+    let fields = spot.streaks(seed, 36.0, 2.0, 4);
     let light = smooth(1.0 - ((spot.y - 150.0) / 90.0) as f32);
     ramp(&[rgb(0x2f5d4a), rgb(0x5f9158), rgb(0xb5bf6b)], 0.25 + 0.4 * light + 0.45 * fields)
 }
 
 fn rock(seed: u32, spot: Spot, colors: [Rgb; 3]) -> Rgb {
-    let woods = spot.warped(seed, 40.0, 8.0).fractal(seed + 10, 30.0, 5);
+    let woods = spot.warped(seed, 40.0, 8.0).fractal(seed + 10, 30.0, 4);
     ramp(&colors, 0.5 + 0.6 * woods)
 }
 
 fn snow(seed: u32, spot: Spot) -> Rgb {
-    let cliffs = spot.warped(seed, 50.0, 16.0).streaks(seed + 10, 34.0, 0.6, 5);
+    let cliffs = spot.warped(seed, 50.0, 16.0).streaks(seed + 10, 34.0, 0.6, 4);
     let bare = smooth(((spot.y - 74.0) / 50.0) as f32 + 0.6 * cliffs);
     let white = shade(rgb(0xf4f7fa), 0.94 + 0.14 * cliffs);
     mix(white, ramp(&[rgb(0x55708c), rgb(0x8ea7bb), rgb(0xc3d2dc)], 0.5 + 0.7 * cliffs), bare)

@@ -46,7 +46,8 @@ fn layers(setting: &Setting) -> Vec<Layer> {
 
 /// A sea whose surface is at `level`, with waves of `height`.
 fn swell(level: f64, height: f64, wavelength: f64) -> Shape {
-    Shape::Below(Box::new(move |x| level - height * (sin(x / wavelength) + 0.4 * sin(x * 2.3 / wavelength + 0.3))))
+    let range = [level - 1.4 * height, level + 1.4 * height];
+    Shape::below(range, move |x| level - height * (sin(x / wavelength) + 0.4 * sin(x * 2.3 / wavelength + 0.3)))
 }
 
 fn water(seed: u32, spot: Spot, level: f64, [deep, mid, crest]: [Rgb; 3]) -> Rgb {
@@ -89,6 +90,6 @@ fn stone(seed: u32, spot: Spot) -> Rgb {
 pub fn sky(seed: u32, spot: Spot) -> Rgb {
     let height = (spot.y / 130.0) as f32;
     let air = ramp(&[rgb(0x6fa8c9), rgb(0xa9cbd3), rgb(0xf6dcb4), rgb(0xf3b98c)], height);
-    let clouds = smooth(0.15 + 1.3 * spot.warped(seed, 80.0, 14.0).streaks(seed + 10, 42.0, 2.4, 5));
+    let clouds = smooth(0.15 + 1.3 * spot.warped(seed, 80.0, 14.0).streaks(seed + 10, 42.0, 2.4, 4));
     mix(air, rgb(0xfdf3e3), 0.7 * clouds)
 }

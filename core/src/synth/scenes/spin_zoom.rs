@@ -4,7 +4,7 @@ use crate::synth::layer::Layer;
 use crate::synth::maths::floor;
 use crate::synth::motion::Motion;
 use crate::synth::random::{lattice, part};
-use crate::synth::shape::Shape;
+use crate::synth::shape::{Point, Shape};
 use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade};
 use crate::synth::{Sample, Setting};
 
@@ -28,12 +28,11 @@ fn glass(seed: u32, spot: Spot) -> Rgb {
         [rgb(0x1d4e89), rgb(0xd1495b), rgb(0xedae49), rgb(0x00798c), rgb(0x7d4f8c), rgb(0x9cc5a1), rgb(0xc0392b)];
     let radius = (spot.x * spot.x + spot.y * spot.y).sqrt().max(1e-9);
     let direction = [spot.x / radius, spot.y / radius];
-    let petals = if radius < 66.0 { 6 } else { 12 };
-    let [along, across] = power(direction, petals);
+    let (petals, [along, across]) = petals(direction, radius);
     let ring_place = (radius + 5.0 * along * along) / 22.0;
     let ring = floor(ring_place);
     let ring_edge = (ring_place - f64::from(ring)).min(f64::from(ring) + 1.0 - ring_place) * 22.0;
-    let petal_edge = along.abs().min(across.abs()) * radius / f64::from(petals);
+    let petal_edge = along.abs().min(across.abs()) * radius / petals;
     let edge = if ring == 0 { ring_edge } else { ring_edge.min(petal_edge) };
     let which = i32::from(along > 0.0) + 2 * i32::from(along * across > 0.0);
     let pane = lattice(seed, ring, if ring == 0 { 0 } else { which });
@@ -43,7 +42,11 @@ fn glass(seed: u32, spot: Spot) -> Rgb {
     mix(rgb(0x17161c), lit, spot.cover(edge - 1.4))
 }
 
-/// Cosine and sine of `n` times the angle of a direction, by multiplying it with itself.
-fn power([cos, sin]: [f64; 2], n: u32) -> [f64; 2] {
-    (0..n).fold([1.0, 0.0], |[c, s], _| [c * cos - s * sin, c * sin + s * cos])
+/// How many petals there are, with the cosine and sine of so many times the angle of `direction`.
+fn petals(direction: Point, radius: f64) -> (f64, Point) {
+    // Multiplying directions as complex numbers adds their angles.
+    let times = |a: Point, b: Point| [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]];
+    let third = times(times(direction, direction), direction);
+    let sixth = times(third, third);
+    if radius < 66.0 { (6.0, sixth) } else { (12.0, times(sixth, sixth)) }
 }

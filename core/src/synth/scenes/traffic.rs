@@ -4,7 +4,7 @@ use crate::synth::layer::Layer;
 use crate::synth::maths::floor;
 use crate::synth::motion::Motion;
 use crate::synth::shape::{Point, Shape};
-use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth};
+use crate::synth::texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth};
 use crate::synth::{Sample, Setting};
 
 pub const SAMPLE: Sample = Sample {
@@ -63,16 +63,18 @@ fn bodywork(seed: u32, spot: Spot, color: Rgb) -> Rgb {
 
 /// Grass with a road of two lanes along y = 0.
 fn ground(seed: u32, spot: Spot) -> Rgb {
-    let grass = spot.warped(seed, 30.0, 6.0).fractal(seed + 10, 26.0, 5);
-    let lawn = ramp(&[rgb(0x4a6b3c), rgb(0x7a9a58), rgb(0xb0bd7a)], 0.5 + 0.55 * grass);
-    let kerb = mix(lawn, rgb(0xbdb6a6), spot.cover(52.0 - spot.y.abs()));
-    mix(kerb, road(seed + 20, [spot.x, spot.y], spot), spot.cover(46.0 - spot.y.abs()))
+    let lawn = |spot: Spot| {
+        let grass = spot.warped(seed, 30.0, 6.0).fractal(seed + 10, 26.0, 5);
+        ramp(&[rgb(0x4a6b3c), rgb(0x7a9a58), rgb(0xb0bd7a)], 0.5 + 0.55 * grass)
+    };
+    let kerb = over(rgb(0xbdb6a6), spot.cover(spot.y.abs() - 52.0), || lawn(spot));
+    over(kerb, spot.cover(46.0 - spot.y.abs()), || road(seed + 20, [spot.x, spot.y], spot))
 }
 
 fn bridge(seed: u32, spot: Spot) -> Rgb {
     let rail = shade(rgb(0xcfc8b8), 1.0 + 0.12 * spot.fractal(seed, 9.0, 3));
     let edge = mix(shade(rail, 0.5), rail, spot.cover(33.0 - spot.x.abs()));
-    mix(edge, road(seed + 5, [spot.y, spot.x], spot), spot.cover(27.0 - spot.x.abs()))
+    over(edge, spot.cover(27.0 - spot.x.abs()), || road(seed + 5, [spot.y, spot.x], spot))
 }
 
 /// Asphalt with dashes along the middle; the first coordinate runs along the road.

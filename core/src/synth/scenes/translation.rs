@@ -25,8 +25,8 @@ fn layers(setting: &Setting) -> Vec<Layer> {
 pub fn marble(seed: u32, spot: Spot) -> Rgb {
     const INKS: [Rgb; 7] =
         [rgb(0x17324d), rgb(0x2a6f97), rgb(0x61a5c2), rgb(0xf3ead7), rgb(0xe9b872), rgb(0xc8553d), rgb(0x4a2a3c)];
-    let stirred = spot.warped(seed, 90.0, 34.0);
-    let bands = stirred.fractal(seed + 10, 70.0, 3);
-    let grain = spot.fractal(seed + 20, 12.0, 3);
-    shade(ramp(&INKS, 0.5 + 0.62 * bands + 0.04 * grain), 0.96 + 0.09 * grain)
+    let stirred = spot.warped(seed, 80.0, 36.0);
+    let bands = stirred.streaks(seed + 10, 34.0, 1.6, 3);
+    let paper = spot.fractal(seed + 20, 10.0, 2);
+    shade(ramp(&INKS, 0.5 + 0.6 * bands), 0.97 + 0.08 * paper)
 }

@@ -1,0 +1,219 @@
+//! The truth is what happens to the pixels.
+
+use super::super::layer::{Layer, Stage};
+use super::super::motion::Motion;
+use super::super::shape::Shape;
+use super::super::texture::rgb;
+use super::super::truth::ExactTruth;
+use super::*;
+use crate::Truth;
+
+/// Brings frame t + 1 back by the truth and compares it with frame t: mean error, and share of pixels off by more than
+/// 32 gray levels.
+fn warp_error(clip: &Clip, t: usize) -> (f32, f32) {
+    let [now, next] = clip.pair(t).unwrap();
+    let (flow, hidden) = (flow(clip, t), hidden(clip, t));
+    let (width, height) = clip.size();
+    let (mut sum, mut far, mut count) = (0.0, 0.0, 0.0);
+    for (x, y) in pixels(clip).filter(|&at| !hidden[at]) {
+        let [u, v] = flow.at(x, y).unwrap();
+        let to = [x as f32 + u, y as f32 + v];
+        if to[0] < 0.0 || to[1] < 0.0 || to[0] > (width - 1) as f32 || to[1] > (height - 1) as f32 {
+            continue;
+        }
+        let error = (next.luma().sample(to[0], to[1]) - f32::from(now.luma()[(x, y)])).abs();
+        sum += error;
+        far += f32::from(error > 32.0);
+        count += 1.0;
+    }
+    assert!(count > 0.4 * (width * height) as f32);
+    (sum / count, far / count)
+}
+
+#[test]
+fn the_next_frame_warped_back_is_this_frame() {
+    for scene in SCENES {
+        let clip = scene.clip(&clean(scene)).unwrap();
+        for t in [0, 7] {
+            let (mean, far) = warp_error(&clip, t);
+            assert!(mean < 2.0 && far < 0.01, "{} frame {t}: {mean} levels, {far} far off", scene.id);
+        }
+    }
+}
+
+#[test]
+fn it_is_so_too_when_everything_moves_more() {
+    for scene in SCENES {
+        let d = Difficulty { speed: 1.7, scale_change: 2.0, rotation: -3.0, width: 240, height: 200, ..clean(scene) };
+        let clip = scene.clip(&d).unwrap();
+        let (mean, far) = warp_error(&clip, 5);
+        assert!(mean < 2.6 && far < 0.015, "{}: {mean} levels, {far} far off", scene.id);
+    }
+}
+
+#[test]
+fn a_wrong_truth_would_be_noticed() {
+    for scene in SCENES.iter().filter(|scene| scene.id != "flat-wall") {
+        let clip = scene.clip(&clean(scene)).unwrap();
+        let faster = scene.clip(&Difficulty { speed: 1.5, ..clean(scene) }).unwrap();
+        let mixed = clip.clone().with_truth(Arc::clone(faster.truth().unwrap()));
+        let (right, wrong) = (warp_error(&clip, 0).0, warp_error(&mixed, 0).0);
+        assert!(wrong > 1.25 * right, "{}: {right} {wrong}", scene.id);
+    }
+}
+
+#[test]
+fn colors_travel_with_the_motion() {
+    for scene in SCENES {
+        let d = clean(scene);
+        let setting = Setting { seed: 1000, scale: 1.0 };
+        let stage = Stage::new((scene.layers)(&setting), d.clone());
+        let (now, next) = (stage.at(3.0), stage.at(4.0));
+        let clip = scene.clip(&d).unwrap();
+        let hidden = hidden(&clip, 3);
+        // Away from outlines, where one layer's edge mixes with what is behind it.
+        let deep = |p: [f64; 2], moment: &super::super::layer::Moment, layer| {
+            let around = [[0.0, 0.0], [3.0, 0.0], [-3.0, 0.0], [0.0, 3.0], [0.0, -3.0]];
+            around.iter().all(|[dx, dy]| moment.foremost([p[0] + dx, p[1] + dy]) == Some(layer))
+        };
+        let (mut checked, mut off) = (0, 0);
+        for (x, y) in pixels(&clip).step_by(7).filter(|&at| !hidden[at]) {
+            let p = [x as f64, y as f64];
+            let layer = now.foremost(p).unwrap();
+            let to = now.carry(layer, p, &next).unwrap();
+            if deep(p, &now, layer) && deep(to, &next, layer) {
+                let (a, b) = (now.color(p), next.color(to));
+                checked += 1;
+                off += u32::from((0..3).any(|c| (a[c] - b[c]).abs() > 0.01));
+            }
+        }
+        // A pixel that grows with its scene sees a little less of everything fine.
+        let allowed = if scene.id == "spin-zoom" { checked } else { 0 };
+        assert!(checked > 3000 && off <= allowed, "{}: {off} of {checked}", scene.id);
+    }
+}
+
+#[test]
+fn whole_pixels_are_moved_bit_for_bit() {
+    for (width, height) in [(320, 240), (640, 480)] {
+        let clip = make("translation", &Difficulty { width, height, ..Difficulty::default() }).unwrap();
+        for t in [0, 11] {
+            let [now, next] = clip.pair(t).unwrap();
+            let (now, next) = (now.color().unwrap(), next.color().unwrap());
+            for y in 2..height {
+                assert_eq!(now.row(y)[..width - 3], next.row(y - 2)[3..], "row {y}");
+            }
+            assert!(flow(&clip, t).0.cells().iter().all(|&uv| uv == [3.0, -2.0]));
+        }
+    }
+}
+
+#[test]
+fn the_truth_ends_one_frame_early() {
+    let clip = make("pillar", &small(&SCENES[0])).unwrap();
+    let truth = clip.truth().unwrap();
+    assert!(truth.flow(22).unwrap().is_some() && truth.flow(23).unwrap().is_none());
+    assert!(truth.occlusion(23).unwrap().is_none() && truth.occlusion(usize::MAX).unwrap().is_none());
+    assert!(truth.objects(23).unwrap().is_some() && truth.objects(24).unwrap().is_none());
+}
+
+/// A disc of radius 20 that moves by (6, 0) from (40, 60), behind a pillar at x = 70 to 90; the picture is 320×240.
+fn disc_behind_a_pillar() -> (Arc<Stage>, Difficulty) {
+    let gray = rgb(0x808080);
+    let still = Motion::still([80.0, 120.0]);
+    let disc = Motion { velocity: [6.0, 0.0], ..Motion::still([40.0, 60.0]) };
+    let layers = vec![
+        Layer::new(Shape::Rectangle { half: [10.0, 500.0], corner: 0.0 }, still, gray, move |_| gray),
+        Layer::new(Shape::disc(20.0), disc, gray, move |_| gray).object(7),
+        Layer::new(Shape::Everywhere, Motion::still([0.0; 2]), gray, move |_| gray),
+    ];
+    (Arc::new(Stage::new(layers, Difficulty::default())), Difficulty::default())
+}
+
+#[test]
+fn occlusion_is_what_the_geometry_says() {
+    let (stage, d) = disc_behind_a_pillar();
+    let truth = ExactTruth::new(stage, d);
+    for t in 0..12 {
+        let (hidden, flow) = (truth.occlusion(t).unwrap().unwrap(), truth.flow(t).unwrap().unwrap());
+        let in_disc = |x: i32, y: i32, t: usize| (x - 40 - 6 * t as i32).pow(2) + (y - 60).pow(2) <= 400;
+        let in_pillar = |x: i32| (70..=90).contains(&x);
+        for (x, y) in (0..240).flat_map(|y| (0..320).map(move |x| (x, y))) {
+            let at = (x as usize, y as usize);
+            let (expected, motion) = match (in_pillar(x), in_disc(x, y, t)) {
+                (true, _) => (false, [0.0, 0.0]),
+                (false, true) => (in_pillar(x + 6) || x + 6 >= 320, [6.0, 0.0]),
+                (false, false) => (in_disc(x, y, t + 1), [0.0, 0.0]),
+            };
+            // On the rim itself, the last bit of a root decides.
+            let rim = |t: usize| (x - 40 - 6 * t as i32).pow(2) + (y - 60).pow(2) == 400;
+            if !rim(t) && !rim(t + 1) {
+                assert_eq!((hidden[at], flow.0[at]), (expected, motion), "({x}, {y}) in frame {t}");
+            }
+        }
+    }
+}
+
+#[test]
+fn tracks_tell_extent_and_what_can_be_seen() {
+    let (stage, d) = disc_behind_a_pillar();
+    let truth = ExactTruth::new(stage, d);
+    let first = truth.objects(0).unwrap().unwrap()[0];
+    assert_eq!((first.id, first.visibility), (7, 1.0));
+    assert!((first.x - 20.0).abs() < 1e-4 && (first.y - 40.0).abs() < 1e-4);
+    assert!((first.width - 40.0).abs() < 1e-4 && (first.height - 40.0).abs() < 1e-4);
+    // Centred behind the pillar at x = 82: the outer parts show.
+    let middle = truth.objects(7).unwrap().unwrap()[0];
+    let (mut all, mut seen) = (0.0, 0.0);
+    for (x, y) in (30..=90).flat_map(|y| (50..=110).map(move |x| (x, y))) {
+        if (x - 82_i32).pow(2) + (y - 60_i32).pow(2) <= 400 {
+            all += 1.0;
+            seen += f32::from(!(70..=90).contains(&x));
+        }
+    }
+    assert!((middle.visibility - seen / all).abs() < 0.01, "{} {}", middle.visibility, seen / all);
+}
+
+#[test]
+fn boxes_fit_the_masks() {
+    for scene in SCENES {
+        let d = clean(scene);
+        let stage = Stage::new((scene.layers)(&Setting { seed: 1000, scale: 1.0 }), d.clone());
+        let moment = stage.at(2.0);
+        let seen = moment.sightings();
+        assert!(seen.is_sorted_by_key(|s| s.id));
+        for sighting in seen.iter().filter(|s| s.visible == 1.0) {
+            let [left, top, right, bottom] = sighting.bounds;
+            let centre = [(left + right) / 2.0, (top + bottom) / 2.0];
+            let layer = moment.foremost(centre);
+            let mask: Vec<_> = (0..d.height)
+                .flat_map(|y| (0..d.width).map(move |x| [x as f64, y as f64]))
+                .filter(|&p| moment.foremost(p) == layer)
+                .collect();
+            let extreme =
+                |i: usize| mask.iter().map(|p| p[i]).fold((f64::MAX, f64::MIN), |(a, b), c| (a.min(c), b.max(c)));
+            let [(x0, x1), (y0, y1)] = [extreme(0), extreme(1)];
+            // A tip may lie between two rows of pixels; nothing lies outside the box.
+            assert!(x0 >= left && x1 <= right && y0 >= top && y1 <= bottom, "{} {}", scene.id, sighting.id);
+            let slack = [x0 - left, right - x1, y0 - top, bottom - y1];
+            assert!(slack.iter().all(|s| *s < 3.0), "{} {}: {slack:?}", scene.id, sighting.id);
+        }
+    }
+}
+
+#[test]
+fn the_ball_disappears_and_comes_back() {
+    let clip = scene("pillar").unwrap().clip(&scene("pillar").unwrap().difficulty()).unwrap();
+    let seen: Vec<f32> = (0..24).map(|t| clip.truth().unwrap().objects(t).unwrap().unwrap()[0].visibility).collect();
+    let least = (0..24).min_by(|&a, &b| seen[a].total_cmp(&seen[b])).unwrap();
+    assert!((8..20).contains(&least) && seen[least] < 0.35, "{seen:?}");
+    assert!(seen[0] > 0.7 && seen[23] > 0.7, "{seen:?}");
+}
+
+#[test]
+fn every_track_keeps_its_number() {
+    let clip = scene("traffic").unwrap().clip(&scene("traffic").unwrap().difficulty()).unwrap();
+    let ids = |t| clip.truth().unwrap().objects(t).unwrap().unwrap().iter().map(|o| o.id).collect::<Vec<_>>();
+    assert_eq!(ids(0), [1, 2, 3, 4, 5]);
+    assert!((0..24).all(|t| ids(t).len() >= 3 && ids(t).iter().all(|id| (1..=5).contains(id))));
+}
