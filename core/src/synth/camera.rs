@@ -39,9 +39,9 @@ fn add(a: Rgb, b: Rgb) -> Rgb {
 }
 
 /// The moments while the shutter is open, about frame `t`: enough of them that nothing moves on by more than a pixel
-/// from one to the next, within reason.
+/// from one to the next, within reason (beyond 16 px, steps get longer).
 fn exposure<'a>(stage: &'a Stage, d: &Difficulty, t: usize) -> Vec<Moment<'a>> {
-    const MOST: usize = 33;
+    const MOST: usize = 17;
     let now = stage.at(t as f64);
     if d.motion_blur == 0.0 {
         return vec![now];
@@ -73,7 +73,8 @@ struct Camera<'a> {
 
 impl<'a> Camera<'a> {
     fn new(d: &'a Difficulty, t: usize) -> Self {
-        const TURN: f64 = 8.0;
+        /// Frames after which the light goes back; more would leave nothing but white or black.
+        const TURN: f64 = 4.0;
         let steps = there_and_back(t as f64, TURN);
         let swell = (0..steps as usize).fold(1.0, |gain, _| gain * (1.0 + d.gain / 100.0));
         let chance = unit(hash(u64::from(d.seed), FLICKER, t as u64)) as f32 * 2.0 - 1.0;

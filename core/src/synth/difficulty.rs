@@ -21,9 +21,9 @@ crate::params! {
         repeating_texture: f32 = 0.0, 0.0..=100.0, "%";
         /// Distance after which the repeating pattern looks the same again.
         period: u32 = 16, 4..=64, "px";
-        /// How much brighter the light gets in each frame, for eight frames; then it goes back, for eight frames.
+        /// How much brighter the light gets in each of four frames (darker if negative); in the next four it goes back.
         gain: f32 = 0.0, -10.0..=10.0, "%/frame";
-        /// How many gray levels are added in each frame, for eight frames; then taken away, for eight frames.
+        /// How many gray levels are added in each of four frames; in the next four they are taken away again.
         offset: f32 = 0.0, -10.0..=10.0, "levels/frame";
         /// How far the light of any frame may be off at random, up or down.
         flicker: f32 = 0.0, 0.0..=50.0, "%";

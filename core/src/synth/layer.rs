@@ -231,6 +231,6 @@ impl Moment<'_> {
 fn wallpaper(plain: Rgb, spot: Spot, d: &Difficulty, contrast: f32) -> Rgb {
     let period = f64::from(d.period) / scale(d);
     let seen = smooth((period / spot.pixel * 0.5 - 1.0) as f32);
-    let height = (cos(spot.x / period) + cos(spot.y / period)) as f32 * 0.25 * seen * contrast;
+    let height = (cos(spot.x / period) + cos(spot.y / period)) as f32 * 0.2 * seen * contrast;
     plain.map(|c| (c + 50.0) * (1.0 + height) - 50.0)
 }

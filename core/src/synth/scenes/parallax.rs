@@ -1,7 +1,7 @@
 //! Seen from a train: pines rush by, mountains hardly move.
 
 use crate::synth::layer::Layer;
-use crate::synth::maths::{floor, sin};
+use crate::synth::maths::{floor, sin, there_and_back};
 use crate::synth::motion::Motion;
 use crate::synth::random::{lattice, part};
 use crate::synth::shape::Shape;
@@ -56,17 +56,14 @@ fn peaks(seed: u32) -> Shape {
 
 /// Firs of different heights in front of a low bank.
 fn pines(seed: u32) -> Shape {
-    Shape::below([92.0, 216.0], move |x| {
+    Shape::below([90.0, 216.0], move |x| {
         let tree = |i: i32| {
             let h = lattice(seed, i, 0);
             let middle = (f64::from(i) + 0.2 + 0.6 * part(h, 0)) * 46.0;
             let top = 92.0 + 70.0 * part(h, 1);
             let out = (x - middle).abs();
-            // Three tiers of boughs, each a little wider than the one above.
-            let tier = |from: f64, steep: f64, reach: f64| {
-                if out < reach { top + from + out * steep } else { f64::MAX }
-            };
-            tier(0.0, 3.2, 9.0).min(tier(16.0, 2.6, 13.0)).min(tier(38.0, 2.2, 17.0))
+            // The boughs stand out from a cone.
+            top + 4.4 * out + 8.0 * (1.0 - there_and_back(out + 2.6, 2.6) / 2.6)
         };
         let here = floor(x / 46.0);
         let trees = (here - 1..=here + 1).map(tree).fold(f64::MAX, f64::min);

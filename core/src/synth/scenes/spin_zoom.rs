@@ -22,6 +22,9 @@ fn layers(setting: &Setting) -> Vec<Layer> {
     vec![Layer::new(Shape::Everywhere, motion, rgb(0x6b6f86), move |spot| glass(seed, spot))]
 }
 
+/// Up to here there are half as many petals.
+const INNER: f64 = 69.0;
+
 /// Rings of panes between bars of lead; twelve petals in the inner rings, twenty-four in the outer ones.
 fn glass(seed: u32, spot: Spot) -> Rgb {
     const PANES: [Rgb; 7] =
@@ -33,7 +36,7 @@ fn glass(seed: u32, spot: Spot) -> Rgb {
     let ring = floor(ring_place);
     let ring_edge = (ring_place - f64::from(ring)).min(f64::from(ring) + 1.0 - ring_place) * 22.0;
     let petal_edge = along.abs().min(across.abs()) * radius / petals;
-    let edge = if ring == 0 { ring_edge } else { ring_edge.min(petal_edge) };
+    let edge = if ring == 0 { ring_edge } else { ring_edge.min(petal_edge).min((radius - INNER).abs()) };
     let which = i32::from(along > 0.0) + 2 * i32::from(along * across > 0.0);
     let pane = lattice(seed, ring, if ring == 0 { 0 } else { which });
     let color = ramp(&PANES, part(pane, 1) as f32);
@@ -48,5 +51,5 @@ fn petals(direction: Point, radius: f64) -> (f64, Point) {
     let times = |a: Point, b: Point| [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]];
     let third = times(times(direction, direction), direction);
     let sixth = times(third, third);
-    if radius < 66.0 { (6.0, sixth) } else { (12.0, times(sixth, sixth)) }
+    if radius < INNER { (6.0, sixth) } else { (12.0, times(sixth, sixth)) }
 }

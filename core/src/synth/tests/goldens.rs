@@ -29,6 +29,20 @@ fn fingerprint(scene: &Sample) -> u64 {
 #[test]
 fn every_scene_looks_as_it_did() {
     let found: Vec<_> = SCENES.iter().map(|scene| (scene.id, fingerprint(scene))).collect();
-    let expected: [(&str, u64); 0] = [];
+    let expected = [
+        ("translation", 0x1ef0_da17_670e_d36e),
+        ("sub-pixel", 0x634c_ab86_46f3_1300),
+        ("pillar", 0x0cdb_01e3_1202_13ae),
+        ("parallax", 0xcfcd_08cc_8607_b85e),
+        ("spin-zoom", 0x06d3_f143_0ae4_aef0),
+        ("fast-ball", 0xf7b9_766c_072b_0736),
+        ("barber-pole", 0xb830_16dc_44ae_e2b9),
+        ("wallpaper", 0xa1b5_fbc7_37be_870e),
+        ("flat-wall", 0x4f7c_a619_6576_bb20),
+        ("flicker", 0x1f38_14f0_1ba5_9e54),
+        ("crossing-stars", 0x17b6_3b83_c4cb_91c8),
+        ("traffic", 0xf5cc_b313_f212_9f00),
+        ("flag", 0x971d_5ef0_a63e_aeb5),
+    ];
     assert_eq!(found, expected, "{found:#018x?}");
 }

@@ -36,7 +36,7 @@ fn the_next_frame_warped_back_is_this_frame() {
         let clip = scene.clip(&clean(scene)).unwrap();
         for t in [0, 7] {
             let (mean, far) = warp_error(&clip, t);
-            assert!(mean < 2.0 && far < 0.01, "{} frame {t}: {mean} levels, {far} far off", scene.id);
+            assert!(mean < 3.5 && far < 0.006, "{} frame {t}: {mean} levels, {far} far off", scene.id);
         }
     }
 }
@@ -47,7 +47,7 @@ fn it_is_so_too_when_everything_moves_more() {
         let d = Difficulty { speed: 1.7, scale_change: 2.0, rotation: -3.0, width: 240, height: 200, ..clean(scene) };
         let clip = scene.clip(&d).unwrap();
         let (mean, far) = warp_error(&clip, 5);
-        assert!(mean < 2.6 && far < 0.015, "{}: {mean} levels, {far} far off", scene.id);
+        assert!(mean < 4.0 && far < 0.01, "{}: {mean} levels, {far} far off", scene.id);
     }
 }
 
@@ -73,23 +73,24 @@ fn colors_travel_with_the_motion() {
         let hidden = hidden(&clip, 3);
         // Away from outlines, where one layer's edge mixes with what is behind it.
         let deep = |p: [f64; 2], moment: &super::super::layer::Moment, layer| {
-            let around = [[0.0, 0.0], [3.0, 0.0], [-3.0, 0.0], [0.0, 3.0], [0.0, -3.0]];
-            around.iter().all(|[dx, dy]| moment.foremost([p[0] + dx, p[1] + dy]) == Some(layer))
+            let mut around = (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| [f64::from(dx), f64::from(dy)]));
+            around.all(|[dx, dy]| moment.foremost([p[0] + dx, p[1] + dy]) == Some(layer))
         };
-        let (mut checked, mut off) = (0, 0);
+        // A pixel of a scene that grows sees a little less of everything fine.
+        let slack = if scene.id == "spin-zoom" { 4.0 } else { 0.01 };
+        let (mut checked, mut off) = (0.0, 0.0);
         for (x, y) in pixels(&clip).step_by(7).filter(|&at| !hidden[at]) {
             let p = [x as f64, y as f64];
             let layer = now.foremost(p).unwrap();
             let to = now.carry(layer, p, &next).unwrap();
             if deep(p, &now, layer) && deep(to, &next, layer) {
                 let (a, b) = (now.color(p), next.color(to));
-                checked += 1;
-                off += u32::from((0..3).any(|c| (a[c] - b[c]).abs() > 0.01));
+                checked += 1.0;
+                off += f64::from(u8::from((0..3).any(|c| (a[c] - b[c]).abs() > slack)));
             }
         }
-        // A pixel that grows with its scene sees a little less of everything fine.
-        let allowed = if scene.id == "spin-zoom" { checked } else { 0 };
-        assert!(checked > 3000 && off <= allowed, "{}: {off} of {checked}", scene.id);
+        // Between two boughs of a fir, an outline may be nearer than the pixels tell.
+        assert!(checked > 3000.0 && off < 0.001 * checked, "{}: {off} of {checked}", scene.id);
     }
 }
 
