@@ -1,0 +1,117 @@
+//! Axes of plots: where ticks stand and how their numbers are written.
+
+/// A range of values laid along a range of the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    /// Values at the two ends.
+    pub values: [f32; 2],
+    /// Places of the two ends, in points; the first may be the larger.
+    pub places: [f32; 2],
+}
+
+impl Axis {
+    /// Where `value` stands.
+    pub fn place(&self, value: f32) -> f32 {
+        let [a, b] = self.values;
+        let [p, q] = self.places;
+        if a == b { (p + q) / 2.0 } else { p + (value - a) / (b - a) * (q - p) }
+    }
+
+    /// What stands at `place`.
+    pub fn value(&self, place: f32) -> f32 {
+        let [a, b] = self.values;
+        let [p, q] = self.places;
+        if p == q { a } else { a + (place - p) / (q - p) * (b - a) }
+    }
+
+    /// Ticks at least `spacing` points apart and at least `smallest` in value.
+    pub fn ticks(&self, spacing: f32, smallest: f32) -> Vec<f32> {
+        let length = (self.places[1] - self.places[0]).abs();
+        let (low, high) = (self.values[0].min(self.values[1]), self.values[0].max(self.values[1]));
+        let count = (length / spacing.max(1.0)).floor().max(1.0);
+        ticks(low, high, ((high - low) / count).max(smallest))
+    }
+}
+
+/// Multiples of the smallest of 1, 2, 5 × 10ⁿ that is at least `step`, from `low` to `high`.
+pub fn ticks(low: f32, high: f32, step: f32) -> Vec<f32> {
+    if !(low.is_finite() && high.is_finite() && step.is_finite() && step > 0.0 && low <= high) {
+        return Vec::new();
+    }
+    let decade = 10f64.powf(f64::from(step).log10().floor());
+    let nice = [1.0, 2.0, 5.0, 10.0].map(|m| m * decade);
+    let step = nice.into_iter().find(|&s| s >= f64::from(step) * (1.0 - 1e-6)).unwrap_or(10.0 * decade);
+    let slack = 1e-4;
+    let first = (f64::from(low) / step - slack).ceil() as i64;
+    let last = (f64::from(high) / step + slack).floor() as i64;
+    (first..=last).take(1000).map(|i| (i as f64 * step) as f32).collect()
+}
+
+/// A number for a person: a true minus sign, spaces between thousands, four digits that count.
+pub fn number(value: f32) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    let size = value.abs();
+    let decimals = match size {
+        _ if value.fract() == 0.0 || size >= 1000.0 => 0,
+        _ if size >= 100.0 => 1,
+        _ if size >= 1.0 => 2,
+        _ => 3,
+    };
+    let digits = format!("{size:.decimals$}");
+    let (whole, fraction) = digits.split_once('.').map_or((digits.as_str(), None), |(w, f)| (w, Some(f)));
+    let mut text =
+        String::from(if value < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b)) { "−" } else { "" });
+    for (i, digit) in whole.chars().enumerate() {
+        // Four digits stand together, more are grouped.
+        if i > 0 && whole.len() > 4 && (whole.len() - i).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    if let Some(fraction) = fraction {
+        text.push('.');
+        text.push_str(fraction);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_values_are_inverse() {
+        let down = Axis { values: [0.0, 900.0], places: [300.0, 20.0] };
+        assert_eq!(down.place(0.0), 300.0);
+        assert_eq!(down.place(900.0), 20.0);
+        assert!((down.value(down.place(512.0)) - 512.0).abs() < 1e-3);
+        assert_eq!(Axis { values: [3.0, 3.0], places: [0.0, 10.0] }.place(3.0), 5.0);
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(ticks(-16.0, 16.0, 7.0), [-10.0, 0.0, 10.0]);
+        assert_eq!(ticks(-16.0, 16.0, 5.0), [-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0]);
+        assert_eq!(ticks(0.0, 1.0, 0.2), [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
+        assert!(ticks(0.0, f32::NAN, 1.0).is_empty() && ticks(0.0, 1.0, 0.0).is_empty());
+        assert!(ticks(0.0, 1e30, 1e-30).len() <= 1000);
+    }
+
+    #[test]
+    fn ticks_keep_their_distance() {
+        for high in [7.0, 33.0, 812.0, 65_025.0, 1.6e7] {
+            let axis = Axis { values: [0.0, high], places: [0.0, 240.0] };
+            let ticks = axis.ticks(40.0, 1.0);
+            assert!(!ticks.is_empty());
+            assert!(ticks.windows(2).all(|w| axis.place(w[1]) - axis.place(w[0]) >= 39.9), "{high}: {ticks:?}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_written_for_people() {
+        let shown = [-3.0, 812.0, 4096.0, 65_025.0, 16_646_400.0, 3.17, -0.0001, f32::NAN].map(number);
+        assert_eq!(shown, ["−3", "812", "4096", "65 025", "16 646 400", "3.17", "0.000", "–"]);
+    }
+}

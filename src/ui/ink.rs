@@ -1,0 +1,44 @@
+//! The theme's colours and type in the window, and what is painted by hand there.
+
+use eframe::egui::{self, Color32, FontFamily, FontId, Painter, Pos2, Vec2};
+use motionscope_core::Role;
+
+use super::primitives;
+use crate::paint::legend::{self, Sample};
+use crate::paint::{Color, Face, Theme};
+
+/// A colour of the theme as the window wants it.
+pub fn color(color: Color) -> Color32 {
+    let [r, g, b, a] = color.0;
+    Color32::from_rgba_unmultiplied(r, g, b, a)
+}
+
+/// A face of the program's type at `size` points.
+pub fn font(face: Face, size: f32) -> FontId {
+    let family = match face {
+        Face::Sans => FontFamily::Proportional,
+        Face::Mono => FontFamily::Monospace,
+        Face::Bold => FontFamily::Name("bold".into()),
+        Face::Italic => FontFamily::Name("italic".into()),
+    };
+    FontId::new(size, family)
+}
+
+/// Gives what was painted by hand a name for screen readers and tests.
+pub fn name(response: &egui::Response, name: impl Fn() -> String) {
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, name()));
+}
+
+/// Width and height of a role's swatch.
+pub const SWATCH: Vec2 = egui::vec2(legend::SWATCH[0], legend::SWATCH[1]);
+
+/// Paints how `role` is drawn over footage, [`SWATCH`] large, with its upper left corner at `min`.
+pub fn swatch(painter: &Painter, min: Pos2, role: Role, theme: Theme) {
+    let sample = match role {
+        Role::Result => Sample::Arrow,
+        Role::Measured => Sample::Point,
+        Role::Truth | Role::Error => Sample::Line,
+        _ => Sample::Frame,
+    };
+    painter.extend(primitives::shapes(painter, &legend::swatch(role, sample, theme, min.into())));
+}

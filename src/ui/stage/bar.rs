@@ -1,0 +1,286 @@
+//! Around the pictures: what to look at, what the marks mean, and the numbers of the pixel pointed at.
+
+use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, pos2, vec2};
+use motionscope_core::Frame;
+
+use super::{Input, State, pixels};
+use crate::paint::legend::{self, Entry};
+use crate::paint::{Face, Look, Primitive, Theme, View};
+use crate::ui::{axis, ink, primitives};
+
+/// The most room that the legend needed, so that the pictures do not jump from step to step.
+#[derive(Clone, Copy, Default)]
+pub struct Height {
+    width: f32,
+    theme: Theme,
+    lines: usize,
+}
+
+/// The line above the pictures.
+pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
+    ui.horizontal(|ui| {
+        let right = right_width(ui, input.theme);
+        choice(ui, ui.available_width() - right, state);
+        if state.view == View::Blend {
+            let slider = Slider::new(&mut state.blend, 0.0..=1.0).show_value(false);
+            let name = "Share of frame t+1 in the blend";
+            ui.add(slider).on_hover_text(name).accessible_name(name);
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| right_side(ui, state));
+    });
+}
+
+fn right_width(ui: &Ui, theme: Theme) -> f32 {
+    // Zoom, two buttons and the legend's switch.
+    let letters = if theme == Theme::Projector { 22.0 } else { 20.0 };
+    letters * 0.6 * theme.sizes().body + 8.0 * ui.spacing().button_padding.x
+}
+
+/// The views in a row, or in a list where there is no room for a row.
+fn choice(ui: &mut Ui, room: f32, state: &mut State) {
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let padding = 2.0 * ui.spacing().button_padding.x + 2.0;
+    let width = |view: &View| {
+        ui.painter().layout_no_wrap(view.name().into(), font.clone(), egui::Color32::PLACEHOLDER).size().x + padding
+    };
+    let slider = if state.view == View::Blend { ui.spacing().slider_width + 8.0 } else { 0.0 };
+    if View::ALL.iter().map(width).sum::<f32>() + slider <= room {
+        ui.scope(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            for view in View::ALL {
+                let button = Button::selectable(state.view == view, view.name());
+                if ui.add(button).on_hover_text(tip(view)).clicked() {
+                    state.view = view;
+                }
+            }
+        });
+        return;
+    }
+    let list = egui::ComboBox::from_id_salt("view").selected_text(state.view.name());
+    let shown = list.show_ui(ui, |ui| {
+        for view in View::ALL {
+            ui.selectable_value(&mut state.view, view, view.name()).on_hover_text(tip(view));
+        }
+    });
+    shown.response.accessible_name("View");
+}
+
+fn tip(view: View) -> &'static str {
+    match view {
+        View::Current => "The frame whose blocks are matched.",
+        View::Next => "The frame that is searched.",
+        View::SideBySide => "Both frames; the pointer is at the same pixel in both.",
+        View::Difference => "How much each pixel changes, brightened where it changes little.",
+        View::Blend => "One frame over the other: what moves is seen twice.",
+        View::Blink => "Both frames in turn: what moves jumps.",
+    }
+}
+
+fn right_side(ui: &mut Ui, state: &mut State) {
+    let legend = ui.selectable_label(state.legend, "Legend").on_hover_text("What the marks mean.");
+    if legend.clicked() {
+        state.legend = !state.legend;
+    }
+    let pixels_per_point = ui.pixels_per_point();
+    if ui.button("1:1").on_hover_text("One pixel of the picture to one of the screen.").clicked() {
+        state.one_to_one(pixels_per_point);
+    }
+    if ui.button("Fit").on_hover_text("The whole picture. A double click does the same.").clicked() {
+        state.fit();
+    }
+    let percent = state.shown.map_or(100.0, |lens| lens.scale * pixels_per_point * 100.0);
+    let tip = "Zoom. Turn the wheel or pinch over the picture; drag with the middle or right button to move it.";
+    ui.weak(format!("{percent:.0} %")).on_hover_text(tip);
+}
+
+/// Height of what is under the pictures.
+pub fn height_below(ui: &Ui, input: &Input<'_>, state: &mut State) -> f32 {
+    let spacing = ui.spacing().item_spacing.y;
+    let mut height = line_height(input.theme) + spacing;
+    if state.legend {
+        let width = ui.available_width();
+        let look = state.marks.look(input);
+        let lines = legend_items(input, &look, ui).layout(width).1;
+        let known = &mut state.legend_height;
+        if known.width != width || known.theme != input.theme {
+            *known = Height { width, theme: input.theme, lines: 1 };
+        }
+        known.lines = known.lines.max(lines);
+        height += known.lines as f32 * line_height(input.theme) + spacing;
+    }
+    height
+}
+
+fn line_height(theme: Theme) -> f32 {
+    (theme.sizes().small * 1.7).round()
+}
+
+/// The legend and the line of numbers.
+pub fn below(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
+    if state.legend {
+        let look = state.marks.look(input);
+        let height = state.legend_height.lines as f32 * line_height(input.theme);
+        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+        let items = legend_items(input, &look, ui);
+        ink::name(&response, || format!("Legend: {}", items.plain()));
+        items.paint(ui, rect);
+    }
+    readout(ui, input, state.hovered);
+}
+
+/// What stands in the legend, and how wide each item is.
+struct Items {
+    entries: Vec<(Entry, f32)>,
+    heat: Option<(Look, [String; 2], f32)>,
+    theme: Theme,
+}
+
+const BAR: egui::Vec2 = vec2(96.0, 8.0);
+const GAP: f32 = 8.0;
+
+fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui) -> Items {
+    let shown = input.scene.marks.iter();
+    let width = |text: &str| text_width(ui, text, input.theme);
+    let entries = legend::entries(&input.scene.legend, shown, look);
+    let entries = entries.into_iter().map(|entry| {
+        let width = ink::SWATCH.x + GAP + width(&entry.meaning);
+        (entry, width)
+    });
+    let heat = look.heat.map(|range| {
+        let ends = range.map(axis::number);
+        let width = width(&ends[0]) + width(&ends[1]) + BAR.x + 2.0 * GAP;
+        (*look, ends, width)
+    });
+    Items { entries: entries.collect(), heat, theme: input.theme }
+}
+
+fn text_width(ui: &Ui, text: &str, theme: Theme) -> f32 {
+    let font = ink::font(Face::Sans, theme.sizes().small);
+    ui.painter().layout_no_wrap(text.into(), font, egui::Color32::PLACEHOLDER).size().x
+}
+
+impl Items {
+    /// Where each item goes within `width`, and the number of lines.
+    fn layout(&self, width: f32) -> (Vec<Pos2>, usize) {
+        let (mut at, mut line, height) = (0.0, 0usize, line_height(self.theme));
+        let widths = self.entries.iter().map(|(_, w)| *w).chain(self.heat.as_ref().map(|(_, _, w)| *w));
+        let place = |item: f32| {
+            if at > 0.0 && at + item > width {
+                (at, line) = (0.0, line + 1);
+            }
+            let place = pos2(at, line as f32 * height);
+            at += item + 2.0 * GAP;
+            place
+        };
+        let places = widths.map(place).collect();
+        (places, line + 1)
+    }
+
+    fn plain(&self) -> String {
+        let words = self.entries.iter().map(|(entry, _)| entry.meaning.clone());
+        let heat = self.heat.as_ref().map(|(_, [low, high], _)| format!("colours from {low} to {high}"));
+        words.chain(heat).collect::<Vec<_>>().join(", ")
+    }
+
+    fn paint(&self, ui: &Ui, rect: Rect) {
+        let places = self.layout(rect.width()).0;
+        let height = line_height(self.theme);
+        let text = ink::color(self.theme.chrome().text);
+        let font = ink::font(Face::Sans, self.theme.sizes().small);
+        let painter = ui.painter();
+        let word = |at: Pos2, words: &str| {
+            painter.text(at + vec2(0.0, height / 2.0), Align2::LEFT_CENTER, words, font.clone(), text).width()
+        };
+        for ((entry, _), place) in self.entries.iter().zip(&places) {
+            let at = rect.min + place.to_vec2();
+            let swatch = at + vec2(0.0, ((height - ink::SWATCH.y) / 2.0).round());
+            let primitives = legend::swatch(entry.role, entry.sample, self.theme, swatch.into());
+            painter.extend(primitives::shapes(painter, &primitives));
+            word(at + vec2(ink::SWATCH.x + GAP, 0.0), &entry.meaning);
+        }
+        let (Some((look, [low, high], _)), Some(place)) = (&self.heat, places.last()) else { return };
+        let mut at = rect.min + place.to_vec2();
+        at.x += word(at, low) + GAP;
+        let bar = Rect::from_min_size(at + vec2(0.0, ((height - BAR.y) / 2.0).round()), BAR);
+        if let Primitive::Image { pixels, .. } =
+            legend::color_bar(look.colors, crate::paint::primitive::Rect::new(bar.min.into(), BAR.into()))
+        {
+            painter.add(primitives::gradient(bar, pixels.row(0)));
+        }
+        word(pos2(bar.max.x + GAP, at.y), high);
+    }
+}
+
+/// The pixel pointed at, in numbers; what one can do, where none is.
+fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
+    let height = line_height(input.theme);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+    let chrome = input.theme.chrome();
+    let (text, dim) = (ink::color(chrome.text), ink::color(chrome.dim));
+    let size = input.theme.sizes().small;
+    let font = ink::font(Face::Sans, size);
+    let painter = ui.painter_at(rect);
+    let Some(pixel) = hovered else {
+        let hint = "Point at a pixel to read it. Click a block to go there. The wheel zooms, dragging with the right button moves.";
+        ink::name(&response, || hint.into());
+        painter.text(rect.left_center(), Align2::LEFT_CENTER, hint, font, dim);
+        return;
+    };
+    let columns = columns(input.pair, pixel);
+    ink::name(&response, || columns.iter().map(|c| format!("{} {}", c.label, c.value)).collect::<Vec<_>>().join(", "));
+    let mut at = rect.left_center();
+    for column in &columns {
+        let label = painter.text(at, Align2::LEFT_CENTER, column.label, font.clone(), dim);
+        let right = label.max.x + 0.4 * size + column.digits * 0.65 * size;
+        painter.text(pos2(right, at.y), Align2::RIGHT_CENTER, &column.value, font.clone(), text);
+        at.x = right + 1.4 * size;
+        if let Some(color) = column.color {
+            let patch = Rect::from_center_size(pos2(right + 0.8 * size, at.y), vec2(0.9 * size, 0.9 * size));
+            pixels::patch(&painter, patch, color);
+            at.x += 0.9 * size;
+        }
+    }
+}
+
+struct Column {
+    label: &'static str,
+    value: String,
+    /// Room for this many digits, so that nothing jumps.
+    digits: f32,
+    color: Option<[u8; 3]>,
+}
+
+fn columns(pair: &[std::sync::Arc<Frame>; 2], pixel: [usize; 2]) -> Vec<Column> {
+    let [x, y] = pixel;
+    let number = |label, value: String, digits| Column { label, value, digits, color: None };
+    let grays = [0, 1].map(|i| pixels::gray_at(pair[i].luma(), pixel));
+    let mut columns = vec![number("x", x.to_string(), 4.0), number("y", y.to_string(), 4.0)];
+    for (label, gray, frame) in [("t", &grays[0], &pair[0]), ("t+1", &grays[1], &pair[1])] {
+        columns.push(Column { color: pixels::rgb_at(frame, pixel), ..number(label, gray.clone(), 3.0) });
+    }
+    if let [Ok(a), Ok(b)] = grays.map(|gray| gray.parse::<i32>()) {
+        columns.push(number("change", axis::number((b - a) as f32), 4.0));
+    }
+    for (label, frame) in [("RGB t", &pair[0]), ("RGB t+1", &pair[1])] {
+        if let Some([r, g, b]) = pixels::rgb_at(frame, pixel) {
+            columns.push(number(label, format!("{r} {g} {b}"), 8.5));
+        }
+    }
+    columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motionscope_core::Grid;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_pixel_is_told_in_both_frames() {
+        let gray = Arc::new(Frame::gray(Grid::from_fn(4, 4, |x, y| (10 * y + x) as u8)));
+        let rgb = Arc::new(Frame::rgb(Grid::new(4, 4, [30, 30, 30])));
+        let told: Vec<_> =
+            columns(&[gray, rgb], [3, 2]).into_iter().map(|c| format!("{} {}", c.label, c.value)).collect();
+        assert_eq!(told, ["x 3", "y 2", "t 23", "t+1 30", "change 7", "RGB t+1 30 30 30"]);
+    }
+}

@@ -1,0 +1,87 @@
+//! Marks over the pictures, made into shapes once per scene and zoom.
+
+use std::sync::Arc;
+
+use eframe::egui::{Painter, Rect, Shape, TextureHandle};
+use motionscope_core::Scene;
+use motionscope_core::scene::Mark;
+
+use super::{Input, Lens};
+use crate::paint::{ColorMap, Lengthen, Look, Panel, Placement, Theme, resolve};
+use crate::ui::primitives::Maker;
+
+/// The shapes that were shown last, by panel.
+#[derive(Clone, Default)]
+pub struct Marks {
+    look: Option<(Arc<Scene>, Style, Look)>,
+    slots: Vec<Slot>,
+}
+
+/// What a look follows from, beside the scene.
+#[derive(Clone, Copy, PartialEq)]
+struct Style {
+    theme: Theme,
+    colors: ColorMap,
+    lengthen: Lengthen,
+}
+
+/// What shapes follow from.
+#[derive(Clone, PartialEq)]
+struct Key {
+    look: Look,
+    place: Placement,
+    pane: Rect,
+    pixels_per_point: f32,
+    without: Vec<usize>,
+}
+
+#[derive(Clone)]
+struct Slot {
+    panel: Panel,
+    scene: Arc<Scene>,
+    key: Key,
+    shapes: Vec<Shape>,
+    heats: Vec<TextureHandle>,
+}
+
+impl Marks {
+    /// How the scene looks: the same for the marks and for the legend.
+    pub fn look(&mut self, input: &Input<'_>) -> Look {
+        let style = Style { theme: input.theme, colors: input.colors, lengthen: input.lengthen };
+        match &self.look {
+            Some((scene, known, look)) if Arc::ptr_eq(scene, input.scene) && *known == style => *look,
+            _ => {
+                let look = Look::new(input.scene, style.theme, style.colors, style.lengthen);
+                self.look = Some((input.scene.clone(), style, look));
+                look
+            }
+        }
+    }
+
+    /// Paints the marks that `panel` shows; `moving` are on their way, by their place in the scene.
+    pub fn paint(&mut self, painter: &Painter, panel: Panel, lens: &Lens, input: &Input<'_>, moving: &[(usize, Mark)]) {
+        let look = self.look(input);
+        let place = Placement { origin: lens.picture_rect().min.into(), zoom: lens.scale };
+        let without = moving.iter().map(|(index, _)| *index).collect();
+        let key = Key { look, place, pane: lens.pane, pixels_per_point: painter.pixels_per_point(), without };
+        let at = self.slots.iter().position(|slot| slot.panel == panel);
+        let fresh = at.is_some_and(|i| Arc::ptr_eq(&self.slots[i].scene, input.scene) && self.slots[i].key == key);
+        if !fresh {
+            let heats = at.map(|i| self.slots.swap_remove(i).heats).unwrap_or_default();
+            let still = input.scene.marks.iter().enumerate();
+            let still =
+                still.filter(|(i, mark)| panel.shows(mark.on) && !key.without.contains(i)).map(|(_, mark)| mark);
+            let mut maker = Maker::new(painter, heats);
+            resolve(still, &look, place).iter().for_each(|primitive| maker.add(primitive));
+            let (shapes, heats) = maker.finish();
+            self.slots.push(Slot { panel, scene: input.scene.clone(), key, shapes, heats });
+        }
+        if let Some(slot) = self.slots.iter().find(|slot| slot.panel == panel) {
+            painter.extend(slot.shapes.iter().cloned());
+        }
+        let mut maker = Maker::new(painter, Vec::new());
+        let moving = moving.iter().map(|(_, mark)| mark).filter(|mark| panel.shows(mark.on));
+        resolve(moving, &look, place).iter().for_each(|primitive| maker.add(primitive));
+        painter.extend(maker.finish().0);
+    }
+}

@@ -1,0 +1,293 @@
+//! The stage: the two frames and the marks over them.
+//!
+//! [`show`] is a view: it draws what it is given and tells what the person points at. What is remembered is in
+//! [`State`]; textures and shapes are kept there too, so that nothing is made twice.
+
+mod bar;
+mod glide;
+mod lens;
+mod marks;
+mod pictures;
+mod pixels;
+
+use std::sync::Arc;
+
+use eframe::egui::{self, Key, PointerButton, Rect, Sense, Ui, Vec2, pos2, vec2};
+use motionscope_core::{Frame, Scene};
+use serde::{Deserialize, Serialize};
+
+pub use lens::{Lens, Zoom};
+
+use super::ink;
+use crate::paint::{ColorMap, Face, Lengthen, Panel, Theme, View};
+use glide::Glide;
+use marks::Marks;
+use pictures::Pictures;
+
+/// Between two pictures, in points.
+const GAP: f32 = 4.0;
+/// How long each picture is seen when they blink, in seconds.
+const BLINK_SECS: f64 = 0.6;
+
+/// What the stage shows.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// Frames t and t + 1.
+    pub pair: &'a [Arc<Frame>; 2],
+    /// The number of frame t.
+    pub frame: usize,
+    /// The marks.
+    pub scene: &'a Arc<Scene>,
+    /// The look.
+    pub theme: Theme,
+    /// Colours for heat.
+    pub colors: ColorMap,
+    /// How long displacements are drawn.
+    pub lengthen: Lengthen,
+    /// Whether what moved since the last step glides to its new place.
+    pub animate: bool,
+}
+
+/// How the stage is looked at.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(default)]
+pub struct State {
+    /// Which pictures are seen.
+    #[serde(with = "view_id")]
+    pub view: View,
+    /// Share of frame t + 1 in a blend, 0 to 1.
+    pub blend: f32,
+    /// Where and how closely one looks.
+    pub zoom: Zoom,
+    /// Whether the legend is unfolded.
+    pub legend: bool,
+    #[serde(skip)]
+    pictures: Pictures,
+    #[serde(skip)]
+    marks: Marks,
+    #[serde(skip)]
+    glide: Glide,
+    #[serde(skip)]
+    legend_height: bar::Height,
+    #[serde(skip)]
+    hovered: Option<[usize; 2]>,
+    /// The pane that was shown last, for zooming without a pointer.
+    #[serde(skip)]
+    shown: Option<Lens>,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            view: View::default(),
+            blend: 0.5,
+            zoom: Zoom::Fit,
+            legend: true,
+            pictures: Pictures::default(),
+            marks: Marks::default(),
+            glide: Glide::default(),
+            legend_height: bar::Height::default(),
+            hovered: None,
+            shown: None,
+        }
+    }
+}
+
+impl State {
+    /// Magnifies by `factor` about the middle of the pane.
+    pub fn magnify(&mut self, factor: f32) {
+        if let Some(lens) = self.shown {
+            self.zoom = lens.zoomed(lens.pane.center(), factor);
+        }
+    }
+
+    /// One image pixel to one pixel of the screen.
+    pub fn one_to_one(&mut self, pixels_per_point: f32) {
+        if let Some(lens) = self.shown {
+            self.zoom = lens.at_scale(1.0 / pixels_per_point);
+        }
+    }
+
+    /// The whole picture.
+    pub fn fit(&mut self) {
+        self.zoom = Zoom::Fit;
+    }
+}
+
+/// What the person did on the stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Response {
+    /// The image point that was clicked.
+    pub clicked: Option<[f32; 2]>,
+    /// The image pixel under the pointer.
+    pub hovered: Option<[f32; 2]>,
+}
+
+/// Shows the stage in the whole of `ui`.
+pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
+    ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
+    bar::tools(ui, &input, state);
+    let below = bar::height_below(ui, &input, state);
+    let room = vec2(ui.available_width(), (ui.available_height() - below).max(40.0));
+    let (area, _) = ui.allocate_exact_size(room, Sense::hover());
+    let response = panes(ui, area, &input, state);
+    bar::below(ui, &input, state);
+    response
+}
+
+/// The pictures on the stage just now.
+fn panels(view: View, time: f64) -> &'static [Panel] {
+    match view {
+        View::Blink if (time / BLINK_SECS) as i64 % 2 == 0 => &[Panel::Current],
+        View::Blink => &[Panel::Next],
+        _ => view.panels(),
+    }
+}
+
+fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Response {
+    let size = input.pair[0].size();
+    let time = ui.input(|i| i.time);
+    if state.view == View::Blink {
+        let rest = BLINK_SECS - time.rem_euclid(BLINK_SECS);
+        ui.ctx().request_repaint_after_secs(rest as f32 + 0.005);
+    }
+    let panels = panels(state.view, time);
+    ui.painter().rect_filled(area, 0.0, ink::color(input.theme.chrome().background));
+    let mut response = Response::default();
+    let mut hovered = None;
+    state.glide.follow(input.scene, input.animate, time);
+    if state.glide.is_moving(time) {
+        ui.ctx().request_repaint();
+    }
+    for (panel, pane) in panels.iter().zip(split(area, panels.len(), size)) {
+        let lens = Lens::new(pane, size, state.zoom);
+        state.shown = Some(lens);
+        let id = ui.scope_id().with(("pane", *panel));
+        let sensed = ui.interact(pane, id, Sense::click_and_drag());
+        sensed.widget_info(|| {
+            let title = panel.title(Some(input.frame), 1);
+            egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage, {title}"))
+        });
+        if let Some(zoom) = looked(ui, &sensed, &lens) {
+            state.zoom = zoom;
+            ui.ctx().request_repaint();
+        }
+        if let Some(at) = sensed.hover_pos() {
+            hovered = lens.pixel_at(at);
+        }
+        if sensed.clicked() {
+            response.clicked = sensed.interact_pointer_pos().and_then(|at| lens.pixel_at(at)).map(to_point);
+        }
+        paint(ui, *panel, &lens, input, state);
+    }
+    state.hovered = hovered;
+    response.hovered = hovered.map(to_point);
+    response
+}
+
+fn to_point(pixel: [usize; 2]) -> [f32; 2] {
+    pixel.map(|c| c as f32)
+}
+
+/// Divides `area` among `count` pictures of `size`, side by side or stacked, whichever shows them larger.
+fn split(area: Rect, count: usize, size: (usize, usize)) -> Vec<Rect> {
+    let fit = |pane: Vec2| (pane / vec2(size.0 as f32, size.1 as f32)).min_elem();
+    let n = count.max(1) as f32;
+    let total = GAP * (n - 1.0);
+    let beside = vec2((area.width() - total) / n, area.height());
+    let stacked = vec2(area.width(), (area.height() - total) / n);
+    let (pane, step) = if fit(beside) >= fit(stacked) {
+        (beside, vec2(beside.x + GAP, 0.0))
+    } else {
+        (stacked, vec2(0.0, stacked.y + GAP))
+    };
+    (0..count).map(|i| Rect::from_min_size(area.min + step * i as f32, pane.max(Vec2::splat(1.0)))).collect()
+}
+
+/// The new zoom, if the person turned the wheel, pinched or dragged.
+fn looked(ui: &Ui, sensed: &egui::Response, lens: &Lens) -> Option<Zoom> {
+    if sensed.double_clicked() {
+        return Some(Zoom::Fit);
+    }
+    let (touched, held) = ui.input(|i| (i.any_touches(), i.key_down(Key::Space)));
+    let pans = sensed.dragged_by(PointerButton::Middle)
+        || sensed.dragged_by(PointerButton::Secondary)
+        || (sensed.dragged_by(PointerButton::Primary) && (touched || held));
+    if pans && sensed.drag_delta() != Vec2::ZERO {
+        return Some(lens.panned(sensed.drag_delta()));
+    }
+    let cursor = sensed.hover_pos()?;
+    let (wheel, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+    let factor = pinch * (wheel / 240.0).exp();
+    (factor != 1.0).then(|| lens.zoomed(cursor, factor))
+}
+
+fn paint(ui: &Ui, panel: Panel, lens: &Lens, input: &Input<'_>, state: &mut State) {
+    let painter = ui.painter_at(lens.pane);
+    let share = (panel == Panel::Blend).then_some(state.blend);
+    let gain = state.pictures.paint(&painter, panel, share, lens, input.pair);
+    pixels::grid(&painter, lens);
+    pixels::numbers(&painter, panel, lens, input.pair);
+    let time = ui.input(|i| i.time);
+    let moving = state.glide.marks(time);
+    state.marks.paint(&painter, panel, lens, input, &moving);
+    if let Some(pixel) = state.hovered {
+        pixels::cross_hair(&painter, lens, pixel);
+    }
+    caption(&painter, &panel.title(Some(input.frame), gain), lens, input.theme);
+}
+
+/// The name of a picture, in the corner of its pane.
+fn caption(painter: &egui::Painter, title: &str, lens: &Lens, theme: Theme) {
+    let size = theme.sizes().small;
+    let galley = painter.layout_no_wrap(title.into(), ink::font(Face::Sans, size), egui::Color32::WHITE);
+    let corner = lens.pane.min + vec2(8.0, 8.0);
+    let back = Rect::from_min_size(corner, galley.size() + vec2(12.0, 6.0));
+    painter.rect_filled(back, 4.0, egui::Color32::from_black_alpha(170));
+    painter.galley(pos2(corner.x + 6.0, corner.y + 3.0), galley, egui::Color32::WHITE);
+}
+
+mod view_id {
+    //! A view by its stable name.
+
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use crate::paint::View;
+
+    pub fn serialize<S: Serializer>(view: &View, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(view.id())
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<View, D::Error> {
+        let id = String::deserialize(from)?;
+        Ok(View::ALL.into_iter().find(|view| view.id() == id).unwrap_or_default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::Pos2;
+
+    #[test]
+    fn two_pictures_share_the_stage_without_overlap() {
+        for area in [vec2(1200.0, 500.0), vec2(400.0, 900.0), vec2(3.0, 2.0)] {
+            let area = Rect::from_min_size(pos2(10.0, 20.0), area);
+            let panes = split(area, 2, (584, 388));
+            assert!(panes[0].min == area.min && !panes[0].intersects(panes[1]));
+        }
+        let wide = Rect::from_min_size(Pos2::ZERO, vec2(1200.0, 500.0));
+        assert_eq!(split(wide, 2, (584, 388))[1].min.y, 0.0, "side by side where there is width");
+    }
+
+    #[test]
+    fn the_view_is_remembered_by_name() {
+        let state = State { view: View::Blend, blend: 0.25, ..State::default() };
+        let text = serde_json::to_string(&state).expect("a state can be written");
+        assert!(text.contains("\"blend\""), "{text}");
+        let back: State = serde_json::from_str(&text).expect("and read");
+        assert_eq!((back.view, back.blend, back.zoom), (View::Blend, 0.25, Zoom::Fit));
+        let old: State = serde_json::from_str("{\"view\":\"gone\"}").expect("an unknown view is no error");
+        assert_eq!(old.view, View::default());
+    }
+}

@@ -1,0 +1,171 @@
+//! Frames on the graphics card: each uploaded once, and smaller copies for looking from afar.
+
+use std::sync::Arc;
+
+use eframe::egui::{Color32, ColorImage, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions, pos2};
+use eframe::egui::{TextureFilter, TextureWrapMode};
+use motionscope_core::{Frame, Grid};
+
+use super::Lens;
+use crate::paint::Panel;
+
+/// Pictures kept, so that going back and forth uploads nothing.
+const KEPT: usize = 6;
+
+const OPTIONS: TextureOptions = TextureOptions {
+    magnification: TextureFilter::Nearest,
+    minification: TextureFilter::Linear,
+    wrap_mode: TextureWrapMode::ClampToEdge,
+    mipmap_mode: None,
+};
+
+/// The pictures that were shown last, the newest at the end.
+#[derive(Clone, Default)]
+pub struct Pictures(Vec<Picture>);
+
+#[derive(Clone)]
+struct Picture {
+    source: Source,
+    /// How many pixels of the frame, along each side, became one of the texture.
+    factor: usize,
+    texture: TextureHandle,
+    gain: u16,
+}
+
+/// What a picture was made of.
+#[derive(Clone)]
+enum Source {
+    Frame(Arc<Frame>),
+    Difference([Arc<Frame>; 2]),
+}
+
+impl Source {
+    fn same(&self, other: &Source) -> bool {
+        match (self, other) {
+            (Source::Frame(a), Source::Frame(b)) => Arc::ptr_eq(a, b),
+            (Source::Difference(a), Source::Difference(b)) => (0..2).all(|i| Arc::ptr_eq(&a[i], &b[i])),
+            _ => false,
+        }
+    }
+
+    fn pixels(&self) -> (Grid<[u8; 4]>, u16) {
+        match self {
+            Source::Frame(frame) => Panel::Current.pixels(&[frame.clone(), frame.clone()]),
+            Source::Difference(pair) => Panel::Difference.pixels(pair),
+        }
+    }
+}
+
+impl Pictures {
+    /// Paints `panel`; `share` is the share of frame t + 1 in a blend. Gives how much brighter than the numbers it is.
+    pub fn paint(
+        &mut self,
+        painter: &Painter,
+        panel: Panel,
+        share: Option<f32>,
+        lens: &Lens,
+        pair: &[Arc<Frame>; 2],
+    ) -> u16 {
+        let first = match panel {
+            Panel::Current | Panel::Blend => Source::Frame(pair[0].clone()),
+            Panel::Next => Source::Frame(pair[1].clone()),
+            Panel::Difference => Source::Difference(pair.clone()),
+        };
+        let gain = self.layer(painter, first, 1.0, lens);
+        if let Some(share) = share {
+            self.layer(painter, Source::Frame(pair[1].clone()), share.clamp(0.0, 1.0), lens);
+        }
+        gain
+    }
+
+    fn layer(&mut self, painter: &Painter, source: Source, opacity: f32, lens: &Lens) -> u16 {
+        let largest = painter.ctx().input(|i| i.max_texture_side);
+        let factor = factor(lens, painter.pixels_per_point(), largest);
+        let picture = self.get(painter, source, factor);
+        let size = picture.texture.size();
+        // The last texel of a reduced picture may stand for fewer pixels than the others.
+        let covered = [size[0] * factor, size[1] * factor].map(|c| c as f32);
+        let end = pos2(lens.picture.x / covered[0], lens.picture.y / covered[1]);
+        let mut mesh = Mesh::with_texture(picture.texture.id());
+        let tint = Color32::WHITE.gamma_multiply(opacity);
+        mesh.add_rect_with_uv(lens.picture_rect(), Rect::from_min_max(Pos2::ZERO, end), tint);
+        painter.add(Shape::mesh(mesh));
+        picture.gain
+    }
+
+    fn get(&mut self, painter: &Painter, source: Source, factor: usize) -> &Picture {
+        let found = self.0.iter().position(|p| p.factor == factor && p.source.same(&source));
+        let picture = match found {
+            Some(i) => self.0.remove(i),
+            None => {
+                let (pixels, gain) = source.pixels();
+                let image = image(&reduced(pixels, factor));
+                let texture = painter.ctx().load_texture("frame", image, OPTIONS);
+                Picture { source, factor, texture, gain }
+            }
+        };
+        self.0.push(picture);
+        let surplus = self.0.len().saturating_sub(KEPT);
+        self.0.drain(..surplus);
+        &self.0[self.0.len() - 1]
+    }
+}
+
+/// The power of two by which a picture is reduced: so that hardly any of its pixels is skipped, and the card can hold it.
+fn factor(lens: &Lens, pixels_per_point: f32, largest: usize) -> usize {
+    let on_screen = lens.scale * pixels_per_point;
+    let side = lens.picture.max_elem();
+    let mut factor = 1;
+    while factor < 64 && (on_screen * (factor as f32) < 0.6 || side / factor as f32 > largest as f32) {
+        factor *= 2;
+    }
+    factor
+}
+
+fn image(pixels: &Grid<[u8; 4]>) -> ColorImage {
+    let (width, height) = pixels.size();
+    ColorImage::from_rgba_unmultiplied([width, height], bytemuck::cast_slice(pixels.cells()))
+}
+
+/// The mean of every `factor × factor` pixels.
+fn reduced(pixels: Grid<[u8; 4]>, factor: usize) -> Grid<[u8; 4]> {
+    if factor == 1 {
+        return pixels;
+    }
+    let (width, height) = pixels.size();
+    Grid::from_fn(width.div_ceil(factor), height.div_ceil(factor), |x, y| {
+        let columns = x * factor..((x + 1) * factor).min(width);
+        let mut sums = [0u32; 4];
+        let mut count = 0;
+        for row in y * factor..((y + 1) * factor).min(height) {
+            for pixel in &pixels.row(row)[columns.clone()] {
+                (0..4).for_each(|c| sums[c] += u32::from(pixel[c]));
+                count += 1;
+            }
+        }
+        sums.map(|sum| (sum / count.max(1)) as u8)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ui::stage::Zoom;
+
+    #[test]
+    fn a_reduced_picture_keeps_its_mean_and_its_edge() {
+        let picture = Grid::from_fn(5, 3, |x, _| [if x == 4 { 200 } else { 10 }; 4]);
+        let small = reduced(picture, 2);
+        assert_eq!(small.size(), (3, 2));
+        assert_eq!((small[(0, 0)], small[(2, 1)]), ([10; 4], [200; 4]));
+    }
+
+    #[test]
+    fn a_picture_is_reduced_only_from_afar() {
+        let pane = Rect::from_min_size(Pos2::ZERO, eframe::egui::vec2(480.0, 270.0));
+        let at = |scale| Lens::new(pane, (1920, 1080), Zoom::At { center: [0.0; 2], scale });
+        assert_eq!([2.0, 1.0, 0.7, 0.4, 0.2].map(|s| factor(&at(s), 1.0, 8192)), [1, 1, 1, 2, 4]);
+        assert_eq!(factor(&at(0.4), 2.0, 8192), 1, "a fine screen shows more");
+        assert_eq!(factor(&at(2.0), 1.0, 1024), 2, "more than the card holds");
+    }
+}

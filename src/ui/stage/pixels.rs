@@ -1,0 +1,123 @@
+//! What is seen from close up: the grid of pixels, their numbers, and the same pixel in every picture.
+
+use std::sync::Arc;
+
+use eframe::egui::{Align2, Color32, Painter, Rect, Stroke, StrokeKind};
+use motionscope_core::{Frame, Gray};
+
+use super::Lens;
+use crate::paint::{Face, Panel};
+use crate::ui::ink;
+
+/// Points per pixel from which the grid is drawn.
+const GRID: f32 = 12.0;
+/// Points per pixel from which numbers fit.
+const NUMBERS: f32 = 26.0;
+/// More numbers than anyone can read are not written.
+const MOST_NUMBERS: usize = 3000;
+
+/// Thin lines between the pixels, fading in as they grow.
+pub fn grid(painter: &Painter, lens: &Lens) {
+    let Some([[left, right], [top, bottom]]) = lens.visible().filter(|_| lens.scale >= GRID) else { return };
+    let strength = ((lens.scale - GRID) / GRID).clamp(0.0, 1.0);
+    let stroke = Stroke::new(1.0 / painter.pixels_per_point(), Color32::from_gray(128).gamma_multiply(0.55 * strength));
+    let seen = lens.picture_rect().intersect(lens.pane);
+    for x in left..=right + 1 {
+        let at = painter.round_to_pixel_center(lens.to_screen([x as f32 - 0.5, 0.0]).x);
+        painter.vline(at, seen.y_range(), stroke);
+    }
+    for y in top..=bottom + 1 {
+        let at = painter.round_to_pixel_center(lens.to_screen([0.0, y as f32 - 0.5]).y);
+        painter.hline(seen.x_range(), at, stroke);
+    }
+}
+
+/// The gray value in each pixel.
+pub fn numbers(painter: &Painter, panel: Panel, lens: &Lens, pair: &[Arc<Frame>; 2]) {
+    let Some([[left, right], [top, bottom]]) = lens.visible().filter(|_| lens.scale >= NUMBERS) else { return };
+    if (right - left + 1) * (bottom - top + 1) > MOST_NUMBERS {
+        return;
+    }
+    let font = ink::font(Face::Sans, (0.36 * lens.scale).clamp(9.0, 18.0));
+    for y in top..=bottom {
+        for x in left..=right {
+            let Some((value, shade)) = value(panel, pair, x, y) else { continue };
+            let at = lens.to_screen([x as f32, y as f32]);
+            painter.text(at, Align2::CENTER_CENTER, value.to_string(), font.clone(), on_gray(shade));
+        }
+    }
+}
+
+/// The number in a pixel of `panel`, and how bright the pixel is. A blend has none.
+fn value(panel: Panel, pair: &[Arc<Frame>; 2], x: usize, y: usize) -> Option<(u8, u8)> {
+    let gray = |i: usize| pair[i].luma().get(x, y).copied();
+    match panel {
+        Panel::Current => gray(0).map(|v| (v, v)),
+        Panel::Next => gray(1).map(|v| (v, v)),
+        // Differences are shown brighter than they are.
+        Panel::Difference => Some(gray(0)?.abs_diff(gray(1)?)).map(|v| (v, v.saturating_mul(4))),
+        Panel::Blend => None,
+    }
+}
+
+/// Black or white, whichever can be read on `gray`.
+pub fn on_gray(gray: u8) -> Color32 {
+    if gray > 118 { Color32::from_black_alpha(215) } else { Color32::from_white_alpha(215) }
+}
+
+/// Marks one pixel: arms that point at it, and its outline where that can be seen.
+pub fn cross_hair(painter: &Painter, lens: &Lens, pixel: [usize; 2]) {
+    let square = lens.pixel_rect(pixel);
+    let gap = (lens.scale / 2.0).max(4.0) + 2.0;
+    let arm = 14.0;
+    let center = square.center();
+    for (width, color) in [(3.0, Color32::from_black_alpha(140)), (1.0, Color32::WHITE)] {
+        let stroke = Stroke::new(width, color);
+        for side in [-1.0, 1.0] {
+            let (near, far) = (side * gap, side * (gap + arm));
+            painter.hline(center.x + near..=center.x + far, center.y, stroke);
+            painter.vline(center.x, center.y + near..=center.y + far, stroke);
+        }
+        if lens.scale >= 6.0 {
+            painter.rect_stroke(square, 0.0, stroke, StrokeKind::Outside);
+        }
+    }
+}
+
+/// A pixel's numbers for the line under the stage.
+pub fn gray_at(gray: &Gray, [x, y]: [usize; 2]) -> String {
+    gray.get(x, y).map_or_else(|| "–".into(), u8::to_string)
+}
+
+/// The colour of a pixel, if the frame has colours.
+pub fn rgb_at(frame: &Frame, [x, y]: [usize; 2]) -> Option<[u8; 3]> {
+    frame.color().and_then(|rgb| rgb.get(x, y).copied())
+}
+
+/// A small square in the colour of a pixel.
+pub fn patch(painter: &Painter, rect: Rect, [r, g, b]: [u8; 3]) {
+    painter.rect_filled(rect, 2.0, Color32::from_rgb(r, g, b));
+    painter.rect_stroke(rect, 2.0, Stroke::new(1.0, Color32::from_gray(128)), StrokeKind::Inside);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motionscope_core::Grid;
+
+    #[test]
+    fn a_pixel_tells_the_number_that_it_shows() {
+        let frame = |v| Arc::new(Frame::gray(Grid::new(3, 2, v)));
+        let pair = [frame(10), frame(250)];
+        let shown = Panel::Difference;
+        assert_eq!(value(Panel::Next, &pair, 2, 1), Some((250, 250)));
+        assert_eq!(value(shown, &pair, 0, 0), Some((240, 255)));
+        assert_eq!(value(Panel::Current, &pair, 3, 0), None);
+        assert_eq!((gray_at(pair[0].luma(), [1, 1]), gray_at(pair[0].luma(), [9, 9])), ("10".into(), "–".into()));
+    }
+
+    #[test]
+    fn numbers_contrast_with_their_pixel() {
+        assert!(on_gray(255).r() < 10 && on_gray(0).r() > 200);
+    }
+}
