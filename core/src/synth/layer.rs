@@ -31,12 +31,13 @@ impl Layer {
     }
 }
 
-/// How much of a pixel's colour comes from where, at one moment.
+/// A layer where it is at one moment.
 struct Placed<'a> {
     layer: &'a Layer,
     time: f64,
     to_layer: Affine,
     to_picture: Affine,
+    /// How wide a pixel of the picture is, in the layer's coordinates.
     pixel: f64,
     /// Left, top, right and bottom edge in the picture; infinite if the layer has no end.
     bounds: [f64; 4],
@@ -107,6 +108,11 @@ impl Stage {
     /// Layers from front to back, the last of which must fill the picture.
     pub fn new(layers: Vec<Layer>, difficulty: Difficulty) -> Self {
         Self { layers, difficulty }
+    }
+
+    /// Whether there is anything to be tracked.
+    pub fn has_objects(&self) -> bool {
+        self.layers.iter().any(|layer| layer.object.is_some())
     }
 
     /// Everything in its place at frame `t`, which need not be whole.

@@ -41,6 +41,7 @@ pub use difficulty::Difficulty;
 pub use scenes::SCENES;
 
 /// A synthetic scene, named for what it teaches.
+#[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Kebab-case name, for scripts.
     pub id: &'static str,

@@ -33,6 +33,8 @@ impl<T> Recent<T> {
         }
         let made = Arc::new(make());
         let mut kept = self.lock();
+        // Another thread may have made the same meanwhile.
+        kept.retain(|(i, _)| *i != index);
         kept.push_front((index, Arc::clone(&made)));
         kept.truncate(self.most);
         made

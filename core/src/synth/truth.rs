@@ -58,8 +58,9 @@ impl Truth for ExactTruth {
     }
 
     /// The objects that are at least partly within the picture's borders, hidden or not, with their whole extent.
+    /// Nothing if the scene has no objects.
     fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
-        if t >= self.difficulty.frames {
+        if t >= self.difficulty.frames || !self.stage.has_objects() {
             return Ok(None);
         }
         let boxed = |s: &super::layer::Sighting| {
@@ -77,6 +78,7 @@ impl Truth for ExactTruth {
     }
 
     fn kinds(&self) -> Vec<&'static str> {
-        vec!["flow", "occlusion", "objects"]
+        let kinds = ["flow", "occlusion", "objects"];
+        kinds[..if self.stage.has_objects() { 3 } else { 2 }].to_vec()
     }
 }

@@ -228,7 +228,7 @@ proptest! {
         prop_assert_eq!(clip.frame(t).unwrap().size(), (d.width, d.height));
         prop_assert!(flow(&clip, t).0.cells().as_flattened().iter().all(|c| c.is_finite()));
         prop_assert_eq!(hidden(&clip, t).size(), (d.width, d.height));
-        for o in clip.truth().unwrap().objects(t).unwrap().unwrap() {
+        for o in clip.truth().unwrap().objects(t).unwrap().unwrap_or_default() {
             prop_assert!([o.x, o.y, o.width, o.height].iter().all(|c| c.is_finite()));
             prop_assert!(o.width > 0.0 && o.height > 0.0 && (0.0..=1.0).contains(&o.visibility));
         }
