@@ -1,0 +1,117 @@
+//! The PNG painter.
+
+use std::collections::VecDeque;
+use std::io::Write;
+
+use motionscope_core::Error;
+
+use super::Plate;
+use super::raster::{self, BoundedLayer};
+
+/// The longest side of an exported picture in px.
+const MAX_SIDE: u64 = 32_768;
+/// The most pixels of an exported picture.
+const MAX_PIXELS: u64 = 512 << 20;
+/// Rows that are painted at a time: memory does not grow with the picture.
+const STRIP: u32 = 128;
+
+/// `plate` as a PNG file, `scale` pixels to the point: frames as sharp squares, marks and words drawn anew.
+///
+/// The same plate gives the same bytes.
+///
+/// # Errors
+/// If the picture would be too large.
+pub fn export_png(plate: &Plate, scale: u32) -> Result<Vec<u8>, Error> {
+    let size = fitting_size(plate, scale)?;
+    paint(plate, scale, size)
+        .map_err(|reason| Error::new(format!("the picture of {}×{} px could not be made: {reason}", size.0, size.1)))
+}
+
+/// Width and height in px, if they are sane.
+fn fitting_size(plate: &Plate, scale: u32) -> Result<(u32, u32), Error> {
+    let [width, height] = plate.size.map(|side| side as u64 * u64::from(scale));
+    let fits = width.max(height) <= MAX_SIDE && width * height <= MAX_PIXELS;
+    match (u32::try_from(width), u32::try_from(height)) {
+        (Ok(width @ 1..), Ok(height @ 1..)) if fits => Ok((width, height)),
+        _ if width == 0 || height == 0 => Err(Error::new("a picture without pixels cannot be exported")),
+        _ => Err(Error::new(format!(
+            "at {scale}× the picture would be {width}×{height} px; the most is {MAX_SIDE} px a side and {} megapixels: choose a smaller scale, or SVG",
+            MAX_PIXELS >> 20
+        ))),
+    }
+}
+
+fn paint(plate: &Plate, scale: u32, (width, height): (u32, u32)) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(::png::ColorType::Rgb);
+    encoder.set_compression(::png::Compression::Fast);
+    encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
+    let text = |encoding: ::png::EncodingError| encoding.to_string();
+    encoder.add_text_chunk("Software".into(), "Motionscope".into()).map_err(text)?;
+    let mut writer = encoder.write_header().map_err(text)?;
+    let mut stream = writer.stream_writer().map_err(text)?;
+    strips(plate, scale, height, |rows| stream.write_all(rows).map_err(|e| e.to_string()))?;
+    stream.finish().map_err(text)?;
+    writer.finish().map_err(text)?;
+    Ok(bytes)
+}
+
+/// Paints strip after strip, some ahead of the one that is taken, on as many threads as there are cores.
+fn strips(
+    plate: &Plate,
+    scale: u32,
+    height: u32,
+    mut take: impl FnMut(&[u8]) -> Result<(), String>,
+) -> Result<(), String> {
+    let layers: Vec<_> = plate.layers.iter().map(BoundedLayer::new).collect();
+    let ahead = std::thread::available_parallelism().map_or(1, usize::from).min(8);
+    let mut tops = (0..height).step_by(STRIP as usize);
+    std::thread::scope(|scope| {
+        let mut painting = VecDeque::new();
+        loop {
+            while painting.len() < ahead {
+                let Some(top) = tops.next() else { break };
+                let layers = &layers;
+                let rows = (top, STRIP.min(height - top));
+                painting.push_back(scope.spawn(move || raster::strip(plate, layers, scale, rows)));
+            }
+            let Some(strip) = painting.pop_front() else { return Ok(()) };
+            match strip.join() {
+                Ok(Some(rows)) => take(&rows)?,
+                Ok(None) => return Err("it does not fit into memory".into()),
+                Err(_) => return Err("painting failed".into()),
+            }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paint::Color;
+
+    fn plate(width: f32, height: f32) -> Plate {
+        let (layers, panels) = (Vec::new(), Vec::new());
+        Plate { size: [width, height], background: Color::BLACK, layers, panels, description: String::new() }
+    }
+
+    #[test]
+    fn too_large_a_picture_is_refused_with_what_to_do() {
+        let refused = |plate: &Plate, scale| export_png(plate, scale).expect_err("refused").to_string();
+        assert!(refused(&plate(7680.0, 4320.0), 8).contains("61440×34560"));
+        assert!(refused(&plate(30_000.0, 30_000.0), 1).contains("smaller scale"));
+        assert!(refused(&plate(8.0, 8.0), u32::MAX).contains("smaller scale"));
+        assert!(refused(&plate(8.0, 8.0), 0).contains("without pixels"));
+        assert!(fitting_size(&plate(1920.0, 1080.0), 8).is_ok());
+    }
+
+    #[test]
+    fn a_picture_says_what_made_it() {
+        let bytes = export_png(&plate(3.0, 200.0), 2).expect("a small picture");
+        let reader = ::png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG file");
+        assert_eq!(reader.info().size(), (6, 400));
+        let texts = &reader.info().uncompressed_latin1_text;
+        assert!(texts.iter().any(|text| text.keyword == "Software" && text.text == "Motionscope"));
+    }
+}

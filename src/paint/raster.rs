@@ -1,0 +1,261 @@
+//! Primitives become pixels: a strip of a plate at a scale.
+
+use ab_glyph::{Font, OutlineCurve};
+use tiny_skia::{FillRule, FilterQuality, LineJoin, Paint, Path, PathBuilder, Pattern, Pixmap, SpreadMode, Transform};
+
+use super::primitive::{Arrow, Line, Point, Primitive, Rect, Stroke};
+use super::{Color, Layer, Plate, fonts};
+
+/// Pixels of a plate, from row `top` of the whole down.
+pub(super) struct Canvas {
+    pixmap: Pixmap,
+    left: i32,
+    top: i32,
+    scale: f32,
+}
+
+/// A primitive of a plate with its bounds, worked out once for all strips.
+pub(super) struct Bounded<'a>(Rect, &'a Primitive);
+
+/// A layer of a plate with the bounds of what it holds.
+pub(super) struct BoundedLayer<'a> {
+    clip: Option<Rect>,
+    primitives: Vec<Bounded<'a>>,
+}
+
+impl<'a> BoundedLayer<'a> {
+    pub fn new(layer: &'a Layer) -> Self {
+        let primitives = layer.primitives.iter().map(|primitive| Bounded(primitive.bounds(), primitive)).collect();
+        Self { clip: layer.clip, primitives }
+    }
+}
+
+/// Rows `top` to `top + height` of `plate`, `scale` pixels to the point. `None` if they do not fit into memory.
+pub(super) fn strip(
+    plate: &Plate,
+    layers: &[BoundedLayer<'_>],
+    scale: u32,
+    (top, height): (u32, u32),
+) -> Option<Vec<u8>> {
+    let width = plate.size[0] as u32 * scale;
+    let mut canvas = Canvas { pixmap: Pixmap::new(width, height)?, left: 0, top: top as i32, scale: scale as f32 };
+    let [r, g, b, a] = plate.background.0;
+    canvas.pixmap.fill(tiny_skia::Color::from_rgba8(r, g, b, a));
+    for layer in layers {
+        match layer.clip {
+            None => canvas.paint_all(&layer.primitives),
+            Some(clip) => canvas.paint_inside(clip, &layer.primitives),
+        }
+    }
+    let rgb = canvas.pixmap.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    Some(rgb)
+}
+
+impl Canvas {
+    /// What of the plate it covers, in points.
+    fn covers(&self) -> Rect {
+        let min = [self.left as f32 / self.scale, self.top as f32 / self.scale];
+        Rect::new(min, [self.pixmap.width() as f32 / self.scale, self.pixmap.height() as f32 / self.scale])
+    }
+
+    fn paint_all(&mut self, primitives: &[Bounded<'_>]) {
+        let covers = self.covers();
+        for Bounded(bounds, primitive) in primitives {
+            if bounds.meets(&covers) {
+                self.paint(primitive);
+            }
+        }
+    }
+
+    /// Paints on a canvas of the clip's own, which cuts everything at its edges.
+    fn paint_inside(&mut self, clip: Rect, primitives: &[Bounded<'_>]) {
+        let covers = self.covers();
+        let edge = |c: f32| (c * self.scale).round() as i32;
+        let min = [edge(clip.min[0].max(covers.min[0])), edge(clip.min[1].max(covers.min[1]))];
+        let max = [edge(clip.max[0].min(covers.max[0])), edge(clip.max[1].min(covers.max[1]))];
+        if min[0] >= max[0] || min[1] >= max[1] {
+            return;
+        }
+        let (width, height) = ((max[0] - min[0]) as u32, (max[1] - min[1]) as u32);
+        let Some(pixmap) = Pixmap::new(width, height) else { return };
+        let mut inner = Canvas { pixmap, left: min[0], top: min[1], scale: self.scale };
+        inner.paint_all(primitives);
+        self.put(&inner);
+    }
+
+    /// Copies `inner`, which is opaque and lies within.
+    fn put(&mut self, inner: &Canvas) {
+        let (x, y) = ((inner.left - self.left) as usize * 4, (inner.top - self.top) as usize);
+        let (to, from) = (self.pixmap.width() as usize * 4, inner.pixmap.width() as usize * 4);
+        for (row, pixels) in inner.pixmap.data().chunks_exact(from).enumerate() {
+            let start = (y + row) * to + x;
+            self.pixmap.data_mut()[start..start + from].copy_from_slice(pixels);
+        }
+    }
+
+    fn transform(&self) -> Transform {
+        Transform::from_row(self.scale, 0.0, 0.0, self.scale, -self.left as f32, -self.top as f32)
+    }
+
+    fn paint(&mut self, primitive: &Primitive) {
+        match primitive {
+            Primitive::Polygon { points, color } => self.fill(polygon(points, true), *color),
+            Primitive::Polyline { points, closed, stroke } => self.stroke(polygon(points, *closed), stroke),
+            Primitive::Disc { center, radius, color } => {
+                self.fill(PathBuilder::from_circle(center[0], center[1], *radius), *color);
+            }
+            Primitive::Arrow(arrow) => {
+                self.fill(silhouette(arrow, arrow.halo_width), arrow.halo);
+                self.fill(silhouette(arrow, 0.0), arrow.color);
+            }
+            Primitive::Text(line) => self.text(line),
+            Primitive::Image { pixels, rect } => self.image(pixels, *rect),
+        }
+    }
+
+    fn fill(&mut self, path: Option<Path>, color: Color) {
+        if let Some(path) = path {
+            self.pixmap.fill_path(&path, &paint(color), FillRule::Winding, self.transform(), None);
+        }
+    }
+
+    fn stroke(&mut self, path: Option<Path>, stroke: &Stroke) {
+        let dash = tiny_skia::StrokeDash::new(stroke.dash.to_vec(), 0.0);
+        let style = tiny_skia::Stroke { width: stroke.width, dash, ..Default::default() };
+        if let Some(path) = path {
+            self.pixmap.stroke_path(&path, &paint(stroke.color), &style, self.transform(), None);
+        }
+    }
+
+    fn text(&mut self, line: &Line) {
+        let [mut x, y] = line.start();
+        let mut glyphs = Vec::new();
+        for run in &line.runs {
+            let (placed, width) = fonts::place(&run.text, run.face, line.size);
+            glyphs.push((glyph_path(&placed, [x, y]), run.color));
+            x += width;
+        }
+        if let Some(halo) = line.halo {
+            let style = tiny_skia::Stroke { width: line.size * 0.2, line_join: LineJoin::Round, ..Default::default() };
+            for path in glyphs.iter().filter_map(|(path, _)| path.as_ref()) {
+                self.pixmap.stroke_path(path, &paint(halo), &style, self.transform(), None);
+            }
+        }
+        for (path, color) in glyphs {
+            self.fill(path, color);
+        }
+    }
+
+    fn image(&mut self, pixels: &motionscope_core::Grid<[u8; 4]>, rect: Rect) {
+        let (Ok(width), Ok(height)) = (u32::try_from(pixels.width()), u32::try_from(pixels.height())) else { return };
+        if self.blit(pixels, rect) {
+            return;
+        }
+        let Some(mut source) = Pixmap::new(width, height) else { return };
+        for (to, &[r, g, b, a]) in source.pixels_mut().iter_mut().zip(pixels.cells()) {
+            *to = tiny_skia::ColorU8::from_rgba(r, g, b, a).premultiply();
+        }
+        let [w, h] = rect.size();
+        let place = Transform::from_row(w / width as f32, 0.0, 0.0, h / height as f32, rect.min[0], rect.min[1]);
+        let shader = Pattern::new(source.as_ref(), SpreadMode::Pad, FilterQuality::Nearest, 1.0, place);
+        let paint = Paint { shader, anti_alias: true, ..Default::default() };
+        if let Some(rect) = tiny_skia::Rect::from_ltrb(rect.min[0], rect.min[1], rect.max[0], rect.max[1]) {
+            self.pixmap.fill_rect(rect, &paint, self.transform(), None);
+        }
+    }
+
+    /// Copies an opaque picture whose pixels are whole numbers of ours; says whether it could.
+    fn blit(&mut self, pixels: &motionscope_core::Grid<[u8; 4]>, rect: Rect) -> bool {
+        let cell = rect.size()[0] * self.scale / pixels.width() as f32;
+        let min = rect.min.map(|c| c * self.scale);
+        let square = cell == rect.size()[1] * self.scale / pixels.height() as f32;
+        let whole = cell >= 1.0 && [cell, min[0], min[1]].iter().all(|c| c.fract() == 0.0);
+        if !square || !whole {
+            return false;
+        }
+        let (cell, width) = (cell as i32, self.pixmap.width() as usize);
+        let [x0, y0] = [min[0] as i32 - self.left, min[1] as i32 - self.top];
+        let (x1, y1) = (x0 + cell * pixels.width() as i32, y0 + cell * pixels.height() as i32);
+        let columns = x0.max(0)..x1.min(width as i32);
+        let rows = y0.max(0)..y1.min(self.pixmap.height() as i32);
+        if rows
+            .clone()
+            .step_by(cell as usize)
+            .any(|y| pixels.row(((y - y0) / cell) as usize).iter().any(|p| p[3] != 255))
+        {
+            return false;
+        }
+        for y in rows {
+            let row = pixels.row(((y - y0) / cell) as usize);
+            let start = y as usize * width * 4;
+            let target = &mut self.pixmap.data_mut()[start..start + width * 4];
+            for x in columns.clone() {
+                let pixel = row[((x - x0) / cell) as usize];
+                target[x as usize * 4..][..4].copy_from_slice(&pixel);
+            }
+        }
+        true
+    }
+}
+
+fn paint(color: Color) -> Paint<'static> {
+    let mut paint = Paint::default();
+    let [r, g, b, a] = color.0;
+    paint.set_color_rgba8(r, g, b, a);
+    paint
+}
+
+fn polygon(points: &[Point], closed: bool) -> Option<Path> {
+    let mut path = PathBuilder::with_capacity(points.len() + 1, points.len());
+    trace(&mut path, points, closed);
+    path.finish()
+}
+
+fn trace(path: &mut PathBuilder, points: &[Point], closed: bool) {
+    for (i, &[x, y]) in points.iter().enumerate() {
+        if i == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
+    }
+    if closed {
+        path.close();
+    }
+}
+
+/// Dot, shaft and head of an arrow, `grow` further out.
+fn silhouette(arrow: &Arrow, grow: f32) -> Option<Path> {
+    let mut path = PathBuilder::with_capacity(16, 24);
+    if let Some(outline) = arrow.outline(grow) {
+        trace(&mut path, &outline, true);
+    }
+    path.push_circle(arrow.from[0], arrow.from[1], arrow.dot() + grow);
+    path.finish()
+}
+
+/// The outlines of a line of text whose baseline starts at `(x, y)`.
+fn glyph_path(glyphs: &[fonts::Placed], [x, y]: Point) -> Option<Path> {
+    let mut path = PathBuilder::new();
+    for placed in glyphs {
+        let Some(outline) = placed.face.font().and_then(|font| font.outline(placed.glyph)) else { continue };
+        let at = |p: ab_glyph::Point| (x + placed.x + p.x * placed.unit, y - p.y * placed.unit);
+        let mut end: Option<ab_glyph::Point> = None;
+        for curve in outline.curves {
+            let (start, stop) = match &curve {
+                OutlineCurve::Line(a, b) | OutlineCurve::Quad(a, _, b) | OutlineCurve::Cubic(a, _, _, b) => (*a, *b),
+            };
+            if end != Some(start) {
+                if end.is_some() {
+                    path.close();
+                }
+                path.move_to(at(start).0, at(start).1);
+            }
+            let (sx, sy) = at(stop);
+            match curve {
+                OutlineCurve::Line(..) => path.line_to(sx, sy),
+                OutlineCurve::Quad(_, c, _) => path.quad_to(at(c).0, at(c).1, sx, sy),
+                OutlineCurve::Cubic(_, c, d, _) => path.cubic_to(at(c).0, at(c).1, at(d).0, at(d).1, sx, sy),
+            }
+            end = Some(stop);
+        }
+        path.close();
+    }
+    path.finish()
+}

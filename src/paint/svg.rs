@@ -1,0 +1,237 @@
+//! The SVG painter: frames as embedded PNG, marks as shapes, words as words.
+
+use std::fmt::Write;
+use std::io::Write as _;
+
+use ::svg::Document;
+use ::svg::node::element::{Circle, ClipPath, Definitions, Description, Group, Image, Path, Rectangle, Title};
+use ::svg::node::{Blob, Node};
+use motionscope_core::{Error, Grid};
+
+use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Stroke};
+use super::{Color, Face, Plate};
+
+const SANS: &str = "Inter, Helvetica, Arial, sans-serif";
+const MONO: &str = " font-family=\"JetBrains Mono, Menlo, Consolas, monospace\"";
+
+/// `plate` as an SVG file that browsers and drawing programs open. The same plate gives the same bytes.
+///
+/// # Errors
+/// If a frame cannot be encoded.
+pub fn export_svg(plate: &Plate) -> Result<String, Error> {
+    let [width, height] = plate.size;
+    let paper = Rectangle::new().set("width", width).set("height", height);
+    let mut clips = Definitions::new();
+    let mut groups = Vec::new();
+    for (i, layer) in plate.layers.iter().enumerate() {
+        let mut group = Group::new();
+        if let Some(clip) = layer.clip {
+            let id = format!("panel{i}");
+            group = group.set("clip-path", format!("url(#{id})"));
+            clips = clips.add(ClipPath::new().set("id", id).add(rectangle(clip)));
+        }
+        for primitive in &layer.primitives {
+            draw(&mut group, primitive)?;
+        }
+        groups.push(group);
+    }
+    let mut document = Document::new()
+        .set("viewBox", (0, 0, width, height))
+        .set("width", width)
+        .set("height", height)
+        .set("style", "font-variant-numeric:tabular-nums")
+        .add(Title::new("Motionscope"))
+        .add(Description::new().add(::svg::node::Text::new(&plate.description)))
+        .add(clips)
+        .add(fill(paper, plate.background));
+    for group in groups {
+        document = document.add(group);
+    }
+    Ok(format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{document}\n"))
+}
+
+fn draw(group: &mut Group, primitive: &Primitive) -> Result<(), Error> {
+    match primitive {
+        Primitive::Polygon { points, color } => group.append(fill(shape(points, true), *color)),
+        Primitive::Polyline { points, closed, stroke } => group.append(stroked(shape(points, *closed), stroke)),
+        Primitive::Disc { center, radius, color } => group.append(disc(*center, *radius, *color)),
+        Primitive::Arrow(arrow) => {
+            silhouette(group, arrow, arrow.halo_width, arrow.halo);
+            silhouette(group, arrow, 0.0, arrow.color);
+        }
+        Primitive::Text(line) => group.append(text(line)),
+        Primitive::Image { pixels, rect } => group.append(image(pixels, *rect)?),
+    }
+    Ok(())
+}
+
+/// Two digits after the point are finer than any screen or printer.
+fn short(v: f32) -> f32 {
+    // Adding zero turns −0 into 0.
+    (v * 100.0).round() / 100.0 + 0.0
+}
+
+fn shape(points: &[Point], closed: bool) -> Path {
+    let mut data = String::new();
+    trace(&mut data, points, closed);
+    Path::new().set("d", data)
+}
+
+fn trace(data: &mut String, points: &[Point], closed: bool) {
+    for (i, &[x, y]) in points.iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = write!(data, "{}{} {}", if i == 0 { "M" } else { "L" }, short(x), short(y));
+    }
+    if closed {
+        data.push('Z');
+    }
+}
+
+fn silhouette(group: &mut Group, arrow: &Arrow, grow: f32, color: Color) {
+    if let Some(outline) = arrow.outline(grow) {
+        group.append(fill(shape(&outline, true), color));
+    }
+    group.append(disc(arrow.from, arrow.dot() + grow, color));
+}
+
+fn disc([x, y]: Point, radius: f32, color: Color) -> Circle {
+    fill(Circle::new().set("cx", short(x)).set("cy", short(y)).set("r", short(radius)), color)
+}
+
+fn rectangle(rect: Rect) -> Rectangle {
+    let ([x, y], [width, height]) = (rect.min, rect.size());
+    Rectangle::new().set("x", short(x)).set("y", short(y)).set("width", short(width)).set("height", short(height))
+}
+
+fn hex(color: Color) -> String {
+    let [r, g, b, _] = color.0;
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+fn opacity(color: Color) -> Option<f32> {
+    (color.0[3] < 255).then(|| (f32::from(color.0[3]) / 255.0 * 1000.0).round() / 1000.0)
+}
+
+fn fill<N: Node>(mut node: N, color: Color) -> N {
+    node.assign("fill", hex(color));
+    if let Some(opacity) = opacity(color) {
+        node.assign("fill-opacity", opacity);
+    }
+    node
+}
+
+fn stroked(path: Path, stroke: &Stroke) -> Path {
+    let mut path = path.set("fill", "none").set("stroke", hex(stroke.color)).set("stroke-width", short(stroke.width));
+    if let Some(opacity) = opacity(stroke.color) {
+        path = path.set("stroke-opacity", opacity);
+    }
+    if !stroke.dash.is_empty() {
+        path = path.set("stroke-dasharray", stroke.dash.to_vec());
+    }
+    path
+}
+
+/// Written by hand: white space between the spans of a line would be seen.
+fn text(line: &Line) -> Blob {
+    let anchor = match line.anchor {
+        Anchor::Start => "start",
+        Anchor::Middle => "middle",
+        Anchor::End => "end",
+    };
+    let [x, y, size, rim] = [line.at[0], line.at[1], line.size, line.size * 0.2].map(short);
+    let mut text =
+        format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" font-family=\"{SANS}\"");
+    if let Some(halo) = line.halo {
+        let rim = format!(" stroke=\"{}\" stroke-width=\"{rim}\"", hex(halo));
+        text += &format!("{rim} stroke-linejoin=\"round\" paint-order=\"stroke\"");
+    }
+    text.push('>');
+    for run in &line.runs {
+        let style = match run.face {
+            Face::Sans => "",
+            Face::Bold => " font-weight=\"600\"",
+            Face::Italic => " font-style=\"italic\"",
+            Face::Mono => MONO,
+        };
+        let words = ::svg::node::Text::new(&run.text);
+        text += &format!("<tspan fill=\"{}\"{style}>{words}</tspan>", hex(run.color));
+    }
+    Blob::new(text + "</text>")
+}
+
+fn image(pixels: &Grid<[u8; 4]>, rect: Rect) -> Result<Image, Error> {
+    let png = encoded(pixels).map_err(|e| Error::new(format!("a picture could not be embedded: {e}")))?;
+    let ([x, y], [width, height]) = (rect.min, rect.size());
+    Ok(Image::new()
+        .set("x", short(x))
+        .set("y", short(y))
+        .set("width", short(width))
+        .set("height", short(height))
+        .set("preserveAspectRatio", "none")
+        .set("image-rendering", "pixelated")
+        .set("href", format!("data:image/png;base64,{}", base64(&png))))
+}
+
+/// A small PNG file of `pixels`, without alpha if all are opaque.
+fn encoded(pixels: &Grid<[u8; 4]>) -> Result<Vec<u8>, ::png::EncodingError> {
+    let side = |n: usize| u32::try_from(n).unwrap_or(0);
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut bytes, side(pixels.width()), side(pixels.height()));
+    let is_opaque = pixels.cells().iter().all(|p| p[3] == 255);
+    let is_gray = is_opaque && pixels.cells().iter().all(|p| p[0] == p[1] && p[1] == p[2]);
+    let (color, channels) = match (is_gray, is_opaque) {
+        (true, _) => (::png::ColorType::Grayscale, 1),
+        (false, true) => (::png::ColorType::Rgb, 3),
+        (false, false) => (::png::ColorType::Rgba, 4),
+    };
+    encoder.set_color(color);
+    encoder.set_compression(::png::Compression::Balanced);
+    let mut writer = encoder.write_header()?;
+    let samples: Vec<u8> = pixels.cells().iter().flat_map(|p| p[..channels].iter().copied()).collect();
+    writer.stream_writer()?.write_all(&samples).map_err(::png::EncodingError::from)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// RFC 4648.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let word = chunk.iter().enumerate().fold(0u32, |word, (i, &byte)| word | u32::from(byte) << (16 - 8 * i));
+        for i in 0..4 {
+            let digit = DIGITS[(word >> (18 - 6 * i)) as usize & 63];
+            text.push(if i <= chunk.len() { char::from(digit) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_is_that_of_the_standard() {
+        let pairs = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
+        for (plain, coded) in pairs {
+            assert_eq!(base64(plain.as_bytes()), coded);
+        }
+    }
+
+    #[test]
+    fn words_are_escaped() {
+        let mut plate = Plate {
+            size: [10.0, 10.0],
+            background: Color::WHITE,
+            layers: Vec::new(),
+            panels: Vec::new(),
+            description: "a < b & c".into(),
+        };
+        let runs = vec![super::super::primitive::Run::new("<&>", Color::BLACK)];
+        let line = Line { at: [0.0; 2], anchor: Anchor::Start, size: 12.0, runs, halo: None };
+        plate.layers.push(super::super::Layer { clip: None, primitives: vec![Primitive::Text(line)] });
+        let svg = export_svg(&plate).expect("a small plate");
+        assert!(svg.contains("a &lt; b &amp; c") && svg.contains("<tspan fill=\"#000000\">&lt;&amp;&gt;</tspan>"));
+    }
+}
