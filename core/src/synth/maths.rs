@@ -79,7 +79,7 @@ pub fn exp(x: f64) -> f64 {
 
 /// Goes up from 0 to `turn` at speed 1 and back down again, for ever: 0 1 2 1 0 1 2 …
 pub fn there_and_back(t: f64, turn: f64) -> f64 {
-    let phase = t - (t / (2.0 * turn)).floor() * 2.0 * turn;
+    let phase = t - f64::from(floor(t / (2.0 * turn))) * 2.0 * turn;
     phase.min(2.0 * turn - phase)
 }
 

@@ -59,14 +59,15 @@ fn pines(seed: u32) -> Shape {
     Shape::below([90.0, 216.0], move |x| {
         let tree = |i: i32| {
             let h = lattice(seed, i, 0);
-            let middle = (f64::from(i) + 0.2 + 0.6 * part(h, 0)) * 46.0;
+            let middle = (f64::from(i) + 0.25 + 0.5 * part(h, 0)) * 46.0;
             let top = 92.0 + 70.0 * part(h, 1);
             let out = (x - middle).abs();
             // The boughs stand out from a cone.
             top + 4.4 * out + 8.0 * (1.0 - there_and_back(out + 2.6, 2.6) / 2.6)
         };
-        let here = floor(x / 46.0);
-        let trees = (here - 1..=here + 1).map(tree).fold(f64::MAX, f64::min);
+        // A tree stands within its own 46 units, and only its nearer neighbour can reach over.
+        let here = floor(x / 46.0 + 0.5);
+        let trees = tree(here - 1).min(tree(here));
         trees.min(212.0 + 4.0 * sin(x / 90.0))
     })
 }

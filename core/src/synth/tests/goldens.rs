@@ -33,7 +33,7 @@ fn every_scene_looks_as_it_did() {
         ("translation", 0x1ef0_da17_670e_d36e),
         ("sub-pixel", 0x634c_ab86_46f3_1300),
         ("pillar", 0x0cdb_01e3_1202_13ae),
-        ("parallax", 0xcfcd_08cc_8607_b85e),
+        ("parallax", 0x0fc6_fa92_af3d_63f6),
         ("spin-zoom", 0x06d3_f143_0ae4_aef0),
         ("fast-ball", 0xf7b9_766c_072b_0736),
         ("barber-pole", 0xb830_16dc_44ae_e2b9),
