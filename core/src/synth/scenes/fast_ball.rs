@@ -11,7 +11,7 @@ use crate::synth::{Sample, Setting};
 pub const SAMPLE: Sample = Sample {
     id: "fast-ball",
     title: "Fast ball: farther than the search reaches",
-    teaches: "The ball moves 24 px per frame: a search range of 16 px cannot reach it, a wider one or a pyramid can.",
+    teaches: "The ball moves 24 px or more per frame: a search range of 16 px cannot reach it, a wider one or a pyramid can.",
     tune: |d| d.frames = 16,
     layers,
 };
