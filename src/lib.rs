@@ -2,4 +2,7 @@
 
 pub mod media;
 pub mod paint;
+pub mod session;
+pub mod shot;
+pub mod source;
 pub mod ui;

@@ -1,0 +1,327 @@
+//! The session file, `*.motionscope`: a small text that reopens exactly what was on the screen.
+//!
+//! ```toml
+//! motionscope = 1
+//! clip = "clips/ball.mp4"          # beside the session file, or synth:NAME,SLIDER=VALUE
+//! estimator = "full-search"
+//! frame = 12
+//! step = "35.412"
+//!
+//! [set]
+//! block = 8
+//!
+//! [picture]
+//! view = "side-by-side"
+//! ```
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use motionscope_core::{AnyEstimator, Cursor, Error, Value, estimator};
+use serde::{Deserialize, Serialize};
+
+use crate::media::export;
+use crate::paint::{ColorMap, Lengthen, Theme, View};
+use crate::shot::Look;
+use crate::source::Source;
+
+/// The version of the format that is written.
+const VERSION: u32 = 1;
+/// The ending of a session file's name.
+pub const EXTENSION: &str = "motionscope";
+
+/// Everything that a session keeps.
+pub struct Session {
+    /// Where the clip comes from.
+    pub source: Source,
+    /// Truth given by hand.
+    pub truth: Option<PathBuf>,
+    /// The estimator with its parameters.
+    pub estimator: Box<dyn AnyEstimator>,
+    /// Frame t.
+    pub frame: usize,
+    /// Where the run stands; `None` for its end.
+    pub cursor: Option<Cursor>,
+    /// How it is looked at.
+    pub look: Look,
+    /// Which part of the picture is seen, if not all of it.
+    pub sight: Option<Sight>,
+}
+
+/// The part of the picture that is seen on the stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sight {
+    /// The pixel in the middle of the stage.
+    pub center: [f32; 2],
+    /// Points per pixel.
+    pub zoom: f32,
+}
+
+/// The file as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Text {
+    motionscope: u32,
+    clip: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    truth: Option<String>,
+    estimator: String,
+    #[serde(default)]
+    frame: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step: Option<String>,
+    #[serde(default)]
+    set: BTreeMap<String, toml::Value>,
+    #[serde(default)]
+    picture: Picture,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sight: Option<Sight>,
+}
+
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Picture {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    view: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    theme: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    colors: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    arrows: Option<f32>,
+    legend: bool,
+    caption: bool,
+}
+
+impl Session {
+    /// Whether `path` is called like a session.
+    pub fn is_named(path: &Path) -> bool {
+        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
+    }
+
+    /// Reads the session in `path`; the clip is not opened.
+    ///
+    /// # Errors
+    /// One sentence that names the file, tells what is wrong and what to do.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let about = |error: String| Error::new(format!("cannot open the session {}: {error}", path.display()));
+        let text = fs::read_to_string(path).map_err(|error| about(error.to_string()))?;
+        Self::parse(&text, folder_of(path)).map_err(|error| about(error.to_string()))
+    }
+
+    /// Reads a session whose paths are told from `folder`.
+    ///
+    /// # Errors
+    /// If the text is no session, or names what does not exist.
+    pub fn parse(text: &str, folder: &Path) -> Result<Self, Error> {
+        let text: Text = toml::from_str(text).map_err(|error| Error::new(first_line(&error)))?;
+        if text.motionscope != VERSION {
+            let told = "it was written by a later version of Motionscope; open it with that one";
+            return Err(Error::new(told));
+        }
+        let mut estimator = estimator(&text.estimator)?;
+        for (name, value) in &text.set {
+            estimator.set(name, &plain(value))?;
+        }
+        let whole = |path: &Path| folder.join(path);
+        Ok(Self {
+            source: Source::parse(&text.clip)?.map_path(whole),
+            truth: text.truth.map(|path| folder.join(path)),
+            estimator,
+            frame: text.frame,
+            cursor: text.step.map(|step| step.parse()).transpose()?,
+            look: text.picture.look()?,
+            sight: text.sight.filter(|sight| sight.zoom.is_finite() && sight.zoom > 0.0),
+        })
+    }
+
+    /// Writes the session to `path`, whole or not at all.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn save(&self, path: &Path) -> Result<(), Error> {
+        export::save(path, self.text(folder_of(path))?.as_bytes())
+    }
+
+    /// The text of a session file in `folder`.
+    ///
+    /// # Errors
+    /// If it cannot be told as TOML.
+    pub fn text(&self, folder: &Path) -> Result<String, Error> {
+        let beside = |path: &Path| relative(path, folder);
+        let set = self.estimator.values().into_iter().map(|(name, value)| (name.to_string(), told(value))).collect();
+        let text = Text {
+            motionscope: VERSION,
+            clip: match self.source.clone().map_path(beside) {
+                Source::File(path) => slashed(&path),
+                synth => synth.to_string(),
+            },
+            truth: self.truth.as_deref().map(|path| slashed(&relative(path, folder))),
+            estimator: self.estimator.info().id.into(),
+            frame: self.frame,
+            step: self.cursor.map(|cursor| cursor.to_string()),
+            set,
+            picture: Picture::of(&self.look),
+            sight: self.sight,
+        };
+        toml::to_string(&text).map_err(|error| Error::new(format!("the session cannot be written: {error}")))
+    }
+}
+
+impl Picture {
+    fn of(look: &Look) -> Self {
+        Self {
+            view: look.view.map(|view| view.id().into()),
+            theme: Some(look.theme.name().to_lowercase()),
+            colors: Some(look.colors.name().to_lowercase()),
+            arrows: match look.lengthen {
+                Lengthen::Auto => None,
+                Lengthen::Times(factor) => Some(factor),
+            },
+            legend: look.legend,
+            caption: look.caption,
+        }
+    }
+
+    fn look(&self) -> Result<Look, Error> {
+        let usual = Look::default();
+        Ok(Look {
+            view: self.view.as_deref().map(view).transpose()?,
+            theme: self.theme.as_deref().map_or(Ok(usual.theme), theme)?,
+            colors: self.colors.as_deref().map_or(Ok(usual.colors), colors)?,
+            lengthen: self.arrows.map_or(Lengthen::Auto, Lengthen::Times),
+            legend: self.legend,
+            caption: self.caption,
+        })
+    }
+}
+
+/// The view called `id`.
+///
+/// # Errors
+/// A sentence with the views there are.
+pub fn view(id: &str) -> Result<View, Error> {
+    named("view", id, View::ALL.map(|view| (view.id().to_string(), view)))
+}
+
+/// The theme called `id`.
+///
+/// # Errors
+/// A sentence with the themes there are.
+pub fn theme(id: &str) -> Result<Theme, Error> {
+    named("theme", id, Theme::ALL.map(|theme| (theme.name().to_lowercase(), theme)))
+}
+
+/// The colour map called `id`.
+///
+/// # Errors
+/// A sentence with the colour maps there are.
+pub fn colors(id: &str) -> Result<ColorMap, Error> {
+    named("colour map", id, ColorMap::ALL.map(|colors| (colors.name().to_lowercase(), colors)))
+}
+
+fn named<T: Copy, const N: usize>(kind: &str, id: &str, all: [(String, T); N]) -> Result<T, Error> {
+    all.iter().find(|(name, _)| name == id).map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<_> = all.iter().map(|(name, _)| name.as_str()).collect();
+        Error::new(format!("there is no {kind} {id}; there are {}", names.join(", ")))
+    })
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
+/// `path` as told from `folder`: with `..` where needed, whole where the two have nothing in common.
+fn relative(path: &Path, folder: &Path) -> PathBuf {
+    let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let (path, folder) = (whole(path), whole(folder));
+    let (parts, folders): (Vec<_>, Vec<_>) = (path.components().collect(), folder.components().collect());
+    let common = parts.iter().zip(&folders).take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        return path;
+    }
+    let up = folders[common..].iter().map(|_| Component::ParentDir);
+    up.chain(parts[common..].iter().copied()).collect()
+}
+
+/// Written alike on every system.
+fn slashed(path: &Path) -> String {
+    let path = path.display().to_string();
+    if std::path::MAIN_SEPARATOR == '\\' { path.replace('\\', "/") } else { path }
+}
+
+fn told(value: Value) -> toml::Value {
+    match value {
+        Value::Int(v) => v.into(),
+        Value::Real(v) => v.into(),
+        Value::Switch(v) => v.into(),
+        Value::Choice(v) => v.into(),
+    }
+}
+
+/// A value as a person would type it.
+fn plain(value: &toml::Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_string)
+}
+
+/// The first line of what a TOML reader has to say, with the place.
+fn first_line(error: &toml::de::Error) -> String {
+    format!("it is no session of Motionscope ({})", error.message().lines().next().unwrap_or("not TOML"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn session(source: Source) -> Session {
+        let mut estimator = estimator("full-search").unwrap();
+        estimator.set("block", "8").unwrap();
+        estimator.set("early-exit", "on").unwrap();
+        let look = Look { view: Some(View::Blend), theme: Theme::Projector, legend: true, ..Look::default() };
+        let sight = Some(Sight { center: [10.5, 3.0], zoom: 4.0 });
+        let cursor = Some(Cursor { unit: 35, event: 412 });
+        Session { source, truth: None, estimator, frame: 12, cursor, look, sight }
+    }
+
+    #[test]
+    fn what_was_saved_opens_exactly() {
+        let folder = tempfile::tempdir().unwrap();
+        let clip = folder.path().join("clips").join("a.mp4");
+        let path = folder.path().join("lessons").join("one.motionscope");
+        fs::create_dir(path.parent().unwrap()).unwrap();
+        for source in [Source::File(clip), Source::parse("synth:pillar,noise=5").unwrap()] {
+            let saved = session(source.clone());
+            saved.save(&path).unwrap();
+            let read = Session::load(&path).unwrap();
+            assert_eq!(read.estimator.values(), saved.estimator.values());
+            assert_eq!((read.frame, read.cursor, read.sight), (saved.frame, saved.cursor, saved.sight));
+            assert_eq!(read.look, saved.look);
+            match (read.source, source) {
+                (Source::File(read), Source::File(_)) => {
+                    assert!(fs::read_to_string(&path).unwrap().contains("clip = \"../clips/a.mp4\""));
+                    assert_eq!(read, path.parent().unwrap().join("../clips/a.mp4"));
+                }
+                (read, source) => assert_eq!(read, source),
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_session_is_told_in_a_sentence() {
+        let parse = |text: &str| Session::parse(text, Path::new("")).err().map(|e| e.to_string()).unwrap_or_default();
+        let start = "motionscope = 1\nclip = \"a.mp4\"\n";
+        for (text, told) in [
+            ("\u{0}PNG", "no session"),
+            ("clip = 3", "no session"),
+            ("motionscope = 2\nclip = \"a\"\nestimator = \"full-search\"", "later version"),
+            (&format!("{start}estimator = \"magic\""), "full-search"),
+            (&format!("{start}estimator = \"full-search\"\nstep = \"x\""), "UNIT.EVENT"),
+            (&format!("{start}estimator = \"full-search\"\n[set]\nblock = 400"), "4 to 64 px"),
+            (&format!("{start}estimator = \"full-search\"\n[picture]\nview = \"up\""), "side-by-side"),
+        ] {
+            assert!(parse(text).contains(told), "{text}: {}", parse(text));
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! A picture of one step: the same pixels for the window and for the command line.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use motionscope_core::params::Kind;
+use motionscope_core::scene::Readout;
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Frame, Move, Scene, Spec, Step, Value, Walk, Way};
+
+use crate::media::{Progress, export};
+use crate::paint::{Caption, ColorMap, Lengthen, Plate, PlateOptions, Theme, View, export_png, export_svg};
+
+/// How a step is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Look {
+    /// The view; `None` for what suits the step.
+    pub view: Option<View>,
+    /// Colours and sizes.
+    pub theme: Theme,
+    /// Colours of heat.
+    pub colors: ColorMap,
+    /// How long displacements are drawn.
+    pub lengthen: Lengthen,
+    /// Whether what the marks mean stands below.
+    pub legend: bool,
+    /// Whether estimator, parameters and sentence stand around the pictures.
+    pub caption: bool,
+}
+
+/// A step of a run.
+pub struct Moment<'a> {
+    /// The estimator with its parameters.
+    pub estimator: &'a dyn AnyEstimator,
+    /// Frame t.
+    pub frame: usize,
+    /// Where the run stands.
+    pub cursor: Cursor,
+    /// Whether that is its end.
+    pub at_end: bool,
+    /// What the step tells.
+    pub step: &'a Step,
+    /// What it shows.
+    pub scene: &'a Scene,
+    /// Frames t and t + 1.
+    pub frames: &'a Pair,
+}
+
+/// Frames t and t + 1.
+pub type Pair = [Arc<Frame>; 2];
+
+impl<'a> Moment<'a> {
+    /// Where `walk` stands; `told` is its step and scene.
+    pub fn of(walk: &dyn Walk, estimator: &'a dyn AnyEstimator, told: &'a (Step, Scene), frames: &'a Pair) -> Self {
+        let (step, scene) = told;
+        Self { estimator, frame: walk.frame(), cursor: walk.cursor(), at_end: walk.at_end(), step, scene, frames }
+    }
+
+    /// The picture of this step.
+    pub fn plate(&self, look: &Look) -> Plate {
+        // A finished field says all in one picture; a search needs both.
+        let fitting = if self.at_end { View::Current } else { View::SideBySide };
+        let heat = self.step.readouts.iter().find_map(|readout| match readout {
+            Readout::Surface(surface) => Some(surface.title.to_string()),
+            _ => None,
+        });
+        let options = PlateOptions {
+            view: look.view.unwrap_or(fitting),
+            theme: look.theme,
+            colors: look.colors,
+            lengthen: look.lengthen,
+            zoom: 1,
+            frame: Some(self.frame),
+            legend: look.legend,
+            heat: heat.unwrap_or_default(),
+            caption: look.caption.then(|| self.caption()),
+        };
+        Plate::new(self.frames, self.scene, &options)
+    }
+
+    fn caption(&self) -> Caption {
+        let details = self.estimator.specs().iter().zip(self.estimator.values()).map(|(spec, (_, v))| said(spec, v));
+        Caption {
+            title: self.estimator.info().name.into(),
+            details: details.collect::<Vec<_>>().join(" · "),
+            place: format!("step {}", self.cursor),
+            sentence: self.step.sentence.clone(),
+        }
+    }
+}
+
+/// A parameter with its value: `block 16 px`.
+pub fn said(spec: &Spec, value: Value) -> String {
+    let shown = match (&spec.kind, value) {
+        (Kind::Choice(all), Value::Choice(name)) => {
+            all.iter().find(|choice| choice.name == name).map_or(name, |choice| choice.label).to_string()
+        }
+        (_, value) => value.to_string(),
+    };
+    let unit = if spec.unit.is_empty() { String::new() } else { format!(" {}", spec.unit) };
+    format!("{} {shown}{unit}", spec.label.to_lowercase())
+}
+
+/// A range of steps to be written as numbered pictures.
+pub struct Steps {
+    /// The first step.
+    pub from: Cursor,
+    /// The last step; beyond the end of the run, its end.
+    pub to: Cursor,
+    /// The rung whose stops are written.
+    pub rung: usize,
+    /// What they are written as.
+    pub format: Format,
+    /// Pixels for each pixel of the clip.
+    pub scale: u32,
+    /// How they look.
+    pub look: Look,
+}
+
+impl Steps {
+    /// Writes `step_00000.png` … into `folder`, each whole or not at all; gives how many.
+    ///
+    /// # Errors
+    /// If the run cannot start or breaks off, a file cannot be written, or the work was cancelled.
+    pub fn write(
+        &self,
+        clip: &Clip,
+        estimator: &dyn AnyEstimator,
+        frame: usize,
+        folder: &Path,
+        progress: Option<&dyn Progress>,
+    ) -> Result<usize, Error> {
+        let mut walk = estimator.walk(clip, frame)?;
+        let frames = clip.pair(frame)?;
+        fs::create_dir_all(folder).map_err(|e| {
+            Error::new(format!("the folder {} cannot be made ({e}); choose another one", folder.display()))
+        })?;
+        walk.jump(Move::To(self.from));
+        if walk.cursor().unit < self.from.unit {
+            return Err(Error::new(format!("the run ends at {}, before the first step {}", walk.cursor(), self.from)));
+        }
+        if self.rung + 1 < walk.info().rungs.len() && walk.cursor().event < walk.events() {
+            walk.jump(Move::Rung(self.rung, Way::Forward));
+        }
+        let mut written = 0;
+        while walk.cursor() <= self.to {
+            if progress.is_some_and(|progress| progress.cancelled()) {
+                return Err(Error::new(format!("writing was cancelled after {written} pictures")));
+            }
+            let told = (walk.step(None), walk.scene(None));
+            let plate = Moment::of(&*walk, estimator, &told, &frames).plate(&self.look);
+            let name = format!("step_{written:05}.{}", self.format.extension());
+            export::save(&folder.join(name), &self.format.encode(&plate, self.scale)?)?;
+            written += 1;
+            if walk.at_end() {
+                break;
+            }
+            walk.jump(Move::Rung(self.rung, Way::Forward));
+        }
+        walk.failure().map_or(Ok(written), |failure| Err(failure.clone()))
+    }
+}
+
+/// What a picture is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Pixels.
+    Png,
+    /// Lines that stay sharp at any size.
+    Svg,
+}
+
+impl Format {
+    /// The format that the ending of `path` asks for; `-` is a PNG.
+    ///
+    /// # Errors
+    /// A sentence that tells which endings there are.
+    pub fn of(path: &Path) -> Result<Self, Error> {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("svg") => Ok(Self::Svg),
+            None if path == Path::new("-") => Ok(Self::Png),
+            _ => Err(Error::new(format!("{}: a picture is written as .png or .svg", path.display()))),
+        }
+    }
+
+    /// The ending of a file's name.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Svg => "svg",
+        }
+    }
+
+    /// `plate` in this format; a PNG has `scale` pixels for each pixel of the clip.
+    ///
+    /// # Errors
+    /// If the picture would be larger than can be written.
+    pub fn encode(self, plate: &Plate, scale: u32) -> Result<Vec<u8>, Error> {
+        match self {
+            Self::Png => export_png(plate, scale),
+            Self::Svg => export_svg(plate).map(String::into_bytes),
+        }
+    }
+}
