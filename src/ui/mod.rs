@@ -1,8 +1,33 @@
 //! The window: a stage, the numbers behind it, and a ladder to walk on.
 
+pub mod action;
+pub mod app;
 pub mod axis;
+pub mod clip_card;
+pub mod commands;
+pub mod document;
+pub mod fuzzy;
+pub mod gallery;
+pub mod history;
 pub mod ink;
+pub mod layout;
+pub mod loader;
 pub mod math;
+pub mod open_dialog;
+pub mod palette;
+pub mod panes;
+pub mod parameters;
+pub mod player;
 pub mod primitives;
+pub mod settings;
+pub mod sheet;
 pub mod stage;
+pub mod status;
+pub mod style;
+pub mod timeline;
+pub mod toasts;
+pub mod topbar;
+pub mod transport;
+pub mod walker;
 pub mod why;
+pub mod widgets;

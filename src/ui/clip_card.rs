@@ -1,0 +1,95 @@
+//! What the clip is, at the top of the parameters: name, size, truth, warnings, and the frame to run on.
+
+use eframe::egui::{Align, DragValue, Layout, RichText, Ui};
+use lucide_icons::Icon;
+
+use super::action::{Action, Actions};
+use super::commands::Command;
+use super::document::Document;
+use super::{parameters, style, widgets};
+
+/// Draws the card.
+pub fn show(ui: &mut Ui, document: &Document, actions: &mut Actions) {
+    ui.horizontal(|ui| {
+        widgets::heading(ui, "Clip");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            for command in [Command::Open, Command::Samples] {
+                let face = command.face();
+                if widgets::icon_button(ui, face.icon, face.text, false).on_hover_text(face.tip).clicked() {
+                    actions.command(command);
+                }
+            }
+        });
+    });
+    let Some(clip) = document.clip() else {
+        ui.label(parameters::dim(ui, "No clip is open."));
+        return;
+    };
+    let info = clip.info();
+    ui.label(RichText::new(&info.name).family(style::bold())).on_hover_text(&info.name);
+    if let Some(sample) = document.sample() {
+        ui.label(parameters::dim(ui, sample.teaches).small());
+    }
+    ui.label(parameters::dim(ui, facts(document)).small());
+    frame(ui, document, actions);
+    for warning in &info.warnings {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(widgets::icon(ui, Icon::TriangleAlert).color(ui.visuals().warn_fg_color));
+            ui.label(RichText::new(warning).small());
+        });
+    }
+}
+
+/// Size, length, format and truth in one line: `320×240 px · 24 frames at 25/s · h264 in mp4 · truth: flow`.
+pub fn facts(document: &Document) -> String {
+    let Some(clip) = document.clip() else { return String::new() };
+    let info = clip.info();
+    let mut facts = vec![format!("{}×{} px", info.width, info.height)];
+    let rate = info.fps.map_or_else(String::new, |fps| format!(" at {}/s", (fps * 100.0).round() / 100.0));
+    match info.frames {
+        Some(frames) => facts.push(format!("{frames} frames{rate}")),
+        None if !rate.is_empty() => facts.push(format!("frames{rate}")),
+        None => {}
+    }
+    facts.push(match info.container.as_str() {
+        "synthetic" => "synthetic".to_owned(),
+        container if container == info.codec => container.to_owned(),
+        container => format!("{} in {container}", info.codec),
+    });
+    if let Some(truth) = clip.truth() {
+        facts.push(format!("true {} known", truth.kinds().join(", ")));
+    }
+    facts.join(" · ")
+}
+
+fn frame(ui: &mut Ui, document: &Document, actions: &mut Actions) {
+    let now = document.frame();
+    let last = document.last_frame().unwrap_or(usize::MAX >> 12);
+    ui.horizontal(|ui| {
+        let label = ui.label("Frame").on_hover_text("The first frame of the pair; the second is the next one.");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            ui.add_enabled_ui(now < last, |ui| {
+                let button = widgets::icon_button(ui, Icon::ChevronRight, "Next video frame", false);
+                if button.on_hover_text("Next video frame\n.").clicked() {
+                    actions.command(Command::NextFrame);
+                }
+            });
+            let mut wanted = now;
+            let field = DragValue::new(&mut wanted).range(0..=last).custom_formatter(|v, _| format!("{v} → {}", v + 1.0));
+            let field = field.custom_parser(|text| text.split('→').next().and_then(|t| t.trim().parse().ok()));
+            let size = eframe::egui::vec2(ui.spacing().interact_size.y * 3.0, ui.spacing().interact_size.y);
+            let typed = ui.add_sized(size, field).labelled_by(label.id);
+            typed.on_hover_text("The pair of frames that is run on; drag or type.");
+            ui.add_enabled_ui(now > 0, |ui| {
+                let button = widgets::icon_button(ui, Icon::ChevronLeft, "Previous video frame", false);
+                if button.on_hover_text("Previous video frame\n,").clicked() {
+                    actions.command(Command::PreviousFrame);
+                }
+            });
+            if wanted != now {
+                actions.ask(Action::Frame(wanted));
+            }
+        });
+    });
+}

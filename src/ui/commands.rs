@@ -1,0 +1,678 @@
+//! Everything that a person can tell the window to do, declared once.
+//!
+//! Menus, toolbar, tooltips, the palette, the shortcut sheet and the keyboard all read [`Command::face`].
+
+use eframe::egui::{Key, KeyboardShortcut, Modifiers};
+use lucide_icons::Icon;
+
+macro_rules! commands {
+    ($( $(#[doc = $doc:literal])+ $name:ident, )+) => {
+        /// Something that the window can be told to do.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Command { $( $(#[doc = $doc])+ $name, )+ }
+
+        impl Command {
+            /// Every command, in the order of the menus.
+            pub const ALL: &[Command] = &[$( Command::$name, )+];
+        }
+    };
+}
+
+commands! {
+    /// Choose a clip or a session with the system's dialog, or type its path.
+    Open,
+    /// Open the path in the clipboard.
+    PastePath,
+    /// Show the bundled samples.
+    Samples,
+    /// Write the session file.
+    SaveSession,
+    /// Leave.
+    Quit,
+    /// Take back the last change of a parameter.
+    Undo,
+    /// Take back taking back.
+    Redo,
+    /// Every parameter as declared.
+    ResetParameters,
+    /// Both frames.
+    SideBySide,
+    /// The first frame alone.
+    FrameT,
+    /// The second frame alone.
+    FrameNext,
+    /// How they differ.
+    Difference,
+    /// One over the other.
+    Blend,
+    /// One after the other.
+    Blink,
+    /// The whole picture.
+    Fit,
+    /// One pixel of the picture to one of the screen.
+    ActualSize,
+    /// Dark, light, projector.
+    NextTheme,
+    /// Everything larger.
+    LargerInterface,
+    /// Everything smaller.
+    SmallerInterface,
+    /// As large as the system says.
+    NormalInterface,
+    /// The parameters' pane.
+    ShowParameters,
+    /// The explanation's pane.
+    ShowWhy,
+    /// The panes below the stage.
+    ShowCharts,
+    /// Only stage, explanation and transport.
+    Lecture,
+    /// The whole screen.
+    FullScreen,
+    /// Animations off.
+    ReducedMotion,
+    /// Panes where they were at first.
+    ResetLayout,
+    /// Play or pause.
+    Play,
+    /// Next event.
+    Into,
+    /// Previous event.
+    IntoBack,
+    /// End of the next unit.
+    Over,
+    /// End of the previous unit.
+    OverBack,
+    /// End of the rung further out.
+    Out,
+    /// The same backwards.
+    OutBack,
+    /// As over; a clicker sends its key.
+    NextUnit,
+    /// As over, backwards.
+    PreviousUnit,
+    /// Start of the run.
+    Start,
+    /// End of the run.
+    End,
+    /// Give up a long move.
+    Stop,
+    /// Play slower.
+    Slower,
+    /// Play faster.
+    Faster,
+    /// Next pair of frames.
+    NextFrame,
+    /// Previous pair of frames.
+    PreviousFrame,
+    /// Write the step as a picture.
+    ExportPicture,
+    /// Write a range of steps as pictures.
+    ExportSteps,
+    /// Write the vectors.
+    ExportVectors,
+    /// Find a command by name.
+    Palette,
+    /// Every key on one page.
+    Shortcuts,
+    /// What this is.
+    About,
+}
+
+/// The menu that a command lies in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Menu {
+    /// Clips and sessions.
+    File,
+    /// Parameters.
+    Edit,
+    /// How it looks.
+    View,
+    /// The ladder.
+    Walk,
+    /// Pictures and numbers out.
+    Export,
+    /// Keys and names.
+    Help,
+}
+
+impl Menu {
+    /// Every menu, from left to right.
+    pub const ALL: [Menu; 6] = [Menu::File, Menu::Edit, Menu::View, Menu::Walk, Menu::Export, Menu::Help];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Menu::File => "File",
+            Menu::Edit => "Edit",
+            Menu::View => "View",
+            Menu::Walk => "Walk",
+            Menu::Export => "Export",
+            Menu::Help => "Help",
+        }
+    }
+}
+
+/// How a command is shown and called.
+pub struct Face {
+    /// The menu that it lies in.
+    pub menu: Menu,
+    /// Its icon, where it has a button or a line in a menu.
+    pub icon: Icon,
+    /// Its name; `{into}`, `{over}` and `{out}` stand for the estimator's rungs.
+    pub text: &'static str,
+    /// What it does, in one sentence.
+    pub tip: &'static str,
+    /// The keys that call it, the one to show first.
+    pub keys: &'static [KeyboardShortcut],
+}
+
+const fn key(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::NONE, key)
+}
+
+const fn shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::SHIFT, key)
+}
+
+const fn ctrl(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND, key)
+}
+
+const fn ctrl_shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
+}
+
+impl Command {
+    /// How it is shown and called.
+    pub fn face(self) -> Face {
+        use Command as C;
+        let (menu, icon, text, tip, keys): (_, _, _, _, &'static [KeyboardShortcut]) = match self {
+            C::Open => (
+                Menu::File,
+                Icon::FolderOpen,
+                "Open…",
+                "Open a video, a folder of pictures or a session; a path can be typed as well.",
+                const { &[ctrl(Key::O)] },
+            ),
+            C::PastePath => (
+                Menu::File,
+                Icon::ClipboardPaste,
+                "Open the path in the clipboard",
+                "Open the clip whose path was copied.",
+                const { &[ctrl_shift(Key::V)] },
+            ),
+            C::Samples => (
+                Menu::File,
+                Icon::LayoutGrid,
+                "Samples…",
+                "Choose among the bundled clips, each named for what it teaches.",
+                const { &[ctrl(Key::N)] },
+            ),
+            C::SaveSession => (
+                Menu::File,
+                Icon::Save,
+                "Save session…",
+                "Write clip, estimator, parameters, place and view into a small text file that reopens exactly.",
+                const { &[ctrl(Key::S)] },
+            ),
+            C::Quit => (Menu::File, Icon::LogOut, "Quit", "Leave Motionscope.", const { &[ctrl(Key::Q)] }),
+            C::Undo => (
+                Menu::Edit,
+                Icon::Undo2,
+                "Undo",
+                "Take back the last change of a parameter.",
+                const { &[ctrl(Key::Z)] },
+            ),
+            C::Redo => (
+                Menu::Edit,
+                Icon::Redo2,
+                "Redo",
+                "Make the change again that was taken back.",
+                const { &[ctrl_shift(Key::Z), ctrl(Key::Y)] },
+            ),
+            C::ResetParameters => {
+                (Menu::Edit, Icon::RotateCcw, "Reset parameters", "Set every parameter as it was declared.", &[])
+            }
+            C::SideBySide => (
+                Menu::View,
+                Icon::Columns2,
+                "Side by side",
+                "Frame t on the left, frame t+1 on the right.",
+                const { &[key(Key::Num1)] },
+            ),
+            C::FrameT => (Menu::View, Icon::Square, "Frame t", "The first frame alone.", const { &[key(Key::Num2)] }),
+            C::FrameNext => {
+                (Menu::View, Icon::SquareArrowRight, "Frame t+1", "The second frame alone.", const { &[key(Key::Num3)] })
+            }
+            C::Difference => (
+                Menu::View,
+                Icon::Diff,
+                "Difference",
+                "How far the two frames differ: gray where they are alike.",
+                const { &[key(Key::Num4)] },
+            ),
+            C::Blend => (
+                Menu::View,
+                Icon::Blend,
+                "Blend",
+                "Both frames at half strength: what moved is seen twice.",
+                const { &[key(Key::Num5)] },
+            ),
+            C::Blink => (
+                Menu::View,
+                Icon::FlipHorizontal2,
+                "Blink",
+                "One frame after the other in one place: what moved jumps.",
+                const { &[key(Key::Num6)] },
+            ),
+            C::Fit => {
+                (Menu::View, Icon::Maximize, "Fit picture", "Show the whole picture.", const { &[key(Key::Num0)] })
+            }
+            C::ActualSize => (
+                Menu::View,
+                Icon::Scan,
+                "Actual size",
+                "One pixel of the picture to one pixel of the screen.",
+                const { &[key(Key::Num9)] },
+            ),
+            C::NextTheme => (
+                Menu::View,
+                Icon::Contrast,
+                "Next theme",
+                "Dark, light, and projector with large type and thick lines.",
+                const { &[key(Key::T)] },
+            ),
+            C::LargerInterface => (
+                Menu::View,
+                Icon::AArrowUp,
+                "Larger interface",
+                "Make everything larger.",
+                const { &[key(Key::Plus), key(Key::Equals), ctrl(Key::Plus), ctrl(Key::Equals)] },
+            ),
+            C::SmallerInterface => (
+                Menu::View,
+                Icon::AArrowDown,
+                "Smaller interface",
+                "Make everything smaller.",
+                const { &[key(Key::Minus), ctrl(Key::Minus)] },
+            ),
+            C::NormalInterface => (
+                Menu::View,
+                Icon::CaseSensitive,
+                "Normal interface size",
+                "As large as the system says.",
+                const { &[ctrl(Key::Num0)] },
+            ),
+            C::ShowParameters => (
+                Menu::View,
+                Icon::PanelLeft,
+                "Parameters",
+                "Show or fold away the parameters.",
+                const { &[ctrl(Key::Num1)] },
+            ),
+            C::ShowCharts => (
+                Menu::View,
+                Icon::PanelBottom,
+                "Charts",
+                "Show or fold away the cost surface, the plots and the table.",
+                const { &[ctrl(Key::Num2)] },
+            ),
+            C::ShowWhy => (
+                Menu::View,
+                Icon::PanelRight,
+                "Explanation",
+                "Show or fold away the explanation of the step.",
+                const { &[ctrl(Key::Num3)] },
+            ),
+            C::Lecture => (
+                Menu::View,
+                Icon::Presentation,
+                "Lecture",
+                "Nothing but the stage, the explanation and the transport.",
+                const { &[key(Key::L)] },
+            ),
+            C::FullScreen => (
+                Menu::View,
+                Icon::Fullscreen,
+                "Full screen",
+                "Use the whole screen.",
+                const { &[key(Key::F), key(Key::F11)] },
+            ),
+            C::ReducedMotion => {
+                (Menu::View, Icon::Snail, "Reduced motion", "Show each step at once, without animation.", &[])
+            }
+            C::ResetLayout => {
+                (Menu::View, Icon::LayoutDashboard, "Reset layout", "Put every pane back where it was at first.", &[])
+            }
+            C::Play => (Menu::Walk, Icon::Play, "Play", "Play the run, or pause it.", const { &[key(Key::Space)] }),
+            C::Into => (
+                Menu::Walk,
+                Icon::ChevronRight,
+                "Next {into}",
+                "Step into: see the next {into}.",
+                const { &[key(Key::ArrowRight)] },
+            ),
+            C::IntoBack => (
+                Menu::Walk,
+                Icon::ChevronLeft,
+                "Previous {into}",
+                "Step back to the previous {into}.",
+                const { &[key(Key::ArrowLeft)] },
+            ),
+            C::Over => (
+                Menu::Walk,
+                Icon::ChevronsRight,
+                "To the end of the {over}",
+                "Step over: finish this {over}, or do the next one whole.",
+                const { &[shift(Key::ArrowRight)] },
+            ),
+            C::OverBack => (
+                Menu::Walk,
+                Icon::ChevronsLeft,
+                "Back to the {over} before",
+                "Go back to the end of the {over} before.",
+                const { &[shift(Key::ArrowLeft)] },
+            ),
+            C::Out => (
+                Menu::Walk,
+                Icon::ArrowRightToLine,
+                "To the end of the {out}",
+                "Step out: finish this {out}.",
+                const { &[key(Key::U)] },
+            ),
+            C::OutBack => (
+                Menu::Walk,
+                Icon::ArrowLeftToLine,
+                "Back to the start of the {out}",
+                "Step out backwards, to where this {out} began.",
+                const { &[shift(Key::U)] },
+            ),
+            C::NextUnit => (
+                Menu::Walk,
+                Icon::ArrowRight,
+                "Next {over}",
+                "Go to the end of the next {over}; a presenter's clicker does this.",
+                const { &[key(Key::PageDown)] },
+            ),
+            C::PreviousUnit => (
+                Menu::Walk,
+                Icon::ArrowLeft,
+                "Previous {over}",
+                "Go to the end of the previous {over}; a presenter's clicker does this.",
+                const { &[key(Key::PageUp)] },
+            ),
+            C::Start => (
+                Menu::Walk,
+                Icon::SkipBack,
+                "Start of the run",
+                "Go back to where nothing has been done yet.",
+                const { &[key(Key::Home)] },
+            ),
+            C::End => {
+                (Menu::Walk, Icon::SkipForward, "End of the run", "Run to the end.", const { &[key(Key::End)] })
+            }
+            C::Stop => {
+                (Menu::Walk, Icon::OctagonX, "Stop", "Give up a move that takes long.", const { &[key(Key::Escape)] })
+            }
+            C::Slower => {
+                (Menu::Walk, Icon::Rewind, "Play slower", "Play at a lower speed.", const { &[key(Key::OpenBracket)] })
+            }
+            C::Faster => (
+                Menu::Walk,
+                Icon::FastForward,
+                "Play faster",
+                "Play at a higher speed.",
+                const { &[key(Key::CloseBracket)] },
+            ),
+            C::NextFrame => (
+                Menu::Walk,
+                Icon::Film,
+                "Next video frame",
+                "Run on the next pair of frames.",
+                const { &[key(Key::Period)] },
+            ),
+            C::PreviousFrame => (
+                Menu::Walk,
+                Icon::Film,
+                "Previous video frame",
+                "Run on the previous pair of frames.",
+                const { &[key(Key::Comma)] },
+            ),
+            C::ExportPicture => (
+                Menu::Export,
+                Icon::ImageDown,
+                "Picture of this step…",
+                "Write what the stage shows as PNG or SVG, at any scale.",
+                const { &[ctrl(Key::E)] },
+            ),
+            C::ExportSteps => (
+                Menu::Export,
+                Icon::Images,
+                "Pictures of several steps…",
+                "Write a range of steps as numbered PNGs.",
+                const { &[ctrl_shift(Key::E)] },
+            ),
+            C::ExportVectors => (
+                Menu::Export,
+                Icon::FileDown,
+                "Vectors…",
+                "Write the vectors found so far as CSV, NPY, .flo or KITTI PNG.",
+                &[],
+            ),
+            C::Palette => {
+                (Menu::Help, Icon::Search, "Find a command…", "Type a few letters of any command.", const { &[ctrl(Key::K)] })
+            }
+            C::Shortcuts => (
+                Menu::Help,
+                Icon::Keyboard,
+                "Keyboard shortcuts",
+                "Every key on one page.",
+                const { &[key(Key::Questionmark), key(Key::F1)] },
+            ),
+            C::About => (Menu::Help, Icon::Info, "About Motionscope", "What this program is and where it comes from.", &[]),
+        };
+        Face { menu, icon, text, tip, keys }
+    }
+
+    /// Its name, with the estimator's own names for the rungs of the ladder.
+    pub fn text(self, rungs: &Rungs) -> String {
+        rungs.fill(self.face().text)
+    }
+
+    /// What it does, with the estimator's own names for the rungs of the ladder.
+    pub fn tip(self, rungs: &Rungs) -> String {
+        rungs.fill(self.face().tip)
+    }
+
+    /// Whether it makes sense just now.
+    pub fn enabled(self, now: &Now) -> bool {
+        use Command as C;
+        match self {
+            C::Undo => now.can_undo,
+            C::Redo => now.can_redo,
+            C::ResetParameters => now.has_clip && now.is_tuned,
+            C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
+            C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
+            C::Play => now.has_run && (!now.at_end || now.playing),
+            C::Stop => now.busy || now.playing,
+            C::NextFrame => now.has_clip && !now.at_last_frame,
+            C::PreviousFrame => now.has_clip && !now.at_first_frame,
+            C::SaveSession | C::ExportPicture | C::ExportSteps | C::ExportVectors => now.has_run,
+            C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink | C::Fit | C::ActualSize => {
+                now.has_run
+            }
+            C::Open | C::PastePath | C::Samples | C::Quit => true,
+            C::NextTheme | C::LargerInterface | C::SmallerInterface | C::NormalInterface => true,
+            C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::FullScreen => true,
+            C::ReducedMotion | C::ResetLayout | C::Slower | C::Faster => true,
+            C::Palette | C::Shortcuts | C::About => true,
+        }
+    }
+
+    /// Whether holding its key down repeats it.
+    fn repeats(self) -> bool {
+        use Command as C;
+        matches!(
+            self,
+            C::Into
+                | C::IntoBack
+                | C::Over
+                | C::OverBack
+                | C::NextUnit
+                | C::PreviousUnit
+                | C::NextFrame
+                | C::PreviousFrame
+                | C::Undo
+                | C::Redo
+                | C::LargerInterface
+                | C::SmallerInterface
+        )
+    }
+
+    /// The command that a key calls.
+    pub fn of_key(key: Key, modifiers: Modifiers, repeat: bool) -> Option<Command> {
+        let called = |command: &Command| command.face().keys.iter().any(|shortcut| presses(*shortcut, key, modifiers));
+        Self::ALL.iter().copied().find(called).filter(|command| !repeat || command.repeats())
+    }
+}
+
+/// Whether `key` with `modifiers` is `shortcut`. Signs may need Shift on some keyboards, so it is ignored for them.
+fn presses(shortcut: KeyboardShortcut, key: Key, mut modifiers: Modifiers) -> bool {
+    if matches!(key, Key::Plus | Key::Equals | Key::Minus | Key::Questionmark | Key::OpenBracket | Key::CloseBracket) {
+        modifiers.shift = false;
+    }
+    shortcut.logical_key == key && modifiers.matches_exact(shortcut.modifiers)
+}
+
+/// What is the case just now, as far as commands care.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Now {
+    /// A clip is open.
+    pub has_clip: bool,
+    /// A run is shown.
+    pub has_run: bool,
+    /// It stands at its start.
+    pub at_start: bool,
+    /// It stands at its end.
+    pub at_end: bool,
+    /// A long move is at work.
+    pub busy: bool,
+    /// It is playing.
+    pub playing: bool,
+    /// There is a change to take back.
+    pub can_undo: bool,
+    /// There is a change to make again.
+    pub can_redo: bool,
+    /// A parameter is not as declared.
+    pub is_tuned: bool,
+    /// No earlier pair of frames.
+    pub at_first_frame: bool,
+    /// No later pair of frames.
+    pub at_last_frame: bool,
+}
+
+/// The three rungs of the ladder that have keys, by the estimator's own names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rungs {
+    names: &'static [&'static str],
+}
+
+impl Rungs {
+    /// The rungs of an estimator, outermost first.
+    pub fn new(names: &'static [&'static str]) -> Self {
+        Self { names }
+    }
+
+    /// Index of the rung that one steps into: an event.
+    pub fn event(self) -> usize {
+        self.names.len().saturating_sub(1)
+    }
+
+    /// Index of the rung that one steps over: a unit.
+    pub fn unit(self) -> usize {
+        self.names.len().saturating_sub(2)
+    }
+
+    /// Index of the rung that one steps out of.
+    pub fn group(self) -> usize {
+        self.names.len().saturating_sub(3)
+    }
+
+    /// The name of a rung.
+    pub fn name(self, index: usize) -> &'static str {
+        self.names.get(index).copied().unwrap_or("step")
+    }
+
+    fn fill(self, text: &str) -> String {
+        text.replace("{into}", self.name(self.event()))
+            .replace("{over}", self.name(self.unit()))
+            .replace("{out}", self.name(self.group()))
+    }
+}
+
+/// A shortcut in words: `Ctrl+Shift+Z`, `→`.
+pub fn key_text(shortcut: KeyboardShortcut) -> String {
+    let KeyboardShortcut { modifiers, logical_key } = shortcut;
+    let mut text = String::new();
+    let command = if cfg!(target_os = "macos") { "⌘" } else { "Ctrl+" };
+    for (held, name) in [(modifiers.command, command), (modifiers.alt, "Alt+"), (modifiers.shift, "Shift+")] {
+        if held {
+            text += name;
+        }
+    }
+    text + match logical_key {
+        Key::ArrowLeft => "←",
+        Key::ArrowRight => "→",
+        Key::PageDown => "PgDn",
+        Key::PageUp => "PgUp",
+        Key::Escape => "Esc",
+        Key::Comma => ",",
+        Key::Period => ".",
+        Key::Plus => "+",
+        Key::Equals => "=",
+        Key::Minus => "−",
+        Key::Questionmark => "?",
+        Key::OpenBracket => "[",
+        Key::CloseBracket => "]",
+        other => other.name(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_commands_share_a_key() {
+        let keys = |c: &Command| c.face().keys.iter().map(|k| (*k, *c)).collect::<Vec<_>>();
+        let all: Vec<_> = Command::ALL.iter().flat_map(keys).collect();
+        for (shortcut, command) in &all {
+            assert_eq!(Command::of_key(shortcut.logical_key, shortcut.modifiers, false), Some(*command));
+        }
+    }
+
+    #[test]
+    fn every_command_is_named_and_explained() {
+        let rungs = Rungs::new(&["frame", "block", "probe"]);
+        let mut names: Vec<_> = Command::ALL.iter().map(|c| c.text(&rungs)).collect();
+        assert!(names.iter().all(|name| !name.contains('{')) && names.contains(&"Next probe".to_owned()));
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), Command::ALL.len());
+        assert!(Command::ALL.iter().all(|c| c.tip(&rungs).ends_with('.')));
+    }
+
+    #[test]
+    fn a_held_key_steps_on_but_does_not_toggle() {
+        assert_eq!(Command::of_key(Key::ArrowRight, Modifiers::NONE, true), Some(Command::Into));
+        assert_eq!(Command::of_key(Key::Space, Modifiers::NONE, true), None);
+        assert_eq!(Command::of_key(Key::Questionmark, Modifiers::SHIFT, false), Some(Command::Shortcuts));
+    }
+
+    #[test]
+    fn short_ladders_have_all_three_steps() {
+        let two = Rungs::new(&["frame", "pixel"]);
+        assert_eq!((two.event(), two.unit(), two.group()), (1, 0, 0));
+    }
+}

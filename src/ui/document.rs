@@ -1,0 +1,312 @@
+//! What is open and how it is set: the clip, the estimator, the frame, and the past of all parameters.
+
+use std::path::PathBuf;
+
+use motionscope_core::synth::{self, Difficulty, Sample};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Params, Value, estimators};
+
+use super::history::History;
+use super::walker::{Job, Snapshot};
+
+/// Where a clip comes from.
+#[derive(Clone)]
+pub enum Origin {
+    /// A file or folder.
+    File(PathBuf),
+    /// A scene that is made on the fly.
+    Sample(&'static Sample),
+}
+
+impl Origin {
+    /// The file or folder, if it is one.
+    pub fn path(&self) -> Option<&PathBuf> {
+        match self {
+            Origin::File(path) => Some(path),
+            Origin::Sample(_) => None,
+        }
+    }
+}
+
+/// Everything that undo takes back.
+pub struct Setup {
+    /// The estimator with its parameters.
+    pub estimator: Box<dyn AnyEstimator>,
+    /// What makes the clip hard, if it is synthetic.
+    pub difficulty: Option<Difficulty>,
+}
+
+impl Clone for Setup {
+    fn clone(&self) -> Self {
+        Self { estimator: self.estimator.boxed_clone(), difficulty: self.difficulty.clone() }
+    }
+}
+
+impl PartialEq for Setup {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { estimator, difficulty } = self;
+        estimator.info().id == other.estimator.info().id
+            && estimator.values() == other.estimator.values()
+            && *difficulty == other.difficulty
+    }
+}
+
+/// Which of the two sets of parameters one belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// The estimator.
+    Estimator,
+    /// The synthetic clip.
+    Difficulty,
+}
+
+/// What is open and how it is set.
+pub struct Document {
+    clip: Option<(Clip, Origin)>,
+    setup: History<Setup>,
+    frame: usize,
+    /// Why the clip could not be made with these sliders.
+    refused: Option<Error>,
+}
+
+impl Default for Document {
+    fn default() -> Self {
+        let estimator = estimators().swap_remove(0);
+        Self { clip: None, setup: History::new(Setup { estimator, difficulty: None }), frame: 0, refused: None }
+    }
+}
+
+impl Document {
+    /// The clip, if one is open.
+    pub fn clip(&self) -> Option<&Clip> {
+        self.clip.as_ref().map(|(clip, _)| clip)
+    }
+
+    /// Where the clip comes from.
+    pub fn origin(&self) -> Option<&Origin> {
+        self.clip.as_ref().map(|(_, origin)| origin)
+    }
+
+    /// The synthetic scene, if the clip is one.
+    pub fn sample(&self) -> Option<&'static Sample> {
+        match self.origin() {
+            Some(Origin::Sample(sample)) => Some(sample),
+            _ => None,
+        }
+    }
+
+    /// The estimator and the difficulty.
+    pub fn setup(&self) -> &Setup {
+        self.setup.now()
+    }
+
+    /// The estimator with its parameters.
+    pub fn estimator(&self) -> &dyn AnyEstimator {
+        self.setup.now().estimator.as_ref()
+    }
+
+    /// The parameters of one owner, if it has any.
+    pub fn params(&self, owner: Owner) -> Option<&dyn Params> {
+        match owner {
+            Owner::Estimator => Some(self.estimator()),
+            Owner::Difficulty => self.setup.now().difficulty.as_ref().map(|d| d as &dyn Params),
+        }
+    }
+
+    /// The first frame of the pair that is run on.
+    pub fn frame(&self) -> usize {
+        self.frame
+    }
+
+    /// The last frame that a run can start on, if the clip's length is known.
+    pub fn last_frame(&self) -> Option<usize> {
+        let frames = self.clip()?.info().frames?;
+        Some(frames.saturating_sub(self.estimator().info().frames))
+    }
+
+    /// Why the clip could not be made, if it could not.
+    pub fn refused(&self) -> Option<&Error> {
+        self.refused.as_ref()
+    }
+
+    /// Opens a clip; the estimator keeps its parameters.
+    pub fn open(&mut self, clip: Clip, origin: Origin) {
+        self.clip = Some((clip, origin));
+        self.frame = 0;
+        self.refused = None;
+        let Setup { estimator, .. } = self.setup.now().clone();
+        let difficulty = self.sample().map(Sample::difficulty);
+        self.setup = History::new(Setup { estimator, difficulty });
+    }
+
+    /// Opens a synthetic scene with its own difficulty.
+    ///
+    /// # Errors
+    /// If the scene cannot be made.
+    pub fn open_sample(&mut self, sample: &'static Sample) -> Result<(), Error> {
+        let clip = sample.clip(&sample.difficulty())?;
+        self.open(clip, Origin::Sample(sample));
+        Ok(())
+    }
+
+    /// Takes another estimator with its default parameters; undo brings the old one back.
+    pub fn choose(&mut self, estimator: Box<dyn AnyEstimator>) {
+        let mut next = self.setup.now().clone();
+        next.estimator = estimator;
+        self.setup.settle();
+        self.setup.change("estimator", next);
+        self.setup.settle();
+        self.frame = self.frame.min(self.last_frame().unwrap_or(usize::MAX));
+    }
+
+    /// Sets one parameter; the changes of one drag count as one.
+    ///
+    /// # Errors
+    /// A sentence with the range if the value is not allowed; then nothing changes.
+    pub fn set(&mut self, owner: Owner, index: usize, value: Value) -> Result<(), Error> {
+        let mut next = self.setup.now().clone();
+        match (owner, &mut next.difficulty) {
+            (Owner::Estimator, _) => next.estimator.set_value(index, value)?,
+            (Owner::Difficulty, Some(difficulty)) => difficulty.set_value(index, value)?,
+            (Owner::Difficulty, None) => {}
+        }
+        self.setup.change(&format!("{owner:?} {index}"), next);
+        self.remake();
+        Ok(())
+    }
+
+    /// The drag is over: the next change is another one.
+    pub fn settle(&mut self) {
+        self.setup.settle();
+    }
+
+    /// Sets every parameter of `owner` as it was at first.
+    pub fn reset(&mut self, owner: Owner) {
+        let mut next = self.setup.now().clone();
+        match owner {
+            Owner::Estimator => {
+                let id = next.estimator.info().id;
+                if let Some(fresh) = estimators().into_iter().find(|e| e.info().id == id) {
+                    next.estimator = fresh;
+                }
+            }
+            Owner::Difficulty => next.difficulty = self.sample().map(Sample::difficulty),
+        }
+        self.setup.settle();
+        self.setup.change("reset", next);
+        self.setup.settle();
+        self.remake();
+    }
+
+    /// What a parameter is at first: as declared, or as the scene wants it.
+    pub fn default_of(&self, owner: Owner, index: usize) -> Option<Value> {
+        match (owner, self.sample()) {
+            (Owner::Difficulty, Some(sample)) => Some(sample.difficulty().value(index)),
+            _ => self.params(owner)?.specs().get(index).map(|spec| spec.default),
+        }
+    }
+
+    /// Whether any parameter of `owner` is not as it was at first.
+    pub fn is_tuned(&self, owner: Owner) -> bool {
+        let Some(params) = self.params(owner) else { return false };
+        (0..params.specs().len()).any(|index| self.default_of(owner, index) != Some(params.value(index)))
+    }
+
+    /// Takes the last change back; gives whether there was one.
+    pub fn undo(&mut self) -> bool {
+        let done = self.setup.undo();
+        self.remake();
+        done
+    }
+
+    /// Makes the change again that was taken back; gives whether there was one.
+    pub fn redo(&mut self) -> bool {
+        let done = self.setup.redo();
+        self.remake();
+        done
+    }
+
+    /// Whether there is a change to take back.
+    pub fn can_undo(&self) -> bool {
+        self.setup.can_undo()
+    }
+
+    /// Whether there is a change to make again.
+    pub fn can_redo(&self) -> bool {
+        self.setup.can_redo()
+    }
+
+    /// Runs on another pair of frames, as far as the clip goes; gives whether that is another one.
+    pub fn go_to_frame(&mut self, frame: usize) -> bool {
+        let frame = frame.min(self.last_frame().unwrap_or(usize::MAX));
+        std::mem::replace(&mut self.frame, frame) != frame
+    }
+
+    /// The run to start, at the place that `shown` stands at if there is one.
+    pub fn job(&self, shown: Option<&Snapshot>) -> Option<Job> {
+        let clip = self.clip()?.clone();
+        let cursor = shown.map_or(Cursor::default(), stay);
+        let near = shown.and_then(Snapshot::reference);
+        Some(Job { estimator: self.estimator().boxed_clone(), clip, frame: self.frame, cursor, near })
+    }
+
+    /// Makes a synthetic clip again after its sliders moved.
+    fn remake(&mut self) {
+        let (Some((clip, Origin::Sample(sample))), Some(difficulty)) = (&mut self.clip, &self.setup.now().difficulty)
+        else {
+            return;
+        };
+        match synth::Sample::clip(sample, difficulty) {
+            Ok(made) => (*clip, self.refused) = (made, None),
+            Err(error) => self.refused = Some(error),
+        }
+        self.frame = self.frame.min(self.last_frame().unwrap_or(usize::MAX));
+    }
+}
+
+/// The cursor that shows the same after a parameter changed: the end of a unit stays its end.
+fn stay(shown: &Snapshot) -> Cursor {
+    let Cursor { unit, event } = shown.cursor;
+    if event > 0 && event == shown.events { Cursor { unit, event: usize::MAX } } else { Cursor { unit, event } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn document() -> Document {
+        let mut document = Document::default();
+        document.open_sample(&synth::SCENES[0]).unwrap();
+        document
+    }
+
+    #[test]
+    fn parameters_change_and_come_back() {
+        let mut document = document();
+        let at = |d: &Document| d.estimator().get("block").unwrap();
+        assert!(!document.is_tuned(Owner::Estimator));
+        document.set(Owner::Estimator, 0, Value::Int(20)).unwrap();
+        document.set(Owner::Estimator, 0, Value::Int(24)).unwrap();
+        assert!(document.is_tuned(Owner::Estimator) && at(&document) == Value::Int(24));
+        assert!(document.set(Owner::Estimator, 0, Value::Int(999)).is_err() && at(&document) == Value::Int(24));
+        assert!(document.undo() && at(&document) == Value::Int(16) && !document.can_undo());
+        assert!(document.redo() && at(&document) == Value::Int(24));
+        document.reset(Owner::Estimator);
+        assert!(!document.is_tuned(Owner::Estimator));
+        assert!(document.undo() && at(&document) == Value::Int(24));
+    }
+
+    #[test]
+    fn a_slider_of_the_clip_makes_another_clip() {
+        let mut document = document();
+        let frames = |d: &Document| d.clip().and_then(|clip| clip.info().frames).unwrap();
+        let before = frames(&document);
+        let specs = document.params(Owner::Difficulty).unwrap().specs();
+        let index = specs.iter().position(|spec| spec.name == "frames").unwrap();
+        document.go_to_frame(before);
+        assert_eq!(document.frame(), before - 2);
+        document.set(Owner::Difficulty, index, Value::Int(5)).unwrap();
+        assert_eq!((frames(&document), document.frame()), (5, 3));
+        document.undo();
+        assert_eq!(frames(&document), before);
+    }
+}

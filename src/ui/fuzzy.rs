@@ -1,0 +1,43 @@
+//! Finds what a few letters mean.
+
+/// How well `query` fits `text`: larger is better, `None` if its letters do not occur in order.
+///
+/// Letters at the start of a word and letters in a row count most.
+pub fn score(query: &str, text: &str) -> Option<i32> {
+    let letters: Vec<char> = query.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).collect();
+    let text: Vec<char> = text.chars().flat_map(char::to_lowercase).collect();
+    let starts = (0..text.len()).filter(|&at| Some(&text[at]) == letters.first());
+    if letters.is_empty() {
+        return Some(0);
+    }
+    starts.filter_map(|at| from(&letters, &text, at)).max()
+}
+
+/// The score with the first letter at `start`.
+fn from(letters: &[char], text: &[char], start: usize) -> Option<i32> {
+    let (mut score, mut at, mut last) = (-(start as i32) / 4, start, None);
+    for letter in letters {
+        let found = at + text[at..].iter().position(|c| c == letter)?;
+        let starts_word = found == 0 || !text[found - 1].is_alphanumeric();
+        score += if starts_word { 12 } else { 0 } + if last == found.checked_sub(1) { 8 } else { 0 };
+        score -= (found - at) as i32 / 2;
+        (last, at) = (Some(found), found + 1);
+    }
+    Some(score)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::score;
+
+    #[test]
+    fn initials_and_runs_win() {
+        let best = |query: &str, texts: &[&'static str]| texts.iter().copied().max_by_key(|t| score(query, t)).unwrap();
+        let texts = ["Full screen", "Next video frame", "Play faster", "Frame t"];
+        assert_eq!(best("fs", &texts), "Full screen");
+        assert_eq!(best("frame", &texts), "Frame t");
+        assert_eq!(best("fast", &texts), "Play faster");
+        assert_eq!(score("xyz", "Full screen"), None);
+        assert_eq!(score("", "anything"), Some(0));
+    }
+}

@@ -1,0 +1,104 @@
+//! Opens a clip on a thread of its own, with progress and cancel.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use motionscope_core::{Clip, Error};
+
+use crate::media::{self, Open, Progress};
+
+/// A clip that is being opened.
+pub struct Loading {
+    /// The file or folder.
+    pub path: PathBuf,
+    shared: Arc<Shared>,
+}
+
+type Changed = Box<dyn Fn() + Send + Sync>;
+
+struct Shared {
+    /// Share of the work that is done, from 0 to 1, as the bits of an `f32`.
+    fraction: AtomicU32,
+    cancelled: AtomicBool,
+    outcome: Mutex<Option<Result<Clip, Error>>>,
+    changed: Changed,
+}
+
+impl Progress for Shared {
+    fn report(&self, fraction: f32) {
+        let before = f32::from_bits(self.fraction.swap(fraction.to_bits(), Ordering::Relaxed));
+        if (fraction - before).abs() > 0.01 {
+            (self.changed)();
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+impl Loading {
+    /// Begins to open `path`; `changed` is called from another thread whenever there is news.
+    pub fn new(path: &Path, changed: impl Fn() + Send + Sync + 'static) -> Self {
+        let shared = Arc::new(Shared {
+            fraction: AtomicU32::new(0),
+            cancelled: AtomicBool::new(false),
+            outcome: Mutex::default(),
+            changed: Box::new(changed),
+        });
+        let (worker, file) = (Arc::clone(&shared), path.to_owned());
+        let work = move || {
+            let options = Open { progress: Some(Arc::clone(&worker) as Arc<dyn Progress>), ..Open::default() };
+            worker.deliver(media::open(&file, &options));
+        };
+        if let Err(error) = std::thread::Builder::new().name("loader".into()).spawn(work) {
+            shared.deliver(Err(Error::new(format!("no thread could be started to open the clip: {error}"))));
+        }
+        Self { path: path.to_owned(), shared }
+    }
+
+    /// The clip or why there is none, once.
+    pub fn take(&self) -> Option<Result<Clip, Error>> {
+        self.shared.outcome.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// Share of the work that is done, from 0 to 1.
+    pub fn fraction(&self) -> f32 {
+        f32::from_bits(self.shared.fraction.load(Ordering::Relaxed))
+    }
+}
+
+impl Drop for Loading {
+    fn drop(&mut self) {
+        self.shared.cancelled.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Shared {
+    fn deliver(&self, outcome: Result<Clip, Error>) {
+        *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
+        (self.changed)();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_not_there_is_told() {
+        let loading = Loading::new(Path::new("no/such/clip.png"), || {});
+        let begun = Instant::now();
+        let outcome = loop {
+            match loading.take() {
+                Some(outcome) => break outcome,
+                None => assert!(begun.elapsed() < Duration::from_secs(20)),
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        };
+        assert!(outcome.is_err_and(|error| error.to_string().contains("clip.png")));
+    }
+}

@@ -1,0 +1,152 @@
+//! The palette: a few letters find any command, estimator, sample or recent clip.
+
+use std::path::PathBuf;
+
+use eframe::egui::{
+    self, Align2, Key, Label, Layout, Modal, Modifiers, RichText, ScrollArea, Sense, TextEdit, TextStyle, Ui,
+    WidgetInfo, vec2,
+};
+use lucide_icons::Icon;
+use motionscope_core::{estimators, synth};
+
+use super::action::Action;
+use super::commands::{Command, Now, Rungs, key_text};
+use super::{fuzzy, style, widgets};
+use crate::paint::Theme;
+
+/// The palette while it is open.
+#[derive(Default)]
+pub struct State {
+    query: String,
+    chosen: usize,
+}
+
+/// One line of the palette.
+struct Entry {
+    icon: Icon,
+    text: String,
+    tip: String,
+    keys: String,
+    action: Action,
+}
+
+/// What can be found.
+pub struct Input<'a> {
+    /// What is the case just now.
+    pub now: Now,
+    /// The names of the ladder.
+    pub rungs: Rungs,
+    /// Clips that were open lately.
+    pub recent: &'a [PathBuf],
+    /// The look.
+    pub theme: Theme,
+}
+
+/// Shows the palette; gives what was chosen and whether it is still open.
+pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Action>, bool) {
+    let size = TextStyle::Body.resolve(&ctx.global_style()).size;
+    let area = Modal::default_area(egui::Id::new("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, 5.0 * size));
+    let mut chosen = None;
+    let modal = Modal::new(egui::Id::new("palette")).area(area).show(ctx, |ui| {
+        ui.set_width((36.0 * size).min(ui.ctx().content_rect().width() - 48.0));
+        let (up, down, enter) = ui.input_mut(|i| {
+            let mut hit = |key| i.consume_key(Modifiers::NONE, key);
+            (hit(Key::ArrowUp), hit(Key::ArrowDown), hit(Key::Enter))
+        });
+        let field = TextEdit::singleline(&mut state.query)
+            .hint_text("Find a command, an estimator, a sample…")
+            .desired_width(f32::INFINITY)
+            .margin(egui::Margin::symmetric(8, 8));
+        let response = ui.add(field);
+        let query = state.query.clone();
+        response.widget_info(|| WidgetInfo::text_edit(true, &query, &query, "Find a command"));
+        response.request_focus();
+        if response.changed() {
+            state.chosen = 0;
+        }
+        let entries = found(&state.query, input);
+        state.chosen = (state.chosen + usize::from(down)).saturating_sub(usize::from(up));
+        state.chosen = state.chosen.min(entries.len().saturating_sub(1));
+        if enter {
+            chosen = entries.get(state.chosen).map(|entry| entry.action.clone());
+        }
+        if entries.is_empty() {
+            ui.add_space(8.0);
+            ui.label(RichText::new("Nothing is called that. Try fewer letters.").weak());
+        }
+        ScrollArea::vertical().max_height(24.0 * size).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            for (index, entry) in entries.iter().enumerate() {
+                let lit = index == state.chosen;
+                let response = row(ui, entry, lit, input.theme);
+                if lit && (up || down) {
+                    response.scroll_to_me(None);
+                }
+                if response.clicked() {
+                    chosen = Some(entry.action.clone());
+                }
+            }
+        });
+    });
+    let open = !modal.should_close() && chosen.is_none();
+    (chosen, open)
+}
+
+fn row(ui: &mut Ui, entry: &Entry, lit: bool, theme: Theme) -> egui::Response {
+    let height = ui.spacing().interact_size.y * 1.2;
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click());
+    let text = &entry.text;
+    response.widget_info(|| WidgetInfo::selected(egui::Role::ListBoxOption, true, lit, text));
+    let chrome = theme.chrome();
+    if lit || response.hovered() {
+        let fill = if lit { chrome.selection } else { chrome.raised };
+        ui.painter().rect_filled(rect, 5.0, style::color(fill));
+    }
+    let inner = rect.shrink2(vec2(8.0, 0.0));
+    ui.scope_builder(egui::UiBuilder::new().max_rect(inner).layout(Layout::left_to_right(egui::Align::Center)), |ui| {
+        ui.label(widgets::icon(ui, entry.icon).color(style::color(chrome.dim)));
+        ui.add(Label::new(text).truncate().selectable(false));
+        ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
+            if !entry.keys.is_empty() {
+                widgets::key_cap(ui, &entry.keys, theme);
+            }
+            ui.add(Label::new(RichText::new(&entry.tip).small().weak()).truncate().selectable(false));
+        });
+    });
+    response
+}
+
+/// What `query` finds, the best first.
+fn found(query: &str, input: &Input) -> Vec<Entry> {
+    let mut scored: Vec<(i32, Entry)> = entries(input)
+        .into_iter()
+        .filter_map(|entry| fuzzy::score(query, &entry.text).map(|score| (score, entry)))
+        .collect();
+    // Equal scores stay in the order of the menus.
+    scored.sort_by_key(|(score, _)| -score);
+    scored.into_iter().map(|(_, entry)| entry).collect()
+}
+
+fn entries(input: &Input) -> Vec<Entry> {
+    let commands = Command::ALL.iter().filter(|c| **c != Command::Palette && c.enabled(&input.now)).map(|command| {
+        let face = command.face();
+        let keys = face.keys.first().map_or_else(String::new, |key| key_text(*key));
+        let (text, tip) = (command.text(&input.rungs), String::new());
+        Entry { icon: face.icon, text, tip, keys, action: Action::Command(*command) }
+    });
+    let estimators = estimators().into_iter().map(|estimator| {
+        let info = estimator.info();
+        let (text, tip) = (format!("Estimator: {}", info.name), info.family.to_owned());
+        Entry { icon: Icon::Grid3x3, text, tip, keys: String::new(), action: Action::Choose(info.id) }
+    });
+    let samples = synth::SCENES.iter().map(|sample| {
+        let text = format!("Sample: {}", sample.title);
+        Entry { icon: Icon::Film, text, tip: String::new(), keys: String::new(), action: Action::OpenSample(sample) }
+    });
+    let recent = input.recent.iter().map(|path| {
+        let text = format!("Open {}", widgets::elide(&path.display().to_string(), 56));
+        let action = Action::Open(path.clone());
+        Entry { icon: Icon::History, text, tip: String::new(), keys: String::new(), action }
+    });
+    commands.chain(estimators).chain(samples).chain(recent).collect()
+}

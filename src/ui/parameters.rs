@@ -1,0 +1,296 @@
+//! The parameters: what the estimator and a synthetic clip declare, as rows that align.
+
+use eframe::egui::{
+    self, Align, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, Slider, TextStyle, Ui,
+    WidgetInfo, vec2,
+};
+use lucide_icons::Icon;
+use motionscope_core::params::{Choice, Kind, Spec};
+use motionscope_core::{Value, estimators};
+
+use super::action::{Action, Actions};
+use super::document::{Document, Owner};
+use super::{clip_card, style, widgets};
+use crate::paint::Theme;
+
+/// Draws the whole pane.
+pub fn show(ui: &mut Ui, document: &Document, theme: Theme, actions: &mut Actions) {
+    ScrollArea::vertical().id_salt("parameters").auto_shrink(false).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        clip_card::show(ui, document, actions);
+        ui.add_space(12.0);
+        title(ui, "Estimator", Owner::Estimator, document, actions);
+        estimator(ui, document, actions);
+        group(ui, Owner::Estimator, document, theme, actions);
+        if document.params(Owner::Difficulty).is_some() {
+            ui.add_space(16.0);
+            title(ui, "Difficulty of the clip", Owner::Difficulty, document, actions);
+            group(ui, Owner::Difficulty, document, theme, actions);
+        }
+        ui.add_space(16.0);
+    });
+}
+
+/// A heading, with a button that resets the group when anything in it was changed.
+fn title(ui: &mut Ui, text: &str, owner: Owner, document: &Document, actions: &mut Actions) {
+    ui.horizontal(|ui| {
+        widgets::heading(ui, text);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let name = format!("Reset all: {text}");
+            ui.add_enabled_ui(document.is_tuned(owner), |ui| {
+                let button = widgets::icon_button(ui, Icon::RotateCcw, &name, false);
+                if button.on_hover_text("Set all of these as they were at first.").clicked() {
+                    actions.ask(Action::ResetAll(owner));
+                }
+            });
+        });
+    });
+}
+
+/// The estimators by family.
+fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
+    let info = document.estimator().info();
+    let combo = ComboBox::from_id_salt("estimator").selected_text(info.name).width(ui.available_width());
+    let shown = combo.show_ui(ui, |ui| {
+        let mut family = "";
+        for other in estimators() {
+            let other = other.info();
+            if other.family != family {
+                family = other.family;
+                widgets::heading(ui, family);
+            }
+            let row = ui.selectable_label(other.id == info.id, other.name).on_hover_text(other.summary);
+            if row.clicked() {
+                actions.ask(Action::Choose(other.id));
+            }
+        }
+    });
+    let name = format!("Estimator: {}", info.name);
+    shown.response.widget_info(|| WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
+    shown.response.on_hover_text(info.summary);
+    ui.add_space(4.0);
+}
+
+fn group(ui: &mut Ui, owner: Owner, document: &Document, theme: Theme, actions: &mut Actions) {
+    let Some(params) = document.params(owner) else { return };
+    for (index, spec) in params.specs().iter().enumerate() {
+        let row = Row { owner, index, spec, value: params.value(index), default: document.default_of(owner, index) };
+        row.show(ui, theme, actions);
+    }
+}
+
+/// One parameter.
+struct Row<'a> {
+    owner: Owner,
+    index: usize,
+    spec: &'a Spec,
+    value: Value,
+    default: Option<Value>,
+}
+
+impl Row<'_> {
+    fn show(&self, ui: &mut Ui, theme: Theme, actions: &mut Actions) {
+        let wanted = match (&self.spec.kind, self.value) {
+            (Kind::Int { min, max }, Value::Int(value)) => {
+                self.number(ui, (*min as f64, *max as f64), value as f64, true, actions).map(|v| Value::Int(v as i64))
+            }
+            (Kind::Real { min, max }, Value::Real(value)) => {
+                self.number(ui, (*min, *max), value, false, actions).map(Value::Real)
+            }
+            (Kind::Switch, Value::Switch(on)) => self.switch(ui, on, theme, actions).map(Value::Switch),
+            (Kind::Choice(choices), Value::Choice(name)) => {
+                self.choice(ui, choices, name, actions).map(Value::Choice)
+            }
+            _ => None,
+        };
+        if let Some(value) = wanted.filter(|value| *value != self.value) {
+            actions.ask(Action::Set(self.owner, self.index, value));
+        }
+    }
+
+    /// Label left, `add` right; between them the way back if the value was changed.
+    fn line<R>(&self, ui: &mut Ui, actions: &mut Actions, add: impl FnOnce(&mut Ui, &Response) -> R) -> R {
+        let height = ui.spacing().interact_size.y;
+        ui.allocate_ui_with_layout(vec2(ui.available_width(), height), Layout::left_to_right(Align::Center), |ui| {
+            let label = ui.add(egui::Label::new(&self.spec.label).truncate().sense(Sense::hover()));
+            let label = label.on_hover_text(self.tip());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let result = add(ui, &label);
+                if self.default.is_some_and(|default| default != self.value) {
+                    self.way_back(ui, actions);
+                }
+                result
+            })
+            .inner
+        })
+        .inner
+    }
+
+    fn way_back(&self, ui: &mut Ui, actions: &mut Actions) {
+        let Some(default) = self.default else { return };
+        let name = format!("Reset {}", self.spec.label.to_lowercase());
+        let button = widgets::icon_button(ui, Icon::RotateCcw, &name, false);
+        let unit = if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) };
+        if button.on_hover_text(format!("Back to {}{unit}.", self.shown(default))).clicked() {
+            actions.ask(Action::Settle);
+            actions.ask(Action::Set(self.owner, self.index, default));
+            actions.ask(Action::Settle);
+        }
+    }
+
+    fn shown(&self, value: Value) -> String {
+        match (&self.spec.kind, value) {
+            (Kind::Choice(choices), Value::Choice(name)) => {
+                choices.iter().find(|c| c.name == name).map_or(name, |c| c.label).to_owned()
+            }
+            _ => value.to_string(),
+        }
+    }
+
+    fn tip(&self) -> String {
+        format!("{}\n{}", self.spec.doc, self.spec.allowed())
+    }
+
+    fn number(
+        &self,
+        ui: &mut Ui,
+        (min, max): (f64, f64),
+        value: f64,
+        whole: bool,
+        actions: &mut Actions,
+    ) -> Option<f64> {
+        let mut wanted = value;
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let decimals = if whole { 0 } else { decimals(max - min) };
+        let unit = if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) };
+        let typed = self.line(ui, actions, |ui, label| {
+            let mut field = DragValue::new(&mut wanted).range(min..=max).suffix(unit).max_decimals(decimals);
+            field = field.speed((max - min) / 200.0);
+            let width = ui.painter().layout_no_wrap(self.spec.unit.into(), TextStyle::Body.resolve(ui.style()), egui::Color32::WHITE);
+            let response = ui.add_sized(vec2(width.size().x + 4.2 * size, ui.spacing().interact_size.y), field);
+            response.labelled_by(label.id).on_hover_text(self.tip())
+        });
+        ui.spacing_mut().slider_width = ui.available_width();
+        let slid = ui
+            .scope(|ui| {
+                ui.spacing_mut().interact_size.y = (1.1 * size).round();
+                let mut slider = Slider::new(&mut wanted, min..=max).show_value(false);
+                if whole {
+                    slider = slider.integer();
+                } else {
+                    slider = slider.step_by(10f64.powi(-(decimals as i32)));
+                }
+                ui.add(slider)
+            })
+            .inner;
+        let name = &self.spec.label;
+        slid.widget_info(|| WidgetInfo::slider(true, value, name));
+        let slid = slid.on_hover_text(self.tip());
+        if [&typed, &slid].iter().any(|r| r.drag_stopped() || r.lost_focus()) {
+            actions.ask(Action::Settle);
+        }
+        ui.add_space(2.0);
+        (wanted != value).then_some(wanted)
+    }
+
+    fn switch(&self, ui: &mut Ui, on: bool, theme: Theme, actions: &mut Actions) -> Option<bool> {
+        let response = self.line(ui, actions, |ui, _| toggle(ui, on, theme));
+        let name = &self.spec.label;
+        response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, on, name));
+        let clicked = response.on_hover_text(self.tip()).clicked();
+        if clicked {
+            actions.ask(Action::Settle);
+        }
+        clicked.then_some(!on)
+    }
+
+    /// Short choices lie side by side, long ones in a list.
+    fn choice(
+        &self,
+        ui: &mut Ui,
+        choices: &[Choice],
+        now: &'static str,
+        actions: &mut Actions,
+    ) -> Option<&'static str> {
+        let mut wanted = None;
+        let letters: usize = choices.iter().map(|choice| choice.label.chars().count() + 2).sum();
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let fits = letters as f32 * 0.62 * size < 0.62 * ui.available_width();
+        self.line(ui, actions, |ui, label| {
+            if fits {
+                ui.spacing_mut().item_spacing.x = 2.0;
+                for choice in choices.iter().rev() {
+                    let name = format!("{}: {}", self.spec.label, choice.label);
+                    let response = ui.selectable_label(choice.name == now, choice.label);
+                    let selected = choice.name == now;
+                    response.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, true, selected, &name));
+                    if response.on_hover_text(choice.doc).clicked() {
+                        wanted = Some(choice.name);
+                    }
+                }
+                return;
+            }
+            let shown = choices.iter().find(|choice| choice.name == now).map_or(now, |choice| choice.label);
+            let combo = ComboBox::from_id_salt((self.owner as usize, self.index)).selected_text(shown);
+            let response = combo.width(9.5 * size).show_ui(ui, |ui| {
+                for choice in choices {
+                    let row = ui.selectable_label(choice.name == now, choice.label);
+                    if row.on_hover_text(choice.doc).clicked() {
+                        wanted = Some(choice.name);
+                    }
+                }
+            });
+            response.response.labelled_by(label.id).on_hover_text(self.tip());
+        });
+        if wanted.is_some() {
+            actions.ask(Action::Settle);
+        }
+        wanted
+    }
+}
+
+/// Decimals that a real number of this span is worth.
+fn decimals(span: f64) -> usize {
+    if span <= 2.0 {
+        3
+    } else if span <= 10.0 {
+        2
+    } else {
+        1
+    }
+}
+
+/// A switch that slides.
+fn toggle(ui: &mut Ui, on: bool, theme: Theme) -> Response {
+    let chrome = theme.chrome();
+    let height = (ui.spacing().interact_size.y * 0.66).round();
+    let (rect, response) = ui.allocate_exact_size(vec2(height * 1.8, height), Sense::click());
+    let how = ui.ctx().animate_bool_responsive(response.id, on);
+    let off = if response.hovered() { chrome.hovered.mix(chrome.text, 0.15) } else { chrome.hovered };
+    let fill = off.mix(chrome.accent, how);
+    let radius = rect.height() / 2.0;
+    ui.painter().rect_filled(rect, radius, style::color(fill));
+    let x = egui::lerp(rect.left() + radius..=rect.right() - radius, how);
+    let knob = chrome.text.mix(chrome.on_accent, how);
+    ui.painter().circle_filled(egui::pos2(x, rect.center().y), radius - 3.0, style::color(knob));
+    if response.has_focus() {
+        let stroke = egui::Stroke::new(1.5, style::color(chrome.text));
+        ui.painter().rect_stroke(rect.expand(2.0), radius + 2.0, stroke, egui::StrokeKind::Middle);
+    }
+    response
+}
+
+/// The text of a value that matters less.
+pub fn dim(ui: &Ui, text: impl Into<String>) -> RichText {
+    RichText::new(text).color(ui.visuals().weak_text_color())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::decimals;
+
+    #[test]
+    fn narrow_ranges_have_more_decimals() {
+        assert_eq!([0.5, 4.0, 50.0, 500.0].map(decimals), [3, 2, 1, 1]);
+    }
+}

@@ -1,0 +1,174 @@
+//! Playing a run: how many steps are due, and where they lead.
+
+use motionscope_core::{Cursor, Move};
+
+/// What is counted per second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// Events: every probe is seen.
+    Events,
+    /// Units: every block is seen when it is done.
+    Units,
+}
+
+/// A speed that can be chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Speed {
+    /// What is counted.
+    pub pace: Pace,
+    /// How many of them per second.
+    pub per_second: u32,
+}
+
+const fn speed(pace: Pace, per_second: u32) -> Speed {
+    Speed { pace, per_second }
+}
+
+/// Every speed, from slow to fast.
+pub const SPEEDS: [Speed; 12] = [
+    speed(Pace::Events, 1),
+    speed(Pace::Events, 3),
+    speed(Pace::Events, 10),
+    speed(Pace::Events, 30),
+    speed(Pace::Events, 100),
+    speed(Pace::Events, 300),
+    speed(Pace::Events, 1000),
+    speed(Pace::Units, 1),
+    speed(Pace::Units, 3),
+    speed(Pace::Units, 10),
+    speed(Pace::Units, 30),
+    speed(Pace::Units, 100),
+];
+
+impl Speed {
+    /// As words, with the estimator's names for an event and a unit: `10 probes/s`.
+    pub fn text(self, event: &str, unit: &str) -> String {
+        let name = match self.pace {
+            Pace::Events => event,
+            Pace::Units => unit,
+        };
+        let plural = if self.per_second == 1 { "" } else { "s" };
+        format!("{} {name}{plural}/s", self.per_second)
+    }
+}
+
+/// Plays a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Player {
+    /// Index into [`SPEEDS`].
+    pub speed: usize,
+    playing: bool,
+    /// Steps that are due, and a part of one.
+    due: f64,
+}
+
+impl Default for Player {
+    fn default() -> Self {
+        Self { speed: 3, playing: false, due: 0.0 }
+    }
+}
+
+impl Player {
+    /// Whether it plays.
+    pub fn is_playing(&self) -> bool {
+        self.playing
+    }
+
+    /// Plays from now on, the first step at once.
+    pub fn play(&mut self) {
+        (self.playing, self.due) = (true, 1.0);
+    }
+
+    /// Stays where it is.
+    pub fn pause(&mut self) {
+        self.playing = false;
+    }
+
+    /// The speed.
+    pub fn speed(&self) -> Speed {
+        SPEEDS[self.speed.min(SPEEDS.len() - 1)]
+    }
+
+    /// One speed up or down.
+    pub fn shift(&mut self, up: bool) {
+        let next = if up { self.speed.saturating_add(1) } else { self.speed.saturating_sub(1) };
+        self.speed = next.min(SPEEDS.len() - 1);
+    }
+
+    /// Lets `seconds` pass at `cursor` in a unit of `events` events; gives the move that is due.
+    pub fn pass(&mut self, seconds: f64, cursor: Cursor, events: usize) -> Option<Move> {
+        if !self.playing {
+            return None;
+        }
+        let Speed { pace, per_second } = self.speed();
+        let rate = f64::from(per_second);
+        // What a slow machine cannot do in time is left out, not caught up with.
+        self.due = (self.due + seconds * rate).min(rate.max(1.0) / 4.0 + 1.0);
+        let steps = self.due as usize;
+        self.due -= steps as f64;
+        (steps > 0).then(|| Move::To(ahead(pace, cursor, events, steps)))
+    }
+
+    /// Seconds until the next step is due.
+    pub fn wait_secs(&self) -> f64 {
+        ((1.0 - self.due) / f64::from(self.speed().per_second)).max(0.0)
+    }
+}
+
+/// The cursor `steps` further on; it shows the end of every unit that it comes to.
+fn ahead(pace: Pace, cursor: Cursor, events: usize, steps: usize) -> Cursor {
+    let Cursor { unit, event } = cursor;
+    let left = events.saturating_sub(event);
+    match pace {
+        Pace::Events if steps <= left => Cursor { unit, event: event + steps },
+        Pace::Events if left > 0 => Cursor { unit, event: events },
+        Pace::Events => Cursor { unit: unit + 1, event: steps },
+        Pace::Units if left > 0 => Cursor { unit: unit + steps - 1, event: usize::MAX },
+        Pace::Units => Cursor { unit: unit + steps, event: usize::MAX },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_seen_one_after_the_other() {
+        let mut player = Player { speed: 2, ..Player::default() };
+        let at = |unit, event| Cursor { unit, event };
+        assert_eq!(player.pass(1.0, at(0, 0), 50), None);
+        player.play();
+        assert_eq!(player.pass(0.0, at(0, 0), 50), Some(Move::To(at(0, 1))));
+        assert_eq!(player.pass(0.05, at(0, 1), 50), None);
+        assert!((player.wait_secs() - 0.05).abs() < 1e-9);
+        assert_eq!(player.pass(0.05, at(0, 1), 50), Some(Move::To(at(0, 2))));
+        assert_eq!(player.pass(0.2, at(0, 49), 50), Some(Move::To(at(0, 50))), "the end of a unit is seen");
+        assert_eq!(player.pass(0.1, at(0, 50), 50), Some(Move::To(at(1, 1))));
+        player.pause();
+        assert_eq!(player.pass(9.0, at(0, 50), 50), None);
+    }
+
+    #[test]
+    fn units_are_counted_by_their_ends() {
+        let at = |unit, event| Cursor { unit, event };
+        assert_eq!(ahead(Pace::Units, at(3, 2), 9, 1), at(3, usize::MAX));
+        assert_eq!(ahead(Pace::Units, at(3, 9), 9, 2), at(5, usize::MAX));
+    }
+
+    #[test]
+    fn time_lost_is_not_caught_up_with() {
+        let mut player = Player { speed: 6, ..Player::default() };
+        player.play();
+        let Some(Move::To(cursor)) = player.pass(60.0, Cursor::default(), 100_000) else { panic!("nothing is due") };
+        assert!(cursor.event <= 252, "{cursor}");
+    }
+
+    #[test]
+    fn speeds_are_named_after_the_rungs() {
+        assert_eq!(SPEEDS[0].text("probe", "block"), "1 probe/s");
+        assert_eq!(SPEEDS[9].text("probe", "block"), "10 blocks/s");
+        let mut player = Player::default();
+        (0..99).for_each(|_| player.shift(true));
+        assert_eq!(player.speed(), SPEEDS[11]);
+    }
+}

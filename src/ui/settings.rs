@@ -1,0 +1,141 @@
+//! What the window remembers from one day to the next.
+
+use std::path::{Path, PathBuf};
+
+use egui_tiles::Tree;
+use serde::{Deserialize, Serialize};
+
+use super::layout::{self, Folded, Pane};
+use super::player::Player;
+use super::style::{Look, ZOOM};
+use crate::paint::Theme;
+
+/// Clips that are remembered.
+const RECENT: usize = 12;
+/// The key under which everything is stored.
+const KEY: &str = "motionscope";
+
+/// What is remembered.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Name of the theme.
+    theme: String,
+    /// Interface scale.
+    zoom: f32,
+    /// Whether things change at once.
+    pub reduced_motion: bool,
+    /// What is folded away.
+    pub folded: Folded,
+    /// Clips that were open lately, the last one first.
+    pub recent: Vec<PathBuf>,
+    /// How fast to play.
+    pub speed: usize,
+    /// Where the panes lie.
+    pub tree: Tree<Pane>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            theme: Theme::default().name().into(),
+            zoom: 1.0,
+            reduced_motion: false,
+            folded: Folded::default(),
+            recent: Vec::new(),
+            speed: Player::default().speed,
+            tree: layout::tree(),
+        }
+    }
+}
+
+impl Settings {
+    /// What was remembered, or the settings of the first start.
+    pub fn load(storage: Option<&dyn eframe::Storage>) -> Self {
+        let mut settings: Self = storage.and_then(|storage| eframe::get_value(storage, KEY)).unwrap_or_default();
+        if !layout::is_complete(&settings.tree) {
+            settings.tree = layout::tree();
+        }
+        // A lecture is over when the window closes.
+        settings.folded.lecture = false;
+        settings.set_zoom(settings.zoom);
+        settings
+    }
+
+    /// Remembers everything.
+    pub fn save(&self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, KEY, self);
+    }
+
+    /// The theme.
+    pub fn theme(&self) -> Theme {
+        Theme::ALL.into_iter().find(|theme| theme.name() == self.theme).unwrap_or_default()
+    }
+
+    /// Takes another theme.
+    pub fn set_theme(&mut self, theme: Theme) {
+        self.theme = theme.name().into();
+    }
+
+    /// The theme after this one.
+    pub fn next_theme(&self) -> Theme {
+        let at = Theme::ALL.iter().position(|theme| *theme == self.theme()).unwrap_or(0);
+        Theme::ALL[(at + 1) % Theme::ALL.len()]
+    }
+
+    /// Interface scale.
+    pub fn zoom(&self) -> f32 {
+        self.zoom
+    }
+
+    /// Takes another interface scale, within bounds.
+    pub fn set_zoom(&mut self, zoom: f32) {
+        let (least, most, step) = ZOOM;
+        let rounded = (zoom / step).round() * step;
+        self.zoom = if rounded.is_finite() { rounded.clamp(least, most) } else { 1.0 };
+    }
+
+    /// How large and how lively the window is.
+    pub fn look(&self) -> Look {
+        Look { theme: self.theme(), zoom: self.zoom, reduced_motion: self.reduced_motion }
+    }
+
+    /// Puts a clip at the front of those that were open lately.
+    pub fn remember(&mut self, path: &Path) {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.recent.retain(|other| *other != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(RECENT);
+    }
+
+    /// Forgets a clip that is not there any more.
+    pub fn forget(&mut self, path: &Path) {
+        self.recent.retain(|other| other != path);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_remembered_comes_back() {
+        let mut settings = Settings::default();
+        settings.set_theme(Theme::Projector);
+        settings.set_zoom(99.0);
+        settings.remember(Path::new("/a.mp4"));
+        settings.remember(Path::new("/b.mp4"));
+        settings.remember(Path::new("/a.mp4"));
+        let text = serde_json::to_string(&settings).unwrap();
+        let back: Settings = serde_json::from_str(&text).unwrap();
+        assert_eq!((back.theme(), back.zoom()), (Theme::Projector, ZOOM.1));
+        assert_eq!(back.recent, [PathBuf::from("/a.mp4"), PathBuf::from("/b.mp4")]);
+        assert_eq!(back.next_theme(), Theme::Dark);
+    }
+
+    #[test]
+    fn an_older_file_still_opens() {
+        let old: Settings = serde_json::from_str("{\"theme\":\"Sepia\"}").unwrap();
+        assert_eq!(old.theme(), Theme::Dark);
+    }
+}

@@ -1,0 +1,70 @@
+//! Every key on one page, and what the program is.
+
+use eframe::egui::{self, Grid, Modal, RichText, ScrollArea, TextStyle, Ui};
+
+use super::commands::{Command, Menu, Rungs, key_text};
+use super::{style, widgets};
+use crate::paint::Theme;
+
+/// Shows the shortcut sheet; gives whether it is still open.
+pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {
+    let size = TextStyle::Body.resolve(&ctx.global_style()).size;
+    let screen = ctx.content_rect();
+    let modal = Modal::new(egui::Id::new("shortcuts")).show(ctx, |ui| {
+        ui.set_width((66.0 * size).min(screen.width() - 80.0));
+        ui.heading("Keyboard shortcuts");
+        ui.add_space(8.0);
+        ScrollArea::both().max_height(screen.height() - 160.0).show(ui, |ui| {
+            ui.columns(2, |columns| {
+                let (left, right) = columns.split_at_mut(1);
+                for menu in [Menu::Walk, Menu::Export, Menu::Help] {
+                    group(&mut left[0], menu, rungs, theme);
+                }
+                for menu in [Menu::File, Menu::Edit, Menu::View] {
+                    group(&mut right[0], menu, rungs, theme);
+                }
+            });
+        });
+        ui.add_space(8.0);
+        ui.label(RichText::new("Esc closes this page.").small().weak());
+    });
+    !modal.should_close()
+}
+
+fn group(ui: &mut Ui, menu: Menu, rungs: &Rungs, theme: Theme) {
+    widgets::heading(ui, menu.name());
+    ui.add_space(2.0);
+    Grid::new(menu.name()).num_columns(2).spacing([16.0, 4.0]).min_col_width(96.0).show(ui, |ui| {
+        for command in Command::ALL.iter().filter(|command| command.face().menu == menu) {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                let keys = command.face().keys;
+                for key in keys.iter().take(2) {
+                    widgets::key_cap(ui, &key_text(*key), theme);
+                }
+            });
+            ui.label(command.text(rungs)).on_hover_text(command.tip(rungs));
+            ui.end_row();
+        }
+    });
+    ui.add_space(14.0);
+}
+
+/// Shows what the program is; gives whether it is still open.
+pub fn about(ctx: &egui::Context) -> bool {
+    let size = TextStyle::Body.resolve(&ctx.global_style()).size;
+    let modal = Modal::new(egui::Id::new("about")).show(ctx, |ui| {
+        ui.set_width(30.0 * size);
+        ui.label(RichText::new("Motionscope").family(style::bold()).size(1.6 * size));
+        ui.label(RichText::new(concat!("Version ", env!("CARGO_PKG_VERSION"))).weak());
+        ui.add_space(8.0);
+        ui.label("Opens a clip and walks through any motion estimator step by step, forwards and backwards.");
+        ui.add_space(8.0);
+        ui.label(
+            RichText::new("Type: Inter and JetBrains Mono (OFL). Icons: Lucide (ISC). Colours: Okabe and Ito.").weak(),
+        );
+        ui.add_space(12.0);
+        ui.button("Close").clicked()
+    });
+    !(modal.should_close() || modal.inner)
+}

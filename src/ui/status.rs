@@ -1,0 +1,77 @@
+//! The line at the bottom: where the run stands, in words.
+
+use motionscope_core::Role;
+use motionscope_core::scene::Readout;
+
+use super::walker::Snapshot;
+
+/// Where the run stands: `block 35 of 1200 · probe 412 of 1104 · Best so far 812 at (−3, 2) · 38 % of the work`.
+pub fn line(shown: &Snapshot) -> String {
+    let rungs = shown.info.rungs;
+    let mut parts = Vec::new();
+    for (rung, name) in shown.place.iter().zip(rungs) {
+        // A rung of one is no news.
+        if rung.of != Some(1) {
+            parts.push(counted(name, rung.index + 1, rung.of));
+        }
+    }
+    if let Some(name) = rungs.last() {
+        parts.push(counted(name, shown.cursor.event, Some(shown.events)));
+    }
+    parts.extend(best(shown));
+    if let Some(share) = shown.share() {
+        parts.push(format!("{} % of the work", percent(share)));
+    }
+    parts.join("  ·  ")
+}
+
+/// The number that matters most: the best so far or the result.
+fn best(shown: &Snapshot) -> Option<String> {
+    let facts = shown.step.readouts.iter().find_map(|readout| match readout {
+        Readout::Facts(facts) => Some(facts),
+        _ => None,
+    })?;
+    let fact = facts.iter().rev().find(|fact| matches!(fact.role, Some(Role::Best | Role::Result | Role::Estimate)))?;
+    Some(format!("{} {}", fact.label.to_lowercase(), fact.value))
+}
+
+fn counted(name: &str, index: usize, of: Option<usize>) -> String {
+    match of {
+        Some(of) => format!("{name} {} of {}", grouped(index), grouped(of)),
+        None => format!("{name} {}", grouped(index)),
+    }
+}
+
+/// A whole number with thin spaces between thousands: 12 345.
+pub fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) && digits.len() > 4 {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A share as whole percent; 100 only at the very end.
+fn percent(share: f32) -> u32 {
+    if share >= 1.0 { 100 } else { ((share * 100.0) as u32).min(99) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_are_set_apart() {
+        assert_eq!((grouped(0), grouped(1200)), ("0".into(), "1200".into()));
+        assert_eq!(grouped(1_234_567), "1\u{202f}234\u{202f}567");
+    }
+
+    #[test]
+    fn only_the_end_is_all() {
+        assert_eq!((percent(0.0), percent(0.999), percent(1.0)), (0, 99, 100));
+    }
+}

@@ -1,0 +1,191 @@
+//! The two tracks of the timeline: the units of the run above, the events of the unit at hand below.
+
+use eframe::egui::{self, Align2, Color32, CursorIcon, Rect, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2};
+use motionscope_core::{Cursor, Role};
+
+use super::status::grouped;
+use super::style;
+use super::walker::Snapshot;
+use crate::paint::Theme;
+
+/// Least distance of two ticks in points.
+const TICK_PT: f32 = 5.0;
+
+/// One track: how much there is, and how much of it was seen.
+struct Track<'a> {
+    name: &'a str,
+    count: usize,
+    /// How much was seen, from 0 to `count`.
+    at: f32,
+    /// What the counter says: `35 / 1200`.
+    counter: String,
+    marks: &'a [(usize, Role)],
+}
+
+/// Draws both tracks into `rect`; gives the cursor that the person drags to.
+pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<Cursor> {
+    let (upper, lower) = rect.split_top_bottom_at_fraction(0.5);
+    let rungs = shown.info.rungs;
+    let name = |from_inside: usize| rungs.len().checked_sub(from_inside).and_then(|i| rungs.get(i)).copied();
+    let Cursor { unit, event } = shown.cursor;
+    let units = shown.units.unwrap_or(unit + 1).max(1);
+    let inside = if shown.events == 0 { 0.0 } else { event as f32 / shown.events as f32 };
+    let of = shown.units.map_or_else(String::new, |units| format!(" / {}", grouped(units)));
+    let run = Track {
+        name: name(2).unwrap_or("unit"),
+        count: units,
+        at: unit as f32 + inside,
+        counter: format!("{}{of}", grouped(unit + 1)),
+        marks: &[],
+    };
+    let events = Track {
+        name: name(1).unwrap_or("step"),
+        count: shown.events.max(1),
+        at: event as f32,
+        counter: format!("{} / {}", grouped(event), grouped(shown.events)),
+        marks: &shown.landmarks,
+    };
+    let columns = Columns::of(ui, [&run, &events]);
+    let to_unit = run.show(ui, upper, &columns, theme);
+    let to_event = events.show(ui, lower, &columns, theme);
+    let unit_at = |at: f32| Cursor { unit: (at as usize).min(units - 1), event: usize::MAX };
+    let event_at = |at: f32| Cursor { unit, event: (at.round() as usize).max(usize::from(unit > 0)) };
+    to_unit.map(unit_at).or(to_event.map(event_at)).filter(|to| *to != shown.cursor)
+}
+
+/// Widths of the words left and right of the tracks, so that both tracks align.
+struct Columns {
+    left: f32,
+    right: f32,
+}
+
+impl Columns {
+    fn of(ui: &Ui, tracks: [&Track; 2]) -> Self {
+        let font = TextStyle::Small.resolve(ui.style());
+        let width = |text: &str| ui.painter().layout_no_wrap(text.into(), font.clone(), Color32::WHITE).size().x;
+        // The counter is given the room that it will need at its end, so that the track does not jump.
+        let most = |track: &Track| width(&format!("{} / {}", grouped(track.count), grouped(track.count)));
+        let widest = |of: &dyn Fn(&Track) -> f32| tracks.into_iter().map(of).fold(0.0, f32::max).ceil();
+        Self { left: widest(&|track| width(track.name)) + 8.0, right: widest(&most) + 8.0 }
+    }
+}
+
+impl Track<'_> {
+    fn show(&self, ui: &mut Ui, rect: Rect, columns: &Columns, theme: Theme) -> Option<f32> {
+        let rail = Rect::from_min_max(
+            pos2(rect.min.x + columns.left, rect.min.y),
+            pos2((rect.max.x - columns.right).max(rect.min.x + columns.left + 20.0), rect.max.y),
+        );
+        let response = ui.interact(rail, ui.id().with(("track", self.name)), Sense::click_and_drag());
+        let response = response.on_hover_cursor(CursorIcon::PointingHand);
+        let (value, name) = (f64::from(self.at), format!("Timeline, {}s", self.name));
+        response.widget_info(|| WidgetInfo::slider(true, value, &name));
+        self.words(ui, rect, theme);
+        self.rail(ui, rail, &response, theme);
+        let over = response.hover_pos().map(|at| self.value_at(rail, at.x));
+        if let Some(value) = over.filter(|_| !response.dragged()) {
+            let index = (value as usize).min(self.count - 1) + 1;
+            response.clone().on_hover_text_at_pointer(format!("{} {}", self.name, grouped(index)));
+        }
+        let held = response.is_pointer_button_down_on() || response.clicked();
+        held.then(|| response.interact_pointer_pos()).flatten().map(|at| self.value_at(rail, at.x))
+    }
+
+    fn words(&self, ui: &Ui, rect: Rect, theme: Theme) {
+        let font = TextStyle::Small.resolve(ui.style());
+        let chrome = theme.chrome();
+        let painter = ui.painter();
+        painter.text(rect.left_center(), Align2::LEFT_CENTER, self.name, font.clone(), style::color(chrome.dim));
+        painter.text(rect.right_center(), Align2::RIGHT_CENTER, &self.counter, font, style::color(chrome.text));
+    }
+
+    fn rail(&self, ui: &Ui, rail: Rect, response: &Response, theme: Theme) {
+        let chrome = theme.chrome();
+        let painter = ui.painter().with_clip_rect(rail.expand2(vec2(8.0, 0.0)));
+        let thickness = (4.0 * style::scale(theme)).round();
+        let bar = Rect::from_center_size(rail.center(), vec2(rail.width(), thickness));
+        painter.rect_filled(bar, thickness / 2.0, style::color(chrome.hovered));
+        let x = self.x_of(rail, self.at);
+        painter.rect_filled(bar.with_max_x(x), thickness / 2.0, style::color(chrome.accent.mix(chrome.panel, 0.35)));
+        self.ticks(&painter, rail, bar, style::color(chrome.background));
+        self.landmarks(&painter, rail, thickness, theme);
+        let lit = response.hovered() || response.dragged();
+        let radius = thickness * if lit { 1.7 } else { 1.4 };
+        let ring = Stroke::new(2.0, style::color(chrome.panel));
+        painter.circle(pos2(x, rail.center().y), radius, style::color(chrome.accent), ring);
+        if response.has_focus() {
+            painter.circle_stroke(pos2(x, rail.center().y), radius + 2.0, Stroke::new(1.0, style::color(chrome.text)));
+        }
+    }
+
+    /// Gaps in the bar where one ends and the next begins; thinned out where they are too many.
+    fn ticks(&self, painter: &egui::Painter, rail: Rect, bar: Rect, color: Color32) {
+        let every = tick_every(self.count, rail.width());
+        let stroke = Stroke::new(1.0, color);
+        for index in (every..self.count).step_by(every) {
+            painter.vline(self.x_of(rail, index as f32).round(), bar.y_range(), stroke);
+        }
+    }
+
+    /// What is worth a look: at most one mark per point of the screen.
+    fn landmarks(&self, painter: &egui::Painter, rail: Rect, thickness: f32, theme: Theme) {
+        let mut last = f32::NEG_INFINITY;
+        for (event, role) in self.marks {
+            let x = self.x_of(rail, *event as f32);
+            if x - last < 1.0 {
+                continue;
+            }
+            last = x;
+            let seen = *event as f32 <= self.at;
+            let ink = style::color(theme.ink(*role).color);
+            let ink = if seen { ink } else { ink.gamma_multiply(0.45) };
+            let y = rail.center().y;
+            painter.vline(x, y - 2.2 * thickness..=y - 0.9 * thickness, Stroke::new(2.0, ink));
+        }
+    }
+
+    fn x_of(&self, rail: Rect, at: f32) -> f32 {
+        egui::remap_clamp(at, 0.0..=self.count as f32, rail.x_range())
+    }
+
+    fn value_at(&self, rail: Rect, x: f32) -> f32 {
+        egui::remap_clamp(x, rail.x_range(), 0.0..=self.count as f32)
+    }
+}
+
+/// Every how many one tick is drawn: 1, 2, 5, 10, 20, 50 …
+fn tick_every(count: usize, width: f32) -> usize {
+    let room = (width / TICK_PT).max(1.0) as usize;
+    let mut decade = 1;
+    loop {
+        for every in [decade, 2 * decade, 5 * decade] {
+            if count.div_ceil(every) <= room {
+                return every;
+            }
+        }
+        decade *= 10;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_thinned_to_round_numbers() {
+        assert_eq!(tick_every(40, 600.0), 1);
+        assert_eq!(tick_every(1200, 600.0), 10);
+        assert_eq!(tick_every(8160, 600.0), 100);
+        assert_eq!(tick_every(8160, 0.0), 10_000);
+    }
+
+    #[test]
+    fn places_and_values_are_inverse() {
+        let track = Track { name: "block", count: 300, at: 0.0, counter: String::new(), marks: &[] };
+        let rail = Rect::from_min_max(pos2(100.0, 0.0), pos2(500.0, 20.0));
+        for at in [0.0, 1.0, 150.0, 299.0, 300.0] {
+            assert!((track.value_at(rail, track.x_of(rail, at)) - at).abs() < 1e-3);
+        }
+        assert_eq!(track.value_at(rail, -5.0), 0.0);
+    }
+}

@@ -1,0 +1,80 @@
+//! Short messages that come and go: what was written and where, what could not be done.
+
+use eframe::egui::{self, Align2, Area, Frame, Id, Order, RichText, TextStyle};
+use lucide_icons::Icon;
+
+use super::{style, widgets};
+use crate::paint::Theme;
+
+/// How long a message stays, in seconds; errors stay longer.
+const STAY_SECS: f64 = 6.0;
+
+/// One message.
+struct Toast {
+    text: String,
+    is_error: bool,
+    /// When it goes; unknown until it was shown first.
+    until: Option<f64>,
+}
+
+/// Messages on the screen.
+#[derive(Default)]
+pub struct Toasts(Vec<Toast>);
+
+impl Toasts {
+    /// Tells that something was done.
+    pub fn tell(&mut self, text: impl Into<String>) {
+        self.0.push(Toast { text: text.into(), is_error: false, until: None });
+    }
+
+    /// Tells that something could not be done, and what to do.
+    pub fn fail(&mut self, text: impl Into<String>) {
+        self.0.push(Toast { text: text.into(), is_error: true, until: None });
+    }
+
+    /// The newest message.
+    pub fn last(&self) -> Option<&str> {
+        self.0.last().map(|toast| toast.text.as_str())
+    }
+
+    /// Shows the messages above the transport, the newest at the bottom.
+    pub fn show(&mut self, ctx: &egui::Context, bottom: f32, theme: Theme) {
+        let now = ctx.input(|i| i.time);
+        for toast in &mut self.0 {
+            let stay = if toast.is_error { 2.0 * STAY_SECS } else { STAY_SECS };
+            toast.until.get_or_insert(now + stay);
+        }
+        self.0.retain(|toast| toast.until.is_none_or(|until| now < until));
+        let Some(next) = self.0.iter().filter_map(|toast| toast.until).reduce(f64::min) else { return };
+        ctx.request_repaint_after_secs((next - now) as f32 + 0.01);
+        let chrome = theme.chrome();
+        let area = Area::new(Id::new("toasts")).order(Order::Foreground).anchor(Align2::RIGHT_BOTTOM, [-16.0, -bottom]);
+        let mut read = None;
+        area.show(ctx, |ui| {
+            let size = TextStyle::Body.resolve(ui.style()).size;
+            for (index, toast) in self.0.iter().enumerate() {
+                let (glyph, ink) = if toast.is_error {
+                    (Icon::TriangleAlert, chrome.error)
+                } else {
+                    (Icon::CircleCheck, chrome.accent)
+                };
+                let fill = style::color(chrome.raised);
+                let frame = Frame::popup(ui.style()).fill(fill).inner_margin(12);
+                frame.show(ui, |ui| {
+                    ui.set_max_width(32.0 * size);
+                    ui.horizontal(|ui| {
+                        ui.label(widgets::icon(ui, glyph).color(style::color(ink)));
+                        ui.add(egui::Label::new(RichText::new(&toast.text)).wrap());
+                        if widgets::icon_button(ui, Icon::X, "Close message", false).clicked() {
+                            read = Some(index);
+                        }
+                    });
+                });
+                ui.add_space(4.0);
+            }
+        });
+        if let Some(index) = read {
+            self.0.remove(index);
+        }
+    }
+}

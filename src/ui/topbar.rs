@@ -1,0 +1,199 @@
+//! The bar at the top: menus, what is open, and the few buttons that are always wanted.
+
+use eframe::egui::{self, Align, Button, Layout, MenuBar, RichText, TextStyle, Ui};
+use lucide_icons::Icon;
+
+use super::action::{Action, Actions};
+use super::commands::{Command, Menu, Now, Rungs, key_text};
+use super::document::Document;
+use super::layout::Folded;
+use super::{open_dialog, style, transport, widgets};
+use crate::paint::Theme;
+
+/// What the bar shows.
+pub struct Input<'a> {
+    /// What is open.
+    pub document: &'a Document,
+    /// What can be done just now.
+    pub now: Now,
+    /// The names of the ladder.
+    pub rungs: Rungs,
+    /// What is folded away.
+    pub folded: Folded,
+    /// Whether things change at once.
+    pub reduced_motion: bool,
+    /// Clips that were open lately.
+    pub recent: &'a [std::path::PathBuf],
+    /// The look.
+    pub theme: Theme,
+}
+
+/// Width per point of type size below which the menus share one button.
+const ROOMY: f32 = 70.0;
+
+/// Draws the bar.
+pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    let roomy = ui.available_width() / size > ROOMY;
+    MenuBar::new().ui(ui, |ui| {
+        brand(ui, input.theme);
+        if roomy {
+            for menu in Menu::ALL {
+                ui.menu_button(menu.name(), |ui| items(ui, menu, input, actions));
+            }
+        } else {
+            let glyph = widgets::icon(ui, Icon::Menu);
+            ui.menu_button((glyph, "Menu"), |ui| {
+                for menu in Menu::ALL {
+                    ui.menu_button(menu.name(), |ui| items(ui, menu, input, actions));
+                }
+            });
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            right(ui, input, roomy, actions);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| title(ui, input));
+        });
+    });
+}
+
+fn brand(ui: &mut Ui, theme: Theme) {
+    let accent = style::color(theme.chrome().accent);
+    ui.label(widgets::icon(ui, Icon::ScanEye).color(accent));
+    ui.label(RichText::new("Motionscope").family(style::bold()));
+    ui.add_space(8.0);
+}
+
+/// What is open: `Waves behind a pillar  ·  frame 12 → 13  ·  Full search`.
+fn title(ui: &mut Ui, input: &Input) {
+    let Some(clip) = input.document.clip() else { return };
+    ui.add_space(12.0);
+    let frame = input.document.frame();
+    let estimator = input.document.estimator().info().name;
+    let dim = ui.visuals().weak_text_color();
+    let font = TextStyle::Body.resolve(ui.style());
+    let format = |family: egui::FontFamily, color| egui::TextFormat {
+        font_id: egui::FontId::new(font.size, family),
+        color,
+        valign: Align::Center,
+        ..Default::default()
+    };
+    let mut job = egui::text::LayoutJob::default();
+    job.append(&clip.info().name, 0.0, format(style::bold(), ui.visuals().text_color()));
+    let rest = format!("   frame {frame} → {}   {estimator}", frame + 1);
+    job.append(&rest, 0.0, format(egui::FontFamily::Proportional, dim));
+    ui.add(egui::Label::new(job).truncate()).on_hover_text(super::clip_card::facts(input.document));
+}
+
+fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
+    ui.spacing_mut().item_spacing.x = 2.0;
+    for command in [Command::FullScreen, Command::Lecture] {
+        button(ui, command, input, actions);
+    }
+    theme(ui, input.theme, actions);
+    for command in [Command::ShowWhy, Command::ShowCharts, Command::ShowParameters] {
+        button(ui, command, input, actions);
+    }
+    ui.add_space(4.0);
+    if !roomy {
+        button(ui, Command::Palette, input, actions);
+        return;
+    }
+    let dim = ui.visuals().weak_text_color();
+    let words = RichText::new("Find").color(dim);
+    let keys = Command::Palette.face().keys.first().map_or_else(String::new, |key| key_text(*key));
+    let search = Button::new((widgets::icon(ui, Icon::Search).color(dim), words)).right_text(RichText::new(keys).small().color(dim));
+    let response = ui.add(search.min_size(egui::vec2(11.0 * TextStyle::Body.resolve(ui.style()).size, 0.0)));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Find a command"));
+    if transport::tooltip(response, Command::Palette, &input.rungs).clicked() {
+        actions.command(Command::Palette);
+    }
+    ui.add_space(8.0);
+}
+
+fn button(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
+    let on = is_on(command, input).unwrap_or(false);
+    let response = widgets::icon_button(ui, command.face().icon, &command.text(&input.rungs), on);
+    if transport::tooltip(response, command, &input.rungs).clicked() {
+        actions.command(command);
+    }
+}
+
+fn theme(ui: &mut Ui, now: Theme, actions: &mut Actions) {
+    let glyph = match now {
+        Theme::Dark => Icon::Moon,
+        Theme::Light => Icon::Sun,
+        Theme::Projector => Icon::Projector,
+    };
+    let response = widgets::icon_button(ui, glyph, &format!("Theme: {}", now.name()), false);
+    let response = response.on_hover_text("Dark, light, or projector\nT");
+    egui::Popup::menu(&response).show(|ui| {
+        for theme in Theme::ALL {
+            if ui.selectable_label(theme == now, theme.name()).clicked() {
+                actions.ask(Action::Theme(theme));
+            }
+        }
+    });
+}
+
+/// Whether a command that toggles something is on.
+fn is_on(command: Command, input: &Input) -> Option<bool> {
+    match command {
+        Command::ShowParameters => Some(!input.folded.parameters),
+        Command::ShowWhy => Some(!input.folded.why),
+        Command::ShowCharts => Some(!input.folded.charts),
+        Command::Lecture => Some(input.folded.lecture),
+        Command::ReducedMotion => Some(input.reduced_motion),
+        _ => None,
+    }
+}
+
+fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
+    ui.set_min_width(16.0 * TextStyle::Body.resolve(ui.style()).size);
+    let mut group = None;
+    for command in Command::ALL.iter().copied().filter(|command| command.face().menu == menu) {
+        if group.is_some_and(|group| group != section(command)) {
+            ui.separator();
+        }
+        group = Some(section(command));
+        item(ui, command, input, actions);
+        if command == Command::Samples && !input.recent.is_empty() {
+            ui.menu_button((widgets::icon(ui, Icon::History), "Recent"), |ui| {
+                open_dialog::recents(ui, input.recent, actions);
+            });
+        }
+    }
+}
+
+/// Commands of one section lie together in a menu.
+fn section(command: Command) -> u8 {
+    use Command as C;
+    match command {
+        C::SaveSession | C::Fit | C::ActualSize | C::ResetParameters => 1,
+        C::NextTheme | C::LargerInterface | C::SmallerInterface | C::NormalInterface => 2,
+        C::Quit | C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::FullScreen => 3,
+        C::ReducedMotion | C::ResetLayout => 4,
+        C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => 5,
+        C::NextUnit | C::PreviousUnit | C::Start | C::End => 6,
+        C::Stop | C::Slower | C::Faster | C::Play => 7,
+        C::NextFrame | C::PreviousFrame => 8,
+        _ => 0,
+    }
+}
+
+fn item(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
+    let face = command.face();
+    let glyph = match is_on(command, input) {
+        Some(true) => Icon::Check,
+        _ => face.icon,
+    };
+    let dim = ui.visuals().weak_text_color();
+    let keys = face.keys.first().map_or_else(String::new, |key| key_text(*key));
+    let text = command.text(&input.rungs);
+    let button = Button::new((widgets::icon(ui, glyph).color(dim), text.as_str())).shortcut_text(keys);
+    let response = ui.add_enabled(command.enabled(&input.now), button);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::MenuItem, true, &text));
+    if response.on_hover_text(command.tip(&input.rungs)).clicked() {
+        actions.command(command);
+        ui.close();
+    }
+}

@@ -1,0 +1,518 @@
+//! A run on its own thread: moves go in, immutable pictures of the run come out.
+//!
+//! Nothing here knows the window. A request never waits for an earlier one that takes long: it replaces it.
+
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use motionscope_core::{
+    AnyEstimator, Clip, Cursor, Error, Frame, Info, Move, Output, Role, Rung, Scene, Step, Walk,
+};
+
+/// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
+const PATIENCE: Duration = Duration::from_millis(60);
+/// How often a long move tells how far it is.
+const NEWS: Duration = Duration::from_millis(60);
+/// Small moves that may wait: more would make a held key run on after it is let go.
+const QUEUE: usize = 4;
+
+/// What to walk through, and where to begin.
+pub struct Job {
+    /// The estimator with its parameters.
+    pub estimator: Box<dyn AnyEstimator>,
+    /// The clip.
+    pub clip: Clip,
+    /// The frame that the run starts on.
+    pub frame: usize,
+    /// Where to go at once.
+    pub cursor: Cursor,
+    /// The pixel whose unit is meant, if that is known better than its number.
+    pub near: Option<[f32; 2]>,
+}
+
+/// Everything there is to see at one cursor.
+pub struct Snapshot {
+    /// What there is to say about the estimator.
+    pub info: &'static Info,
+    /// The frame that the run started on.
+    pub frame: usize,
+    /// Frames t and t + 1.
+    pub pair: [Arc<Frame>; 2],
+    /// Where the run stands.
+    pub cursor: Cursor,
+    /// Events of the unit at hand.
+    pub events: usize,
+    /// Units of the run, if that is known by now.
+    pub units: Option<usize>,
+    /// Whether this is the end of the run.
+    pub at_end: bool,
+    /// Where the unit stands on each rung but the innermost.
+    pub place: Vec<Rung>,
+    /// Events worth a mark, and their role.
+    pub landmarks: Vec<(usize, Role)>,
+    /// What ended the run early, if anything did.
+    pub failure: Option<Error>,
+    /// What the cursor tells.
+    pub step: Arc<Step>,
+    /// What the cursor shows.
+    pub scene: Arc<Scene>,
+}
+
+impl Snapshot {
+    /// The centre of what is being matched, in image pixels of frame t.
+    pub fn reference(&self) -> Option<[f32; 2]> {
+        use motionscope_core::scene::{Picture, Shape};
+        let mut marks = self.scene.marks.iter().rev();
+        marks.find_map(|mark| match (mark.on, mark.role, &mark.shape) {
+            (Picture::Current, Role::Reference, Shape::Rect { min, max }) => {
+                Some([(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0])
+            }
+            _ => None,
+        })
+    }
+
+    /// Share of the work that was done, from 0 to 1, if the number of units is known.
+    pub fn share(&self) -> Option<f32> {
+        let inside = if self.events == 0 { 0.0 } else { self.cursor.event as f32 / self.events as f32 };
+        self.units.map(|units| ((self.cursor.unit as f32 + inside) / units.max(1) as f32).min(1.0))
+    }
+}
+
+/// What the walker shows and does just now.
+#[derive(Clone, Default)]
+pub struct View {
+    /// The newest picture of the run; it stays when a new run is refused.
+    pub shown: Option<Arc<Snapshot>>,
+    /// Why the newest run could not be started.
+    pub refused: Option<Error>,
+    /// Whether something is being worked on.
+    pub busy: bool,
+    /// Units done of those that a long move needs.
+    pub progress: Option<(usize, usize)>,
+}
+
+type Visit = Box<dyn FnOnce(&dyn Walk) + Send>;
+
+enum Request {
+    Go(Move),
+    /// To the end of the unit whose result lies at a pixel.
+    GoAt([f32; 2]),
+    Visit(Visit),
+}
+
+/// The desk between the window and the worker.
+#[derive(Default)]
+struct Desk {
+    job: Option<Job>,
+    requests: VecDeque<Request>,
+    focus: Option<[f32; 2]>,
+    focus_moved: bool,
+    since: Option<Instant>,
+    quit: bool,
+    view: View,
+}
+
+struct Shared {
+    desk: Mutex<Desk>,
+    wake: Condvar,
+    idle: Condvar,
+    /// The move at work is to be given up.
+    superseded: AtomicBool,
+    changed: Box<dyn Fn() + Send + Sync>,
+}
+
+impl Shared {
+    fn desk(&self) -> MutexGuard<'_, Desk> {
+        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A run that is walked on a thread of its own.
+pub struct Walker {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Walker {
+    /// A walker without a run; `changed` is called from its thread whenever [`Walker::view`] has news.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn new(changed: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            desk: Mutex::default(),
+            wake: Condvar::new(),
+            idle: Condvar::new(),
+            superseded: AtomicBool::new(false),
+            changed: Box::new(changed),
+        });
+        let worker = Arc::clone(&shared);
+        let thread = std::thread::Builder::new().name("walker".into()).spawn(move || Worker::new(&worker).run())?;
+        Ok(Self { shared, thread: Some(thread) })
+    }
+
+    /// Starts another run; the picture of the old one stays until the new one has something to show.
+    pub fn start(&self, job: Job) {
+        self.ask(true, |desk| {
+            desk.requests.clear();
+            desk.job = Some(job);
+        });
+    }
+
+    /// Asks for a move. One to a place replaces all others; small moves queue up unless one takes long.
+    pub fn go(&self, to: Move) {
+        let mut desk = self.shared.desk();
+        let slow = desk.since.is_some_and(|since| since.elapsed() > PATIENCE);
+        let replaces = slow || !matches!(to, Move::Rung(..));
+        if !replaces && desk.requests.len() >= QUEUE {
+            return;
+        }
+        if replaces {
+            desk.requests.retain(|request| matches!(request, Request::Visit(_)));
+        }
+        desk.requests.push_back(Request::Go(to));
+        self.wake(desk, replaces);
+    }
+
+    /// Goes to the end of the unit whose result lies at pixel `point` of frame t.
+    pub fn go_at(&self, point: [f32; 2]) {
+        self.ask(true, |desk| desk.requests.push_back(Request::GoAt(point)));
+    }
+
+    /// Gives up the move at work; the run stays where it is shown.
+    pub fn stop(&self) {
+        let cursor = self.view().shown.map(|shown| shown.cursor);
+        if let Some(cursor) = cursor {
+            self.go(Move::To(cursor));
+        }
+    }
+
+    /// Explains the pixel `focus` from now on.
+    pub fn focus(&self, focus: Option<[f32; 2]>) {
+        if self.shared.desk().focus != focus {
+            self.ask(false, |desk| {
+                desk.focus = focus;
+                desk.focus_moved = true;
+            });
+        }
+    }
+
+    /// Has `visit` look at the run, on the walker's thread, after what was asked for before.
+    pub fn visit(&self, visit: impl FnOnce(&dyn Walk) + Send + 'static) {
+        self.ask(false, |desk| desk.requests.push_back(Request::Visit(Box::new(visit))));
+    }
+
+    /// What the run amounts to where it stands, delivered to `take` on the walker's thread.
+    pub fn output(&self, take: impl FnOnce(Output) + Send + 'static) {
+        self.visit(|walk| take(walk.output()));
+    }
+
+    /// What there is to show just now.
+    pub fn view(&self) -> View {
+        self.shared.desk().view.clone()
+    }
+
+    /// Waits until nothing is left to do.
+    pub fn wait(&self) {
+        let mut desk = self.shared.desk();
+        while desk.view.busy {
+            desk = self.shared.idle.wait(desk).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn ask(&self, replaces: bool, put: impl FnOnce(&mut Desk)) {
+        let mut desk = self.shared.desk();
+        put(&mut desk);
+        self.wake(desk, replaces);
+    }
+
+    fn wake(&self, mut desk: MutexGuard<'_, Desk>, replaces: bool) {
+        desk.view.busy = true;
+        if replaces {
+            self.shared.superseded.store(true, Ordering::Relaxed);
+        }
+        self.shared.wake.notify_one();
+    }
+}
+
+impl Drop for Walker {
+    fn drop(&mut self) {
+        self.ask(true, |desk| desk.quit = true);
+        if let Some(thread) = self.thread.take() {
+            // A worker that panicked has nothing left to tell.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A run at work.
+struct Run {
+    walk: Box<dyn Walk>,
+    pair: [Arc<Frame>; 2],
+}
+
+enum Task {
+    Start(Job),
+    Request(Request),
+    Focus,
+}
+
+struct Worker<'a> {
+    shared: &'a Shared,
+    run: Option<Run>,
+}
+
+impl<'a> Worker<'a> {
+    fn new(shared: &'a Shared) -> Self {
+        Self { shared, run: None }
+    }
+
+    fn run(mut self) {
+        while let Some(task) = self.next_task() {
+            let outcome = catch_unwind(AssertUnwindSafe(|| self.serve(task)));
+            if let Err(panic) = outcome {
+                self.run = None;
+                self.refuse(panicked(panic.as_ref()));
+            }
+        }
+    }
+
+    /// The next thing to do, or `None` at the end of the session.
+    fn next_task(&self) -> Option<Task> {
+        let mut desk = self.shared.desk();
+        desk.since = None;
+        loop {
+            if desk.quit {
+                return None;
+            }
+            let job = desk.job.take().map(Task::Start);
+            if job.is_some() || !desk.requests.is_empty() {
+                self.shared.superseded.store(false, Ordering::Relaxed);
+            }
+            let task = job.or_else(|| desk.requests.pop_front().map(Task::Request));
+            if task.is_some() {
+                desk.since = Some(Instant::now());
+                return task;
+            }
+            if std::mem::take(&mut desk.focus_moved) {
+                return Some(Task::Focus);
+            }
+            let was_busy = std::mem::replace(&mut desk.view.busy, false) | desk.view.progress.take().is_some();
+            self.shared.idle.notify_all();
+            if was_busy {
+                (self.shared.changed)();
+            }
+            desk = self.shared.wake.wait(desk).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn serve(&mut self, task: Task) {
+        match task {
+            Task::Start(job) => match self.open(job) {
+                Ok(()) => self.publish(),
+                Err(error) => self.refuse(error),
+            },
+            Task::Request(Request::Go(to)) => self.go(to),
+            Task::Request(Request::GoAt(point)) => {
+                if let Some(unit) = self.run.as_ref().and_then(|run| run.walk.unit_at(point)) {
+                    self.go(Move::To(Cursor { unit, event: usize::MAX }));
+                }
+            }
+            Task::Request(Request::Visit(visit)) => {
+                if let Some(run) = &self.run {
+                    visit(run.walk.as_ref());
+                }
+            }
+            Task::Focus => self.publish(),
+        }
+    }
+
+    fn open(&mut self, job: Job) -> Result<(), Error> {
+        let pair = job.clip.pair(job.frame)?;
+        let walk = job.estimator.walk(&job.clip, job.frame)?;
+        let mut cursor = job.cursor;
+        if let Some(unit) = job.near.and_then(|point| walk.unit_at(point)) {
+            cursor.unit = unit;
+        }
+        self.run = Some(Run { walk, pair });
+        if cursor != Cursor::default() {
+            self.travel(Move::To(cursor));
+        }
+        Ok(())
+    }
+
+    fn go(&mut self, to: Move) {
+        if self.travel(to) {
+            self.publish();
+        }
+    }
+
+    /// Works on a move until it is done or another one is wanted more; gives whether it is done.
+    fn travel(&mut self, to: Move) -> bool {
+        let Some(run) = &mut self.run else { return false };
+        let shared = self.shared;
+        let begun = Instant::now();
+        let wanted = || begun.elapsed() < PATIENCE || !shared.superseded.load(Ordering::Relaxed);
+        run.walk.go(to);
+        loop {
+            let slice = Instant::now();
+            if run.walk.work(&mut || slice.elapsed() < NEWS && wanted()) {
+                return true;
+            }
+            if !wanted() {
+                return false;
+            }
+            shared.desk().view.progress = run.walk.progress();
+            (shared.changed)();
+        }
+    }
+
+    fn publish(&self) {
+        let Some(run) = &self.run else { return };
+        let focus = {
+            let mut desk = self.shared.desk();
+            desk.focus_moved = false;
+            desk.focus
+        };
+        let shown = Arc::new(run.snapshot(focus));
+        let mut desk = self.shared.desk();
+        desk.view.shown = Some(shown);
+        desk.view.refused = None;
+        desk.view.progress = None;
+        drop(desk);
+        (self.shared.changed)();
+    }
+
+    fn refuse(&self, error: Error) {
+        self.shared.desk().view.refused = Some(error);
+        (self.shared.changed)();
+    }
+}
+
+impl Run {
+    fn snapshot(&self, focus: Option<[f32; 2]>) -> Snapshot {
+        let walk = &self.walk;
+        Snapshot {
+            info: walk.info(),
+            frame: walk.frame(),
+            pair: self.pair.clone(),
+            cursor: walk.cursor(),
+            events: walk.events(),
+            units: walk.units(),
+            at_end: walk.at_end(),
+            place: walk.place(),
+            landmarks: walk.landmarks(),
+            failure: walk.failure().cloned(),
+            step: Arc::new(walk.step(focus)),
+            scene: Arc::new(walk.scene(focus)),
+        }
+    }
+}
+
+fn panicked(panic: &(dyn std::any::Any + Send)) -> Error {
+    let said = panic.downcast_ref::<String>().map(String::as_str);
+    let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
+    Error::new(format!("the run broke off ({said}); change a parameter or the clip to start it again, and please report it"))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicUsize;
+
+    use motionscope_core::{Frame, Grid, Way, estimator};
+
+    use super::*;
+
+    fn clip() -> Clip {
+        let texture = |x: usize, y: usize| (x * 31 + y * 57 + x * y % 7 * 20) as u8;
+        let frame = |shift: usize| Frame::gray(Grid::from_fn(64, 48, |x, y| texture(x + 4 - shift, y)));
+        Clip::from_frames("shift", vec![frame(0), frame(2)]).unwrap()
+    }
+
+    fn job() -> Job {
+        let mut estimator = estimator("full-search").unwrap();
+        estimator.set("range", "4").unwrap();
+        Job { estimator, clip: clip(), frame: 0, cursor: Cursor::default(), near: None }
+    }
+
+    fn started() -> Walker {
+        let walker = Walker::new(|| {}).unwrap();
+        walker.start(job());
+        walker.wait();
+        walker
+    }
+
+    fn cursor(walker: &Walker) -> Cursor {
+        walker.wait();
+        walker.view().shown.map(|shown| shown.cursor).unwrap()
+    }
+
+    #[test]
+    fn there_and_back_again() {
+        let walker = started();
+        walker.go(Move::To(Cursor { unit: 3, event: 7 }));
+        assert_eq!(cursor(&walker), Cursor { unit: 3, event: 7 });
+        let before = walker.view().shown.unwrap();
+        walker.go(Move::Rung(2, Way::Forward));
+        walker.go(Move::Rung(2, Way::Back));
+        walker.wait();
+        let after = walker.view().shown.unwrap();
+        // Costs that are not known yet are NaN, so it is the words that are compared.
+        let told = |shown: &Snapshot| format!("{} {:?} {:?}", shown.cursor, shown.step, shown.scene);
+        assert!(told(&after) == told(&before));
+    }
+
+    #[test]
+    fn a_refused_run_leaves_the_last_picture() {
+        let walker = started();
+        walker.start(Job { frame: 9, ..job() });
+        walker.wait();
+        let view = walker.view();
+        assert!(view.shown.is_some() && view.refused.is_some_and(|error| error.to_string().contains("frame")));
+        walker.start(job());
+        walker.wait();
+        assert!(walker.view().refused.is_none());
+    }
+
+    #[test]
+    fn a_run_begins_where_it_is_wanted() {
+        let walker = Walker::new(|| {}).unwrap();
+        walker.start(Job { cursor: Cursor { unit: 0, event: 5 }, near: Some([40.0, 20.0]), ..job() });
+        assert_eq!(cursor(&walker), Cursor { unit: 6, event: 5 });
+        walker.go_at([1.0, 1.0]);
+        assert_eq!(cursor(&walker).unit, 0);
+    }
+
+    #[test]
+    fn nothing_is_told_while_nothing_changes() {
+        let count = Arc::new(AtomicUsize::new(0));
+        let told = Arc::clone(&count);
+        let walker = Walker::new(move || {
+            told.fetch_add(1, Ordering::SeqCst);
+        })
+        .unwrap();
+        walker.start(job());
+        walker.wait();
+        std::thread::sleep(Duration::from_millis(20));
+        let before = count.load(Ordering::SeqCst);
+        walker.focus(None);
+        std::thread::sleep(Duration::from_millis(20));
+        assert_eq!(count.load(Ordering::SeqCst), before);
+    }
+
+    #[test]
+    fn a_place_replaces_what_was_asked_before() {
+        let walker = started();
+        for event in 1..200 {
+            walker.go(Move::To(Cursor { unit: 5, event: event % 60 + 1 }));
+        }
+        walker.go(Move::To(Cursor { unit: 1, event: 1 }));
+        assert_eq!(cursor(&walker), Cursor { unit: 1, event: 1 });
+        walker.output(|output| assert!(output.flow().at(0, 0).is_some()));
+        walker.wait();
+    }
+}

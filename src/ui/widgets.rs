@@ -1,0 +1,100 @@
+//! Small parts that the panes share: icons, icon buttons, segmented choices, headings.
+
+use eframe::egui::{
+    self, Align2, Button, FontId, Rect, Response, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, WidgetInfo, vec2,
+};
+use lucide_icons::Icon;
+
+use super::style;
+use crate::paint::Theme;
+
+/// An icon as text, a little larger than the type around it.
+pub fn icon(ui: &Ui, icon: Icon) -> RichText {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    RichText::new(char::from(icon).to_string()).font(FontId::new((size * 1.15).round(), style::icons()))
+}
+
+/// A square button with an icon, no frame until the pointer is on it, and a name for screen readers.
+pub fn icon_button(ui: &mut Ui, glyph: Icon, name: &str, selected: bool) -> Response {
+    let side = ui.spacing().interact_size.y;
+    let button = Button::new(icon(ui, glyph)).selected(selected).frame_when_inactive(selected).min_size(vec2(side, side));
+    let padding = ui.spacing().button_padding;
+    ui.spacing_mut().button_padding = vec2((padding.x / 2.0).round(), 0.0);
+    let response = ui.add(button);
+    ui.spacing_mut().button_padding = padding;
+    let enabled = ui.is_enabled();
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, enabled, selected, name));
+    response
+}
+
+/// A row of icon buttons of which one is chosen; gives the one clicked.
+pub fn segmented<T: PartialEq + Copy>(ui: &mut Ui, now: T, choices: &[(T, Icon, String, String)]) -> Option<T> {
+    let mut clicked = None;
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for (choice, glyph, name, tip) in choices {
+            let response = icon_button(ui, *glyph, name, *choice == now);
+            if response.on_hover_text(tip).clicked() {
+                clicked = Some(*choice);
+            }
+        }
+    });
+    clicked
+}
+
+/// A quiet heading over a group of rows.
+pub fn heading(ui: &mut Ui, text: &str) -> Response {
+    let font = FontId::new(TextStyle::Small.resolve(ui.style()).size, style::bold());
+    ui.label(RichText::new(text).font(font).color(ui.visuals().weak_text_color()))
+}
+
+/// A small key cap: `Ctrl+K`.
+pub fn key_cap(ui: &mut Ui, text: &str, theme: Theme) -> Response {
+    let chrome = theme.chrome();
+    let font = TextStyle::Small.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(text.into(), font, style::color(chrome.dim));
+    let height = galley.size().y + 4.0;
+    let (rect, response) = ui.allocate_exact_size(vec2((galley.size().x + 10.0).max(height), height), Sense::hover());
+    let stroke = Stroke::new(1.0, style::color(chrome.line));
+    ui.painter().rect(rect, 4.0, style::color(chrome.raised), stroke, StrokeKind::Inside);
+    let at = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), rect).min;
+    ui.painter().galley(at, galley, style::color(chrome.dim));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, text));
+    response
+}
+
+/// Elides `text` in the middle so that a long path keeps its beginning and its end.
+pub fn elide(text: &str, most: usize) -> String {
+    let count = text.chars().count();
+    if count <= most || most < 3 {
+        return text.to_owned();
+    }
+    let (head, tail) = ((most - 1) / 2, most - 1 - (most - 1) / 2);
+    let start: String = text.chars().take(head).collect();
+    let end: String = text.chars().skip(count - tail).collect();
+    format!("{start}…{end}")
+}
+
+/// A thin vertical line between groups of a row.
+pub fn divider(ui: &mut Ui) {
+    let height = ui.spacing().interact_size.y * 0.7;
+    let (rect, _) = ui.allocate_exact_size(vec2(1.0, height), Sense::hover());
+    let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
+    ui.painter().vline(rect.center().x, rect.y_range(), stroke);
+}
+
+/// The part of `rect` below its first `height` points.
+pub fn below(rect: Rect, height: f32) -> Rect {
+    Rect::from_min_max(egui::pos2(rect.min.x, rect.min.y + height), rect.max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::elide;
+
+    #[test]
+    fn long_paths_keep_both_ends() {
+        assert_eq!(elide("/home/ada/clips/waves.mp4", 11), "/home…s.mp4");
+        assert_eq!(elide("waves", 11), "waves");
+    }
+}
