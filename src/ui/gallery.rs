@@ -79,7 +79,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, theme: Theme, actions: &mut 
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let screen = ctx.content_rect();
     let mut chosen = false;
-    let modal = Modal::new(egui::Id::new("samples")).show(ctx, |ui| {
+    let modal = Modal::new(egui::Id::unique("samples")).show(ctx, |ui| {
         ui.set_width((64.0 * size).min(screen.width() - 64.0));
         ui.heading("Samples");
         ui.label(RichText::new("Made on the fly, with exact truth. Each is named for what it teaches.").weak());

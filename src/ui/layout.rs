@@ -84,7 +84,7 @@ pub fn tree() -> Tree<Pane> {
         row.shares.set_share(tile, share);
     }
     let root = tiles.insert_container(row);
-    Tree::new(egui::Id::new("panes"), root, tiles)
+    Tree::new(egui::Id::unique("panes"), root, tiles)
 }
 
 /// Shows and hides panes as `folded` says.

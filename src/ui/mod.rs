@@ -1,5 +1,6 @@
 //! The window: a stage, the numbers behind it, and a ladder to walk on.
 
+mod acts;
 pub mod action;
 pub mod app;
 pub mod axis;
@@ -10,6 +11,7 @@ pub mod fuzzy;
 pub mod gallery;
 pub mod history;
 pub mod ink;
+pub mod keys;
 pub mod layout;
 pub mod loader;
 pub mod math;
@@ -31,3 +33,63 @@ pub mod transport;
 pub mod walker;
 pub mod why;
 pub mod widgets;
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use motionscope_core::synth;
+
+/// What the window opens with.
+#[derive(Clone, Debug, Default)]
+pub struct Start {
+    /// A clip or a session; a bundled sample if there is none.
+    pub path: Option<PathBuf>,
+}
+
+/// The sample of the first start.
+const FIRST_SAMPLE: &str = "pillar";
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// A sentence that says what to do where no window can be opened.
+pub fn run(start: Start) -> anyhow::Result<()> {
+    let viewport = eframe::egui::ViewportBuilder::default()
+        .with_title("Motionscope")
+        .with_app_id("motionscope")
+        .with_inner_size([1440.0, 900.0])
+        .with_min_inner_size([720.0, 480.0])
+        .with_drag_and_drop(true);
+    let options = eframe::NativeOptions { viewport, ..Default::default() };
+    let create = move |cc: &eframe::CreationContext<'_>| {
+        let mut app = app::App::new(&cc.egui_ctx, cc.storage)?;
+        begin(&mut app, start);
+        Ok(Box::new(app) as Box<dyn eframe::App>)
+    };
+    eframe::run_native("Motionscope", options, Box::new(create)).map_err(|error| explain(&error))
+}
+
+/// Opens what the window is to show first.
+pub fn begin(app: &mut app::App, start: Start) {
+    match (start.path, synth::scene(FIRST_SAMPLE)) {
+        (Some(path), _) => app.open(path),
+        (None, Ok(sample)) => app.open_sample(sample),
+        (None, Err(_)) => {}
+    }
+}
+
+/// Why no window could be opened, and what to do.
+fn explain(error: &eframe::Error) -> anyhow::Error {
+    let instead = "pictures need no window: try `motionscope run CLIP --estimator full-search --overlay FILE.png`";
+    match error {
+        eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => anyhow!(
+            "no window can be opened here ({error}); start Motionscope on a desktop, or set DISPLAY or WAYLAND_DISPLAY \
+             to one; {instead}"
+        ),
+        eframe::Error::Wgpu(_) => anyhow!(
+            "no graphics driver can draw the window ({error}); install a Vulkan or OpenGL driver (on Debian: \
+             mesa-vulkan-drivers); {instead}"
+        ),
+        other => anyhow!("the window could not be opened ({other}); {instead}"),
+    }
+}

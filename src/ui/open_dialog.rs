@@ -35,7 +35,7 @@ pub fn parse(text: &str) -> Option<PathBuf> {
 pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions: &mut Actions) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let mut done = false;
-    let modal = Modal::new(egui::Id::new("open")).show(ctx, |ui| {
+    let modal = Modal::new(egui::Id::unique("open")).show(ctx, |ui| {
         ui.set_width((40.0 * size).min(ui.ctx().content_rect().width() - 48.0));
         ui.heading("Open");
         ui.label(RichText::new("A video, a picture of a numbered sequence, a folder of pictures, or a session.").weak());

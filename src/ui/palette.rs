@@ -45,9 +45,9 @@ pub struct Input<'a> {
 /// Shows the palette; gives what was chosen and whether it is still open.
 pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Action>, bool) {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
-    let area = Modal::default_area(egui::Id::new("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, 5.0 * size));
+    let area = Modal::default_area(egui::Id::unique("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, 5.0 * size));
     let mut chosen = None;
-    let modal = Modal::new(egui::Id::new("palette")).area(area).show(ctx, |ui| {
+    let modal = Modal::new(egui::Id::unique("palette")).area(area).show(ctx, |ui| {
         ui.set_width((36.0 * size).min(ui.ctx().content_rect().width() - 48.0));
         let (up, down, enter) = ui.input_mut(|i| {
             let mut hit = |key| i.consume_key(Modifiers::NONE, key);

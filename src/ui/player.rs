@@ -69,6 +69,11 @@ impl Default for Player {
 }
 
 impl Player {
+    /// A player that stands still, with speed number `speed`.
+    pub fn at_speed(speed: usize) -> Self {
+        Self { speed: speed.min(SPEEDS.len() - 1), ..Self::default() }
+    }
+
     /// Whether it plays.
     pub fn is_playing(&self) -> bool {
         self.playing

@@ -10,7 +10,7 @@ use crate::paint::Theme;
 pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let screen = ctx.content_rect();
-    let modal = Modal::new(egui::Id::new("shortcuts")).show(ctx, |ui| {
+    let modal = Modal::new(egui::Id::unique("shortcuts")).show(ctx, |ui| {
         ui.set_width((66.0 * size).min(screen.width() - 80.0));
         ui.heading("Keyboard shortcuts");
         ui.add_space(8.0);
@@ -53,7 +53,7 @@ fn group(ui: &mut Ui, menu: Menu, rungs: &Rungs, theme: Theme) {
 /// Shows what the program is; gives whether it is still open.
 pub fn about(ctx: &egui::Context) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
-    let modal = Modal::new(egui::Id::new("about")).show(ctx, |ui| {
+    let modal = Modal::new(egui::Id::unique("about")).show(ctx, |ui| {
         ui.set_width(30.0 * size);
         ui.label(RichText::new("Motionscope").family(style::bold()).size(1.6 * size));
         ui.label(RichText::new(concat!("Version ", env!("CARGO_PKG_VERSION"))).weak());

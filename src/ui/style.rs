@@ -9,8 +9,9 @@ use eframe::egui::{
     self, Color32, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Margin, Stroke, TextStyle, vec2,
 };
 
+pub use super::ink::color;
 use crate::paint::fonts::Face;
-use crate::paint::{Color, Theme};
+use crate::paint::Theme;
 
 /// How large and how lively the window is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,12 +26,6 @@ pub struct Look {
 
 /// The smallest and the largest interface scale, and the step between two.
 pub const ZOOM: (f32, f32, f32) = (0.6, 2.5, 0.1);
-
-/// A colour of the theme as egui wants it.
-pub fn color(color: Color) -> Color32 {
-    let [r, g, b, a] = color.0;
-    Color32::from_rgba_unmultiplied(r, g, b, a)
-}
 
 /// The family of semi-bold type.
 pub fn bold() -> FontFamily {

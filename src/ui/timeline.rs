@@ -76,7 +76,7 @@ impl Track<'_> {
             pos2(rect.min.x + columns.left, rect.min.y),
             pos2((rect.max.x - columns.right).max(rect.min.x + columns.left + 20.0), rect.max.y),
         );
-        let response = ui.interact(rail, ui.id().with(("track", self.name)), Sense::click_and_drag());
+        let response = ui.interact(rail, ui.scope_id().with(("track", self.name)), Sense::click_and_drag());
         let response = response.on_hover_cursor(CursorIcon::PointingHand);
         let (value, name) = (f64::from(self.at), format!("Timeline, {}s", self.name));
         response.widget_info(|| WidgetInfo::slider(true, value, &name));

@@ -1,0 +1,342 @@
+//! The window's state, and a frame of it.
+
+use std::path::PathBuf;
+use std::sync::mpsc::Receiver;
+
+use eframe::egui::{self, CentralPanel, Frame, Label, Margin, Panel, RichText, TextStyle, Ui};
+use motionscope_core::{Clip, Error};
+
+use super::action::Actions;
+use super::commands::{Command, Now, Rungs};
+use super::document::{Document, Owner};
+use super::layout;
+use super::loader::Loading;
+use super::panes::{Panes, States};
+use super::player::Player;
+use super::settings::Settings;
+use super::style::{self, Look};
+use super::toasts::Toasts;
+use super::walker::{View, Walker};
+use super::{gallery, keys, open_dialog, palette, sheet, status, topbar, transport, widgets};
+
+/// What lies over the panes.
+#[derive(Default)]
+pub(super) enum Overlay {
+    /// Nothing.
+    #[default]
+    None,
+    /// The command palette.
+    Palette(palette::State),
+    /// Every key.
+    Shortcuts,
+    /// A path to open.
+    Open(open_dialog::State),
+    /// The samples.
+    Samples,
+    /// What the program is.
+    About,
+}
+
+/// The window.
+pub struct App {
+    pub(super) settings: Settings,
+    pub(super) document: Document,
+    pub(super) walker: Walker,
+    pub(super) view: View,
+    pub(super) player: Player,
+    pub(super) loading: Option<Loading>,
+    pub(super) error: Option<Error>,
+    pub(super) overlay: Overlay,
+    pub(super) toasts: Toasts,
+    pub(super) states: States,
+    pub(super) gallery: gallery::State,
+    /// A path that the system's dialog will deliver.
+    pub(super) browsing: Option<Receiver<Option<PathBuf>>>,
+    /// The look that egui was told last.
+    look: Option<Look>,
+    /// When the run was played on last.
+    played: f64,
+    pub(super) ctx: egui::Context,
+}
+
+impl App {
+    /// A window in `ctx` with what was remembered.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn new(ctx: &egui::Context, storage: Option<&dyn eframe::Storage>) -> std::io::Result<Self> {
+        let settings = Settings::load(storage);
+        style::install_fonts(ctx);
+        style::apply(ctx, settings.look());
+        let repaint = ctx.clone();
+        let player = Player::at_speed(settings.speed);
+        Ok(Self {
+            look: Some(settings.look()),
+            settings,
+            document: Document::default(),
+            walker: Walker::new(move || repaint.request_repaint())?,
+            view: View::default(),
+            player,
+            loading: None,
+            error: None,
+            overlay: Overlay::None,
+            toasts: Toasts::default(),
+            states: States::default(),
+            gallery: gallery::State::default(),
+            browsing: None,
+            played: 0.0,
+            ctx: ctx.clone(),
+        })
+    }
+
+    /// What is open and how it is set.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// What the walker shows and does.
+    pub fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// What the window remembers.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The newest message, if one is shown.
+    pub fn message(&self) -> Option<&str> {
+        self.toasts.last()
+    }
+
+    /// What went wrong and was not read yet.
+    pub fn error(&self) -> Option<&Error> {
+        self.error.as_ref()
+    }
+
+    /// Waits until nothing is worked on any more, for tests; what was found is shown in the next frame.
+    pub fn wait(&mut self) {
+        while self.loading.is_some() {
+            std::thread::sleep(std::time::Duration::from_millis(2));
+            self.receive();
+        }
+        self.walker.wait();
+        self.view = self.walker.view();
+    }
+
+    /// Opens a clip that is there already.
+    pub fn open_clip(&mut self, clip: Clip, path: PathBuf) {
+        self.opened(clip, path);
+    }
+
+    /// The names of the ladder's rungs.
+    pub(super) fn rungs(&self) -> Rungs {
+        Rungs::new(self.document.estimator().info().rungs)
+    }
+
+    /// What is the case just now.
+    pub(super) fn now(&self) -> Now {
+        let shown = self.view.shown.as_deref();
+        let last = self.document.last_frame();
+        Now {
+            has_clip: self.document.clip().is_some(),
+            has_run: shown.is_some() && self.document.clip().is_some(),
+            at_start: shown.is_none_or(|shown| shown.cursor == motionscope_core::Cursor::default()),
+            at_end: shown.is_some_and(|shown| shown.at_end),
+            busy: self.view.progress.is_some(),
+            playing: self.player.is_playing(),
+            can_undo: self.document.can_undo(),
+            can_redo: self.document.can_redo(),
+            is_tuned: self.document.is_tuned(Owner::Estimator),
+            at_first_frame: self.document.frame() == 0,
+            at_last_frame: last.is_some_and(|last| self.document.frame() >= last),
+        }
+    }
+
+    /// Lets the time since the last frame pass for the player.
+    fn play(&mut self, ctx: &egui::Context) {
+        let now = ctx.input(|i| i.time);
+        let seconds = now - std::mem::replace(&mut self.played, now);
+        let Some(shown) = self.view.shown.as_deref().filter(|_| self.player.is_playing()) else { return };
+        if shown.at_end {
+            self.player.pause();
+            return;
+        }
+        if !self.view.busy
+            && let Some(to) = self.player.pass(seconds, shown.cursor, shown.events)
+        {
+            self.walker.go(to);
+        }
+        ctx.request_repaint_after_secs(self.player.wait_secs() as f32);
+    }
+
+    fn panels(&mut self, ui: &mut Ui, actions: &mut Actions) {
+        let lecture = self.settings.folded.lecture;
+        let fill = ui.visuals().panel_fill;
+        let bar = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
+        if !lecture {
+            Panel::top("menus").frame(bar(12, 6)).show(ui, |ui| self.top_bar(ui, actions));
+            Panel::bottom("status").frame(bar(16, 4)).show(ui, |ui| self.status(ui, actions));
+        }
+        let height = (ui.spacing().interact_size.y * 2.0).round();
+        let frame = bar(12, 4);
+        Panel::bottom("transport").frame(frame).exact_size(height + 8.0).show(ui, |ui| self.transport(ui, actions));
+        CentralPanel::no_frame().show(ui, |ui| self.tiles(ui, actions));
+    }
+
+    fn top_bar(&self, ui: &mut Ui, actions: &mut Actions) {
+        let input = topbar::Input {
+            document: &self.document,
+            now: self.now(),
+            rungs: self.rungs(),
+            folded: self.settings.folded,
+            reduced_motion: self.settings.reduced_motion,
+            recent: &self.settings.recent,
+            theme: self.settings.theme(),
+        };
+        topbar::show(ui, &input, actions);
+    }
+
+    fn transport(&self, ui: &mut Ui, actions: &mut Actions) {
+        let input = transport::Input {
+            shown: self.view.shown.as_deref(),
+            now: self.now(),
+            rungs: self.rungs(),
+            player: self.player,
+            theme: self.settings.theme(),
+        };
+        transport::show(ui, &input, actions);
+    }
+
+    fn status(&self, ui: &mut Ui, actions: &mut Actions) {
+        let small = TextStyle::Small.resolve(ui.style());
+        let dim = ui.visuals().weak_text_color();
+        ui.horizontal(|ui| {
+            ui.set_min_height(small.size + 8.0);
+            if let Some((done, of)) = self.view.progress {
+                ui.add(egui::ProgressBar::new(done as f32 / of.max(1) as f32).desired_width(120.0).desired_height(6.0));
+                ui.label(RichText::new(format!("{} of {}", status::grouped(done), status::grouped(of))).small());
+                if ui.add(egui::Button::new(RichText::new("Stop (Esc)").small()).small()).clicked() {
+                    actions.command(Command::Stop);
+                }
+                return;
+            }
+            let text = self.view.shown.as_deref().map_or_else(|| "No clip is open".to_owned(), status::line);
+            ui.add(Label::new(RichText::new(text).small().color(dim)).truncate());
+        });
+    }
+
+    fn tiles(&mut self, ui: &mut Ui, actions: &mut Actions) {
+        layout::fold(&mut self.settings.tree, self.settings.folded);
+        let calm = self.settings.reduced_motion || self.player.is_playing();
+        let mut panes = Panes {
+            document: &self.document,
+            view: &self.view,
+            loading: self.loading.as_ref(),
+            error: self.error.as_ref(),
+            states: &mut self.states,
+            stage_alone: layout::stage_alone(&self.settings.tree),
+            animate: !calm && !ui.input(|i| i.pointer.any_down()),
+            theme: self.settings.theme(),
+            actions,
+        };
+        self.settings.tree.ui(&mut panes, ui);
+    }
+
+    fn overlays(&mut self, ctx: &egui::Context, actions: &mut Actions) {
+        let theme = self.settings.theme();
+        let mut overlay = std::mem::take(&mut self.overlay);
+        let open = match &mut overlay {
+            Overlay::None => false,
+            Overlay::Palette(state) => {
+                let (now, rungs, recent) = (self.now(), self.rungs(), self.settings.recent.as_slice());
+                let (chosen, open) = palette::show(ctx, state, &palette::Input { now, rungs, recent, theme });
+                actions.0.extend(chosen);
+                open
+            }
+            Overlay::Shortcuts => sheet::shortcuts(ctx, &self.rungs(), theme),
+            Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
+            Overlay::Samples => gallery::show(ctx, &mut self.gallery, theme, actions),
+            Overlay::About => sheet::about(ctx),
+        };
+        if open {
+            self.overlay = overlay;
+        }
+    }
+
+    /// Says that what is held over the window can be dropped.
+    fn drop_hint(&self, ui: &Ui) {
+        if ui.input(|i| i.raw.hovered_files.is_empty()) {
+            return;
+        }
+        let chrome = self.settings.theme().chrome();
+        let rect = ui.max_rect();
+        let painter = ui.ctx().layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop")));
+        painter.rect_filled(rect, 0.0, style::color(chrome.background.alpha(215)));
+        let edge = egui::Stroke::new(2.0, style::color(chrome.accent));
+        painter.rect_stroke(rect.shrink(16.0), 12.0, edge, egui::StrokeKind::Inside);
+        let font = TextStyle::Heading.resolve(ui.style());
+        let text = "Drop a clip, a folder of pictures or a session";
+        painter.text(rect.center(), egui::Align2::CENTER_CENTER, text, font, style::color(chrome.text));
+    }
+
+    /// One line over the stage that says how to leave a lecture.
+    fn lecture_hint(&self, ui: &Ui, actions: &mut Actions) {
+        if !self.settings.folded.lecture {
+            return;
+        }
+        let area = egui::Area::new(egui::Id::unique("lecture")).anchor(egui::Align2::RIGHT_TOP, [-8.0, 6.0]);
+        area.show(ui.ctx(), |ui| {
+            let face = Command::Lecture.face();
+            let button = widgets::icon_button(ui, face.icon, "Leave the lecture", true);
+            if button.on_hover_text("Show everything again\nL").clicked() {
+                actions.command(Command::Lecture);
+            }
+        });
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        let mut actions = Actions::default();
+        self.receive();
+        self.play(&ctx);
+        let overlaid = !matches!(self.overlay, Overlay::None);
+        keys::take(&ctx, overlaid, self.settings.folded.lecture, &self.now(), &mut actions);
+        ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
+        self.panels(ui, &mut actions);
+        self.lecture_hint(ui, &mut actions);
+        self.overlays(&ctx, &mut actions);
+        let bottom = ui.spacing().interact_size.y * 2.0 + 56.0;
+        self.toasts.show(&ctx, bottom, self.settings.theme());
+        self.drop_hint(ui);
+        for action in actions.0 {
+            self.act(action);
+        }
+        if self.look.replace(self.settings.look()) != Some(self.settings.look()) {
+            style::apply(&ctx, self.settings.look());
+            ctx.request_repaint();
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.settings.save(storage);
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        false
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+}
+
+/// The title of the window.
+pub(super) fn title(document: &Document) -> String {
+    match document.clip() {
+        Some(clip) => format!("{} – Motionscope", clip.info().name),
+        None => "Motionscope".into(),
+    }
+}

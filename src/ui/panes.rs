@@ -1,0 +1,295 @@
+//! What lies in the panes, and how their tabs look.
+
+use eframe::egui::{
+    self, Align2, Button, Color32, Frame, Id, Margin, Rect, Response, RichText, Sense, Stroke, TextStyle, Ui,
+    Visuals, WidgetInfo, WidgetText, vec2,
+};
+use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
+use lucide_icons::Icon;
+use motionscope_core::Error;
+
+use super::action::{Action, Actions};
+use super::commands::Command;
+use super::document::Document;
+use super::layout::Pane;
+use super::loader::Loading;
+use super::walker::{Snapshot, View};
+use super::{parameters, stage, style, why, widgets};
+use crate::paint::{ColorMap, Lengthen, Theme};
+
+/// What the panes remember between frames.
+#[derive(Default)]
+pub struct States {
+    /// The stage.
+    pub stage: stage::State,
+    /// The explanation.
+    pub why: why::State,
+}
+
+/// What the panes show.
+pub struct Panes<'a> {
+    /// What is open.
+    pub document: &'a Document,
+    /// What the walker shows and does.
+    pub view: &'a View,
+    /// The clip that is being opened.
+    pub loading: Option<&'a Loading>,
+    /// What went wrong and was not read yet.
+    pub error: Option<&'a Error>,
+    /// What the panes remember.
+    pub states: &'a mut States,
+    /// The tile that holds nothing but the stage.
+    pub stage_alone: Option<TileId>,
+    /// Whether a step may move.
+    pub animate: bool,
+    /// The look.
+    pub theme: Theme,
+    /// What is asked for.
+    pub actions: &'a mut Actions,
+}
+
+impl Panes<'_> {
+    fn stage(&mut self, ui: &mut Ui) {
+        self.banners(ui);
+        let Some(shown) = &self.view.shown else {
+            self.nothing_yet(ui);
+            return;
+        };
+        let input = stage::Input {
+            pair: &shown.pair,
+            frame: shown.frame,
+            scene: &shown.scene,
+            theme: self.theme,
+            colors: ColorMap::default(),
+            lengthen: Lengthen::default(),
+            animate: self.animate,
+        };
+        let response = stage::show(ui, input, &mut self.states.stage);
+        self.actions.ask(Action::Focus(response.hovered));
+        if let Some(point) = response.clicked {
+            self.actions.ask(Action::SeekAt(point));
+        }
+    }
+
+    /// What is going on and what went wrong, where the person is looking.
+    fn banners(&mut self, ui: &mut Ui) {
+        if let Some(loading) = self.loading {
+            self.opening(ui, loading);
+        }
+        let failure = self.view.shown.as_ref().and_then(|shown| shown.failure.as_ref());
+        let error = self.error.or(self.view.refused.as_ref()).or(self.document.refused()).or(failure);
+        let Some(error) = error else { return };
+        let chrome = self.theme.chrome();
+        let fill = style::color(chrome.panel.mix(chrome.error, 0.14));
+        let edge = Stroke::new(1.0, style::color(chrome.error));
+        let frame = Frame::new().fill(fill).stroke(edge).corner_radius(6).inner_margin(Margin::symmetric(12, 8));
+        let dismissable = self.error.is_some();
+        frame.show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.label(widgets::icon(ui, Icon::TriangleAlert).color(style::color(chrome.error)));
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    if dismissable && widgets::icon_button(ui, Icon::X, "Dismiss error", false).clicked() {
+                        self.actions.ask(Action::Dismiss);
+                    }
+                    if ui.button("Open another…").clicked() {
+                        self.actions.command(Command::Open);
+                    }
+                    ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                        let label = ui.add(egui::Label::new(sentence(error)).wrap().selectable(true));
+                        label.widget_info(|| WidgetInfo::labeled(egui::Role::Alert, true, sentence(error)));
+                    });
+                });
+            });
+        });
+        ui.add_space(8.0);
+    }
+
+    fn opening(&mut self, ui: &mut Ui, loading: &Loading) {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            let name = loading.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            ui.label(format!("Opening {}…", widgets::elide(&name, 48)));
+            let done = loading.fraction();
+            if done > 0.0 {
+                ui.add(egui::ProgressBar::new(done).desired_width(160.0).show_percentage());
+            }
+            if ui.button("Cancel").clicked() {
+                self.actions.ask(Action::CancelOpening);
+            }
+        });
+    }
+
+    /// The stage before anything is open says what to do.
+    fn nothing_yet(&mut self, ui: &mut Ui) {
+        if self.view.busy || self.loading.is_some() {
+            return;
+        }
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let dim = ui.visuals().weak_text_color();
+        ui.vertical_centered(|ui| {
+            ui.add_space((ui.available_height() * 0.3).max(16.0));
+            ui.label(widgets::icon(ui, Icon::ScanEye).size(3.2 * size).color(dim));
+            ui.add_space(8.0);
+            ui.label(RichText::new("Open a clip to begin").family(style::bold()).size(1.5 * size));
+            ui.label(RichText::new("Drop a video or a folder of pictures here, or choose one.").color(dim));
+            ui.add_space(16.0);
+            ui.horizontal(|ui| {
+                ui.add_space((ui.available_width() - 17.0 * size).max(0.0) / 2.0);
+                for command in [Command::Open, Command::Samples] {
+                    let face = command.face();
+                    let button = Button::new((widgets::icon(ui, face.icon), face.text));
+                    if ui.add(button.min_size(vec2(8.0 * size, 2.4 * size))).clicked() {
+                        self.actions.command(command);
+                    }
+                }
+            });
+        });
+    }
+
+    fn why(&mut self, ui: &mut Ui) {
+        match &self.view.shown {
+            Some(shown) => {
+                let input = why::Input { info: shown.info, step: &shown.step, theme: self.theme };
+                why::show(ui, input, &mut self.states.why);
+            }
+            None => empty(ui, "Here stands why each step happened, once a clip is open."),
+        }
+    }
+
+    fn chart(&mut self, ui: &mut Ui, pane: Pane) {
+        let Some(_shown): Option<&Snapshot> = self.view.shown.as_deref() else {
+            return empty(ui, "There is nothing to show before a clip is open.");
+        };
+        empty(ui, pane.title());
+    }
+}
+
+/// An error as a sentence: a capital letter and a full stop.
+fn sentence(error: &Error) -> String {
+    let text = error.to_string();
+    let mut letters = text.chars();
+    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    let end = if text.ends_with(['.', '!', '?']) { "" } else { "." };
+    first + letters.as_str() + end
+}
+
+/// A pane with nothing in it says why.
+pub fn empty(ui: &mut Ui, text: &str) {
+    let dim = ui.visuals().weak_text_color();
+    ui.centered_and_justified(|ui| ui.label(RichText::new(text).color(dim)));
+}
+
+impl Behavior<Pane> for Panes<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
+        let margin = match pane {
+            Pane::Stage => Margin { left: 8, right: 8, top: 6, bottom: 4 },
+            Pane::Parameters => Margin { left: 16, right: 16, top: 4, bottom: 0 },
+            Pane::Why => Margin { left: 16, right: 16, top: 8, bottom: 0 },
+            _ => Margin::same(8),
+        };
+        let fill = ui.visuals().panel_fill;
+        let rect = ui.max_rect();
+        ui.painter().rect_filled(rect, 0.0, fill);
+        Frame::new().inner_margin(margin).show(ui, |ui| {
+            ui.set_clip_rect(ui.clip_rect().intersect(rect));
+            match pane {
+                Pane::Stage => self.stage(ui),
+                Pane::Parameters => parameters::show(ui, self.document, self.theme, self.actions),
+                Pane::Why => self.why(ui),
+                Pane::Surface | Pane::Surface3d | Pane::Plot | Pane::Numbers => self.chart(ui, *pane),
+            }
+        });
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
+        pane.title().into()
+    }
+
+    fn tab_ui(&mut self, tiles: &mut Tiles<Pane>, ui: &mut Ui, id: Id, tile: TileId, state: &TabState) -> Response {
+        let title = tiles.get_pane(&tile).map_or("Panes", |pane| pane.title());
+        let alone = tiles.parent_of(tile).and_then(|parent| tiles.get_container(parent)).is_none_or(|c| c.num_children() < 2);
+        let chrome = self.theme.chrome();
+        let font = egui::FontId::new(TextStyle::Small.resolve(ui.style()).size, style::bold());
+        let galley = ui.painter().layout_no_wrap(title.into(), font, Color32::PLACEHOLDER);
+        let margin = if alone { 16.0 } else { 12.0 };
+        let (_, rect) = ui.allocate_space(vec2(galley.size().x + 2.0 * margin, ui.available_height()));
+        let response = ui.interact(rect, id, Sense::click_and_drag()).on_hover_cursor(egui::CursorIcon::Grab);
+        response.widget_info(|| WidgetInfo::selected(egui::Role::Tab, true, state.active, title));
+        if state.is_being_dragged {
+            return response;
+        }
+        let lit = state.active && !alone;
+        let ink = if lit || response.hovered() { chrome.text } else { chrome.dim };
+        let at = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), rect).min;
+        ui.painter().galley(at, galley, style::color(ink));
+        if lit {
+            let line = Rect::from_min_max(rect.left_bottom() - vec2(-12.0, 2.0), rect.right_bottom() - vec2(12.0, 0.0));
+            ui.painter().rect_filled(line, 1.0, style::color(chrome.accent));
+        }
+        response
+    }
+
+    fn top_bar_right_ui(
+        &mut self,
+        tiles: &Tiles<Pane>,
+        ui: &mut Ui,
+        _tile: TileId,
+        tabs: &egui_tiles::Tabs,
+        _scroll: &mut f32,
+    ) {
+        let pane = tabs.active.and_then(|tile| tiles.get_pane(&tile));
+        let command = match pane {
+            Some(Pane::Parameters) => Command::ShowParameters,
+            Some(Pane::Why) => Command::ShowWhy,
+            Some(Pane::Stage) | None => return,
+            Some(_) => Command::ShowCharts,
+        };
+        ui.add_space(8.0);
+        let name = format!("Fold away {}", command.face().text.to_lowercase());
+        let button = widgets::icon_button(ui, Icon::X, &name, false);
+        if button.on_hover_text(format!("{name}. The buttons at the top bring it back.")).clicked() {
+            self.actions.command(command);
+        }
+    }
+
+    fn is_tab_bar_visible(&self, tile: TileId, _tabs: &egui_tiles::Tabs) -> bool {
+        self.stage_alone != Some(tile)
+    }
+
+    fn tab_bar_height(&self, style: &egui::Style) -> f32 {
+        (style.spacing.interact_size.y * 1.25).round()
+    }
+
+    fn gap_width(&self, _style: &egui::Style) -> f32 {
+        1.0
+    }
+
+    fn min_size(&self) -> f32 {
+        120.0
+    }
+
+    fn tab_bar_color(&self, visuals: &Visuals) -> Color32 {
+        visuals.panel_fill
+    }
+
+    fn tab_bar_hline_stroke(&self, _visuals: &Visuals) -> Stroke {
+        Stroke::NONE
+    }
+
+    fn resize_stroke(&self, style: &egui::Style, state: egui_tiles::ResizeState) -> Stroke {
+        match state {
+            egui_tiles::ResizeState::Idle => style.visuals.widgets.noninteractive.bg_stroke,
+            _ => Stroke::new(2.0, style::color(self.theme.chrome().accent)),
+        }
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
+    }
+
+    fn drag_preview_color(&self, _visuals: &Visuals) -> Color32 {
+        style::color(self.theme.chrome().accent.alpha(60))
+    }
+
+}
