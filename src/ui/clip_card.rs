@@ -76,7 +76,8 @@ fn frame(ui: &mut Ui, document: &Document, actions: &mut Actions) {
                 }
             });
             let mut wanted = now;
-            let field = DragValue::new(&mut wanted).range(0..=last).custom_formatter(|v, _| format!("{v} → {}", v + 1.0));
+            let field =
+                DragValue::new(&mut wanted).range(0..=last).custom_formatter(|v, _| format!("{v} → {}", v + 1.0));
             let field = field.custom_parser(|text| text.split('→').next().and_then(|t| t.trim().parse().ok()));
             let size = eframe::egui::vec2(ui.spacing().interact_size.y * 3.0, ui.spacing().interact_size.y);
             let typed = ui.add_sized(size, field).labelled_by(label.id);

@@ -242,9 +242,13 @@ impl Command {
                 const { &[key(Key::Num1)] },
             ),
             C::FrameT => (Menu::View, Icon::Square, "Frame t", "The first frame alone.", const { &[key(Key::Num2)] }),
-            C::FrameNext => {
-                (Menu::View, Icon::SquareArrowRight, "Frame t+1", "The second frame alone.", const { &[key(Key::Num3)] })
-            }
+            C::FrameNext => (
+                Menu::View,
+                Icon::SquareArrowRight,
+                "Frame t+1",
+                "The second frame alone.",
+                const { &[key(Key::Num3)] },
+            ),
             C::Difference => (
                 Menu::View,
                 Icon::Diff,
@@ -409,9 +413,7 @@ impl Command {
                 "Go back to where nothing has been done yet.",
                 const { &[key(Key::Home)] },
             ),
-            C::End => {
-                (Menu::Walk, Icon::SkipForward, "End of the run", "Run to the end.", const { &[key(Key::End)] })
-            }
+            C::End => (Menu::Walk, Icon::SkipForward, "End of the run", "Run to the end.", const { &[key(Key::End)] }),
             C::Stop => {
                 (Menu::Walk, Icon::OctagonX, "Stop", "Give up a move that takes long.", const { &[key(Key::Escape)] })
             }
@@ -460,9 +462,13 @@ impl Command {
                 "Write the vectors found so far as CSV, NPY, .flo or KITTI PNG.",
                 &[],
             ),
-            C::Palette => {
-                (Menu::Help, Icon::Search, "Find a command…", "Type a few letters of any command.", const { &[ctrl(Key::K)] })
-            }
+            C::Palette => (
+                Menu::Help,
+                Icon::Search,
+                "Find a command…",
+                "Type a few letters of any command.",
+                const { &[ctrl(Key::K)] },
+            ),
             C::Shortcuts => (
                 Menu::Help,
                 Icon::Keyboard,
@@ -470,7 +476,9 @@ impl Command {
                 "Every key on one page.",
                 const { &[key(Key::Questionmark), key(Key::F1)] },
             ),
-            C::About => (Menu::Help, Icon::Info, "About Motionscope", "What this program is and where it comes from.", &[]),
+            C::About => {
+                (Menu::Help, Icon::Info, "About Motionscope", "What this program is and where it comes from.", &[])
+            }
         };
         Face { menu, icon, text, tip, keys }
     }

@@ -1,7 +1,7 @@
 //! The window: a stage, the numbers behind it, and a ladder to walk on.
 
-mod acts;
 pub mod action;
+mod acts;
 pub mod app;
 pub mod axis;
 pub mod clip_card;

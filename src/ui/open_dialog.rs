@@ -38,7 +38,9 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
     let modal = Modal::new(egui::Id::unique("open")).show(ctx, |ui| {
         ui.set_width((40.0 * size).min(ui.ctx().content_rect().width() - 48.0));
         ui.heading("Open");
-        ui.label(RichText::new("A video, a picture of a numbered sequence, a folder of pictures, or a session.").weak());
+        ui.label(
+            RichText::new("A video, a picture of a numbered sequence, a folder of pictures, or a session.").weak(),
+        );
         ui.add_space(8.0);
         done |= path_row(ui, state, actions);
         ui.add_space(4.0);

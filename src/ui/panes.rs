@@ -1,8 +1,8 @@
 //! What lies in the panes, and how their tabs look.
 
 use eframe::egui::{
-    self, Align2, Button, Color32, Frame, Id, Margin, Rect, Response, RichText, Sense, Stroke, TextStyle, Ui,
-    Visuals, WidgetInfo, WidgetText, vec2,
+    self, Align2, Button, Color32, Frame, Id, Margin, Rect, Response, RichText, Sense, Stroke, TextStyle, Ui, Visuals,
+    WidgetInfo, WidgetText, vec2,
 };
 use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 use lucide_icons::Icon;
@@ -208,7 +208,8 @@ impl Behavior<Pane> for Panes<'_> {
 
     fn tab_ui(&mut self, tiles: &mut Tiles<Pane>, ui: &mut Ui, id: Id, tile: TileId, state: &TabState) -> Response {
         let title = tiles.get_pane(&tile).map_or("Panes", |pane| pane.title());
-        let alone = tiles.parent_of(tile).and_then(|parent| tiles.get_container(parent)).is_none_or(|c| c.num_children() < 2);
+        let alone =
+            tiles.parent_of(tile).and_then(|parent| tiles.get_container(parent)).is_none_or(|c| c.num_children() < 2);
         let chrome = self.theme.chrome();
         let font = egui::FontId::new(TextStyle::Small.resolve(ui.style()).size, style::bold());
         let galley = ui.painter().layout_no_wrap(title.into(), font, Color32::PLACEHOLDER);
@@ -291,5 +292,4 @@ impl Behavior<Pane> for Panes<'_> {
     fn drag_preview_color(&self, _visuals: &Visuals) -> Color32 {
         style::color(self.theme.chrome().accent.alpha(60))
     }
-
 }

@@ -1,8 +1,8 @@
 //! The parameters: what the estimator and a synthetic clip declare, as rows that align.
 
 use eframe::egui::{
-    self, Align, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, Slider, TextStyle, Ui,
-    WidgetInfo, vec2,
+    self, Align, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, Slider, TextStyle, Ui, WidgetInfo,
+    vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::params::{Choice, Kind, Spec};
@@ -98,9 +98,7 @@ impl Row<'_> {
                 self.number(ui, (*min, *max), value, false, actions).map(Value::Real)
             }
             (Kind::Switch, Value::Switch(on)) => self.switch(ui, on, theme, actions).map(Value::Switch),
-            (Kind::Choice(choices), Value::Choice(name)) => {
-                self.choice(ui, choices, name, actions).map(Value::Choice)
-            }
+            (Kind::Choice(choices), Value::Choice(name)) => self.choice(ui, choices, name, actions).map(Value::Choice),
             _ => None,
         };
         if let Some(value) = wanted.filter(|value| *value != self.value) {
@@ -166,7 +164,11 @@ impl Row<'_> {
         let typed = self.line(ui, actions, |ui, label| {
             let mut field = DragValue::new(&mut wanted).range(min..=max).suffix(unit).max_decimals(decimals);
             field = field.speed((max - min) / 200.0);
-            let width = ui.painter().layout_no_wrap(self.spec.unit.into(), TextStyle::Body.resolve(ui.style()), egui::Color32::WHITE);
+            let width = ui.painter().layout_no_wrap(
+                self.spec.unit.into(),
+                TextStyle::Body.resolve(ui.style()),
+                egui::Color32::WHITE,
+            );
             let response = ui.add_sized(vec2(width.size().x + 4.2 * size, ui.spacing().interact_size.y), field);
             response.labelled_by(label.id).on_hover_text(self.tip())
         });

@@ -10,8 +10,8 @@ use eframe::egui::{
 };
 
 pub use super::ink::color;
-use crate::paint::fonts::Face;
 use crate::paint::Theme;
+use crate::paint::fonts::Face;
 
 /// How large and how lively the window is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,8 @@
 //! The two tracks of the timeline: the units of the run above, the events of the unit at hand below.
 
-use eframe::egui::{self, Align2, Color32, CursorIcon, Rect, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2};
+use eframe::egui::{
+    self, Align2, Color32, CursorIcon, Rect, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
+};
 use motionscope_core::{Cursor, Role};
 
 use super::status::grouped;

@@ -48,7 +48,8 @@ impl Toasts {
         let Some(next) = self.0.iter().filter_map(|toast| toast.until).reduce(f64::min) else { return };
         ctx.request_repaint_after_secs((next - now) as f32 + 0.01);
         let chrome = theme.chrome();
-        let area = Area::new(Id::unique("toasts")).order(Order::Foreground).anchor(Align2::RIGHT_BOTTOM, [-16.0, -bottom]);
+        let area =
+            Area::new(Id::unique("toasts")).order(Order::Foreground).anchor(Align2::RIGHT_BOTTOM, [-16.0, -bottom]);
         let mut read = None;
         area.show(ctx, |ui| {
             let size = TextStyle::Body.resolve(ui.style()).size;

@@ -101,7 +101,8 @@ fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
     let dim = ui.visuals().weak_text_color();
     let words = RichText::new("Find").color(dim);
     let keys = Command::Palette.face().keys.first().map_or_else(String::new, |key| key_text(*key));
-    let search = Button::new((widgets::icon(ui, Icon::Search).color(dim), words)).right_text(RichText::new(keys).small().color(dim));
+    let search = Button::new((widgets::icon(ui, Icon::Search).color(dim), words))
+        .right_text(RichText::new(keys).small().color(dim));
     let response = ui.add(search.min_size(egui::vec2(11.0 * TextStyle::Body.resolve(ui.style()).size, 0.0)));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Find a command"));
     if transport::tooltip(response, Command::Palette, &input.rungs).clicked() {

@@ -17,7 +17,8 @@ pub fn icon(ui: &Ui, icon: Icon) -> RichText {
 /// A square button with an icon, no frame until the pointer is on it, and a name for screen readers.
 pub fn icon_button(ui: &mut Ui, glyph: Icon, name: &str, selected: bool) -> Response {
     let side = ui.spacing().interact_size.y;
-    let button = Button::new(icon(ui, glyph)).selected(selected).frame_when_inactive(selected).min_size(vec2(side, side));
+    let button =
+        Button::new(icon(ui, glyph)).selected(selected).frame_when_inactive(selected).min_size(vec2(side, side));
     let padding = ui.spacing().button_padding;
     ui.spacing_mut().button_padding = vec2((padding.x / 2.0).round(), 0.0);
     let response = ui.add(button);
