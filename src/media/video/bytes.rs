@@ -52,11 +52,6 @@ impl<'a> Bytes<'a> {
     pub(crate) fn le32(&mut self) -> Option<u32> {
         self.array().map(u32::from_le_bytes)
     }
-
-    /// Eight bytes, little-endian.
-    pub(crate) fn le64(&mut self) -> Option<u64> {
-        self.array().map(u64::from_le_bytes)
-    }
 }
 
 /// Four characters as text.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use motionscope_core::{Error, Frame};
 
-use super::color::Yuv;
+use super::color::Picture;
 use super::turn::Turn;
 use crate::media::Decoder;
 use crate::media::input::Input;
@@ -113,7 +113,7 @@ pub(crate) trait Codec: Send {
     ///
     /// # Errors
     /// One sentence if the sample is damaged or does not show a picture.
-    fn decode(&mut self, sample: &[u8]) -> Result<Yuv, Error>;
+    fn decode(&mut self, sample: &[u8]) -> Result<Picture, Error>;
 
     /// Whether decoding can really start at `sample`, which the container calls a key.
     fn starts(&self, sample: &[u8]) -> bool;
@@ -194,7 +194,11 @@ impl Coded {
 
 impl Coded {
     /// Decodes frame `index` and gives `keep` every picture that is met on the way, as it is stored.
-    fn pictures(&mut self, index: usize, keep: &mut dyn FnMut(usize, Yuv) -> Result<(), Error>) -> Result<(), Error> {
+    fn pictures(
+        &mut self,
+        index: usize,
+        keep: &mut dyn FnMut(usize, Picture) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let Some(target) = self.track.order.get(index).map(|&s| s as usize) else { return Ok(()) };
         let (mut next, start) = self.go_towards(target)?;
         while next <= target {
@@ -253,7 +257,8 @@ mod tests {
     }
 
     /// CRC-32 of the planes one after the other, as ffmpeg's framehash has it.
-    fn crc32(picture: &Yuv) -> String {
+    fn crc32(picture: &Picture) -> String {
+        let Picture::Planes(picture) = picture else { panic!("these fixtures have planes") };
         let crc = picture.planes.iter().flatten().fold(u32::MAX, |crc, &byte| {
             (0..8).fold(crc ^ u32::from(byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 })
         });

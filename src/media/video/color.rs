@@ -87,6 +87,28 @@ pub(crate) struct Colors {
     pub full_range: bool,
 }
 
+/// A decoded picture, before it is a frame.
+#[derive(Clone, Debug)]
+pub(crate) enum Picture {
+    /// In planes.
+    Planes(Yuv),
+    /// As it is.
+    Ready(Frame),
+}
+
+impl Picture {
+    /// The picture in 8 bits, in colour if it has any.
+    ///
+    /// # Errors
+    /// If its planes are not as large as its size says.
+    pub(crate) fn into_frame(self) -> Result<Frame, Error> {
+        match self {
+            Picture::Planes(yuv) => yuv.into_frame(),
+            Picture::Ready(frame) => Ok(frame),
+        }
+    }
+}
+
 /// A picture in luma and chroma planes without padding.
 #[derive(Clone, Debug)]
 pub(crate) struct Yuv {

@@ -5,7 +5,7 @@ use rust_h264::decoder::{ChromaFormat, Decoder, Frame};
 use rust_h264::nal::{NalUnit, NalUnitType, SpsInfo, parse_avcc, parse_avcc_config, parse_sps_info};
 
 use super::coded::Codec;
-use super::color::{Chroma, Colors, Matrix, Yuv};
+use super::color::{Chroma, Colors, Matrix, Picture, Yuv};
 use crate::media::check_size;
 
 /// Most reference frames that the standard allows.
@@ -80,7 +80,7 @@ impl Codec for H264 {
         fed
     }
 
-    fn decode(&mut self, sample: &[u8]) -> Result<Yuv, Error> {
+    fn decode(&mut self, sample: &[u8]) -> Result<Picture, Error> {
         let mut picture = None;
         for unit in units(sample, self.length_size) {
             for unit in parse_avcc(unit?, self.length_size) {
@@ -89,7 +89,7 @@ impl Codec for H264 {
         }
         // A sample is one whole picture, so there is nothing to wait for.
         let frame = self.decoder.flush().or(picture).ok_or_else(|| damaged("a picture is missing"))?;
-        Ok(self.picture(frame))
+        Ok(Picture::Planes(self.picture(frame)))
     }
 
     fn starts(&self, sample: &[u8]) -> bool {

@@ -1,13 +1,16 @@
 //! Video: containers find the coded pictures, codecs decode them, the user's own ffmpeg does all the rest.
 
+mod avi;
 mod bytes;
 mod coded;
 mod color;
 mod ffmpeg;
 mod h264;
 mod matroska;
+mod mjpeg;
 mod mp4;
 mod mp4_samples;
+mod raw;
 mod turn;
 mod vp9;
 mod y4m;
@@ -21,6 +24,8 @@ use super::input::Input;
 use super::{Open, Source};
 use coded::{Codec, Coded, Track};
 use h264::H264;
+use mjpeg::Mjpeg;
+use raw::Raw;
 use vp9::Vp9;
 
 /// What holds the pictures.
@@ -47,11 +52,13 @@ pub(crate) fn open(path: &Path, format: Format, mut input: Input, options: &Open
         Format::Y4m => return y4m::open(input, options),
         Format::Mp4 => mp4::open(&mut input, options),
         Format::Matroska => matroska::open(&mut input, options),
-        Format::Avi | Format::Other => Err(Error::new("its format is not known")),
+        Format::Avi => avi::open(&mut input, options),
+        Format::Other => Err(Error::new("its format is not known")),
     };
     let container = match format {
         Format::Mp4 => "mp4",
         Format::Matroska => "matroska",
+        Format::Avi => "avi",
         _ => "unknown",
     };
     if track.as_ref().is_ok_and(|track| track.encrypted) {
@@ -66,6 +73,12 @@ fn decode(container: &str, input: Input, mut track: Track) -> Result<Source, Err
     let codec: Box<dyn Codec> = match track.codec.as_str() {
         "h264" => Box::new(H264::new(std::mem::take(&mut track.config), track.colors)?),
         "vp9" => Box::new(Vp9::new(track.colors)),
+        "mjpeg" => Box::new(Mjpeg::new(avi::height(&track.config))),
+        "rawvideo" => {
+            let raw = Raw::new(&track.config)?;
+            track.codec = raw.name().into();
+            Box::new(raw)
+        }
         other => return Err(Error::new(format!("its video is coded as {other}, which needs ffmpeg"))),
     };
     let mut info = ClipInfo {

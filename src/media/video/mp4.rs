@@ -209,7 +209,7 @@ fn codec_name(kind: [u8; 4]) -> String {
         b"hvc1" | b"hev1" => "hevc".into(),
         b"av01" => "av1".into(),
         b"mp4v" => "mpeg4".into(),
-        b"jpeg" | b"mjpa" | b"mjpb" => "mjpeg".into(),
+        b"jpeg" | b"mjpa" => "mjpeg".into(),
         b"apcn" | b"apch" | b"apcs" | b"apco" | b"ap4h" | b"ap4x" => "prores".into(),
         _ => text(kind).trim().to_owned(),
     }

@@ -4,7 +4,7 @@ use motionscope_core::Error;
 use rusty_vp9::{BitReader, DecodedFrame, FrameHeader, Vp9Decoder, parse_uncompressed_header};
 
 use super::coded::Codec;
-use super::color::{Chroma, Colors, Matrix, Yuv};
+use super::color::{Chroma, Colors, Matrix, Picture, Yuv};
 use crate::media::check_size;
 
 /// Decodes VP9.
@@ -89,7 +89,7 @@ impl Codec for Vp9 {
         Ok(())
     }
 
-    fn decode(&mut self, sample: &[u8]) -> Result<Yuv, Error> {
+    fn decode(&mut self, sample: &[u8]) -> Result<Picture, Error> {
         self.check(sample)?;
         self.decoder.push(sample, None).map_err(|error| damaged(&error.to_string()))?;
         let mut shown = None;
@@ -101,7 +101,7 @@ impl Codec for Vp9 {
                 Err(error) => return Err(damaged(&error.to_string())),
             }
         }
-        self.picture(shown.ok_or_else(|| damaged("a picture is missing"))?)
+        self.picture(shown.ok_or_else(|| damaged("a picture is missing"))?).map(Picture::Planes)
     }
 
     fn starts(&self, sample: &[u8]) -> bool {
