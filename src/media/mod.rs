@@ -43,6 +43,8 @@ pub struct Open {
     pub cache_bytes: usize,
     /// Whether to decode the whole file where nothing else tells how many frames there are.
     pub count: bool,
+    /// Whether the ffmpeg of this computer may be asked for what cannot be decoded here.
+    pub ffmpeg: bool,
     /// Truth given by hand; otherwise it is looked for beside the clip.
     pub truth: Option<PathBuf>,
     /// Where long work tells how far it is.
@@ -51,7 +53,7 @@ pub struct Open {
 
 impl Default for Open {
     fn default() -> Self {
-        Self { cache_bytes: 512 << 20, count: false, truth: None, progress: None }
+        Self { cache_bytes: 512 << 20, count: false, ffmpeg: true, truth: None, progress: None }
     }
 }
 

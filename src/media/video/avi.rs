@@ -56,7 +56,7 @@ pub(crate) fn open(input: &mut Input, options: &Open) -> Result<Track, Error> {
     track.samples = chunks.samples;
     track.order = chunks.order;
     track.drop_lost(input.len())?;
-    track.measure_rate();
+    track.fps = (track.ticks_per_second > 0.0).then_some(track.ticks_per_second);
     if chunks.damaged {
         let count = track.order.len();
         track.warnings.push(format!("the file is damaged; the {count} frames that were found can be used"));
@@ -141,8 +141,156 @@ fn describe(strh: &[u8], strf: &[u8]) -> Option<Track> {
     };
     Some(Track {
         ticks_per_second: if scale > 0 { f64::from(rate) / f64::from(scale) } else { 0.0 },
+        container: "avi",
         codec,
         config: strf.to_vec(),
         ..Track::default()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::{ClipInfo, Frame};
+
+    use super::*;
+    use crate::media::video;
+
+    fn chunk(id: &[u8; 4], payload: &[u8]) -> Vec<u8> {
+        let mut bytes = id.to_vec();
+        bytes.extend((payload.len() as u32).to_le_bytes());
+        bytes.extend(payload);
+        bytes.resize(bytes.len().next_multiple_of(2), 0);
+        bytes
+    }
+
+    fn list(id: &[u8; 4], kind: &[u8; 4], parts: &[Vec<u8>]) -> Vec<u8> {
+        chunk(id, &[kind.as_slice(), &parts.concat()].concat())
+    }
+
+    /// A header for 25 frames per second; sound is stream 0, video stream 1.
+    fn header(size: (i32, i32), bits: u16, compression: &[u8; 4], palette: &[u8]) -> Vec<u8> {
+        let numbers = |numbers: &[u32]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<_>>();
+        let strh = [b"vids".to_vec(), compression.to_vec(), numbers(&[0, 0, 0, 1, 25, 0, 9, 0, 0, 0])].concat();
+        let mut strf = numbers(&[40, size.0 as u32, size.1 as u32]);
+        strf.extend([1_u16.to_le_bytes(), bits.to_le_bytes()].concat());
+        strf.extend(compression);
+        strf.extend(numbers(&[0, 0, 0, 0, 0]));
+        strf.extend(palette);
+        let sound = list(b"LIST", b"strl", &[chunk(b"strh", b"auds"), chunk(b"strf", b"")]);
+        let video = list(b"LIST", b"strl", &[chunk(b"strh", &strh), chunk(b"strf", &strf)]);
+        list(b"LIST", b"hdrl", &[chunk(b"avih", &[0; 56]), sound, video])
+    }
+
+    fn file(header: Vec<u8>, chunks: &[Vec<u8>]) -> Vec<u8> {
+        list(b"RIFF", b"AVI ", &[header, list(b"LIST", b"movi", chunks)])
+    }
+
+    fn read(bytes: Vec<u8>) -> Result<(ClipInfo, Vec<Frame>), Error> {
+        let options = Open { ffmpeg: false, ..Open::default() };
+        let input = Input::memory("test.avi".into(), bytes);
+        let mut source = video::open("test.avi".as_ref(), video::Format::Avi, input, &options)?;
+        let mut frames = Vec::new();
+        for index in (0..source.info.frames.unwrap()).rev() {
+            source.decoder.decode(index, &mut |at, frame| {
+                assert_eq!(at, index);
+                frames.insert(0, frame);
+            })?;
+        }
+        Ok((source.info, frames))
+    }
+
+    #[test]
+    fn bitmaps_lie_either_way_up() {
+        // Three pixels a row: red, green, blue over black, white, gray; rows are padded to four bytes.
+        let top = [0, 0, 255, 0, 255, 0, 255, 0, 0, 0, 0, 0];
+        let bottom = [0, 0, 0, 255, 255, 255, 100, 100, 100, 0, 0, 0];
+        let expected = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [0; 3], [255; 3], [100; 3]];
+        for (height, rows) in [(2, [bottom, top]), (-2, [top, bottom])] {
+            let avi =
+                file(header((3, height), 24, &[0; 4], &[]), &[chunk(b"00wb", b"hi!"), chunk(b"01db", &rows.concat())]);
+            let (info, frames) = read(avi).unwrap();
+            assert_eq!((info.width, info.height, info.frames, info.fps), (3, 2, Some(1), Some(25.0)));
+            assert_eq!((info.container.as_str(), info.codec.as_str()), ("avi", "bgr24"));
+            assert_eq!(frames[0].color().unwrap().cells(), expected);
+        }
+    }
+
+    #[test]
+    fn every_layout_is_unpacked() {
+        let cases: [(&[u8; 4], u16, &[u8], &str, [u8; 2]); 9] = [
+            (&[0; 4], 8, &[10, 20, 0, 0], "pal8", [10, 20]),
+            (&[0; 4], 16, &[0xFF, 0x7F, 0, 0], "rgb555", [255, 0]),
+            (&[0; 4], 32, &[7, 7, 7, 0, 9, 9, 9, 0], "bgr32", [7, 9]),
+            (b"Y800", 8, &[3, 4], "gray", [3, 4]),
+            (b"I420", 12, &[235, 16, 128, 128], "yuv420p", [255, 0]),
+            (b"YV12", 12, &[235, 16, 128, 128], "yuv420p", [255, 0]),
+            (b"YUY2", 16, &[235, 128, 16, 128], "yuyv422", [255, 0]),
+            (b"UYVY", 16, &[128, 235, 128, 16], "uyvy422", [255, 0]),
+            (b"yuy2", 16, &[235, 128, 16, 128], "yuyv422", [255, 0]),
+        ];
+        for (compression, bits, sample, name, luma) in cases {
+            let (info, frames) = read(file(header((2, 1), bits, compression, &[]), &[chunk(b"01dc", sample)])).unwrap();
+            assert_eq!((info.codec.as_str(), frames[0].luma().cells()), (name, luma.as_slice()));
+        }
+    }
+
+    #[test]
+    fn a_palette_colours() {
+        let palette = [0, 0, 200, 0, 0, 150, 0, 0];
+        let (_, frames) = read(file(header((2, 1), 8, &[0; 4], &palette), &[chunk(b"01db", &[0, 1, 0, 0])])).unwrap();
+        assert_eq!(frames[0].color().unwrap().cells(), [[200, 0, 0], [0, 150, 0]]);
+    }
+
+    fn gray(value: u8) -> Vec<u8> {
+        chunk(b"01db", &[value; 16])
+    }
+
+    fn values(frames: &[Frame]) -> Vec<u8> {
+        frames.iter().map(|frame| frame.luma()[(0, 0)]).collect()
+    }
+
+    #[test]
+    fn dropped_frames_repeat_and_further_riffs_go_on() {
+        let head = header((4, 4), 8, b"Y800", &[]);
+        let index = chunk(b"idx1", &[0; 32]);
+        let group = list(b"LIST", b"rec ", &[gray(2), chunk(b"00wb", b"sound")]);
+        let mut avi = file(head, &[gray(1), chunk(b"01db", b""), group, index]);
+        avi.extend(list(b"RIFF", b"AVIX", &[list(b"LIST", b"movi", &[gray(3), chunk(b"ix01", b"xx")])]));
+        let (info, frames) = read(avi).unwrap();
+        assert_eq!((values(&frames), info.fps), (vec![1, 1, 2, 3], Some(25.0)));
+        assert!(info.warnings.is_empty(), "{:?}", info.warnings);
+    }
+
+    #[test]
+    fn an_interrupted_recording_keeps_its_frames() {
+        let avi = file(header((4, 4), 8, b"Y800", &[]), &[gray(1), gray(2), gray(3)]);
+        let (info, frames) = read(avi[..avi.len() - 3].to_vec()).unwrap();
+        assert_eq!(values(&frames), [1, 2]);
+        assert!(info.warnings[0].contains("1 of 3 frames are left out"), "{:?}", info.warnings);
+        let mut torn = avi;
+        let third = torn.len() - 24;
+        torn[third..third + 4].copy_from_slice(&[0, 1, 2, 3]);
+        let (info, frames) = read(torn).unwrap();
+        assert_eq!(values(&frames), [1, 2]);
+        assert!(info.warnings[0].contains("2 frames that were found"), "{:?}", info.warnings);
+    }
+
+    #[test]
+    fn hostile_headers_are_refused() {
+        let one = [gray(1)];
+        let cases = [
+            (header((0, 4), 8, b"Y800", &[]), "nothing to see"),
+            (header((70_000, 70_000), 8, b"Y800", &[]), "70000×70000"),
+            (header((4, i32::MIN), 8, b"Y800", &[]), "2147483648"),
+            (header((400, 400), 8, b"Y800", &[]), "160000 are needed"),
+            (header((4, 4), 7, &[0; 4], &[]), "7 bits"),
+            (header((4, 4), 24, b"cvid", &[]), "cvid"),
+            (list(b"LIST", b"hdrl", &[chunk(b"avih", &[0; 56])]), "no video"),
+            (vec![], "header is missing"),
+        ];
+        for (header, why) in cases {
+            let told = read(file(header, &one)).unwrap_err().to_string();
+            assert!(told.contains(why), "{why}: {told}");
+        }
+    }
 }

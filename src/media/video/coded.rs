@@ -34,6 +34,8 @@ pub(crate) struct Track {
     pub order: Vec<u32>,
     /// Ticks per second.
     pub ticks_per_second: f64,
+    /// What holds the samples: `mp4`, `webm` …
+    pub container: &'static str,
     /// How the container names the coding.
     pub codec: String,
     /// Whether the samples are encrypted.

@@ -31,6 +31,9 @@ pub(crate) fn open(path: &Path, options: &Open, why: &Error) -> Result<Source, E
     if path == Path::new("-") {
         return Err(Error::new(format!("{why}; save standard input to a file and open that")));
     }
+    if !options.ffmpeg {
+        return Err(Failed::Absent.told(why));
+    }
     let probe = Probe::run(path, options, why)?;
     let times = probe.times(path, options)?;
     let mut warnings = vec![format!("{} video is decoded by the ffmpeg of this computer", probe.stream.codec_name)];
@@ -133,16 +136,8 @@ struct Probe {
 impl Probe {
     fn run(path: &Path, options: &Open, why: &Error) -> Result<Self, Error> {
         let entries = "stream=codec_name,avg_frame_rate,r_frame_rate,nb_frames:format=format_name";
-        let answer = ask(path, &["-show_program_version", "-show_entries", entries], options).map_err(|failed| {
-            Error::new(match failed {
-                Failed::Absent => format!(
-                    "{why}; install ffmpeg (ffmpeg.org), which is then used by itself, or convert the clip to MP4 with \
-                     H.264"
-                ),
-                Failed::Refused => format!("{why}, and ffmpeg does not know it either; convert it, or copy it again"),
-                Failed::Stopped(error) => return error,
-            })
-        })?;
+        let what = ["-show_program_version", "-show_entries", entries];
+        let answer = ask(path, &what, options).map_err(|failed| failed.told(why))?;
         let version = answer.program_version.map(|version| version.version).unwrap_or_default();
         match (answer.streams.into_iter().next(), answer.format) {
             (Some(stream), Some(format)) => Ok(Self { stream, format, version }),
@@ -201,6 +196,19 @@ enum Failed {
     Refused,
     /// It was told to stop.
     Stopped(Error),
+}
+
+impl Failed {
+    /// In words, where `why` tells what keeps us from opening the file ourselves.
+    fn told(self, why: &Error) -> Error {
+        Error::new(match self {
+            Failed::Absent => format!(
+                "{why}; if you install ffmpeg (ffmpeg.org), it is used by itself, or convert the clip to MP4 with H.264"
+            ),
+            Failed::Refused => format!("{why}, and ffmpeg does not know it either; convert it, or copy it again"),
+            Failed::Stopped(error) => return error,
+        })
+    }
 }
 
 /// What ffprobe answers about the first video stream of the file at `path`.
@@ -334,4 +342,41 @@ fn read_pixmap(pipe: &mut impl BufRead) -> Result<Option<Frame>, Error> {
     let mut cells = vec![[0_u8; 3]; width * height];
     pipe.read_exact(bytemuck::cast_slice_mut(&mut cells)).map_err(|_| stopped())?;
     Grid::from_vec(width, height, cells).map(|rgb| Some(Frame::rgb(rgb)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn probe(version: &str) -> Probe {
+        let stream = serde_json::from_str("{}").unwrap();
+        Probe { stream, format: Format { format_name: "avi".into() }, version: version.into() }
+    }
+
+    #[test]
+    fn pixmaps_are_read_one_after_the_other() {
+        let mut pipe: &[u8] = b"P6\n2 1\n255\nabcdefP6\n1 1\n255\nxyz";
+        let first = read_pixmap(&mut pipe).unwrap().unwrap();
+        assert_eq!(first.color().unwrap().cells(), [*b"abc", *b"def"]);
+        assert_eq!(read_pixmap(&mut pipe).unwrap().unwrap().size(), (1, 1));
+        assert!(read_pixmap(&mut pipe).unwrap().is_none());
+        for bad in ["P6\n2 1\n255\nabc", "P6\n99999 99999\n255\n", "P6\n2 x\n255\n", "P6\n2", "P"] {
+            assert!(read_pixmap(&mut bad.as_bytes()).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn versions_differ_in_an_option() {
+        for (version, old) in [("4.4.2-0ubuntu0", true), ("5.0", true), ("5.1.9-0+deb12u1", false), ("N-1234-g", false)]
+        {
+            assert_eq!(probe(version).old(), old, "{version}");
+        }
+    }
+
+    #[test]
+    fn a_frame_is_sought_just_before_its_time() {
+        let times = [0.0, 0.04, 0.1];
+        assert_eq!([0, 1, 2, 3].map(|i| between(&times, i)), [None, Some(0.02), Some(0.07), None]);
+        assert_eq!((ratio("30000/1001").map(f64::round), ratio("0/0"), ratio("x")), (Some(30.0), None, None));
+    }
 }

@@ -11,6 +11,8 @@ use crate::media::input::Input;
 const MAX_HEADER_BYTES: u64 = 64 << 20;
 
 // Elements, named as in RFC 9559.
+const EBML: u32 = 0x1A45_DFA3;
+const DOC_TYPE: u32 = 0x4282;
 const SEGMENT: u32 = 0x1853_8067;
 const INFO: u32 = 0x1549_A966;
 const TIMESTAMP_SCALE: u32 = 0x2A_D7B1;
@@ -120,6 +122,7 @@ struct Walk {
     /// The video track and its number.
     track: Option<(u64, Track)>,
     sound: bool,
+    webm: bool,
     /// When the cluster begins, in ticks.
     cluster: i64,
     samples: Vec<Sample>,
@@ -131,6 +134,7 @@ struct Walk {
 impl Walk {
     fn meet(&mut self, input: &mut Input, id: u32, at: u64, size: u64) -> Result<(), Error> {
         match id {
+            EBML => self.webm = find(&header(input, at, size)?, DOC_TYPE).is_some_and(|kind| kind.starts_with(b"webm")),
             INFO => {
                 let info = header(input, at, size)?;
                 self.scale_ns = find(&info, TIMESTAMP_SCALE).map_or(self.scale_ns, unsigned).max(1);
@@ -219,6 +223,7 @@ impl Walk {
                 (false, false) => "it holds no video track; open a clip with pictures",
             }));
         };
+        track.container = if self.webm { "webm" } else { "matroska" };
         track.ticks_per_second = 1e9 / self.scale_ns as f64;
         track.samples = self.samples;
         track.order_by_time();

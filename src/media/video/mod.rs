@@ -55,21 +55,15 @@ pub(crate) fn open(path: &Path, format: Format, mut input: Input, options: &Open
         Format::Avi => avi::open(&mut input, options),
         Format::Other => Err(Error::new("its format is not known")),
     };
-    let container = match format {
-        Format::Mp4 => "mp4",
-        Format::Matroska => "matroska",
-        Format::Avi => "avi",
-        _ => "unknown",
-    };
     if track.as_ref().is_ok_and(|track| track.encrypted) {
         return Err(Error::new("its video is encrypted (copy protection); open an unprotected copy"));
     }
     // A file that our own decoders cannot begin may still be one that ffmpeg knows.
-    track.and_then(|track| decode(container, input, track)).or_else(|why| ffmpeg::open(path, options, &why))
+    track.and_then(|track| decode(input, track)).or_else(|why| ffmpeg::open(path, options, &why))
 }
 
 /// The frames of `track` by our own decoders.
-fn decode(container: &str, input: Input, mut track: Track) -> Result<Source, Error> {
+fn decode(input: Input, mut track: Track) -> Result<Source, Error> {
     let codec: Box<dyn Codec> = match track.codec.as_str() {
         "h264" => Box::new(H264::new(std::mem::take(&mut track.config), track.colors)?),
         "vp9" => Box::new(Vp9::new(track.colors)),
@@ -87,7 +81,7 @@ fn decode(container: &str, input: Input, mut track: Track) -> Result<Source, Err
         height: 0,
         frames: Some(track.order.len()),
         fps: track.fps,
-        container: container.into(),
+        container: track.container.into(),
         codec: track.codec.clone(),
         warnings: std::mem::take(&mut track.warnings),
     };

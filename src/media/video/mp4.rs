@@ -20,6 +20,9 @@ pub(crate) fn open(input: &mut Input, options: &Open) -> Result<Track, Error> {
     let (moov, fragments) = read_index(input, options)?;
     let video = video_track(&moov)?;
     let mut track = video.describe();
+    // QuickTime has a brand of its own; its oldest files have none.
+    let head = input.read_up_to(0, 12)?;
+    track.container = if head.get(4..8) == Some(b"ftyp") && !head.ends_with(b"qt  ") { "mp4" } else { "mov" };
     let mut table = Table::default();
     table.read(&video.stbl)?;
     let movie_ticks = find(&moov, b"mvhd").and_then(|mvhd| timescale(mvhd)).unwrap_or(0);

@@ -48,7 +48,7 @@ impl Raw {
         let (width, height) = (bytes.le32()?, bytes.le32()? as i32);
         bytes.le16()?;
         let bits = bytes.le16()?;
-        let compression = bytes.tag()?;
+        let compression = bytes.tag()?.map(|c| c.to_ascii_uppercase());
         let (width, rows) = (width as usize, height.unsigned_abs() as usize);
         if let Err(error) = check_size(width, rows) {
             return Some(Err(error));

@@ -1,0 +1,272 @@
+//! Clips of every kind, whole and damaged, through the one door.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use motionscope::media::{Open, Progress, open};
+use motionscope_core::{Clip, Error};
+use proptest::prelude::*;
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(name)
+}
+
+/// By our own decoders alone, so that every computer gives the same answers.
+fn ours() -> Open {
+    Open { ffmpeg: false, ..Open::default() }
+}
+
+fn own(name: &str) -> Clip {
+    open(&fixture(name), &ours()).unwrap()
+}
+
+fn refusal(path: &Path) -> String {
+    open(path, &ours()).unwrap_err().to_string()
+}
+
+#[test]
+fn facts_of_every_fixture() {
+    let cases = [
+        ("h264_bframes.mp4", "mp4 h264", (64, 48), 12, 25.0, ""),
+        ("h264_baseline.mp4", "mp4 h264", (64, 48), 10, 25.0, ""),
+        ("h264_open_gop.mp4", "mp4 h264", (64, 48), 16, 25.0, ""),
+        ("h264_fragmented.mp4", "mp4 h264", (64, 48), 12, 25.0, ""),
+        ("h264_interlaced.mp4", "mp4 h264", (64, 48), 8, 25.0, "interlaced"),
+        ("h264_10bit.mp4", "mp4 h264", (64, 48), 6, 25.0, "10 bits"),
+        ("h264_422.mp4", "mp4 h264", (64, 48), 6, 25.0, ""),
+        ("h264_gray.mp4", "mp4 h264", (64, 48), 4, 25.0, ""),
+        ("h264_cropped.mp4", "mp4 h264", (50, 38), 4, 25.0, ""),
+        ("h264_vfr.mp4", "mp4 h264", (64, 48), 8, 17.5, "varies from 12.500 to 25.000"),
+        ("h264_rotated.mov", "mov h264", (48, 64), 12, 25.0, ""),
+        ("h264_edited.mp4", "mp4 h264", (64, 48), 9, 25.0, ""),
+        ("h264.mkv", "matroska h264", (64, 48), 10, 25.0, ""),
+        ("vp9.webm", "webm vp9", (64, 48), 12, 25.0, ""),
+        ("vp9_alt_ref.webm", "webm vp9", (64, 48), 20, 25.0, ""),
+        ("vp9_10bit.webm", "webm vp9", (64, 48), 4, 25.0, "10 bits"),
+        ("vp9_odd.webm", "webm vp9", (37, 21), 4, 25.0, ""),
+        ("vp9.mp4", "mp4 vp9", (64, 48), 6, 25.0, ""),
+        ("mjpeg.avi", "avi mjpeg", (64, 48), 4, 25.0, ""),
+        ("mjpeg_422.avi", "avi mjpeg", (64, 48), 3, 25.0, ""),
+    ];
+    for (name, kind, size, frames, fps, warning) in cases {
+        let clip = own(name);
+        let info = clip.info();
+        assert_eq!(format!("{} {}", info.container, info.codec), kind, "{name}");
+        assert_eq!((clip.size(), info.frames), (size, Some(frames)), "{name}");
+        assert!((info.fps.unwrap() - fps).abs() < 0.01, "{name}: {:?}", info.fps);
+        match warning {
+            "" => assert!(info.warnings.is_empty(), "{name}: {:?}", info.warnings),
+            _ => assert!(info.warnings.len() == 1 && info.warnings[0].contains(warning), "{name}: {:?}", info.warnings),
+        }
+        assert!((0..frames).all(|t| clip.frame(t).unwrap().size() == size), "{name}");
+        assert!(clip.frame(frames).is_err(), "{name}");
+    }
+}
+
+#[test]
+fn colours_are_right() {
+    // ffmpeg's 8-bit RGB of the same pixels, which may round otherwise by a little.
+    let cases = [
+        ("h264_full_709.mp4", [(5, 5), (30, 20), (60, 40)]),
+        ("h264_bframes.mp4", [(5, 5), (30, 20), (60, 40)]),
+        ("vp9_444.webm", [(5, 5), (30, 20), (60, 40)]),
+    ];
+    let table = fs::read_to_string(fixture("colors.txt")).unwrap();
+    for (name, places) in cases {
+        let frame = own(name).frame(0).unwrap();
+        let line = table.lines().find_map(|line| line.strip_prefix(name)).unwrap();
+        let known: Vec<i32> = line.split_whitespace().map(|v| v.parse().unwrap()).collect();
+        for ((x, y), known) in places.into_iter().zip(known.chunks(3)) {
+            let ours = frame.color().unwrap()[(x, y)].map(i32::from);
+            let far = ours.iter().zip(known).map(|(a, b)| (a - b).abs()).max().unwrap();
+            assert!(far <= 3, "{name} at {x}, {y}: {ours:?} is not {known:?}");
+        }
+    }
+}
+
+#[test]
+fn a_rotated_clip_stands_upright() {
+    let (stored, shown) = (own("h264_bframes.mp4"), own("h264_rotated.mov"));
+    for t in 0..12 {
+        let (stored, shown) = (stored.frame(t).unwrap(), shown.frame(t).unwrap());
+        // A quarter turn against the clock, as ffmpeg shows it.
+        assert!((0..48).all(|x| (0..64).all(|y| shown.luma()[(x, y)] == stored.luma()[(63 - y, x)])), "frame {t}");
+    }
+}
+
+#[test]
+fn an_edit_leaves_out_what_it_says() {
+    let (whole, edited) = (own("h264_bframes.mp4"), own("h264_edited.mp4"));
+    for t in 0..9 {
+        assert_eq!(edited.frame(t).unwrap(), whole.frame(t + 3).unwrap());
+    }
+}
+
+#[test]
+fn frames_on_the_way_are_at_hand() {
+    // A key frame every five.
+    let clip = own("h264_baseline.mp4");
+    clip.frame(8).unwrap();
+    let at_hand: Vec<_> = (0..10).filter(|&t| clip.cached(t).is_some()).collect();
+    assert_eq!(at_hand, [5, 6, 7, 8]);
+}
+
+#[test]
+fn a_false_name_is_told_and_the_clip_opens() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, false_name, words) in [
+        ("vp9.webm", "clip.mp4", "named .mp4 but holds Matroska or WebM"),
+        ("h264_baseline.mp4", "clip.avi", "named .avi but holds MP4"),
+        ("mjpeg.avi", "clip.png", "named .png but holds AVI"),
+    ] {
+        let path = folder.path().join(false_name);
+        fs::copy(fixture(name), &path).unwrap();
+        let clip = open(&path, &ours()).unwrap();
+        assert!(clip.info().warnings[0].contains(words), "{:?}", clip.info().warnings);
+        assert!(clip.frame(1).is_ok());
+    }
+}
+
+#[test]
+fn what_cannot_be_opened_says_why_and_what_to_do() {
+    let cases = [
+        ("encrypted.mp4", ["encrypted", "unprotected copy"]),
+        ("sound.m4a", ["sound but no video", "open"]),
+        ("vp8.webm", ["vp8", "ffmpeg"]),
+        ("mpeg4.avi", ["mpeg4", "ffmpeg"]),
+        ("h264_444.mp4", ["4:4:4", "ffmpeg"]),
+        ("missing.mp4", ["no such file", "path"]),
+    ];
+    for (name, words) in cases {
+        let told = refusal(&fixture(name));
+        assert!(told.contains(name) && words.iter().all(|word| told.contains(word)), "{told}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for (bytes, words) in [
+        (b"".as_slice(), ["empty", "copy"]),
+        (b"Dear student, this is no video at all.", ["format is not known", "convert"]),
+        (b"\0\0\0\x08ftyp", ["index", "copy"]),
+        (b"\0\0\0\x08ftyp\0\0\0\x08moov", ["no video track", "open"]),
+        (b"\x1A\x45\xDF\xA3\x80\x18\x53\x80\x67\x80", ["no video track", "open"]),
+        (b"RIFF\xFF\xFF\xFF\xFFAVI ", ["header is missing", "copy"]),
+    ] {
+        let path = folder.path().join("clip.bin");
+        fs::write(&path, bytes).unwrap();
+        let told = refusal(&path);
+        assert!(told.contains("clip.bin") && words.iter().all(|word| told.contains(word)), "{told}");
+    }
+}
+
+#[test]
+fn other_codecs_open_by_ffmpeg_or_say_so() {
+    for (name, frames) in [("vp8.webm", 4), ("mpeg4.avi", 6), ("h264_444.mp4", 3)] {
+        match open(&fixture(name), &Open::default()) {
+            Ok(clip) => {
+                assert_eq!((clip.size(), clip.info().frames), ((64, 48), Some(frames)), "{name}");
+                assert!(clip.info().warnings[0].contains("ffmpeg"));
+                let forwards: Vec<_> = (0..frames).map(|t| clip.frame(t).unwrap()).collect();
+                let small = open(&fixture(name), &Open { cache_bytes: 0, ..Open::default() }).unwrap();
+                assert!((0..frames).rev().all(|t| small.frame(t).unwrap() == forwards[t]), "{name}");
+            }
+            Err(error) => assert!(error.to_string().contains("install ffmpeg"), "{error}"),
+        }
+    }
+}
+
+struct Impatient(AtomicUsize);
+
+impl Progress for Impatient {
+    fn report(&self, fraction: f32) {
+        assert!((0.0..=1.0).contains(&fraction));
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed) > 0
+    }
+}
+
+#[test]
+fn opening_can_be_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("long.y4m");
+    let frames = b"FRAME\n\x10".repeat(5000);
+    fs::write(&path, [b"YUV4MPEG2 W1 H1 Cmono\n".as_slice(), &frames].concat()).unwrap();
+    let progress = Arc::new(Impatient(AtomicUsize::new(0)));
+    let options = Open { progress: Some(progress.clone()), ..ours() };
+    assert!(open(&path, &options).unwrap_err().to_string().contains("cancelled"));
+    assert_eq!(progress.0.load(Ordering::Relaxed), 1);
+    assert_eq!(open(&path, &ours()).unwrap().info().frames, Some(5000));
+}
+
+const WHOLE: [&str; 16] = [
+    "h264_bframes.mp4",
+    "h264_baseline.mp4",
+    "h264_fragmented.mp4",
+    "h264_interlaced.mp4",
+    "h264_10bit.mp4",
+    "h264_422.mp4",
+    "h264_rotated.mov",
+    "h264_edited.mp4",
+    "h264.mkv",
+    "vp9.webm",
+    "vp9_alt_ref.webm",
+    "vp9_10bit.webm",
+    "vp9_444.webm",
+    "vp9.mp4",
+    "mjpeg.avi",
+    "mjpeg_422.avi",
+];
+
+/// Opens `bytes` and asks for every frame; what fails must say where.
+fn survive(bytes: &[u8]) -> Result<usize, Error> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("damaged.clip");
+    fs::write(&path, bytes).unwrap();
+    let clip =
+        open(&path, &ours()).inspect_err(|error| assert!(error.to_string().contains("damaged.clip"), "{error}"))?;
+    let frames = clip.info().frames.unwrap();
+    let shown = |&t: &usize| match clip.frame(t) {
+        Ok(frame) => frame.size() == clip.size(),
+        Err(error) => {
+            assert!(error.to_string().contains(&format!("frame {t} of damaged.clip")), "{error}");
+            false
+        }
+    };
+    Ok((0..frames.min(100)).filter(shown).count())
+}
+
+#[test]
+fn a_cut_file_keeps_the_frames_before_the_cut() {
+    for name in ["h264_fragmented.mp4", "h264.mkv", "vp9.webm", "mjpeg.avi"] {
+        let bytes = fs::read(fixture(name)).unwrap();
+        let whole = survive(&bytes).unwrap();
+        let part = survive(&bytes[..bytes.len() * 8 / 10]).unwrap();
+        assert!(part > 0 && part < whole, "{name}: {part} of {whole}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(250))]
+
+    #[test]
+    fn damage_never_panics(
+        which in 0..WHOLE.len(),
+        flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12),
+        head in any::<bool>(),
+        cut in prop::option::of(any::<prop::sample::Index>()),
+    ) {
+        let mut bytes = fs::read(fixture(WHOLE[which])).unwrap();
+        // Headers are short and easily missed.
+        let reach = if head { bytes.len().min(900) } else { bytes.len() };
+        for (at, value) in flips {
+            bytes[at.index(reach)] ^= value;
+        }
+        if let Some(cut) = cut {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        let _ = survive(&bytes);
+    }
+}
