@@ -19,11 +19,11 @@ fn ours() -> Open {
 }
 
 fn own(name: &str) -> Clip {
-    open(&fixture(name), &ours()).unwrap()
+    open(&fixture(name), &ours()).expect("the fixture opens")
 }
 
 fn refusal(path: &Path) -> String {
-    open(path, &ours()).unwrap_err().to_string()
+    open(path, &ours()).expect_err("it must be refused").to_string()
 }
 
 #[test]
@@ -222,12 +222,12 @@ const WHOLE: [&str; 16] = [
 
 /// Opens `bytes` and asks for every frame; what fails must say where.
 fn survive(bytes: &[u8]) -> Result<usize, Error> {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("damaged.clip");
-    fs::write(&path, bytes).unwrap();
+    fs::write(&path, bytes).expect("written");
     let clip =
         open(&path, &ours()).inspect_err(|error| assert!(error.to_string().contains("damaged.clip"), "{error}"))?;
-    let frames = clip.info().frames.unwrap();
+    let frames = clip.info().frames.expect("counted");
     let shown = |&t: &usize| match clip.frame(t) {
         Ok(frame) => frame.size() == clip.size(),
         Err(error) => {

@@ -24,8 +24,8 @@ pub(crate) fn open(input: &mut Input, options: &Open) -> Result<Track, Error> {
     let head = input.read_up_to(0, 12)?;
     track.container = if head.get(4..8) == Some(b"ftyp") && !head.ends_with(b"qt  ") { "mp4" } else { "mov" };
     let mut table = Table::default();
-    table.read(&video.stbl)?;
-    let movie_ticks = find(&moov, b"mvhd").and_then(|mvhd| timescale(mvhd)).unwrap_or(0);
+    table.read(video.stbl)?;
+    let movie_ticks = find(&moov, b"mvhd").and_then(timescale).unwrap_or(0);
     let defaults = find(&moov, b"mvex").and_then(|mvex| default_fragment(mvex, video.id)).unwrap_or_default();
     for (start, moof) in &fragments {
         table.read_fragment(*start, moof, video.id, defaults)?;
