@@ -1,5 +1,6 @@
 //! Motionscope's window and command line over `motionscope-core`.
 
+pub mod cli;
 pub mod media;
 pub mod paint;
 pub mod session;

@@ -1,5 +1,8 @@
-//! Starts the window.
+//! Motionscope: walk through any motion estimator, step by step, forwards and backwards.
 
-fn main() -> anyhow::Result<()> {
-    motionscope::ui::run(motionscope::ui::Start { path: std::env::args_os().nth(1).map(Into::into) })
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    env_logger::init();
+    motionscope::cli::main(std::env::args_os())
 }

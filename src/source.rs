@@ -69,7 +69,13 @@ impl Source {
     pub fn open(&self, options: &Open) -> Result<Clip, Error> {
         match self {
             Self::File(path) => media::open(path, options),
-            Self::Synth { id, difficulty } => synth::make(id, difficulty),
+            Self::Synth { id, difficulty } => {
+                let clip = synth::make(id, difficulty)?;
+                match &options.truth {
+                    Some(truth) => media::with_truth(clip, truth),
+                    None => Ok(clip),
+                }
+            }
         }
     }
 

@@ -135,6 +135,15 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
     })
 }
 
+/// The same clip with the truth at `path` in place of its own.
+///
+/// # Errors
+/// One sentence if the truth cannot be read or does not fit the clip.
+pub fn with_truth(clip: Clip, path: &Path) -> Result<Clip, Error> {
+    let truth = truth::open(path, &truth::Subject::new(Path::new(&clip.info().name), clip.info()))?;
+    Ok(clip.with_truth(truth))
+}
+
 fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
     if path.is_dir() || sequence::is_pattern(path) {
         return stills::open(path, options);

@@ -1,0 +1,204 @@
+//! What can be asked for, as clap reads it. Names are stable: scripts depend on them.
+
+use std::path::PathBuf;
+
+use clap::{Args as Group, Parser, Subcommand};
+use motionscope_core::{Cursor, Threads};
+
+use crate::paint::{ColorMap, Theme, View};
+use crate::session;
+
+const EXAMPLES: &str = "\
+Examples:
+  motionscope                                    the window, with a bundled clip
+  motionscope ball.mp4                           the window, with a clip of yours
+  motionscope list                               estimators and their parameters
+  motionscope run ball.mp4 --estimator full-search --frame 3 --set range=8 --overlay ball.png
+  motionscope run synth:pillar --estimator full-search --json
+  motionscope export synth:pillar --estimator full-search --steps 35..36 --out steps
+
+A CLIP is a video, an animation, a picture of a numbered sequence, a folder of pictures, a printf
+pattern such as frame%02d.png, a session (*.motionscope), `-` for a Y4M on standard input, or
+synth:NAME[,SLIDER=VALUE]... for a synthetic clip; `motionscope synth --list` names them.";
+
+/// Walk through any motion estimator of a computer-vision course, step by step, forwards and backwards.
+#[derive(Parser)]
+#[command(name = "motionscope", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
+pub struct Args {
+    /// What to open in the window: a clip or a session; without it, a bundled clip.
+    pub clip: Option<String>,
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Estimators with their parameters, ranges, defaults, units and source.
+    List {
+        /// As JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// What a clip is: size, frames, rate, codec, truth.
+    Info {
+        /// The clip.
+        clip: String,
+        /// As JSON.
+        #[arg(long)]
+        json: bool,
+        /// Decode the whole file where nothing else tells how many frames there are.
+        #[arg(long)]
+        count: bool,
+        /// Truth given by hand: .flo, KITTI .png, a folder of them, or a MOTChallenge gt.txt.
+        #[arg(long, value_name = "FILE")]
+        truth: Option<PathBuf>,
+    },
+    /// Writes a synthetic clip: frames as PNG, truth as .flo, occlusion masks and gt.txt.
+    Synth {
+        /// The scene; --list names them.
+        #[arg(required_unless_present = "list")]
+        name: Option<String>,
+        /// Folder to write to.
+        #[arg(long, value_name = "DIR", required_unless_present = "list")]
+        out: Option<PathBuf>,
+        /// Sets a slider, e.g. noise=5; may be repeated.
+        #[arg(long, value_name = "K=V")]
+        set: Vec<String>,
+        /// Names the scenes, their sliders and what they teach.
+        #[arg(long)]
+        list: bool,
+    },
+    /// Runs an estimator on a pair of frames and tells its time and errors.
+    #[command(after_help = "\
+Examples:
+  motionscope run frame10.png --estimator full-search --truth flow10.flo --json
+  motionscope run synth:pillar --estimator full-search --set block=8 --flow pillar.flo --table pillar.csv
+  motionscope run synth:pillar --estimator full-search --step 35.412 --overlay step.svg
+  motionscope run lesson.motionscope --overlay lesson.png --scale 4")]
+    Run(RunArgs),
+    /// Writes pictures of a range of steps.
+    #[command(after_help = "\
+Examples:
+  motionscope export synth:pillar --estimator full-search --steps 35..35.20 --out steps
+  motionscope export synth:pillar --estimator full-search --steps 0..50 --every block --format svg --out blocks")]
+    Export(ExportArgs),
+}
+
+/// What is estimated.
+#[derive(Group)]
+pub struct TaskArgs {
+    /// The clip or session.
+    pub clip: String,
+    /// The estimator's id; `motionscope list` names them. A session brings its own.
+    #[arg(long, value_name = "ID")]
+    pub estimator: Option<String>,
+    /// Frame t, from 0.
+    #[arg(long, value_name = "N")]
+    pub frame: Option<usize>,
+    /// Sets a parameter, e.g. block=8; may be repeated.
+    #[arg(long, value_name = "K=V")]
+    pub set: Vec<String>,
+    /// Truth given by hand; otherwise it is looked for beside the clip.
+    #[arg(long, value_name = "FILE")]
+    pub truth: Option<PathBuf>,
+}
+
+/// How a picture looks.
+#[derive(Group)]
+pub struct LookArgs {
+    /// Pixels of the picture for each pixel of the clip.
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub scale: u32,
+    /// current, next, side-by-side, difference, blend or blink; as suits the step unless given.
+    #[arg(long, value_parser = view)]
+    pub view: Option<View>,
+    /// dark, light or projector.
+    #[arg(long, value_parser = theme)]
+    pub theme: Option<Theme>,
+    /// viridis or turbo.
+    #[arg(long, value_parser = colors)]
+    pub colors: Option<ColorMap>,
+    /// What the marks mean, below the picture.
+    #[arg(long)]
+    pub legend: bool,
+    /// Estimator, parameters and what happened, around the picture.
+    #[arg(long)]
+    pub caption: bool,
+}
+
+#[derive(Group)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub task: TaskArgs,
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// The step that the overlay shows: UNIT.EVENT as in 35.412, or UNIT for its end; the end of the run unless given.
+    #[arg(long, value_name = "CURSOR", value_parser = cursor)]
+    pub step: Option<Cursor>,
+    /// How often to run, for the time.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub repeat: u32,
+    /// Threads to run on; all cores unless given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=Threads::MAX as i64))]
+    pub threads: Option<u32>,
+    /// Writes the picture of the step, .png or .svg; `-` is a PNG on standard output.
+    #[arg(long, value_name = "FILE")]
+    pub overlay: Option<PathBuf>,
+    /// Writes the dense flow: Middlebury .flo, KITTI .png or .npy; `-` is a .flo on standard output.
+    #[arg(long, value_name = "FILE")]
+    pub flow: Option<PathBuf>,
+    /// Writes the vectors as CSV; `-` is standard output.
+    #[arg(long, value_name = "FILE.csv")]
+    pub table: Option<PathBuf>,
+    /// Prints one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Group)]
+pub struct ExportArgs {
+    #[command(flatten)]
+    pub task: TaskArgs,
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// First and last step, both written.
+    #[arg(long, value_name = "A..B", value_parser = steps)]
+    pub steps: (Cursor, Cursor),
+    /// Folder to write to.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// The rung whose stops are written, by the estimator's own name, e.g. block; every event unless given.
+    #[arg(long, value_name = "RUNG")]
+    pub every: Option<String>,
+    /// png or svg.
+    #[arg(long, default_value = "png", value_parser = ["png", "svg"])]
+    pub format: String,
+}
+
+// What clap calls may fail with any error; the sentence is what counts.
+
+fn view(id: &str) -> Result<View, String> {
+    session::view(id).map_err(|error| error.to_string())
+}
+
+fn theme(id: &str) -> Result<Theme, String> {
+    session::theme(id).map_err(|error| error.to_string())
+}
+
+fn colors(id: &str) -> Result<ColorMap, String> {
+    session::colors(id).map_err(|error| error.to_string())
+}
+
+fn cursor(text: &str) -> Result<Cursor, String> {
+    text.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn steps(text: &str) -> Result<(Cursor, Cursor), String> {
+    let (from, to) = text.split_once("..").ok_or("a range of steps is written A..B, as in 35..36 or 35.1..35.412")?;
+    let from = if from.contains('.') { cursor(from)? } else { Cursor { event: 1, ..cursor(from)? } };
+    let to = cursor(to)?;
+    if to < from {
+        return Err(format!("the range ends at {to}, before it starts at {from}"));
+    }
+    Ok((from, to))
+}

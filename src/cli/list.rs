@@ -1,0 +1,86 @@
+//! What there is: estimators with their parameters, and synthetic scenes with their sliders.
+
+use motionscope_core::params::Kind;
+use motionscope_core::synth::{Difficulty, SCENES};
+use motionscope_core::{Params, Spec, Value, estimators};
+use serde_json::{Map, json};
+
+/// Estimators for a person.
+pub fn text() -> String {
+    let mut text = String::new();
+    for estimator in estimators() {
+        let info = estimator.info();
+        text += &format!("{}  ({})\n  {}\n  Source: {}\n", info.id, info.family, info.summary, info.source);
+        text += &format!("  Steps: {}\n\n", info.rungs.join(" › "));
+        text += &parameters(estimator.specs());
+    }
+    text
+}
+
+fn parameters(specs: &[Spec]) -> String {
+    let width = specs.iter().map(|spec| spec.name.len()).max().unwrap_or(0);
+    let line = |spec: &Spec| {
+        let Spec { name, doc, default, .. } = spec;
+        format!("  {name:width$}  {doc}\n  {:width$}  {}; {default} unless set\n", "", spec.allowed())
+    };
+    specs.iter().map(line).collect()
+}
+
+/// Synthetic scenes for a person.
+pub fn scenes() -> String {
+    let width = SCENES.iter().map(|scene| scene.id.len()).max().unwrap_or(0);
+    let scenes = SCENES.iter().map(|scene| format!("{:width$}  {}\n", scene.id, scene.teaches)).collect::<String>();
+    format!(
+        "{scenes}\nSliders, set as NAME=VALUE; a scene sets some of its own:\n\n{}",
+        parameters(Difficulty::default().specs())
+    )
+}
+
+/// Estimators for a script.
+pub fn json() -> String {
+    let all: Vec<_> = estimators()
+        .iter()
+        .map(|estimator| {
+            let info = estimator.info();
+            json!({
+                "id": info.id,
+                "name": info.name,
+                "family": info.family,
+                "summary": info.summary,
+                "source": info.source,
+                "rungs": info.rungs,
+                "frames": info.frames,
+                "params": estimator.specs().iter().map(spec).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    format!("{:#}", json!(all))
+}
+
+fn spec(spec: &Spec) -> serde_json::Value {
+    let mut told = Map::new();
+    told.insert("name".into(), json!(spec.name));
+    told.insert("label".into(), json!(spec.label));
+    told.insert("doc".into(), json!(spec.doc));
+    told.insert("unit".into(), json!(spec.unit));
+    told.insert("default".into(), value(spec.default));
+    let (kind, range) = match &spec.kind {
+        Kind::Int { min, max } => ("int", json!([min, max])),
+        Kind::Real { min, max } => ("real", json!([min, max])),
+        Kind::Switch => ("switch", json!([false, true])),
+        Kind::Choice(all) => ("choice", all.iter().map(|choice| choice.name).collect()),
+    };
+    told.insert("type".into(), json!(kind));
+    told.insert(if kind == "choice" || kind == "switch" { "choices" } else { "range" }.into(), range);
+    told.into()
+}
+
+/// A value as JSON has it.
+pub fn value(value: Value) -> serde_json::Value {
+    match value {
+        Value::Int(v) => json!(v),
+        Value::Real(v) => json!(v),
+        Value::Switch(v) => json!(v),
+        Value::Choice(v) => json!(v),
+    }
+}

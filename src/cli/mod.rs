@@ -1,0 +1,95 @@
+//! The command line: every estimator, without a window.
+
+mod args;
+mod export;
+mod list;
+mod report;
+mod run;
+mod task;
+
+use std::ffi::OsString;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::Parser;
+use clap::error::ErrorKind;
+use motionscope_core::{Error, Params};
+
+use crate::media::{self, Info};
+use crate::source::{self, Source};
+use crate::ui;
+use args::{Args, Command};
+
+/// Does what the arguments say; errors are told on standard error in one sentence.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let args = match Args::try_parse_from(arguments) {
+        Ok(args) => args,
+        Err(error) => return usage(&error),
+    };
+    match run(args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Help and version as asked for; anything else in one sentence.
+fn usage(error: &clap::Error) -> ExitCode {
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        return match error.print() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(_) => ExitCode::FAILURE,
+        };
+    }
+    let told = error.to_string();
+    let sentence: Vec<_> = told.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    eprintln!("{} (motionscope --help tells what there is)", sentence.join(" "));
+    ExitCode::from(2)
+}
+
+fn run(args: Args) -> Result<(), Error> {
+    match args.command {
+        None => window(args.clip),
+        Some(Command::List { json }) => say(&if json { list::json() } else { list::text() }),
+        Some(Command::Info { clip, json, count, truth }) => {
+            let options = media::Open { count, truth, ..media::Open::default() };
+            let info = Info::of(&Source::parse(&clip)?.open(&options)?);
+            say(&if json { report::to_json(&info)? } else { info.to_string() })
+        }
+        Some(Command::Synth { name, out, set, list }) => match (name, out) {
+            (Some(name), Some(out)) if !list => synth(&name, &out, &set),
+            _ => say(&list::scenes()),
+        },
+        Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Export(args)) => export::export(&args),
+    }
+}
+
+fn window(clip: Option<String>) -> Result<(), Error> {
+    ui::run(ui::Start { path: clip.map(Into::into) }).map_err(|error| Error::new(error.to_string()))
+}
+
+fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {
+    let mut source = Source::parse(&format!("synth:{}", name.trim_start_matches("synth:")))?;
+    settings.iter().try_for_each(|setting| source.set(setting))?;
+    media::export::clip(&source.open(&media::Open::default())?, out, None)
+}
+
+/// Sets parameters from `NAME=VALUE`, in order.
+fn set_all<P: Params + ?Sized>(params: &mut P, settings: &[String]) -> Result<(), Error> {
+    settings.iter().try_for_each(|setting| source::set(params, setting))
+}
+
+/// Writes `text` to standard output; a reader that has gone away is no error.
+fn say(text: &str) -> Result<(), Error> {
+    let end = if text.ends_with('\n') { "" } else { "\n" };
+    match write!(io::stdout().lock(), "{text}{end}") {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::new(format!("standard output cannot be written: {error}")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,136 @@
+//! What a run tells of itself, for a person and for a script.
+
+use std::time::Duration;
+
+use motionscope_core::{Clip, Error, Extent, Output, metrics, predict};
+use serde::Serialize;
+use serde_json::Map;
+
+use super::list::value;
+use super::task::Task;
+
+/// One run in numbers.
+#[derive(Serialize)]
+pub struct Report {
+    clip: String,
+    estimator: &'static str,
+    params: Map<String, serde_json::Value>,
+    frame: usize,
+    units: usize,
+    events: u64,
+    threads: usize,
+    ms: Milliseconds,
+    metrics: Metrics,
+}
+
+/// Time of the estimation alone: no decoding, no drawing.
+#[derive(Serialize)]
+struct Milliseconds {
+    median: f64,
+    min: f64,
+}
+
+/// How good the estimate is.
+#[derive(Serialize)]
+struct Metrics {
+    /// Candidates that were tested.
+    candidates: u64,
+    /// Of the motion-compensated prediction of frame t; null if it is perfect.
+    psnr_db: Option<f64>,
+    #[serde(flatten)]
+    truth: Option<AgainstTruth>,
+}
+
+#[derive(Serialize)]
+struct AgainstTruth {
+    epe_px: f64,
+    aae_deg: f64,
+    known: usize,
+}
+
+/// How a run went.
+pub struct Timing {
+    /// Threads that it ran on.
+    pub threads: usize,
+    /// The time of each repetition; at least one.
+    pub times: Vec<Duration>,
+}
+
+impl Report {
+    /// The numbers of `output`, which `task` led to.
+    ///
+    /// # Errors
+    /// If the truth cannot be read or has another size.
+    pub fn new(task: &Task, output: &Output, extent: Extent, timing: Timing) -> Result<Self, Error> {
+        let Timing { threads, mut times } = timing;
+        times.sort();
+        let ms = |time: Duration| time.as_secs_f64() * 1e3;
+        let middle = times.len() / 2;
+        let median = if times.len() % 2 == 1 { ms(times[middle]) } else { ms(times[middle - 1] + times[middle]) / 2.0 };
+        Ok(Self {
+            clip: task.name.clone(),
+            estimator: task.estimator.info().id,
+            params: task.estimator.values().into_iter().map(|(name, v)| (name.into(), value(v))).collect(),
+            frame: task.frame,
+            units: extent.units,
+            events: extent.events,
+            threads,
+            ms: Milliseconds { median, min: times.first().copied().map_or(0.0, ms) },
+            metrics: Metrics::new(&task.clip, task.frame, output)?,
+        })
+    }
+
+    /// The same for a person.
+    pub fn text(&self) -> String {
+        let Self { clip, estimator, params, frame, units, events, threads, ms, metrics } = self;
+        let params: Vec<_> = params.iter().map(|(name, value)| format!("{name}={}", bare(value))).collect();
+        let mut text = format!("{estimator} on {clip}, frame {frame} to {}\n", frame + 1);
+        text += &format!("parameters  {}\n", params.join(" "));
+        text += &format!("work        {} units, {events} events, {} candidates\n", units, metrics.candidates);
+        text += &format!("time        {:.3} ms (median), {:.3} ms (least), threads: {threads}\n", ms.median, ms.min);
+        text += &match metrics.psnr_db {
+            Some(psnr) => format!("prediction  {psnr:.2} dB PSNR\n"),
+            None => "prediction  perfect\n".into(),
+        };
+        text += &match &metrics.truth {
+            Some(AgainstTruth { epe_px, aae_deg, known }) => {
+                format!("error       {epe_px:.3} px endpoint, {aae_deg:.2}° angular, over {known} px of known motion\n")
+            }
+            None => "error       unknown: there is no true flow for this frame\n".into(),
+        };
+        text
+    }
+}
+
+impl Metrics {
+    fn new(clip: &Clip, frame: usize, output: &Output) -> Result<Self, Error> {
+        let [current, next] = clip.pair(frame)?;
+        let flow = output.flow();
+        let Output::Blocks(field) = output;
+        let psnr = metrics::psnr_db(&predict(&flow, next.luma(), field.border), current.luma())?;
+        let truth = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten();
+        let error = truth.map(|truth| metrics::flow_error(&flow, &truth)).transpose()?.flatten();
+        Ok(Self {
+            candidates: field.candidates,
+            psnr_db: psnr.is_finite().then_some(psnr),
+            truth: error.map(|e| AgainstTruth { epe_px: e.epe_px, aae_deg: e.aae_deg, known: e.known }),
+        })
+    }
+}
+
+/// A JSON value as a person would type it.
+fn bare(value: &serde_json::Value) -> String {
+    match value {
+        serde_json::Value::Bool(on) => if *on { "on" } else { "off" }.into(),
+        serde_json::Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// `value` as one line of JSON.
+///
+/// # Errors
+/// If it cannot be told as JSON.
+pub fn to_json(value: &impl Serialize) -> Result<String, Error> {
+    serde_json::to_string(value).map_err(|error| Error::new(format!("the result cannot be told as JSON: {error}")))
+}

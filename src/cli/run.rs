@@ -1,0 +1,110 @@
+//! `motionscope run`: one run, its numbers, and what it leaves behind.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use motionscope_core::{Error, Move, Output, Threads};
+
+use super::args::RunArgs;
+use super::report::{Report, Timing, to_json};
+use super::say;
+use super::task::Task;
+use crate::media::export::{self, FlowFormat};
+use crate::shot::{Format, Moment};
+
+/// Runs what `args` ask for. Files are made in full before the first is written.
+///
+/// # Errors
+/// One sentence if anything named does not exist, cannot run or cannot be written.
+pub fn run(args: &RunArgs) -> Result<(), Error> {
+    let outputs = Outputs::new(args)?;
+    let task = Task::open(&args.task)?;
+    let threads = Threads::new(args.threads.map_or_else(cores, |n| n as usize))?;
+    // Decoded here, so that the time is of the estimation alone.
+    task.clip.pair(task.frame)?;
+    let (output, times) = timed(&task, &threads, args.repeat)?;
+    let extent = task.estimator.extent(&task.clip, task.frame)?;
+    let report = Report::new(&task, &output, extent, Timing { threads: threads.count(), times })?;
+    let mut files = Vec::new();
+    if let Some((path, format)) = outputs.overlay {
+        files.push((path, overlay(&task, args, format)?));
+    }
+    if let Some((path, format)) = outputs.flow {
+        let (bytes, lost) = format.encode(&output.flow())?;
+        if let Some(lost) = lost {
+            eprintln!("warning: {}: {lost}", path.display());
+        }
+        files.push((path, bytes));
+    }
+    if let Some(path) = &args.table {
+        files.push((path, export::csv(&output).into_bytes()));
+    }
+    let is_piped = files.iter().any(|(path, _)| *path == Path::new("-"));
+    files.into_iter().try_for_each(|(path, bytes)| export::save(path, &bytes))?;
+    match (args.json, is_piped) {
+        (true, _) => say(&to_json(&report)?),
+        (false, false) => say(&report.text()),
+        (false, true) => {
+            eprint!("{}", report.text());
+            Ok(())
+        }
+    }
+}
+
+/// Where results go, checked before anything runs.
+struct Outputs<'a> {
+    overlay: Option<(&'a PathBuf, Format)>,
+    flow: Option<(&'a PathBuf, FlowFormat)>,
+}
+
+impl<'a> Outputs<'a> {
+    fn new(args: &'a RunArgs) -> Result<Self, Error> {
+        let files = [&args.overlay, &args.flow, &args.table];
+        let pipes = files.into_iter().flatten().filter(|path| path.as_path() == Path::new("-")).count();
+        if pipes + usize::from(args.json) > 1 {
+            return Err(Error::new("only one result fits into standard output; give the others a file"));
+        }
+        files.into_iter().flatten().try_for_each(|path| check_folder(path))?;
+        Ok(Self {
+            overlay: args.overlay.as_ref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?,
+            flow: args.flow.as_ref().map(|path| FlowFormat::of(path).map(|format| (path, format))).transpose()?,
+        })
+    }
+}
+
+/// Refuses a file in a folder that does not exist, before any other is written.
+fn check_folder(path: &Path) -> Result<(), Error> {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") && !folder.is_dir() => {
+            Err(Error::new(format!("{} cannot be written: there is no such folder", path.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from).min(Threads::MAX)
+}
+
+fn timed(task: &Task, threads: &Threads, repeat: u32) -> Result<(Output, Vec<std::time::Duration>), Error> {
+    let run = || {
+        let start = Instant::now();
+        let output = task.estimator.run(&task.clip, task.frame, threads)?;
+        Ok((output, start.elapsed()))
+    };
+    let (output, first) = run()?;
+    let rest = (1..repeat).map(|_| run().map(|(_, time)| time)).collect::<Result<Vec<_>, Error>>()?;
+    Ok((output, [vec![first], rest].concat()))
+}
+
+fn overlay(task: &Task, args: &RunArgs, format: Format) -> Result<Vec<u8>, Error> {
+    let mut walk = task.estimator.walk(&task.clip, task.frame)?;
+    walk.jump(args.step.or(task.cursor).map_or(Move::End, Move::To));
+    if let Some(failure) = walk.failure() {
+        return Err(failure.clone());
+    }
+    let frames = task.clip.pair(task.frame)?;
+    let told = (walk.step(None), walk.scene(None));
+    let plate = Moment::of(&*walk, &*task.estimator, &told, &frames).plate(&task.look(&args.look));
+    format.encode(&plate, args.look.scale)
+}

@@ -1,0 +1,225 @@
+//! The command line as scripts use it: what it prints, writes and refuses.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use motionscope::media::{Open, open};
+use motionscope::session::Session;
+use serde_json::Value;
+
+fn motionscope(folder: &Path, line: &str) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+    command.current_dir(folder).args(line.split_whitespace()).stdin(Stdio::null());
+    command.output().expect("the program starts")
+}
+
+fn stdout(folder: &Path, line: &str) -> String {
+    let output = motionscope(folder, line);
+    assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+fn json(folder: &Path, line: &str) -> Value {
+    serde_json::from_str(&stdout(folder, line)).expect("JSON")
+}
+
+/// The one sentence on standard error of a call that fails.
+fn refusal(folder: &Path, line: &str) -> String {
+    let output = motionscope(folder, line);
+    assert!(!output.status.success() && output.stdout.is_empty(), "{line}");
+    let told = String::from_utf8(output.stderr).expect("text");
+    assert!(told.starts_with("error: ") && told.lines().count() == 1, "{line}: {told}");
+    told
+}
+
+const SMALL: &str = "synth:translation,width=64,height=48,frames=3";
+
+#[test]
+fn list_names_every_estimator_with_its_parameters() {
+    let folder = tempfile::tempdir().unwrap();
+    let all = json(folder.path(), "list --json");
+    let full = all.as_array().unwrap().iter().find(|e| e["id"] == "full-search").expect("full search is there");
+    let names: Vec<_> = full["params"].as_array().unwrap().iter().map(|p| p["name"].as_str().unwrap()).collect();
+    for name in ["block", "range", "cost", "border", "order", "early-exit"] {
+        assert!(names.contains(&name), "{name}");
+    }
+    let block = &full["params"][0];
+    assert_eq!(
+        (&block["range"], &block["default"], &block["unit"]),
+        (&serde_json::json!([4, 64]), &16.into(), &"px".into())
+    );
+    let text = stdout(folder.path(), "list");
+    assert!(text.contains("full-search") && text.contains("4 to 64 px; 16 unless set"));
+}
+
+#[test]
+fn info_has_every_key_that_scripts_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let info = json(folder.path(), &format!("info {SMALL} --json"));
+    let keys: Vec<_> = info.as_object().unwrap().keys().map(String::as_str).collect();
+    let expected = ["width", "height", "frames", "fps", "seconds", "container", "codec", "truth", "warnings"];
+    assert_eq!(keys, expected);
+    assert_eq!((&info["width"], &info["height"], &info["frames"]), (&64.into(), &48.into(), &3.into()));
+    assert!(stdout(folder.path(), &format!("info {SMALL}")).contains("64×48 px"));
+}
+
+#[test]
+fn run_tells_one_object_with_time_and_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = format!(
+        "run {SMALL} --estimator full-search --set block=8 --set range=7 --frame 1 --repeat 3 --threads 2 --json"
+    );
+    let run = json(folder.path(), &line);
+    let keys: Vec<_> = run.as_object().unwrap().keys().map(String::as_str).collect();
+    assert_eq!(keys, ["clip", "estimator", "params", "frame", "units", "events", "threads", "ms", "metrics"]);
+    assert_eq!((&run["estimator"], &run["frame"], &run["threads"]), (&"full-search".into(), &1.into(), &2.into()));
+    assert_eq!((&run["params"]["block"], &run["params"]["range"]), (&8.into(), &7.into()));
+    assert_eq!(run["units"], 48);
+    assert!(run["ms"]["min"].as_f64().unwrap() <= run["ms"]["median"].as_f64().unwrap());
+    let metrics = &run["metrics"];
+    // Each candidate is an event; so is each window, each result, and at least one new best a block.
+    assert!(run["events"].as_u64().unwrap() >= metrics["candidates"].as_u64().unwrap() + 3 * 48);
+    assert_eq!(metrics["known"], 64 * 48);
+    assert!(metrics["epe_px"].as_f64().unwrap() < 2.0 && metrics["psnr_db"].as_f64().unwrap() > 20.0);
+}
+
+#[test]
+fn what_a_run_leaves_behind_can_be_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    stdout(here, &format!("run {SMALL} --estimator full-search --flow a.flo --table a.csv --overlay a.svg"));
+    stdout(here, &format!("run {SMALL} --estimator full-search --flow a.npy --overlay a.png --scale 4"));
+    stdout(here, &format!("run {SMALL} --estimator full-search --flow b.png"));
+    let rows = fs::read_to_string(here.join("a.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 1 + 12);
+    assert!(rows.starts_with("x_px,y_px,"));
+    assert_eq!(fs::metadata(here.join("a.flo")).unwrap().len(), 12 + 64 * 48 * 8);
+    assert!(fs::read_to_string(here.join("a.svg")).unwrap().contains("<svg"));
+    let overlay = open(&here.join("a.png"), &Open::default()).unwrap();
+    assert_eq!(overlay.size(), (4 * 64, 4 * 48), "a finished run is shown on frame t alone");
+    // Its own flow as truth: no error at all.
+    let same = json(here, &format!("run {SMALL} --estimator full-search --truth a.flo --json"));
+    assert_eq!(same["metrics"]["epe_px"], 0.0);
+}
+
+#[test]
+fn pipes_carry_one_result() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = motionscope(folder.path(), &format!("run {SMALL} --estimator full-search --table -"));
+    assert!(table.stdout.starts_with(b"x_px,") && String::from_utf8_lossy(&table.stderr).contains("full-search on"));
+    let overlay = motionscope(folder.path(), &format!("run {SMALL} --estimator full-search --overlay -"));
+    assert!(overlay.stdout.starts_with(b"\x89PNG"));
+    assert!(
+        refusal(folder.path(), &format!("run {SMALL} --estimator full-search --table - --json")).contains("only one")
+    );
+}
+
+#[test]
+fn the_same_call_gives_the_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for threads in ["1", "2", "3"] {
+        let files = format!("--flow {threads}.flo --table {threads}.csv --overlay {threads}.png --step 5.40");
+        stdout(here, &format!("run {SMALL} --estimator full-search --threads {threads} {files}"));
+    }
+    for end in ["flo", "csv", "png"] {
+        let read = |threads: &str| fs::read(here.join(format!("{threads}.{end}"))).unwrap();
+        assert!(read("1") == read("2") && read("2") == read("3"), "{end}");
+    }
+}
+
+#[test]
+fn steps_are_exported_one_by_one_or_block_by_block() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let count = |folder: &str| fs::read_dir(here.join(folder)).unwrap().count();
+    stdout(here, &format!("export {SMALL} --estimator full-search --steps 2.1..2.6 --out probes"));
+    stdout(
+        here,
+        &format!("export {SMALL} --estimator full-search --steps 2..5 --every block --format svg --out blocks"),
+    );
+    stdout(here, &format!("export {SMALL} --estimator full-search --steps 10..99 --every block --out rest"));
+    assert_eq!((count("probes"), count("blocks"), count("rest")), (6, 4, 2));
+    assert!(here.join("probes/step_00005.png").exists() && here.join("blocks/step_00003.svg").exists());
+}
+
+#[test]
+fn a_session_brings_all_that_the_command_line_needs() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let text = format!(
+        "motionscope = 1\nclip = \"{SMALL}\"\nestimator = \"full-search\"\nframe = 1\nstep = \"3.7\"\n\
+         [set]\nblock = 8\nrange = 4\n[picture]\nview = \"blend\"\ntheme = \"light\"\nlegend = true\n"
+    );
+    fs::write(here.join("lesson.motionscope"), text).unwrap();
+    stdout(here, "run lesson.motionscope --overlay a.png");
+    let flags = "--frame 1 --step 3.7 --set block=8 --set range=4 --view blend --theme light --legend";
+    stdout(here, &format!("run {SMALL} --estimator full-search {flags} --overlay b.png"));
+    assert!(fs::read(here.join("a.png")).unwrap() == fs::read(here.join("b.png")).unwrap());
+    let session = Session::load(&here.join("lesson.motionscope")).unwrap();
+    session.save(&here.join("again.motionscope")).unwrap();
+    stdout(here, "run again.motionscope --overlay c.png");
+    assert!(fs::read(here.join("a.png")).unwrap() == fs::read(here.join("c.png")).unwrap());
+}
+
+#[test]
+fn a_synthetic_clip_on_disk_is_the_same_clip() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    stdout(here, "synth translation --out clip --set width=64 --set height=48 --set frames=3");
+    let info = json(here, "info clip --json");
+    assert_eq!((&info["frames"], &info["width"]), (&3.into(), &64.into()));
+    assert!(info["truth"].as_array().unwrap().contains(&"flow".into()));
+    let metrics = |clip: &str| json(here, &format!("run {clip} --estimator full-search --json"))["metrics"].clone();
+    assert_eq!(metrics("clip"), metrics(SMALL));
+    assert!(stdout(here, "synth --list").contains("translation"));
+}
+
+#[test]
+fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::write(here.join("empty.mp4"), []).unwrap();
+    fs::write(here.join("text.png"), "no picture").unwrap();
+    fs::write(here.join("bad.motionscope"), "motionscope = 1").unwrap();
+    fs::create_dir(here.join("nothing")).unwrap();
+    let run = |clip: &str, more: &str| format!("run {clip} --estimator full-search --overlay out.png {more}");
+    for (line, told) in [
+        (run("gone.mp4", ""), "gone.mp4"),
+        (run("empty.mp4", ""), "empty.mp4"),
+        (run("text.png", ""), "text.png"),
+        (run("nothing", ""), "nothing"),
+        (run("bad.motionscope", ""), "bad.motionscope"),
+        (run(SMALL, "--frame 2"), "frame 0 to 1"),
+        (run(SMALL, "--set block=3"), "4 to 64 px"),
+        (run(SMALL, "--set blok=8"), "early-exit"),
+        (run(SMALL, "--set block"), "NAME=VALUE"),
+        (run(SMALL, "--step x"), "UNIT.EVENT"),
+        (run(SMALL, "--view up"), "side-by-side"),
+        (run(SMALL, "--scale 9"), "1..=8"),
+        (run(SMALL, "--threads 0"), "1..=256"),
+        (run(SMALL, "--truth gone.flo"), "gone.flo"),
+        (run(SMALL, "--flow out.txt"), ".flo"),
+        (run(SMALL, "--flow no/such/folder/out.flo"), "out.flo"),
+        (format!("run {SMALL} --estimator no-search"), "full-search"),
+        (format!("run {SMALL}"), "--estimator"),
+        (format!("export {SMALL} --estimator full-search --steps 5..2 --out o"), "before"),
+        (format!("export {SMALL} --estimator full-search --steps 99..100 --out o"), "ends"),
+        ("synth nowhere --out o".into(), "translation"),
+        ("frobnicate --hard".into(), "--help"),
+    ] {
+        let refusal = refusal(here, &line);
+        assert!(refusal.contains(told), "{line}: {refusal}");
+        let left = |name: &str| here.join(name).exists();
+        assert!(!left("out.png") && !left("out.txt"), "{line} left a file behind");
+    }
+}
+
+#[test]
+fn help_has_examples() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["", "run", "export"] {
+        assert!(stdout(folder.path(), &format!("{command} --help")).contains("Examples:"));
+    }
+}
