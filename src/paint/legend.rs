@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Arrow, Mark, Picture, Shape};
+use motionscope_core::scene::{Mark, Shape};
 use motionscope_core::{Grid, Role};
 
-use super::primitive::{Anchor, Line, Point, Primitive, Rect, Run, Stroke};
-use super::{ColorMap, Face, Look, Placement, Theme, fonts, marks};
+use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Run, Stroke};
+use super::{ColorMap, Face, Ink, Look, Theme, fonts, marks};
 
 /// Width and height of a swatch.
-pub const SWATCH: [f32; 2] = [24.0, 12.0];
+pub const SWATCH: [f32; 2] = [28.0, 16.0];
 const BAR: [f32; 2] = [128.0, 8.0];
 const GAP: f32 = 8.0;
 
@@ -72,8 +72,13 @@ pub fn entries<'a>(
 }
 
 /// `sample` in the ink of `role`, [`SWATCH`] large, with its upper left corner at `min`.
+///
+/// On a panel the rim is left out where the colour stands off by itself.
 pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primitive> {
-    let ink = theme.ink(role);
+    let mut ink = theme.ink(role);
+    if ink.color.contrast(theme.chrome().panel) >= 2.0 {
+        ink.halo_width = 0.0;
+    }
     let rect = Rect::new(min, SWATCH);
     let inner = rect.grown(-(ink.width / 2.0 + ink.halo_width));
     let ([x0, y0], [x1, y1]) = (inner.min, inner.max);
@@ -83,17 +88,15 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
         Sample::Frame => marks::line(&mut out, &ink, inner.corners(), true),
         Sample::Line => marks::line(&mut out, &ink, vec![[rect.min[0], middle], [rect.max[0], middle]], false),
         Sample::Point => marks::point(&mut out, &ink, [(x0 + x1) / 2.0, middle]),
-        Sample::Ellipse | Sample::Arrow => {
-            let shape = if sample == Sample::Ellipse {
-                let (rx, ry) = ((x1 - x0) / 2.0, (y1 - y0) / 2.0);
-                Shape::Ellipse { center: [x0 + rx, middle], radii: [rx, ry], angle_rad: 0.0 }
-            } else {
-                let arrow = Arrow { from: [x0 + 1.0, middle], to: [x1 + 1.0, middle] };
-                Shape::Arrows(vec![arrow])
-            };
-            let mark = Mark { on: Picture::Current, role, shape };
-            let look = Look { theme, colors: ColorMap::Viridis, heat: None, lengthen: 1.0 };
-            out = marks::resolve([&mark], &look, Placement { origin: [-0.5; 2], zoom: 1.0 });
+        Sample::Ellipse => {
+            let radii = [(x1 - x0) / 2.0, (y1 - y0) / 2.0];
+            marks::line(&mut out, &ink, marks::ellipse([x0 + radii[0], middle], radii, 0.0), true);
+        }
+        Sample::Arrow => {
+            let Ink { color, halo, halo_width, .. } = ink;
+            let width = ink.width.min(theme.ink(Role::Result).width);
+            let (from, to) = ([x0 + width, middle], [rect.max[0], middle]);
+            out.push(Primitive::Arrow(Arrow { from, to, width, color, halo, halo_width }));
         }
     }
     out
@@ -166,15 +169,16 @@ impl Strip<'_> {
     }
 
     fn entry(&mut self, entry: &Entry) {
-        let width = SWATCH[0] + GAP + fonts::width(&entry.meaning, Face::Sans, self.size);
+        let [wide, high] = SWATCH;
+        let width = wide + GAP + fonts::width(&entry.meaning, Face::Sans, self.size);
         let [x, y] = self.place(width);
-        let swatch = swatch(entry.role, entry.sample, self.look.theme, [x, y + (self.height - SWATCH[1]) / 2.0]);
+        let swatch = swatch(entry.role, entry.sample, self.look.theme, [x, y + (self.height - high) / 2.0]);
         self.out.extend(swatch);
-        self.words(&entry.meaning, [x + SWATCH[0] + GAP, y]);
+        self.words(&entry.meaning, [x + wide + GAP, y]);
     }
 
     fn heat(&mut self, label: &str, range: [f32; 2]) {
-        let low = if label.is_empty() { number(range[0]) } else { format!("{label}  {}", number(range[0])) };
+        let low = if label.is_empty() { number(range[0]) } else { format!("{label} {}", number(range[0])) };
         let high = number(range[1]);
         let (left, right) = (fonts::width(&low, Face::Sans, self.size), fonts::width(&high, Face::Sans, self.size));
         let [x, y] = self.place(left + BAR[0] + right + 2.0 * GAP);

@@ -95,11 +95,15 @@ impl Painter<'_> {
     fn shape(&mut self, role: Role, shape: &Shape) {
         match shape {
             Shape::Rect { min, max } => {
+                let rect = self.place.rect(*min, *max);
+                let [width, height] = rect.size();
+                self.thin_out((width.min(height) / 5.0).max(0.5));
                 // The line lies outside, so that it hides no pixel of what it frames.
-                let rect = self.place.rect(*min, *max).grown(self.ink.width / 2.0);
-                self.outline(rect.corners());
+                self.outline(rect.grown(self.ink.width / 2.0).corners());
             }
-            Shape::Ellipse { center, radii, angle_rad } => self.outline(self.ellipse(*center, *radii, *angle_rad)),
+            Shape::Ellipse { center, radii, angle_rad } => {
+                self.outline(ellipse(*center, *radii, *angle_rad).into_iter().map(|p| self.place.at(p)).collect());
+            }
             Shape::Path { points, closed } => {
                 line(self.out, &self.ink, points.iter().map(|&p| self.place.at(p)).collect(), *closed);
             }
@@ -120,6 +124,12 @@ impl Painter<'_> {
         }
     }
 
+    /// Makes lines at most `width` wide, and the rim no wider than fits to that.
+    fn thin_out(&mut self, width: f32) {
+        self.ink.width = self.ink.width.min(width);
+        self.ink.halo_width = self.ink.halo_width.min(width / 2.0);
+    }
+
     /// A closed convex shape: its fill, if the ink has one, and its line.
     fn outline(&mut self, points: Vec<Point>) {
         if self.ink.fill.0[3] > 0 {
@@ -128,34 +138,25 @@ impl Painter<'_> {
         line(self.out, &self.ink, points, true);
     }
 
-    fn ellipse(&self, center: [f32; 2], radii: [f32; 2], angle_rad: f32) -> Vec<Point> {
-        let (sin, cos) = angle_rad.sin_cos();
-        let on_rim = |i: usize| {
-            let (y, x) = (i as f32 / 64.0 * std::f32::consts::TAU).sin_cos();
-            let (x, y) = (x * radii[0], y * radii[1]);
-            self.place.at([center[0] + x * cos - y * sin, center[1] + x * sin + y * cos])
-        };
-        (0..64).map(on_rim).collect()
-    }
-
     fn arrows(&mut self, role: Role, arrows: &[scene::Arrow]) {
-        let times = if is_lengthened(role) { self.look.lengthen } else { 1.0 };
-        // Where neighbours are close, arrows are thinner.
-        let room = if arrows.len() > 1 { spacing(arrows) * self.place.zoom * 0.12 } else { f32::MAX };
-        let width = self.ink.width.min(room.max(0.5));
-        let halo_width = self.ink.halo_width.min(width * 0.5);
+        let times = if is_lengthened(role) { self.look.lengthen } else { 1.0 } * self.place.zoom;
+        let offset = |arrow: &scene::Arrow| [0, 1].map(|i| (arrow.to[i] - arrow.from[i]) * times);
+        self.thin_out(2.0 * self.ink.halo_width);
+        match arrows {
+            // One that points at a place is thin if it is short: it must not bury what it points at.
+            [arrow] if !is_lengthened(role) => self.thin_out((0.3 * length(offset(arrow))).max(0.8)),
+            // Where neighbours are close, arrows are thinner.
+            [_, _, ..] => self.thin_out((0.1 * spacing(arrows) * self.place.zoom).max(0.5)),
+            _ => {}
+        }
+        let Ink { color, halo, halo_width, width, .. } = self.ink;
         for arrow in arrows {
             let from = self.place.at(arrow.from);
-            let mut to: Point =
-                std::array::from_fn(|i| from[i] + (arrow.to[i] - arrow.from[i]) * times * self.place.zoom);
-            let (x, y) = (to[0] - from[0], to[1] - from[1]);
-            let length = x.hypot(y);
+            let [x, y] = offset(arrow);
+            let long = length([x, y]);
             // Any displacement at all reaches beyond its dot, so that its direction can be seen.
-            let least = width * 2.2;
-            if length > 0.0 && length < least {
-                to = [from[0] + x / length * least, from[1] + y / length * least];
-            }
-            let Ink { color, halo, .. } = self.ink;
+            let stretch = if long > 0.0 { (width * 2.2 / long).max(1.0) } else { 0.0 };
+            let to = [from[0] + x * stretch, from[1] + y * stretch];
             self.out.push(Primitive::Arrow(Arrow { from, to, width, color, halo, halo_width }));
         }
     }
@@ -173,13 +174,26 @@ impl Painter<'_> {
     }
 }
 
+/// Points along an ellipse, whatever the unit.
+pub(super) fn ellipse(center: Point, radii: [f32; 2], angle_rad: f32) -> Vec<Point> {
+    let (sin, cos) = angle_rad.sin_cos();
+    let on_rim = |i: usize| {
+        let (y, x) = (i as f32 / 64.0 * std::f32::consts::TAU).sin_cos();
+        let (x, y) = (x * radii[0], y * radii[1]);
+        [center[0] + x * cos - y * sin, center[1] + x * sin + y * cos]
+    };
+    (0..64).map(on_rim).collect()
+}
+
 /// A line in `ink` along `points`: the rim, solid even under dashes, and the line.
 pub(super) fn line(out: &mut Vec<Primitive>, ink: &Ink, points: Vec<Point>, closed: bool) {
     if points.len() < 2 {
         return;
     }
-    let rim = Stroke { width: ink.width + 2.0 * ink.halo_width, color: ink.halo, dash: &[] };
-    out.push(Primitive::Polyline { points: points.clone(), closed, stroke: rim });
+    if ink.halo_width > 0.0 {
+        let rim = Stroke { width: ink.width + 2.0 * ink.halo_width, color: ink.halo, dash: &[] };
+        out.push(Primitive::Polyline { points: points.clone(), closed, stroke: rim });
+    }
     let stroke = Stroke { width: ink.width, color: ink.color, dash: ink.dash };
     out.push(Primitive::Polyline { points, closed, stroke });
 }
@@ -190,17 +204,14 @@ pub(super) fn point(out: &mut Vec<Primitive>, ink: &Ink, at: Point) {
     let around = |offsets: &[Point]| offsets.iter().map(|o| [at[0] + o[0] * r, at[1] + o[1] * r]).collect::<Vec<_>>();
     match ink.point {
         PointShape::Disc => {
-            for (radius, color) in [(r + ink.halo_width, ink.halo), (r, ink.color)] {
+            let rim = Some((r + ink.halo_width, ink.halo)).filter(|_| ink.halo_width > 0.0);
+            for (radius, color) in rim.into_iter().chain([(r, ink.color)]) {
                 out.push(Primitive::Disc { center: at, radius, color });
             }
         }
         PointShape::Ring => {
-            let rim = |i: usize| {
-                let (y, x) = (i as f32 / 24.0 * std::f32::consts::TAU).sin_cos();
-                [at[0] + x * (r + 1.0), at[1] + y * (r + 1.0)]
-            };
             let solid = Ink { dash: &[], ..*ink };
-            line(out, if ink.dash.is_empty() { ink } else { &solid }, (0..24).map(rim).collect(), true);
+            line(out, &solid, ellipse(at, [r + 1.0; 2], 0.0), true);
         }
         PointShape::Plus => cross(out, ink, [around(&[[-1.5, 0.0], [1.5, 0.0]]), around(&[[0.0, -1.5], [0.0, 1.5]])]),
         PointShape::Cross => {
@@ -258,7 +269,7 @@ fn fitting(scene: &Scene) -> f32 {
     let fit = |arrows: &Vec<scene::Arrow>| {
         let mut lengths: Vec<f32> = arrows
             .iter()
-            .map(|arrow| (arrow.to[0] - arrow.from[0]).hypot(arrow.to[1] - arrow.from[1]))
+            .map(|arrow| length([0, 1].map(|i| arrow.to[i] - arrow.from[i])))
             .filter(|length| *length > 0.0)
             .collect();
         lengths.sort_by(f32::total_cmp);
@@ -270,9 +281,13 @@ fn fitting(scene: &Scene) -> f32 {
     fields.filter_map(fit).min_by(f32::total_cmp).unwrap_or(1.0)
 }
 
+fn length([x, y]: [f32; 2]) -> f32 {
+    x.hypot(y)
+}
+
 /// Distance between neighbouring origins in px; 16 where there are no neighbours.
 fn spacing(arrows: &[scene::Arrow]) -> f32 {
-    let gap = |pair: &[scene::Arrow]| (pair[1].from[0] - pair[0].from[0]).hypot(pair[1].from[1] - pair[0].from[1]);
+    let gap = |pair: &[scene::Arrow]| length([0, 1].map(|i| pair[1].from[i] - pair[0].from[i]));
     let gaps = arrows.windows(2).map(gap).filter(|gap| *gap > 0.0);
     gaps.min_by(f32::total_cmp).unwrap_or(16.0)
 }

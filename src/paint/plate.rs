@@ -14,6 +14,8 @@ use super::{Color, ColorMap, Face, Lengthen, Look, Panel, Placement, Theme, Type
 const MARGIN: f32 = 16.0;
 /// Space between things that belong together.
 const GAP: f32 = 8.0;
+/// How far marks may reach beyond a picture where there is room, so that a frame at its edge stays whole.
+const BEYOND: f32 = 4.0;
 /// Words are given at least this many times their size to run in.
 const LEAST_WIDTH: f32 = 26.0;
 
@@ -141,11 +143,11 @@ impl Layout<'_> {
         let pictures: Vec<_> = self.options.view.panels().iter().map(|panel| (*panel, panel.pixels(frames))).collect();
         let widths = pictures.iter().map(|(_, (pixels, _))| pixels.width() as f32 * zoom);
         let total = widths.sum::<f32>() + GAP * (pictures.len() - 1) as f32;
-        self.width = if is_framed { total.max(LEAST_WIDTH * self.sizes.body) } else { total };
+        self.width = if is_framed { on_grid(total.max(LEAST_WIDTH * self.sizes.body)) } else { total };
         if let Some(caption) = &self.options.caption {
             self.header(caption);
         }
-        let mut x = self.margin + ((self.width - total) / 2.0).floor();
+        let mut x = self.margin;
         let (top, mut bottom) = (self.y, self.y);
         for (panel, (pixels, gain)) in pictures {
             self.y = top;
@@ -160,7 +162,7 @@ impl Layout<'_> {
             x += size[0] + GAP;
             bottom = bottom.max(self.y + size[1]);
         }
-        self.y = bottom;
+        self.y = if is_framed { on_grid(bottom) } else { bottom };
         if let Some(caption) = self.options.caption.as_ref().filter(|caption| !caption.sentence.0.is_empty()) {
             self.y += GAP;
             self.paragraph(&inked(&caption.sentence, self.options.theme), self.sizes.body);
@@ -173,7 +175,8 @@ impl Layout<'_> {
     fn panel(&mut self, panel: Panel, placement: Placement, rect: Rect, pixels: Arc<Grid<[u8; 4]>>, scene: &Scene) {
         let mut primitives = vec![Primitive::Image { pixels, rect }];
         primitives.extend(marks::resolve(shown(panel, scene), &self.look, placement));
-        self.pictures.push(Layer { clip: Some(rect), primitives });
+        let beyond = if self.margin > 0.0 { BEYOND } else { 0.0 };
+        self.pictures.push(Layer { clip: Some(rect.grown(beyond)), primitives });
         self.panels.push((panel, placement));
     }
 
@@ -225,6 +228,11 @@ impl Layout<'_> {
         self.words.push(Primitive::Text(Line { at, anchor: Anchor::Start, size, runs, halo: None }));
         self.y += line_height(size);
     }
+}
+
+/// The next multiple of 4 points.
+fn on_grid(v: f32) -> f32 {
+    (v / 4.0).ceil() * 4.0
 }
 
 fn shown(panel: Panel, scene: &Scene) -> impl Iterator<Item = &Mark> {

@@ -147,7 +147,7 @@ pub struct Arrow {
 impl Arrow {
     /// Radius of the dot at the origin.
     pub fn dot(&self) -> f32 {
-        self.width * 0.95
+        self.width * 1.1
     }
 
     fn length(&self) -> f32 {
@@ -195,8 +195,8 @@ impl Arrow {
 
     /// Length and half the width of the head; a short arrow has a small head.
     fn head(&self) -> (f32, f32) {
-        let head = (self.width * 3.6).min(self.length() * 0.75);
-        (head, head * 0.42)
+        let head = (self.width * 4.0).min(self.length() * 0.75);
+        (head, head * 0.4)
     }
 }
 

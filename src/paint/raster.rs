@@ -1,7 +1,9 @@
 //! Primitives become pixels: a strip of a plate at a scale.
 
 use ab_glyph::{Font, OutlineCurve};
-use tiny_skia::{FillRule, FilterQuality, LineJoin, Paint, Path, PathBuilder, Pattern, Pixmap, SpreadMode, Transform};
+use tiny_skia::{
+    FillRule, FilterQuality, IntRect, LineJoin, Paint, Path, PathBuilder, Pattern, Pixmap, SpreadMode, Transform,
+};
 
 use super::primitive::{Arrow, Line, Point, Primitive, Rect, Stroke};
 use super::{Color, Layer, Plate, fonts};
@@ -47,7 +49,10 @@ pub(super) fn strip(
             Some(clip) => canvas.paint_inside(clip, &layer.primitives),
         }
     }
-    let rgb = canvas.pixmap.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    let mut rgb = vec![0; canvas.pixmap.pixels().len() * 3];
+    for (to, from) in rgb.chunks_exact_mut(3).zip(canvas.pixmap.data().chunks_exact(4)) {
+        to.copy_from_slice(&from[..3]);
+    }
     Some(rgb)
 }
 
@@ -77,13 +82,14 @@ impl Canvas {
             return;
         }
         let (width, height) = ((max[0] - min[0]) as u32, (max[1] - min[1]) as u32);
-        let Some(pixmap) = Pixmap::new(width, height) else { return };
+        let within = IntRect::from_xywh(min[0] - self.left, min[1] - self.top, width, height);
+        let Some(pixmap) = within.and_then(|rect| self.pixmap.clone_rect(rect)) else { return };
         let mut inner = Canvas { pixmap, left: min[0], top: min[1], scale: self.scale };
         inner.paint_all(primitives);
         self.put(&inner);
     }
 
-    /// Copies `inner`, which is opaque and lies within.
+    /// Copies `inner`, which lies within.
     fn put(&mut self, inner: &Canvas) {
         let (x, y) = ((inner.left - self.left) as usize * 4, (inner.top - self.top) as usize);
         let (to, from) = (self.pixmap.width() as usize * 4, inner.pixmap.width() as usize * 4);
@@ -105,7 +111,9 @@ impl Canvas {
                 self.fill(PathBuilder::from_circle(center[0], center[1], *radius), *color);
             }
             Primitive::Arrow(arrow) => {
-                self.fill(silhouette(arrow, arrow.halo_width), arrow.halo);
+                if arrow.halo_width > 0.0 {
+                    self.fill(silhouette(arrow, arrow.halo_width), arrow.halo);
+                }
                 self.fill(silhouette(arrow, 0.0), arrow.color);
             }
             Primitive::Text(line) => self.text(line),
@@ -173,25 +181,28 @@ impl Canvas {
         if !square || !whole {
             return false;
         }
-        let (cell, width) = (cell as i32, self.pixmap.width() as usize);
+        let (cell, stride) = (cell as i32, self.pixmap.width() as usize * 4);
         let [x0, y0] = [min[0] as i32 - self.left, min[1] as i32 - self.top];
         let (x1, y1) = (x0 + cell * pixels.width() as i32, y0 + cell * pixels.height() as i32);
-        let columns = x0.max(0)..x1.min(width as i32);
-        let rows = y0.max(0)..y1.min(self.pixmap.height() as i32);
-        if rows
-            .clone()
-            .step_by(cell as usize)
-            .any(|y| pixels.row(((y - y0) / cell) as usize).iter().any(|p| p[3] != 255))
-        {
-            return false;
+        let (x, y) = (x0.max(0)..x1.min(self.pixmap.width() as i32), y0.max(0)..y1.min(self.pixmap.height() as i32));
+        let source = |y: i32| pixels.row(((y - y0) / cell) as usize);
+        if x.is_empty() || y.clone().any(|y| source(y).iter().any(|p| p[3] != 255)) {
+            return x.is_empty();
         }
-        for y in rows {
-            let row = pixels.row(((y - y0) / cell) as usize);
-            let start = y as usize * width * 4;
-            let target = &mut self.pixmap.data_mut()[start..start + width * 4];
-            for x in columns.clone() {
-                let pixel = row[((x - x0) / cell) as usize];
-                target[x as usize * 4..][..4].copy_from_slice(&pixel);
+        let (left, right) = (x.start as usize * 4, x.end as usize * 4);
+        for row in y.clone() {
+            let start = row as usize * stride;
+            let target = &mut self.pixmap.data_mut()[..start + right];
+            if cell == 1 {
+                let from = (x.start - x0) as usize..(x.end - x0) as usize;
+                target[start + left..].copy_from_slice(source(row)[from].as_flattened());
+            } else if row > y.start && (row - y0) % cell != 0 {
+                // The same pixels as in the row above.
+                target.copy_within(start - stride + left..start - stride + right, start + left);
+            } else {
+                for (x, to) in x.clone().zip(target[start + left..].chunks_exact_mut(4)) {
+                    to.copy_from_slice(&source(row)[((x - x0) / cell) as usize]);
+                }
             }
         }
         true

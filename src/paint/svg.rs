@@ -39,6 +39,7 @@ pub fn export_svg(plate: &Plate) -> Result<String, Error> {
         .set("viewBox", (0, 0, width, height))
         .set("width", width)
         .set("height", height)
+        .set("xmlns:xlink", "http://www.w3.org/1999/xlink")
         .set("style", "font-variant-numeric:tabular-nums")
         .add(Title::new("Motionscope"))
         .add(Description::new().add(::svg::node::Text::new(&plate.description)))
@@ -56,7 +57,9 @@ fn draw(group: &mut Group, primitive: &Primitive) -> Result<(), Error> {
         Primitive::Polyline { points, closed, stroke } => group.append(stroked(shape(points, *closed), stroke)),
         Primitive::Disc { center, radius, color } => group.append(disc(*center, *radius, *color)),
         Primitive::Arrow(arrow) => {
-            silhouette(group, arrow, arrow.halo_width, arrow.halo);
+            if arrow.halo_width > 0.0 {
+                silhouette(group, arrow, arrow.halo_width, arrow.halo);
+            }
             silhouette(group, arrow, 0.0, arrow.color);
         }
         Primitive::Text(line) => group.append(text(line)),
@@ -162,14 +165,16 @@ fn text(line: &Line) -> Blob {
 fn image(pixels: &Grid<[u8; 4]>, rect: Rect) -> Result<Image, Error> {
     let png = encoded(pixels).map_err(|e| Error::new(format!("a picture could not be embedded: {e}")))?;
     let ([x, y], [width, height]) = (rect.min, rect.size());
+    // The attribute and `xlink:href` are for older programs, the style is for browsers.
     Ok(Image::new()
         .set("x", short(x))
         .set("y", short(y))
         .set("width", short(width))
         .set("height", short(height))
         .set("preserveAspectRatio", "none")
-        .set("image-rendering", "pixelated")
-        .set("href", format!("data:image/png;base64,{}", base64(&png))))
+        .set("image-rendering", "optimizeSpeed")
+        .set("style", "image-rendering:pixelated")
+        .set("xlink:href", format!("data:image/png;base64,{}", base64(&png))))
 }
 
 /// A small PNG file of `pixels`, without alpha if all are opaque.
