@@ -90,11 +90,11 @@ pub fn lay_out(math: &Math, size_pt: f32, max_width: f32, measure: &mut dyn Meas
         Math::Row(parts) => parts.as_slice(),
         other => std::slice::from_ref(other),
     };
-    let boxes = |size: f32, measure: &mut dyn Measure| -> Vec<Formula> {
-        parts.iter().map(|part| Setter { measure }.set(part, size)).collect()
+    let boxes = |size: f32, measure: &mut dyn Measure| -> Vec<(Formula, bool)> {
+        parts.iter().map(|part| (Setter { measure }.set(part, size), is_operator(part))).collect()
     };
     let first = boxes(size_pt, measure);
-    let widest = first.iter().map(|b| b.width).fold(0.0, f32::max);
+    let widest = first.iter().map(|(part, _)| part.width).fold(0.0, f32::max);
     if widest <= max_width {
         return break_lines(first, size_pt, max_width);
     }
@@ -102,11 +102,28 @@ pub fn lay_out(math: &Math, size_pt: f32, max_width: f32, measure: &mut dyn Meas
     break_lines(boxes(size_pt, measure), size_pt, max_width)
 }
 
-fn break_lines(boxes: Vec<Formula>, size_pt: f32, max_width: f32) -> Formula {
+/// Whether `math` stands between two terms, so that a line may end before it but not after it.
+fn is_operator(math: &Math) -> bool {
+    match math {
+        Math::Text(text, None) => !text.contains(char::is_alphanumeric) && text.ends_with(' '),
+        Math::Sum(_) => true,
+        _ => false,
+    }
+}
+
+/// Sets parts in lines; each comes with whether it is an operator, which goes with what follows it.
+fn break_lines(parts: Vec<(Formula, bool)>, size_pt: f32, max_width: f32) -> Formula {
     let mut whole = Formula::default();
     let mut line = Formula::default();
     let mut below = None;
-    for part in boxes {
+    let mut waiting = Formula::default();
+    for (part, operator) in parts {
+        let at = vec2(waiting.width, 0.0);
+        waiting.put(part, at);
+        if operator {
+            continue;
+        }
+        let part = std::mem::take(&mut waiting);
         if line.width > 0.0 && line.width + part.width > max_width {
             let full = std::mem::take(&mut line);
             below = Some(add_line(&mut whole, full, below, size_pt));
@@ -116,6 +133,8 @@ fn break_lines(boxes: Vec<Formula>, size_pt: f32, max_width: f32) -> Formula {
         let at = vec2(line.width, 0.0);
         line.put(part, at);
     }
+    let at = vec2(line.width, 0.0);
+    line.put(waiting, at);
     add_line(&mut whole, line, below, size_pt);
     whole
 }
@@ -342,6 +361,14 @@ mod tests {
             Piece::Rule(rect) => rect.max.x,
         });
         assert!(ends.fold(0.0, f32::max) <= 130.0);
+    }
+
+    #[test]
+    fn an_operator_goes_with_what_follows_it() {
+        let row = Math::Row(vec![Math::text("aaaa"), Math::text(" + "), Math::text("bbbb")]);
+        let formula = set(&row, 75.0);
+        let ys = baselines(&formula);
+        assert!(ys[0] < ys[1] && ys[1] == ys[2], "{ys:?}");
     }
 
     #[test]

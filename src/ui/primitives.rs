@@ -18,15 +18,40 @@ pub fn shapes(painter: &Painter, primitives: &[Primitive]) -> Vec<Shape> {
     maker.finish().0
 }
 
+/// A polyline in dashes and gaps of these lengths; solid if there are none.
+pub fn line(points: &[Pos2], stroke: egui::Stroke, dash: &[f32]) -> Vec<Shape> {
+    if dash.is_empty() {
+        return vec![PathShape::line(points.to_vec(), stroke).into()];
+    }
+    let (on, off): (Vec<f32>, Vec<f32>) =
+        dash.chunks(2).map(|dash| (dash[0], dash.get(1).copied().unwrap_or(dash[0]))).unzip();
+    Shape::dashed_line_with_offset(points, stroke, &on, &off, 0.0)
+}
+
 /// Colours laid along `rect` from left to right, flowing into each other.
 pub fn gradient(rect: egui::Rect, colors: &[[u8; 4]]) -> Shape {
+    let edge = |t: f32| {
+        let x = egui::lerp(rect.x_range(), t);
+        [pos2(x, rect.min.y), pos2(x, rect.max.y)]
+    };
+    ribbon(colors, edge)
+}
+
+/// Colours laid along `rect` from top to bottom, flowing into each other.
+pub fn gradient_down(rect: egui::Rect, colors: &[[u8; 4]]) -> Shape {
+    let edge = |t: f32| {
+        let y = egui::lerp(rect.y_range(), t);
+        [pos2(rect.min.x, y), pos2(rect.max.x, y)]
+    };
+    ribbon(colors, edge)
+}
+
+fn ribbon(colors: &[[u8; 4]], edge: impl Fn(f32) -> [Pos2; 2]) -> Shape {
     let mut mesh = Mesh::default();
     let last = colors.len().saturating_sub(1).max(1) as f32;
     for (i, &[r, g, b, a]) in colors.iter().enumerate() {
-        let x = egui::lerp(rect.x_range(), i as f32 / last);
         let color = Color32::from_rgba_unmultiplied(r, g, b, a);
-        mesh.colored_vertex(pos2(x, rect.min.y), color);
-        mesh.colored_vertex(pos2(x, rect.max.y), color);
+        edge(i as f32 / last).into_iter().for_each(|at| mesh.colored_vertex(at, color));
         if i > 0 {
             let n = 2 * i as u32;
             mesh.add_triangle(n - 2, n - 1, n);
@@ -88,17 +113,14 @@ impl<'a> Maker<'a> {
     fn line(&mut self, points: &[Point], closed: bool, stroke: &primitive::Stroke) {
         let mut points = places(points);
         let pen = egui::Stroke::new(stroke.width, ink::color(stroke.color));
-        if stroke.dash.is_empty() {
-            let path = if closed { PathShape::closed_line(points, pen) } else { PathShape::line(points, pen) };
-            self.shapes.push(path.into());
+        if closed && stroke.dash.is_empty() {
+            self.shapes.push(PathShape::closed_line(points, pen).into());
             return;
         }
         if closed {
             points.extend(points.first().copied());
         }
-        let (on, off): (Vec<f32>, Vec<f32>) =
-            stroke.dash.chunks(2).map(|dash| (dash[0], dash.get(1).copied().unwrap_or(dash[0]))).unzip();
-        self.shapes.extend(Shape::dashed_line_with_offset(&points, pen, &on, &off, 0.0));
+        self.shapes.extend(line(&points, pen, stroke.dash));
     }
 
     fn text(&mut self, line: &Line) {

@@ -109,16 +109,14 @@ fn row(ui: &mut Ui, fact: &Fact, ruled: bool, theme: Theme) {
     let (size, width) = (theme.sizes().body, ui.available_width());
     let label = ui.painter().layout_no_wrap(fact.label.into(), ink::font(Face::Sans, size), ink::color(dim));
     let left = ink::SWATCH.x + 8.0;
-    let mut job = LayoutJob::simple(
-        fact.value.clone(),
-        ink::font(Face::Sans, size),
-        ink::color(text),
-        (width - left - label.size().x - 16.0).max(width / 3.0),
-    );
+    let font = ink::font(Face::Sans, size);
+    let mut job = LayoutJob::simple(fact.value.clone(), font, ink::color(text), width - left);
     job.halign = Align::RIGHT;
     let value = ui.painter().layout_job(job);
-    let height = value.size().y.max(label.size().y) + 8.0;
-    let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
+    // A long value stands under its label.
+    let beside = left + label.size().x + 12.0 + value.size().x <= width;
+    let down = if beside { 0.0 } else { label.size().y };
+    let (rect, response) = ui.allocate_exact_size(vec2(width, down + value.size().y + 8.0), Sense::hover());
     ink::name(&response, || format!("{}: {}", fact.label, fact.value));
     let painter = ui.painter();
     if ruled {
@@ -130,7 +128,7 @@ fn row(ui: &mut Ui, fact: &Fact, ruled: bool, theme: Theme) {
         ink::swatch(painter, min, role, theme);
     }
     painter.galley(pos2(rect.min.x + left, top), label, Color32::PLACEHOLDER);
-    painter.galley(pos2(rect.max.x, top), value, Color32::PLACEHOLDER);
+    painter.galley(pos2(rect.max.x, top + down), value, Color32::PLACEHOLDER);
 }
 
 fn pseudocode(ui: &mut Ui, input: Input<'_>) {

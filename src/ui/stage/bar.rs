@@ -111,7 +111,8 @@ pub fn height_below(ui: &Ui, input: &Input<'_>, state: &mut State) -> f32 {
     height
 }
 
-fn line_height(theme: Theme) -> f32 {
+/// Height of a line of small type.
+pub fn line_height(theme: Theme) -> f32 {
     (theme.sizes().small * 1.7).round()
 }
 

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use eframe::egui::{Painter, Rect, Shape, TextureHandle};
 use motionscope_core::Scene;
-use motionscope_core::scene::Mark;
+use motionscope_core::scene::{Mark, Shape as MarkShape};
 
-use super::{Input, Lens};
+use super::{Input, Lens, pixels};
 use crate::paint::{ColorMap, Lengthen, Look, Panel, Placement, Theme, resolve};
 use crate::ui::primitives::Maker;
 
@@ -68,9 +68,10 @@ impl Marks {
         let fresh = at.is_some_and(|i| Arc::ptr_eq(&self.slots[i].scene, input.scene) && self.slots[i].key == key);
         if !fresh {
             let heats = at.map(|i| self.slots.swap_remove(i).heats).unwrap_or_default();
-            let still = input.scene.marks.iter().enumerate();
-            let still =
-                still.filter(|(i, mark)| panel.shows(mark.on) && !key.without.contains(i)).map(|(_, mark)| mark);
+            // Where numbers stand in the pixels, heat would hide them.
+            let clear = |mark: &Mark| lens.scale < pixels::NUMBERS || !matches!(mark.shape, MarkShape::Heat { .. });
+            let shown = |(i, mark): &(usize, &Mark)| panel.shows(mark.on) && clear(mark) && !key.without.contains(i);
+            let still = input.scene.marks.iter().enumerate().filter(shown).map(|(_, mark)| mark);
             let mut maker = Maker::new(painter, heats);
             resolve(still, &look, place).iter().for_each(|primitive| maker.add(primitive));
             let (shapes, heats) = maker.finish();

@@ -17,6 +17,7 @@ use motionscope_core::{Frame, Scene};
 use serde::{Deserialize, Serialize};
 
 pub use lens::{Lens, Zoom};
+pub(crate) use pixels::on_gray;
 
 use super::ink;
 use crate::paint::{ColorMap, Face, Lengthen, Panel, Theme, View};
@@ -159,14 +160,15 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Respo
     if state.glide.is_moving(time) {
         ui.ctx().request_repaint();
     }
-    for (panel, pane) in panels.iter().zip(split(area, panels.len(), size)) {
+    let header = bar::line_height(input.theme);
+    for (panel, pane) in panels.iter().zip(split(area, panels.len(), size, header)) {
         let lens = Lens::new(pane, size, state.zoom);
         state.shown = Some(lens);
         let id = ui.scope_id().with(("pane", *panel));
         let sensed = ui.interact(pane, id, Sense::click_and_drag());
         sensed.widget_info(|| {
-            let title = panel.title(Some(input.frame), 1);
-            egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage, {title}"))
+            let title = title(*panel, input.frame, 1);
+            egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}"))
         });
         if let Some(zoom) = looked(ui, &sensed, &lens) {
             state.zoom = zoom;
@@ -189,19 +191,22 @@ fn to_point(pixel: [usize; 2]) -> [f32; 2] {
     pixel.map(|c| c as f32)
 }
 
-/// Divides `area` among `count` pictures of `size`, side by side or stacked, whichever shows them larger.
-fn split(area: Rect, count: usize, size: (usize, usize)) -> Vec<Rect> {
-    let fit = |pane: Vec2| (pane / vec2(size.0 as f32, size.1 as f32)).min_elem();
+/// Divides `area` among `count` pictures of `size` with a `header` above each: side by side, or stacked where that
+/// shows them much larger.
+fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec<Rect> {
+    let head = vec2(0.0, header);
+    let fit = |pane: Vec2| ((pane - head) / vec2(size.0 as f32, size.1 as f32)).min_elem();
     let n = count.max(1) as f32;
     let total = GAP * (n - 1.0);
     let beside = vec2((area.width() - total) / n, area.height());
     let stacked = vec2(area.width(), (area.height() - total) / n);
-    let (pane, step) = if fit(beside) >= fit(stacked) {
-        (beside, vec2(beside.x + GAP, 0.0))
-    } else {
+    let (pane, step) = if fit(stacked) > 1.3 * fit(beside) {
         (stacked, vec2(0.0, stacked.y + GAP))
+    } else {
+        (beside, vec2(beside.x + GAP, 0.0))
     };
-    (0..count).map(|i| Rect::from_min_size(area.min + step * i as f32, pane.max(Vec2::splat(1.0)))).collect()
+    let picture = (pane - head).max(Vec2::splat(1.0));
+    (0..count).map(|i| Rect::from_min_size(area.min + head + step * i as f32, picture)).collect()
 }
 
 /// The new zoom, if the person turned the wheel, pinched or dragged.
@@ -234,17 +239,24 @@ fn paint(ui: &Ui, panel: Panel, lens: &Lens, input: &Input<'_>, state: &mut Stat
     if let Some(pixel) = state.hovered {
         pixels::cross_hair(&painter, lens, pixel);
     }
-    caption(&painter, &panel.title(Some(input.frame), gain), lens, input.theme);
+    caption(ui.painter(), &title(panel, input.frame, gain), lens, input.theme);
 }
 
-/// The name of a picture, in the corner of its pane.
+/// The name of a picture, above it.
 fn caption(painter: &egui::Painter, title: &str, lens: &Lens, theme: Theme) {
-    let size = theme.sizes().small;
-    let galley = painter.layout_no_wrap(title.into(), ink::font(Face::Sans, size), egui::Color32::WHITE);
-    let corner = lens.pane.min + vec2(8.0, 8.0);
-    let back = Rect::from_min_size(corner, galley.size() + vec2(12.0, 6.0));
-    painter.rect_filled(back, 4.0, egui::Color32::from_black_alpha(170));
-    painter.galley(pos2(corner.x + 6.0, corner.y + 3.0), galley, egui::Color32::WHITE);
+    let font = ink::font(Face::Sans, theme.sizes().small);
+    let corner = lens.picture_rect().min.max(lens.pane.min).min(lens.pane.center());
+    let at = pos2(corner.x, corner.y - bar::line_height(theme) / 2.0);
+    painter.text(at, egui::Align2::LEFT_CENTER, title, font, ink::color(theme.chrome().dim));
+}
+
+/// What a picture is called: its place in the pair, and its number.
+fn title(panel: Panel, frame: usize, gain: u16) -> String {
+    match panel {
+        Panel::Current => format!("Frame t = {frame}"),
+        Panel::Next => format!("Frame t+1 = {}", frame.saturating_add(1)),
+        Panel::Difference | Panel::Blend => panel.title(Some(frame), gain),
+    }
 }
 
 mod view_id {
@@ -271,13 +283,15 @@ mod tests {
 
     #[test]
     fn two_pictures_share_the_stage_without_overlap() {
-        for area in [vec2(1200.0, 500.0), vec2(400.0, 900.0), vec2(3.0, 2.0)] {
+        for area in [vec2(1200.0, 500.0), vec2(400.0, 900.0), vec2(9.0, 6.0)] {
             let area = Rect::from_min_size(pos2(10.0, 20.0), area);
-            let panes = split(area, 2, (584, 388));
-            assert!(panes[0].min == area.min && !panes[0].intersects(panes[1]));
+            let panes = split(area, 2, (584, 388), 20.0);
+            assert!(panes[0].min == area.min + vec2(0.0, 20.0) && !panes[0].intersects(panes[1]));
         }
         let wide = Rect::from_min_size(Pos2::ZERO, vec2(1200.0, 500.0));
-        assert_eq!(split(wide, 2, (584, 388))[1].min.y, 0.0, "side by side where there is width");
+        let tall = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 900.0));
+        let same_row = |area| split(area, 2, (584, 388), 20.0).windows(2).all(|w| w[0].min.y == w[1].min.y);
+        assert!(same_row(wide) && !same_row(tall));
     }
 
     #[test]

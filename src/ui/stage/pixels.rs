@@ -12,7 +12,7 @@ use crate::ui::ink;
 /// Points per pixel from which the grid is drawn.
 const GRID: f32 = 12.0;
 /// Points per pixel from which numbers fit.
-const NUMBERS: f32 = 26.0;
+pub const NUMBERS: f32 = 26.0;
 /// More numbers than anyone can read are not written.
 const MOST_NUMBERS: usize = 3000;
 

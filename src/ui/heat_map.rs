@@ -1,0 +1,310 @@
+//! A cost over displacements, as a map of colours that fills in as candidates are tested.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use eframe::egui::{
+    self, Align2, Color32, ColorImage, Painter, Pos2, Rect, Sense, Shape, Stroke, TextureHandle, TextureOptions, Ui,
+    pos2, vec2,
+};
+use motionscope_core::Role;
+use motionscope_core::scene::Surface;
+
+use super::axis::{self, Axis};
+use super::{ink, primitives};
+use crate::paint::{ColorMap, Face, Theme};
+
+/// What is mapped.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// The costs.
+    pub surface: &'a Surface,
+    /// Colours for small and large costs.
+    pub colors: ColorMap,
+    /// The look.
+    pub theme: Theme,
+}
+
+/// The map as a texture, as long as it stays the same.
+#[derive(Clone, Default)]
+pub struct State {
+    texture: Option<(u64, TextureHandle)>,
+}
+
+/// What the person did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Response {
+    /// The displacement that was clicked, in px.
+    pub clicked: Option<[i32; 2]>,
+    /// The displacement under the pointer, in px.
+    pub hovered: Option<[i32; 2]>,
+}
+
+/// A number that changes when the surface does.
+pub fn fingerprint(surface: &Surface) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    surface.values.size().hash(&mut hasher);
+    (surface.origin, surface.probe, surface.best).hash(&mut hasher);
+    bytemuck::cast_slice::<f32, u8>(surface.values.cells()).hash(&mut hasher);
+    hasher.finish()
+}
+
+/// Shows the map as large as it fits.
+pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
+    let Input { surface, theme, .. } = input;
+    let (area, _) = ui.allocate_exact_size(ui.available_size().max(vec2(80.0, 80.0)), Sense::hover());
+    let map = Map::new(surface, area, theme);
+    let sensed = ui.interact(map.rect, ui.scope_id().with("heat map"), Sense::click());
+    sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, summary(surface)));
+    let hovered = sensed.hover_pos().and_then(|at| map.displacement(at));
+    let painter = ui.painter_at(area);
+    hatch(&painter, map.rect, theme);
+    paint_costs(&painter, &map, input, state);
+    axes(&painter, &map, theme);
+    for (role, at) in [(Role::Best, surface.best), (Role::Candidate, surface.probe)] {
+        if let Some(at) = at {
+            cross(&painter, &map, at, role, theme);
+        }
+    }
+    if let Some(at) = hovered {
+        let stroke = Stroke::new(1.5, ink::color(theme.chrome().text));
+        painter.rect_stroke(map.cell_rect(at).expand(1.0), 0.0, stroke, egui::StrokeKind::Outside);
+    }
+    header(&painter, &map, area, input, hovered);
+    color_bar(&painter, &map, input);
+    let clicked = if sensed.clicked() { hovered } else { None };
+    Response { clicked, hovered }
+}
+
+/// Where the map lies, and where its displacements are.
+struct Map {
+    rect: Rect,
+    cell: f32,
+    origin: [i32; 2],
+    size: (usize, usize),
+    small: f32,
+}
+
+impl Map {
+    fn new(surface: &Surface, area: Rect, theme: Theme) -> Self {
+        let small = theme.sizes().small;
+        let (columns, rows) = surface.values.size();
+        // Room for the header, the numbers at the axes, and the colour bar with its numbers.
+        let min = area.min + vec2(3.8 * small, 2.2 * small);
+        let max = area.max - vec2(7.5 * small, 3.2 * small);
+        let room = (max - min).max(vec2(8.0, 8.0));
+        let cell = (room.x / columns.max(1) as f32).min(room.y / rows.max(1) as f32);
+        let rect = Rect::from_min_size(min, vec2(columns as f32, rows as f32) * cell);
+        Self { rect, cell, origin: surface.origin, size: (columns, rows), small }
+    }
+
+    fn displacement(&self, at: Pos2) -> Option<[i32; 2]> {
+        let place = (at - self.rect.min) / self.cell;
+        let inside = place.x >= 0.0 && place.y >= 0.0 && self.rect.contains(at);
+        let (x, y) = (place.x as usize, place.y as usize);
+        (inside && x < self.size.0 && y < self.size.1).then(|| [self.origin[0] + x as i32, self.origin[1] + y as i32])
+    }
+
+    fn cell_rect(&self, [u, v]: [i32; 2]) -> Rect {
+        let place = vec2((u - self.origin[0]) as f32, (v - self.origin[1]) as f32) * self.cell;
+        Rect::from_min_size(self.rect.min + place, vec2(self.cell, self.cell))
+    }
+
+    /// The axis of displacements along x or y; ticks stand at the middle of cells.
+    fn axis(&self, which: usize) -> Axis {
+        let count = if which == 0 { self.size.0 } else { self.size.1 };
+        let (from, to) =
+            if which == 0 { (self.rect.min.x, self.rect.max.x) } else { (self.rect.min.y, self.rect.max.y) };
+        let first = self.origin[which] as f32;
+        let half = self.cell / 2.0;
+        Axis { values: [first, first + count.saturating_sub(1) as f32], places: [from + half, to - half] }
+    }
+}
+
+/// The cost at a displacement, if it was tested.
+pub fn cost(surface: &Surface, [u, v]: [i32; 2]) -> Option<f32> {
+    let place = |c: i32, origin: i32| usize::try_from(c.checked_sub(origin)?).ok();
+    let (x, y) = (place(u, surface.origin[0])?, place(v, surface.origin[1])?);
+    surface.values.get(x, y).copied().filter(|v| v.is_finite())
+}
+
+/// A displacement as it is written.
+pub fn vector([u, v]: [i32; 2]) -> String {
+    format!("({}, {})", axis::number(u as f32), axis::number(v as f32))
+}
+
+/// What the surface shows, in words.
+pub fn summary(surface: &Surface) -> String {
+    let tested = surface.values.cells().iter().filter(|v| v.is_finite()).count();
+    let all = surface.values.cells().len();
+    let best =
+        surface.best.and_then(|at| Some(format!(", smallest {} at {}", axis::number(cost(surface, at)?), vector(at))));
+    format!("{} by displacement: {tested} of {all} tested{}", surface.title, best.unwrap_or_default())
+}
+
+/// What is not known yet: thin slanted lines.
+fn hatch(painter: &Painter, rect: Rect, theme: Theme) {
+    let chrome = theme.chrome();
+    painter.rect_filled(rect, 0.0, ink::color(chrome.raised));
+    let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
+    let stroke = Stroke::new(1.0, ink::color(chrome.raised.mix(chrome.text, 0.14)));
+    let mut x = rect.min.x - rect.height();
+    while x < rect.max.x {
+        clipped.line_segment([pos2(x, rect.max.y), pos2(x + rect.height(), rect.min.y)], stroke);
+        x += 8.0;
+    }
+}
+
+fn paint_costs(painter: &Painter, map: &Map, input: Input<'_>, state: &mut State) {
+    let Some([low, high]) = input.surface.range() else { return };
+    let mut hasher = DefaultHasher::new();
+    (fingerprint(input.surface), input.colors.name()).hash(&mut hasher);
+    let key = hasher.finish();
+    if state.texture.as_ref().is_none_or(|(known, _)| *known != key) {
+        let (width, height) = input.surface.values.size();
+        let span = (high - low).max(f32::MIN_POSITIVE);
+        let color =
+            |v: &f32| if v.is_finite() { ink::color(input.colors.at((v - low) / span)) } else { Color32::TRANSPARENT };
+        let pixels = input.surface.values.cells().iter().map(color).collect();
+        let image = ColorImage::new([width, height], pixels);
+        match &mut state.texture {
+            Some((known, texture)) => {
+                *known = key;
+                texture.set(image, TextureOptions::NEAREST);
+            }
+            None => {
+                state.texture = Some((key, painter.ctx().load_texture("costs", image, TextureOptions::NEAREST)));
+            }
+        }
+    }
+    if let Some((_, texture)) = &state.texture {
+        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+        painter.add(Shape::image(texture.id(), map.rect, whole, Color32::WHITE));
+    }
+}
+
+fn axes(painter: &Painter, map: &Map, theme: Theme) {
+    let chrome = theme.chrome();
+    let (dim, small) = (ink::color(chrome.dim), map.small);
+    let font = ink::font(Face::Sans, small);
+    let stroke = Stroke::new(1.0, dim);
+    let (bottom, left) = (map.rect.max.y, map.rect.min.x);
+    painter.rect_stroke(map.rect, 0.0, Stroke::new(1.0, ink::color(chrome.line)), egui::StrokeKind::Outside);
+    for (which, spacing) in [(0, 3.2 * small), (1, 2.0 * small)] {
+        let axis = map.axis(which);
+        for tick in axis.ticks(spacing, 1.0) {
+            let (at, text) = (axis.place(tick), axis::number(tick));
+            if which == 0 {
+                painter.vline(at, bottom..=bottom + 4.0, stroke);
+                painter.text(pos2(at, bottom + 6.0), Align2::CENTER_TOP, text, font.clone(), dim);
+            } else {
+                painter.hline(left - 4.0..=left, at, stroke);
+                painter.text(pos2(left - 7.0, at), Align2::RIGHT_CENTER, text, font.clone(), dim);
+            }
+        }
+    }
+    let text = ink::color(chrome.text);
+    let name = ink::font(Face::Italic, small);
+    painter.text(pos2(map.rect.max.x + 0.8 * small, bottom + 6.0), Align2::LEFT_TOP, "u, px", name.clone(), text);
+    let above = pos2(left - 7.0, map.rect.min.y - 0.4 * small);
+    painter.text(above, Align2::RIGHT_BOTTOM, "v, px", name, text);
+}
+
+/// Thin lines through a displacement, and a frame around its cell.
+fn cross(painter: &Painter, map: &Map, at: [i32; 2], role: Role, theme: Theme) {
+    let inked = theme.ink(role);
+    let cell = map.cell_rect(at);
+    let color = ink::color(inked.color);
+    let clipped = painter.with_clip_rect(map.rect.expand(4.0).intersect(painter.clip_rect()));
+    for (width, color) in [(2.5, Color32::from_black_alpha(90)), (1.0, color.gamma_multiply(0.8))] {
+        clipped.hline(map.rect.x_range(), cell.center().y, Stroke::new(width, color));
+        clipped.vline(cell.center().x, map.rect.y_range(), Stroke::new(width, color));
+    }
+    let frame = Rect::from_center_size(cell.center(), cell.size().max(vec2(7.0, 7.0)));
+    let rim = Stroke::new(inked.width + 2.0 * inked.halo_width, ink::color(inked.halo));
+    painter.rect_stroke(frame.expand(inked.width / 2.0), 0.0, rim, egui::StrokeKind::Middle);
+    painter.rect_stroke(
+        frame.expand(inked.width / 2.0),
+        0.0,
+        Stroke::new(inked.width, color),
+        egui::StrokeKind::Middle,
+    );
+}
+
+/// What is mapped, and the cost under the pointer.
+fn header(painter: &Painter, map: &Map, area: Rect, input: Input<'_>, hovered: Option<[i32; 2]>) {
+    let chrome = input.theme.chrome();
+    let font = ink::font(Face::Sans, map.small);
+    let y = area.min.y + 0.7 * map.small;
+    let told = match hovered {
+        Some(at) => match cost(input.surface, at) {
+            Some(cost) => format!("{} at {} is {}", input.surface.title, vector(at), axis::number(cost)),
+            None => format!("{} is not tested yet", vector(at)),
+        },
+        None => format!("{} by displacement", input.surface.title),
+    };
+    painter.text(pos2(map.rect.min.x, y), Align2::LEFT_CENTER, told, font, ink::color(chrome.text));
+}
+
+fn color_bar(painter: &Painter, map: &Map, input: Input<'_>) {
+    let Some([low, high]) = input.surface.range() else { return };
+    let bar =
+        Rect::from_min_size(pos2(map.rect.max.x + 2.0 * map.small, map.rect.min.y), vec2(map.small, map.rect.height()));
+    let colors: Vec<[u8; 4]> = (0..=32).rev().map(|i| input.colors.at(i as f32 / 32.0).0).collect();
+    painter.add(primitives::gradient_down(bar, &colors));
+    let chrome = input.theme.chrome();
+    painter.rect_stroke(bar, 0.0, Stroke::new(1.0, ink::color(chrome.line)), egui::StrokeKind::Outside);
+    let axis = Axis { values: [low, high], places: [bar.max.y, bar.min.y] };
+    let font = ink::font(Face::Sans, map.small);
+    let dim = ink::color(chrome.dim);
+    let label = |value: f32| {
+        let y = axis.place(value);
+        painter.hline(bar.max.x..=bar.max.x + 4.0, y, Stroke::new(1.0, dim));
+        painter.text(pos2(bar.max.x + 7.0, y), Align2::LEFT_CENTER, axis::number(value), font.clone(), dim);
+    };
+    label(low);
+    if high > low {
+        label(high);
+        let clear = |v: &f32| [low, high].iter().all(|end| (axis.place(*v) - axis.place(*end)).abs() > 1.6 * map.small);
+        axis.ticks(2.6 * map.small, 1e-6).into_iter().filter(clear).for_each(label);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motionscope_core::Grid;
+
+    fn surface() -> Surface {
+        let values = Grid::from_fn(33, 17, |x, y| if y < 9 { (x + 40 * y) as f32 } else { f32::NAN });
+        Surface { title: "SAD", origin: [-16, -8], values, probe: Some([0, 0]), best: Some([-16, -8]) }
+    }
+
+    #[test]
+    fn the_pointer_finds_the_displacement_whose_cell_it_is_on() {
+        let area = Rect::from_min_size(pos2(20.0, 10.0), vec2(500.0, 300.0));
+        let map = Map::new(&surface(), area, Theme::Dark);
+        assert!(area.contains_rect(map.rect));
+        for at in [[-16, -8], [0, 0], [16, 8], [5, -3]] {
+            assert_eq!(map.displacement(map.cell_rect(at).center()), Some(at));
+            let (x, y) = (map.axis(0), map.axis(1));
+            let center = map.cell_rect(at).center();
+            assert!((x.place(at[0] as f32) - center.x).abs() < 0.01 && (y.place(at[1] as f32) - center.y).abs() < 0.01);
+        }
+        assert_eq!(map.displacement(area.min), None);
+    }
+
+    #[test]
+    fn the_map_tells_itself_in_words() {
+        assert_eq!(summary(&surface()), "SAD by displacement: 297 of 561 tested, smallest 0 at (−16, −8)");
+        assert_eq!(cost(&surface(), [0, 8]), None);
+        assert_eq!(cost(&surface(), [-40, 0]), None);
+    }
+
+    #[test]
+    fn a_fingerprint_changes_with_the_surface() {
+        let (a, mut b) = (surface(), surface());
+        assert_eq!(fingerprint(&a), fingerprint(&b));
+        b.values[(4, 4)] += 1.0;
+        assert_ne!(fingerprint(&a), fingerprint(&b));
+    }
+}

@@ -1,0 +1,253 @@
+//! A quantity over steps, as lines.
+
+use std::sync::Arc;
+
+use eframe::egui::{self, Align2, Color32, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
+use motionscope_core::Role;
+use motionscope_core::scene::Series;
+
+use super::axis::{self, Axis};
+use super::{ink, primitives};
+use crate::paint::{Face, Theme};
+
+/// What is plotted.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// The lines.
+    pub series: &'a Series,
+    /// The look.
+    pub theme: Theme,
+}
+
+/// What the person did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Response {
+    /// The step that was clicked.
+    pub clicked: Option<f32>,
+}
+
+/// Shows the lines in the whole of `ui`.
+pub fn show(ui: &mut Ui, input: Input<'_>) -> Response {
+    let Input { series, theme } = input;
+    let (area, _) = ui.allocate_exact_size(ui.available_size().max(vec2(80.0, 60.0)), Sense::hover());
+    let plot = Plot::new(series, area, theme);
+    let sensed = ui.interact(plot.rect, ui.scope_id().with("series"), Sense::click());
+    sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, summary(series)));
+    let painter = ui.painter_at(area);
+    axes(&painter, &plot, series, theme);
+    let lines = painter.with_clip_rect(plot.rect.expand(4.0).intersect(area));
+    for (_, role, points) in &series.lines {
+        line(&lines, &plot, *role, points, theme);
+    }
+    let hovered = sensed.hover_pos().map(|at| plot.x.value(at.x));
+    if let Some(x) = hovered.and_then(|x| nearest(series, x)) {
+        let stroke = Stroke::new(1.0, ink::color(theme.chrome().dim));
+        painter.vline(plot.x.place(x), plot.rect.y_range(), stroke);
+    }
+    header(&painter, &plot, area, input, hovered);
+    Response { clicked: if sensed.clicked() { hovered.and_then(|x| nearest(series, x)) } else { None } }
+}
+
+/// Where the lines are drawn.
+struct Plot {
+    rect: Rect,
+    x: Axis,
+    y: Axis,
+    small: f32,
+}
+
+impl Plot {
+    fn new(series: &Series, area: Rect, theme: Theme) -> Self {
+        let small = theme.sizes().small;
+        let min = area.min + vec2(4.6 * small, 2.4 * small);
+        let max = area.max - vec2(1.2 * small, 3.0 * small);
+        let rect = Rect::from_min_max(min, max.max(min + vec2(8.0, 8.0)));
+        let high = series.lines.iter().flat_map(|(_, _, points)| points).map(|p| p[1]).filter(|y| y.is_finite());
+        let high = high.fold(f32::MIN_POSITIVE, f32::max);
+        let rough = Axis { values: [0.0, high], places: [rect.max.y, rect.min.y] };
+        // The axis ends on a tick, so that it seldom changes while values come in.
+        let step = rough.ticks(2.4 * small, 0.0).windows(2).map(|w| w[1] - w[0]).next().unwrap_or(high);
+        let top = (high / step).ceil().max(1.0) * step;
+        Self {
+            rect,
+            x: Axis { values: [0.0, series.x_max.max(1) as f32], places: [rect.min.x, rect.max.x] },
+            y: Axis { values: [0.0, top], places: [rect.max.y, rect.min.y] },
+            small,
+        }
+    }
+
+    fn at(&self, [x, y]: [f32; 2]) -> Pos2 {
+        pos2(self.x.place(x), self.y.place(y))
+    }
+}
+
+fn axes(painter: &Painter, plot: &Plot, series: &Series, theme: Theme) {
+    let chrome = theme.chrome();
+    let (dim, rule) = (ink::color(chrome.dim), Stroke::new(1.0, ink::color(chrome.line)));
+    let font = ink::font(Face::Sans, plot.small);
+    for tick in plot.y.ticks(2.4 * plot.small, 0.0) {
+        let y = plot.y.place(tick);
+        painter.hline(plot.rect.x_range(), y, rule);
+        painter.text(pos2(plot.rect.min.x - 7.0, y), Align2::RIGHT_CENTER, axis::number(tick), font.clone(), dim);
+    }
+    let bottom = plot.rect.max.y;
+    painter.hline(plot.rect.x_range(), bottom, Stroke::new(1.0, dim));
+    let width = |text: &str| painter.layout_no_wrap(text.into(), font.clone(), dim).size().x;
+    let label = plot.rect.max.x - width(series.x_label);
+    for tick in plot.x.ticks(5.0 * plot.small, 1.0) {
+        let (x, text) = (plot.x.place(tick), axis::number(tick));
+        painter.vline(x, bottom..=bottom + 4.0, Stroke::new(1.0, dim));
+        // The last stretch is for what the numbers mean.
+        if x + width(&text) / 2.0 + 8.0 < label {
+            painter.text(pos2(x, bottom + 6.0), Align2::CENTER_TOP, text, font.clone(), dim);
+        }
+    }
+    let text = ink::color(chrome.text);
+    painter.text(pos2(plot.rect.max.x, bottom + 6.0), Align2::RIGHT_TOP, series.x_label, font, text);
+}
+
+/// A line in its role's colour. A best value holds until it is beaten: it goes in steps.
+fn line(painter: &Painter, plot: &Plot, role: Role, points: &[[f32; 2]], theme: Theme) {
+    let color = ink::color(theme.word(role));
+    let holds = role == Role::Best;
+    let width = theme.ink(role).width * if holds { 1.0 } else { 0.6 };
+    let points = if holds { steps(points) } else { thinned(points, plot) };
+    let places: Vec<Pos2> = points.iter().map(|&point| plot.at(point)).collect();
+    let Some(&last) = places.last() else { return };
+    let stroke = Stroke::new(width, if holds { color } else { color.gamma_multiply(0.85) });
+    painter.extend(primitives::line(&places, stroke, theme.ink(role).dash));
+    painter.circle(last, 2.0 + width, color, Stroke::new(1.5, ink::color(theme.chrome().panel)));
+}
+
+/// Each value is held up to the next.
+fn steps(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
+    let mut held = Vec::with_capacity(2 * points.len());
+    for (i, &[x, y]) in points.iter().enumerate() {
+        if i > 0 {
+            held.push([x, points[i - 1][1]]);
+        }
+        held.push([x, y]);
+    }
+    held
+}
+
+/// At most two points for every point of the screen: the smallest and the largest there.
+fn thinned(points: &[[f32; 2]], plot: &Plot) -> Vec<[f32; 2]> {
+    if points.len() < 2 * plot.rect.width() as usize {
+        return points.to_vec();
+    }
+    let column = |point: &[f32; 2]| plot.x.place(point[0]).floor();
+    let mut kept = Vec::new();
+    for group in points.chunk_by(|a, b| column(a) == column(b)) {
+        let by_value = |a: &&[f32; 2], b: &&[f32; 2]| a[1].total_cmp(&b[1]);
+        let ends = [group.iter().min_by(by_value), group.iter().max_by(by_value)];
+        let mut ends: Vec<_> = ends.into_iter().flatten().copied().collect();
+        ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        kept.extend(ends);
+    }
+    kept.extend(points.last());
+    kept
+}
+
+/// The step nearest to `x` for which there is a value.
+fn nearest(series: &Series, x: f32) -> Option<f32> {
+    let all = series.lines.iter().flat_map(|(_, _, points)| points).map(|point| point[0]);
+    all.min_by(|a, b| (a - x).abs().total_cmp(&(b - x).abs()))
+}
+
+/// The value of a line at `x`: a best value holds, others are known only at their points.
+fn value(role: Role, points: &[[f32; 2]], x: f32) -> Option<f32> {
+    let before = points.partition_point(|point| point[0] <= x).checked_sub(1)?;
+    let [at, value] = points[before];
+    (at == x || role == Role::Best).then_some(value)
+}
+
+/// What is plotted, and the values under the pointer.
+fn header(painter: &Painter, plot: &Plot, area: Rect, input: Input<'_>, hovered: Option<f32>) {
+    let Input { series, theme } = input;
+    let chrome = theme.chrome();
+    let font = ink::font(Face::Sans, plot.small);
+    let text = ink::color(chrome.text);
+    let step = hovered.and_then(|x| nearest(series, x));
+    let first = match step {
+        Some(x) => format!("{} {}", series.x_label, axis::number(x)),
+        None => format!("{}, {}", series.title, series.y_label),
+    };
+    let mut words = vec![(first, text)];
+    for (name, role, points) in &series.lines {
+        let value = step.and_then(|x| value(*role, points, x)).map(|value| format!(" {}", axis::number(value)));
+        words.push((format!("{name}{}", value.unwrap_or_default()), ink::color(theme.word(*role))));
+    }
+    let galleys = words.into_iter().map(|(words, color)| painter.layout_no_wrap(words, font.clone(), color));
+    let mut galleys: Vec<_> = galleys.collect();
+    let gap = 1.4 * plot.small;
+    let width = |galleys: &[Arc<egui::Galley>]| galleys.iter().map(|galley| galley.size().x + gap).sum::<f32>();
+    let left = area.min.x.max(plot.rect.max.x - width(&galleys) + gap).min(plot.rect.min.x);
+    // Where there is no room for all, the names of the lines matter more.
+    if width(&galleys) - gap > area.max.x - left && step.is_none() {
+        galleys.remove(0);
+    }
+    let mut at = pos2(left, area.min.y + 0.7 * plot.small);
+    for galley in galleys {
+        let (width, top) = (galley.size().x, at.y - galley.size().y / 2.0);
+        painter.galley(pos2(at.x, top), galley, Color32::PLACEHOLDER);
+        at.x += width + gap;
+    }
+}
+
+fn summary(series: &Series) -> String {
+    let last = series.lines.iter().filter_map(|(name, _, points)| {
+        points.last().map(|[x, y]| format!(", {name} {} at {} {}", axis::number(*y), series.x_label, axis::number(*x)))
+    });
+    format!("{}, {}{}", series.title, series.y_label, last.collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn series(points: usize) -> Series {
+        let tested = (1..=points).map(|i| [i as f32, 500.0 + (i * 37 % 400) as f32]).collect();
+        let best = vec![[1.0, 537.0], [3.0, 511.0]];
+        let lines = vec![("candidate", Role::Candidate, tested), ("best so far", Role::Best, best)];
+        Series { title: "Cost by candidate", x_label: "candidate", y_label: "SAD", x_max: 1089, lines }
+    }
+
+    fn plot(series: &Series) -> Plot {
+        Plot::new(series, Rect::from_min_size(Pos2::ZERO, vec2(400.0, 200.0)), Theme::Dark)
+    }
+
+    #[test]
+    fn the_axes_hold_every_value_and_do_not_jump() {
+        let (few, many) = (series(10), series(1089));
+        let (a, b) = (plot(&few), plot(&many));
+        assert_eq!(a.x, b.x);
+        assert_eq!(a.y.values, b.y.values, "the top is a round number");
+        for [_, y] in &many.lines[0].2 {
+            assert!(b.rect.y_range().contains(b.y.place(*y)));
+        }
+    }
+
+    #[test]
+    fn a_best_value_holds_until_it_is_beaten() {
+        assert_eq!(steps(&[[1.0, 9.0], [4.0, 5.0]]), [[1.0, 9.0], [4.0, 9.0], [4.0, 5.0]]);
+        let series = series(10);
+        let (_, _, best) = &series.lines[1];
+        assert_eq!(
+            [0.0, 1.0, 2.0, 9.0].map(|x| value(Role::Best, best, x)),
+            [None, Some(537.0), Some(537.0), Some(511.0)]
+        );
+        assert_eq!(value(Role::Candidate, &series.lines[0].2, 2.5), None);
+    }
+
+    #[test]
+    fn many_points_are_thinned_without_losing_the_extremes() {
+        let series = series(1089);
+        let points = &series.lines[0].2;
+        let kept = thinned(points, &plot(&series));
+        assert!(kept.len() < points.len());
+        let low = |points: &[[f32; 2]]| points.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
+        assert_eq!(low(&kept), low(points));
+        assert_eq!(kept.last(), points.last());
+    }
+}

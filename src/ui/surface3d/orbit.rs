@@ -1,0 +1,130 @@
+//! A camera that turns about the middle of the ground.
+
+use eframe::egui::{Pos2, Rect, Vec2, pos2};
+use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
+use glam::{Mat4, Vec3};
+use serde::{Deserialize, Serialize};
+
+const FIELD_OF_VIEW_RAD: f32 = 0.5;
+const NEAREST: f32 = 2.2;
+const FARTHEST: f32 = 14.0;
+/// What the camera looks at: above the ground, in the middle of what stands on it.
+const TARGET: Vec3 = Vec3::new(0.0, 0.36, 0.0);
+
+/// From where one looks. x is u, z is v, y is the cost; the ground reaches from −1 to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Orbit {
+    /// About the vertical, 0 with v coming towards the eye.
+    pub yaw_rad: f32,
+    /// Above the ground.
+    pub pitch_rad: f32,
+    /// From the middle.
+    pub distance: f32,
+}
+
+impl Default for Orbit {
+    fn default() -> Self {
+        Self { yaw_rad: -0.5, pitch_rad: 0.5, distance: 5.2 }
+    }
+}
+
+impl Orbit {
+    /// After a drag by `delta` points.
+    #[must_use]
+    pub fn turned(self, delta: Vec2) -> Self {
+        let yaw_rad = (self.yaw_rad - 0.008 * delta.x).rem_euclid(std::f32::consts::TAU);
+        let pitch_rad = (self.pitch_rad + 0.008 * delta.y).clamp(0.06, 1.5);
+        Self { yaw_rad, pitch_rad, ..self }
+    }
+
+    /// After coming nearer by `factor`.
+    #[must_use]
+    pub fn nearer(self, factor: f32) -> Self {
+        Self { distance: (self.distance / factor).clamp(NEAREST, FARTHEST), ..self }
+    }
+
+    /// Where the eye is.
+    pub fn eye(&self) -> Vec3 {
+        let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
+        let (sin_pitch, cos_pitch) = self.pitch_rad.sin_cos();
+        TARGET + self.distance * Vec3::new(cos_pitch * sin_yaw, sin_pitch, cos_pitch * cos_yaw)
+    }
+
+    /// Clip space from the world, for a picture of this width over height.
+    pub fn clip_from_world(&self, aspect: f32) -> Mat4 {
+        let eye = self.eye();
+        // A narrow picture is seen from further off, so that its sides are not cut.
+        let widen = (1.35 / aspect.max(0.05)).max(1.0);
+        let eye = TARGET + (eye - TARGET) * widen;
+        let projection = perspective(FIELD_OF_VIEW_RAD, aspect.max(0.05), 0.1, 200.0);
+        projection * look_at_mat4(eye, TARGET, Vec3::Y)
+    }
+}
+
+/// The camera over a part of the screen.
+#[derive(Clone, Copy, Debug)]
+pub struct Screen {
+    /// The part of the screen, in points.
+    pub rect: Rect,
+    /// Clip space from the world.
+    pub clip_from_world: Mat4,
+}
+
+impl Screen {
+    /// The world as seen from `orbit` in `rect`.
+    pub fn new(rect: Rect, orbit: &Orbit) -> Self {
+        let aspect = rect.width().max(1.0) / rect.height().max(1.0);
+        Self { rect, clip_from_world: orbit.clip_from_world(aspect) }
+    }
+
+    /// Where a place of the world is seen, and its depth from 0 near to 1 far.
+    pub fn project(&self, place: Vec3) -> (Pos2, f32) {
+        let clip = self.clip_from_world.project_point3(place);
+        let at = self.rect.center() + Vec2::new(clip.x, -clip.y) * self.rect.size() / 2.0;
+        (pos2(at.x, at.y), clip.z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::vec2;
+
+    fn screen(orbit: &Orbit) -> Screen {
+        Screen::new(Rect::from_min_size(pos2(40.0, 10.0), vec2(600.0, 400.0)), orbit)
+    }
+
+    #[test]
+    fn the_world_is_seen_the_right_way_round() {
+        let front = Orbit { yaw_rad: 0.0, ..Orbit::default() };
+        let screen = screen(&front);
+        let at = |x, y, z| screen.project(Vec3::new(x, y, z));
+        assert!(at(1.0, 0.0, 0.0).0.x > at(-1.0, 0.0, 0.0).0.x, "u to the right");
+        assert!(at(0.0, 1.0, 0.0).0.y < at(0.0, 0.0, 0.0).0.y, "cost upwards");
+        assert!(at(0.0, 0.0, 1.0).0.y > at(0.0, 0.0, -1.0).0.y, "v towards the eye");
+        assert!(at(0.0, 0.0, 1.0).1 < at(0.0, 0.0, -1.0).1, "and nearer");
+        assert!((at(0.0, 0.36, 0.0).0 - screen.rect.center()).length() < 1e-2);
+    }
+
+    #[test]
+    fn everything_is_in_the_picture_from_every_side() {
+        for aspect in [vec2(900.0, 300.0), vec2(400.0, 400.0), vec2(260.0, 420.0)] {
+            for i in 0..12 {
+                let orbit = Orbit { yaw_rad: i as f32 * 0.53, ..Orbit::default() };
+                let rect = Rect::from_min_size(Pos2::ZERO, aspect);
+                let screen = Screen::new(rect, &orbit);
+                for corner in [[-1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, -1.0]] {
+                    let (at, depth) = screen.project(corner.into());
+                    assert!(rect.contains(at) && (0.0..1.0).contains(&depth), "{aspect} {orbit:?}: {at}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn turning_stays_above_the_ground_and_zooming_in_bounds() {
+        let orbit = Orbit::default().turned(vec2(1e5, -1e5)).nearer(1e6);
+        assert!(orbit.eye().y > 0.0 && orbit.distance == NEAREST);
+        assert_eq!(Orbit::default().nearer(1e-6).distance, FARTHEST);
+    }
+}

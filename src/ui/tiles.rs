@@ -1,0 +1,212 @@
+//! Small pictures whose pixels are numbers, side by side: the same pixel is lit in all of them.
+
+use eframe::egui::{
+    self, Align2, Color32, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, pos2, vec2,
+};
+use motionscope_core::Role;
+use motionscope_core::scene::Tile;
+
+use super::{axis, ink};
+use crate::paint::{Face, Theme};
+
+/// Points per pixel from which numbers fit.
+const NUMBERS: f32 = 17.0;
+/// Largest size of a pixel, in points.
+const LARGEST: f32 = 36.0;
+/// Between two tiles, in points.
+const GAP: f32 = 16.0;
+
+/// The tiles of a step.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// The tiles, left to right.
+    pub tiles: &'a [Tile],
+    /// The look.
+    pub theme: Theme,
+}
+
+/// The pixel under the pointer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    hovered: Option<[usize; 2]>,
+}
+
+/// What the person did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Response {
+    /// The pixel under the pointer, from the tiles' upper left corner.
+    pub hovered: Option<[usize; 2]>,
+}
+
+/// Shows the tiles as large as they fit, and the numbers of the pixel pointed at below them.
+pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
+    let Input { tiles, theme } = input;
+    let small = theme.sizes().small;
+    let line = (1.7 * small).round();
+    let area = ui.available_rect_before_wrap();
+    let labels = tiles.iter().map(|tile| label_width(ui.painter(), tile, theme)).fold(0.0, f32::max);
+    let frame = Frame::new(tiles, area, line, labels);
+    let (rect, whole) = ui.allocate_exact_size(vec2(area.width(), frame.height + 2.0 * line), Sense::hover());
+    ink::name(&whole, || told(tiles, state.hovered));
+    let mut hovered = None;
+    for (i, tile) in tiles.iter().enumerate() {
+        let place = frame.place(rect.min, i, tile);
+        label(ui.painter(), tile, pos2(place.min.x, rect.min.y), line, theme);
+        let sensed = ui.interact(place, ui.scope_id().with(("tile", i)), Sense::hover());
+        let gain = paint(ui.painter(), tile, place, frame.cell, theme);
+        sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, caption(tile, gain)));
+        if let Some(at) = sensed.hover_pos() {
+            hovered = pixel(at, place, frame.cell, tile);
+        }
+        if let Some([x, y]) = state.hovered.filter(|&[x, y]| tile.values.get(x, y).is_some()) {
+            let min = place.min + vec2(x as f32, y as f32) * frame.cell;
+            let lit = Rect::from_min_size(min, vec2(frame.cell, frame.cell));
+            ui.painter().rect_stroke(lit, 0.0, Stroke::new(4.0, Color32::BLACK), StrokeKind::Outside);
+            ui.painter().rect_stroke(lit, 0.0, Stroke::new(2.0, Color32::WHITE), StrokeKind::Outside);
+        }
+    }
+    state.hovered = hovered;
+    let words = ink::color(theme.chrome().dim);
+    let at = pos2(rect.min.x, rect.max.y - line / 2.0);
+    let painter = ui.painter_at(rect);
+    painter.text(at, Align2::LEFT_CENTER, told(tiles, hovered), ink::font(Face::Sans, small), words);
+    Response { hovered }
+}
+
+/// Where tiles stand.
+struct Frame {
+    cell: f32,
+    step: f32,
+    height: f32,
+    top: f32,
+}
+
+impl Frame {
+    /// Tiles whose labels are `labels` points wide at most, as large as fits into `area`.
+    fn new(tiles: &[Tile], area: Rect, line: f32, labels: f32) -> Self {
+        let size = |tile: &Tile| [tile.values.width() as f32, tile.values.height() as f32];
+        let [width, height] = tiles.iter().map(size).fold([1.0f32; 2], |[w, h], size| [w.max(size[0]), h.max(size[1])]);
+        let across = (area.width() / tiles.len().max(1) as f32 - GAP) / width;
+        let down = (area.height() - 2.0 * line - 4.0) / height;
+        let cell = across.min(down).clamp(2.0, LARGEST);
+        let cell = if cell >= 4.0 { cell.floor() } else { cell };
+        Self { cell, step: (cell * width).max(labels) + GAP, height: cell * height + 4.0, top: line }
+    }
+
+    fn place(&self, origin: Pos2, index: usize, tile: &Tile) -> Rect {
+        let (width, height) = tile.values.size();
+        let min = origin + vec2(index as f32 * self.step, self.top);
+        Rect::from_min_size(min, vec2(width as f32, height as f32) * self.cell)
+    }
+}
+
+fn pixel(at: Pos2, place: Rect, cell: f32, tile: &Tile) -> Option<[usize; 2]> {
+    let [x, y] = [(at.x - place.min.x) / cell, (at.y - place.min.y) / cell].map(|c| c.max(0.0) as usize);
+    tile.values.get(x, y).map(|_| [x, y])
+}
+
+fn label(painter: &Painter, tile: &Tile, at: Pos2, line: f32, theme: Theme) {
+    let mut left = at.x;
+    if let Some(role) = tile.role {
+        let top = at.y + ((line - ink::SWATCH.y) / 2.0).round();
+        ink::swatch(painter, pos2(left, top), role, theme);
+        left += ink::SWATCH.x + 8.0;
+    }
+    let text = ink::color(theme.chrome().text);
+    let font = ink::font(Face::Sans, theme.sizes().small);
+    painter.text(pos2(left, at.y + line / 2.0), Align2::LEFT_CENTER, caption(tile, gain(tile)), font, text);
+}
+
+fn label_width(painter: &Painter, tile: &Tile, theme: Theme) -> f32 {
+    let font = ink::font(Face::Sans, theme.sizes().small);
+    let swatch = if tile.role.is_some() { ink::SWATCH.x + 8.0 } else { 0.0 };
+    swatch + painter.layout_no_wrap(caption(tile, gain(tile)), font, Color32::PLACEHOLDER).size().x
+}
+
+fn caption(tile: &Tile, gain: f32) -> String {
+    if gain > 1.0 { format!("{} × {gain}", tile.label) } else { tile.label.to_owned() }
+}
+
+/// How many times brighter than its numbers a tile of differences is shown: all but a few may then be seen.
+fn gain(tile: &Tile) -> f32 {
+    if tile.role != Some(Role::Error) {
+        return 1.0;
+    }
+    let mut values: Vec<f32> = tile.values.cells().iter().copied().filter(|v| v.is_finite()).collect();
+    values.sort_by(f32::total_cmp);
+    let top = values.get(values.len().saturating_sub(1) * 19 / 20).copied().unwrap_or(0.0);
+    let fits = |gain: &f32| top > 0.0 && top * gain <= tile.range[1];
+    [8.0, 4.0, 2.0].into_iter().find(fits).unwrap_or(1.0)
+}
+
+/// Paints a tile into `place`; gives its gain.
+fn paint(painter: &Painter, tile: &Tile, place: Rect, cell: f32, theme: Theme) -> f32 {
+    let gain = gain(tile);
+    let [black, white] = tile.range;
+    let shade = |v: f32| (255.0 * (v * gain - black) / (white - black).max(f32::MIN_POSITIVE)).clamp(0.0, 255.0) as u8;
+    let mut mesh = Mesh::default();
+    let square =
+        |x: usize, y: usize| Rect::from_min_size(place.min + vec2(x as f32, y as f32) * cell, vec2(cell, cell));
+    painter.rect_filled(place, 0.0, ink::color(theme.chrome().raised));
+    let (width, height) = tile.values.size();
+    let known = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter_map(|(x, y)| {
+        let v = tile.values[(x, y)];
+        v.is_finite().then_some((x, y, v))
+    });
+    known.clone().for_each(|(x, y, v)| mesh.add_colored_rect(square(x, y), Color32::from_gray(shade(v))));
+    painter.add(Shape::mesh(mesh));
+    if cell >= NUMBERS {
+        let font = ink::font(Face::Sans, (0.42 * cell).clamp(7.5, 14.0));
+        for (x, y, v) in known {
+            let color = super::stage::on_gray(shade(v));
+            let number = axis::number(v);
+            // A square of 255 has five digits: it gets smaller type.
+            let font = if number.len() > 4 { ink::font(Face::Sans, font.size * 0.72) } else { font.clone() };
+            painter.text(square(x, y).center(), Align2::CENTER_CENTER, number, font, color);
+        }
+    }
+    gain
+}
+
+fn told(tiles: &[Tile], hovered: Option<[usize; 2]>) -> String {
+    let Some([x, y]) = hovered else { return "Point at a pixel to compare its numbers.".into() };
+    let number = |tile: &Tile| {
+        let v = tile.values.get(x, y).copied().unwrap_or(f32::NAN);
+        format!("{} {}", tile.label, axis::number(v))
+    };
+    let numbers: Vec<_> = tiles.iter().map(number).collect();
+    format!("column {x}, row {y}: {}", numbers.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motionscope_core::Grid;
+
+    fn tile(side: usize, role: Role, top: f32) -> Tile {
+        let values = Grid::from_fn(side, side, |x, _| top * x as f32 / side as f32);
+        Tile { label: "block", role: Some(role), values, range: [0.0, 255.0] }
+    }
+
+    #[test]
+    fn tiles_fit_their_area() {
+        for side in [4, 16, 64] {
+            let tiles = [tile(side, Role::Reference, 255.0), tile(side, Role::Candidate, 255.0)];
+            let area = Rect::from_min_size(pos2(5.0, 7.0), vec2(500.0, 300.0));
+            let frame = Frame::new(&tiles, area, 20.0, 90.0);
+            let last = frame.place(area.min, 1, &tiles[1]);
+            assert!(area.contains_rect(last), "{last:?}");
+            assert!(frame.place(area.min, 0, &tiles[0]).max.x < last.min.x);
+            let cell = frame.cell;
+            let middle = last.min + vec2(2.5, 3.5) * cell;
+            assert_eq!(pixel(middle, last, cell, &tiles[1]), Some([2, 3]));
+        }
+    }
+
+    #[test]
+    fn small_differences_are_brightened_and_it_is_said() {
+        assert_eq!(caption(&tile(4, Role::Error, 20.0), gain(&tile(4, Role::Error, 20.0))), "block × 8");
+        assert_eq!(gain(&tile(4, Role::Error, 300.0)), 1.0);
+        assert_eq!(gain(&tile(4, Role::Reference, 20.0)), 1.0);
+    }
+}
