@@ -18,7 +18,7 @@ pub fn font(face: Face, size: f32) -> FontId {
     let family = match face {
         Face::Sans => FontFamily::Proportional,
         Face::Mono => FontFamily::Monospace,
-        Face::Bold => FontFamily::Name("bold".into()),
+        Face::Bold => super::style::bold(),
         Face::Italic => FontFamily::Name("italic".into()),
     };
     FontId::new(size, family)
