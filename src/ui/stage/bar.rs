@@ -89,7 +89,7 @@ fn right_side(ui: &mut Ui, state: &mut State) {
         state.fit();
     }
     let percent = state.shown.map_or(100.0, |lens| lens.scale * pixels_per_point * 100.0);
-    let tip = "Zoom. Turn the wheel or pinch over the picture; drag with the middle or right button to move it.";
+    let tip = "Zoom. Turn the wheel or pinch over the picture; drag to move it.";
     ui.weak(format!("{percent:.0} %")).on_hover_text(tip);
 }
 
@@ -222,7 +222,8 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
     let font = ink::font(Face::Sans, size);
     let painter = ui.painter_at(rect);
     let Some(pixel) = hovered else {
-        let hint = "Point at a pixel to read it. Click a block to go there. The wheel zooms, dragging with the right button moves.";
+        let hint =
+            "Point at a pixel to read it. Click a block to go there. The wheel zooms, dragging moves the picture.";
         ink::name(&response, || hint.into());
         painter.text(rect.left_center(), Align2::LEFT_CENTER, hint, font, dim);
         return;

@@ -12,7 +12,7 @@ mod pixels;
 
 use std::sync::Arc;
 
-use eframe::egui::{self, Key, PointerButton, Rect, Sense, Ui, Vec2, pos2, vec2};
+use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
 use motionscope_core::{Frame, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -166,6 +166,8 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Respo
         state.shown = Some(lens);
         let id = ui.scope_id().with(("pane", *panel));
         let sensed = ui.interact(pane, id, Sense::click_and_drag());
+        let cursor = if sensed.dragged() { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
+        let sensed = sensed.on_hover_and_drag_cursor(cursor);
         sensed.widget_info(|| {
             let title = title(*panel, input.frame, 1);
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}"))
@@ -214,11 +216,7 @@ fn looked(ui: &Ui, sensed: &egui::Response, lens: &Lens) -> Option<Zoom> {
     if sensed.double_clicked() {
         return Some(Zoom::Fit);
     }
-    let (touched, held) = ui.input(|i| (i.any_touches(), i.key_down(Key::Space)));
-    let pans = sensed.dragged_by(PointerButton::Middle)
-        || sensed.dragged_by(PointerButton::Secondary)
-        || (sensed.dragged_by(PointerButton::Primary) && (touched || held));
-    if pans && sensed.drag_delta() != Vec2::ZERO {
+    if sensed.dragged() && sensed.drag_delta() != Vec2::ZERO {
         return Some(lens.panned(sensed.drag_delta()));
     }
     let cursor = sensed.hover_pos()?;
