@@ -44,13 +44,16 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
         ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
         state.keep_for((info.id, ui.available_width().round() as u32, theme));
         hold(ui, &mut state.sentence, |ui| sentence(ui, &step.sentence, theme));
-        for readout in &step.readouts {
-            match readout {
-                Readout::Equation(lines) => hold(ui, &mut state.equation, |ui| equation(ui, lines, theme)),
-                Readout::Facts(facts) => hold(ui, &mut state.facts, |ui| table(ui, facts, theme)),
-                Readout::Tiles(_) | Readout::Series(_) | Readout::Surface(_) => {}
-            }
-        }
+        let facts = step.readouts.iter().find_map(|readout| match readout {
+            Readout::Facts(facts) => Some(facts.as_slice()),
+            _ => None,
+        });
+        hold(ui, &mut state.facts, |ui| table(ui, facts.unwrap_or_default(), theme));
+        let lines = step.readouts.iter().find_map(|readout| match readout {
+            Readout::Equation(lines) => Some(lines.as_slice()),
+            _ => None,
+        });
+        hold(ui, &mut state.equation, |ui| equation(ui, lines.unwrap_or_default(), theme));
         pseudocode(ui, input);
         citation(ui, info.source, theme);
     });
@@ -64,7 +67,9 @@ fn hold(ui: &mut Ui, height: &mut f32, add: impl FnOnce(&mut Ui)) {
         add(ui);
     });
     *height = height.max(shown.response.rect.height());
-    ui.add_space(8.0);
+    if *height > 0.0 {
+        ui.add_space(8.0);
+    }
 }
 
 /// A sentence, its role words in a legible shade of the role's colour and underlined in the very colour.

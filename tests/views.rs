@@ -1,0 +1,342 @@
+//! The views driven headlessly: what they show has a name, and what a person does comes back.
+
+use std::cell::Cell;
+use std::sync::Arc;
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, TouchPhase, Ui, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use motionscope::paint::{ColorMap, Lengthen, Theme, View};
+use motionscope::ui::stage::{self, Zoom};
+use motionscope::ui::{heat_map, series, style, surface3d, tiles, why};
+use motionscope_core::block_matching::FullSearch;
+use motionscope_core::scene::{Readout, Surface};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Scene, Step, Walk};
+
+/// A walk through a pair that moves by (2, 1), some way into a block.
+struct Fixture {
+    walk: Box<dyn Walk>,
+    pair: [Arc<Frame>; 2],
+    scene: Arc<Scene>,
+    step: Step,
+}
+
+fn fixture(cursor: Cursor) -> Fixture {
+    let texture = |x: usize, y: usize| (x * 37 + y * 101 + x * y * 7) as u8;
+    let frame = |dx, dy| Frame::gray(Grid::from_fn(64, 48, |x, y| texture(x + 9 - dx, y + 9 - dy)));
+    let clip = Clip::from_frames("moving", vec![frame(0, 0), frame(2, 1)]).expect("two frames of one size");
+    let search = FullSearch { block: 16, range: 4, ..FullSearch::default() };
+    let mut walk = AnyEstimator::walk(&search, &clip, 0).expect("the clip suits the search");
+    walk.jump(Move::To(cursor));
+    let (scene, step) = (Arc::new(walk.scene(None)), walk.step(None));
+    Fixture { walk, pair: clip.pair(0).expect("a pair"), scene, step }
+}
+
+/// A cursor in the middle of the second block.
+const MIDDLE: Cursor = Cursor { unit: 1, event: 30 };
+
+fn harness<'a>(size: Vec2, theme: Theme, show: impl FnMut(&mut Ui) + 'a) -> Harness<'a> {
+    Harness::builder()
+        .with_size(size)
+        .with_step_dt(1.0 / 60.0)
+        .with_max_steps(60)
+        .with_context_setup(move |ctx| {
+            style::install_fonts(ctx);
+            style::apply(ctx, style::Look { theme, zoom: 1.0, reduced_motion: true });
+        })
+        .build_ui(show)
+}
+
+impl Fixture {
+    fn stage(&self) -> stage::Input<'_> {
+        stage::Input {
+            pair: &self.pair,
+            frame: 12,
+            scene: &self.scene,
+            theme: Theme::Dark,
+            colors: ColorMap::Viridis,
+            lengthen: Lengthen::Auto,
+            animate: false,
+        }
+    }
+
+    fn surface(&self) -> &Surface {
+        let surface = self.step.readouts.iter().find_map(|readout| match readout {
+            Readout::Surface(surface) => Some(surface),
+            _ => None,
+        });
+        surface.expect("full search has a surface")
+    }
+}
+
+#[test]
+fn the_explanation_tells_why_in_words_symbols_and_numbers() {
+    let fixture = fixture(MIDDLE);
+    let mut state = why::State::default();
+    let input = why::Input { info: fixture.walk.info(), step: &fixture.step, theme: Theme::Light };
+    let harness = harness(vec2(360.0, 900.0), Theme::Light, move |ui| why::show(ui, input, &mut state));
+    let sentence = fixture.step.sentence.plain();
+    assert!(harness.query_by_label(&sentence).is_some(), "{sentence}");
+    assert!(harness.query_by_label_contains("Tested: ").is_some());
+    assert!(harness.query_by_label_contains("current line: ").is_some());
+    let equations = fixture.step.readouts.iter().find_map(|readout| match readout {
+        Readout::Equation(lines) => Some(lines),
+        _ => None,
+    });
+    for line in equations.expect("full search has an equation") {
+        assert!(harness.query_by_label(&line.plain()).is_some(), "{}", line.plain());
+    }
+    assert!(harness.query_by_label_contains("Jain").is_some(), "the source is cited");
+}
+
+#[test]
+fn the_explanation_does_not_jump_from_step_to_step() {
+    let (long, short) = (fixture(MIDDLE), fixture(Cursor { unit: 1, event: 1 }));
+    let which = Cell::new(&long);
+    let mut state = why::State::default();
+    let mut harness = harness(vec2(320.0, 1200.0), Theme::Dark, |ui| {
+        let shown = which.get();
+        let input = why::Input { info: shown.walk.info(), step: &shown.step, theme: Theme::Dark };
+        why::show(ui, input, &mut state);
+    });
+    // Once each kind of step was seen, there is room for all of them.
+    let citations = [&short, &long, &short, &long].map(|shown| {
+        which.set(shown);
+        harness.run();
+        let has_candidate = harness.query_by_label_contains("Candidate: ").is_some();
+        assert_eq!(has_candidate, std::ptr::eq(shown, &long));
+        harness.get_by_label_contains("Jain").rect().min.y
+    });
+    assert_eq!(citations[2..], [citations[1]; 2]);
+}
+
+#[test]
+fn a_click_on_the_stage_tells_the_pixel_and_pointing_reads_it() {
+    let fixture = fixture(MIDDLE);
+    let mut state = stage::State::default();
+    let (clicked, hovered) = (Cell::new(None), Cell::new(None));
+    let mut harness = harness(vec2(900.0, 500.0), Theme::Dark, |ui| {
+        let response = stage::show(ui, fixture.stage(), &mut state);
+        clicked.set(response.clicked.or(clicked.get()));
+        hovered.set(response.hovered);
+    });
+    let left = harness.get_by_label("Stage: Frame t = 12");
+    let right = harness.get_by_label("Stage: Frame t+1 = 13");
+    assert!(left.rect().max.x < right.rect().min.x);
+    let center = right.rect().center();
+    right.click();
+    harness.run();
+    // The middle of 64×48 pixels lies between pixels 31 and 32, 23 and 24.
+    let [x, y] = clicked.get().expect("a click on the picture is told");
+    assert!((31.0..=32.0).contains(&x) && (23.0..=24.0).contains(&y), "{x} {y}");
+    harness.hover_at(center + vec2(1.0, 1.0));
+    harness.run();
+    assert_eq!(hovered.get(), Some([32.0, 24.0]));
+    let [a, b] = [0, 1].map(|i: usize| fixture.pair[i].luma()[(32, 24)]);
+    let told = format!("x 32, y 24, t {a}, t+1 {b}");
+    assert!(harness.query_by_label_contains(&told).is_some(), "{told}");
+    harness.remove_cursor();
+    harness.run();
+    assert_eq!(hovered.get(), None);
+}
+
+#[test]
+fn the_wheel_zooms_about_the_pointer_and_a_double_click_fits() {
+    let fixture = fixture(MIDDLE);
+    let mut state = stage::State::default();
+    let (zoom, hovered) = (Cell::new(Zoom::Fit), Cell::new(None));
+    let mut harness = harness(vec2(900.0, 500.0), Theme::Dark, |ui| {
+        hovered.set(stage::show(ui, fixture.stage(), &mut state).hovered);
+        zoom.set(state.zoom);
+    });
+    let at = harness.get_by_label("Stage: Frame t = 12").rect().center() + vec2(57.0, -31.0);
+    harness.hover_at(at);
+    harness.run();
+    let before = hovered.get().expect("the pointer is on the picture");
+    for _ in 0..3 {
+        harness.event(Event::MouseWheel {
+            source: MouseWheelSource::Unknown,
+            unit: MouseWheelUnit::Line,
+            delta: vec2(0.0, 4.0),
+            phase: TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+        });
+        // The zoom eases to its end.
+        harness.run_steps(60);
+    }
+    assert!(matches!(zoom.get(), Zoom::At { .. }), "{:?}", zoom.get());
+    assert_eq!(hovered.get(), Some(before), "the pixel under the pointer stays there");
+    for _ in 0..2 {
+        harness.drag_at(at);
+        harness.drop_at(at);
+    }
+    harness.run();
+    assert_eq!(zoom.get(), Zoom::Fit);
+}
+
+#[test]
+fn every_view_of_the_pair_is_one_click_away() {
+    let fixture = fixture(MIDDLE);
+    let mut state = stage::State::default();
+    let view = Cell::new(View::SideBySide);
+    let mut harness = harness(vec2(1000.0, 500.0), Theme::Dark, |ui| {
+        stage::show(ui, fixture.stage(), &mut state);
+        view.set(state.view);
+    });
+    for wanted in View::ALL {
+        harness.get_by_role_and_label(Role::Button, wanted.name()).click();
+        // A blinking stage is never at rest.
+        harness.run_steps(3);
+        assert_eq!(view.get(), wanted);
+        let blend = harness.query_by_role_and_label(Role::Slider, "Share of frame t+1 in the blend");
+        assert_eq!(blend.is_some(), wanted == View::Blend);
+    }
+}
+
+#[test]
+fn an_idle_stage_asks_for_no_repaint() {
+    let fixture = fixture(MIDDLE);
+    let mut state = stage::State::default();
+    let mut harness = harness(vec2(900.0, 500.0), Theme::Dark, |ui| {
+        stage::show(ui, stage::Input { animate: true, ..fixture.stage() }, &mut state);
+    });
+    assert!(harness.try_run().is_ok(), "it comes to rest");
+    harness.step();
+    let delays = harness.output().viewport_output.values().map(|viewport| viewport.repaint_delay);
+    assert!(delays.min().is_some_and(|delay| delay.as_secs() > 3600));
+}
+
+#[test]
+fn a_click_on_the_cost_map_tells_the_displacement() {
+    let fixture = fixture(MIDDLE);
+    let surface = fixture.surface();
+    let mut state = heat_map::State::default();
+    let told = Cell::new(heat_map::Response::default());
+    let mut harness = harness(vec2(460.0, 360.0), Theme::Dark, |ui| {
+        let input = heat_map::Input { surface, colors: ColorMap::Viridis, theme: Theme::Dark };
+        let response = heat_map::show(ui, input, &mut state);
+        if response.clicked.is_some() {
+            told.set(response);
+        }
+    });
+    let map = harness.get_by_role_and_label(Role::Image, &heat_map::summary(surface)).rect();
+    let cell = map.width() / surface.values.width() as f32;
+    let place = map.min + vec2(2.5 * cell, 1.5 * cell);
+    harness.hover_at(place);
+    harness.drag_at(place);
+    harness.step();
+    harness.drop_at(place);
+    harness.run();
+    let [u, v] = surface.origin;
+    assert_eq!(told.get().clicked, Some([u + 2, v + 1]));
+}
+
+#[test]
+fn tiles_light_the_same_pixel_and_tell_its_numbers() {
+    let fixture = fixture(MIDDLE);
+    let shown = fixture.step.readouts.iter().find_map(|readout| match readout {
+        Readout::Tiles(tiles) => Some(tiles.as_slice()),
+        _ => None,
+    });
+    let shown = shown.expect("full search has tiles");
+    let mut state = tiles::State::default();
+    let hovered = Cell::new(None);
+    let mut harness = harness(vec2(1400.0, 420.0), Theme::Projector, |ui| {
+        let input = tiles::Input { tiles: shown, theme: Theme::Projector };
+        hovered.set(tiles::show(ui, input, &mut state).hovered);
+    });
+    let tile = harness.get_by_role_and_label(Role::Image, "candidate").rect();
+    let cell = tile.width() / shown[1].values.width() as f32;
+    harness.hover_at(tile.min + vec2(4.5 * cell, 9.5 * cell));
+    harness.run();
+    assert_eq!(hovered.get(), Some([4, 9]));
+    let told = format!("block {}, candidate {}", shown[0].values[(4, 9)], shown[1].values[(4, 9)]);
+    assert!(harness.query_by_label_contains(&told).is_some(), "{told}");
+}
+
+#[test]
+fn the_surface_turns_without_a_graphics_card() {
+    let fixture = fixture(MIDDLE);
+    let mut state = surface3d::State::default();
+    let orbit = Cell::new(surface3d::Orbit::default());
+    let mut harness = harness(vec2(500.0, 400.0), Theme::Dark, |ui| {
+        let input =
+            surface3d::Input { surface: fixture.surface(), colors: ColorMap::Viridis, theme: Theme::Dark, gpu: None };
+        surface3d::show(ui, input, &mut state);
+        orbit.set(state.orbit);
+    });
+    let middle = harness.get_by_label_contains("three dimensions").rect().center();
+    harness.hover_at(middle);
+    harness.drag_at(middle);
+    harness.step();
+    harness.hover_at(middle + vec2(60.0, 20.0));
+    harness.step();
+    harness.drop_at(middle + vec2(60.0, 20.0));
+    harness.run();
+    let (start, turned) = (surface3d::Orbit::default(), orbit.get());
+    assert!(turned.yaw_rad != start.yaw_rad && turned.pitch_rad > start.pitch_rad, "{turned:?}");
+}
+
+#[test]
+fn every_view_stands_any_size_theme_and_step() {
+    let cursors = [Cursor::default(), Cursor { unit: 0, event: 1 }, MIDDLE, Cursor { unit: 11, event: usize::MAX }];
+    for theme in Theme::ALL {
+        for cursor in cursors {
+            let fixture = fixture(cursor);
+            for size in [vec2(60.0, 40.0), vec2(260.0, 900.0), vec2(1600.0, 300.0)] {
+                let mut all = All::default();
+                let mut harness = harness(size, theme, |ui| all.show(ui, &fixture, theme));
+                harness.hover_at(Pos2::ZERO + size * 0.4);
+                harness.run_steps(2);
+                harness.key_press(Key::A);
+                harness.run_steps(1);
+            }
+        }
+    }
+}
+
+#[derive(Default)]
+struct All {
+    stage: stage::State,
+    why: why::State,
+    map: heat_map::State,
+    tiles: tiles::State,
+    solid: surface3d::State,
+}
+
+impl All {
+    fn show(&mut self, ui: &mut Ui, fixture: &Fixture, theme: Theme) {
+        let cell = ui.available_size() / vec2(3.0, 2.0);
+        eframe::egui::Grid::new("all").show(ui, |ui| {
+            let part = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
+                ui.allocate_ui(cell, |ui| {
+                    ui.set_max_size(cell);
+                    add(ui);
+                });
+            };
+            part(ui, &mut |ui| {
+                stage::show(ui, stage::Input { theme, ..fixture.stage() }, &mut self.stage);
+            });
+            part(ui, &mut |ui| {
+                why::show(ui, why::Input { info: fixture.walk.info(), step: &fixture.step, theme }, &mut self.why);
+            });
+            for readout in &fixture.step.readouts {
+                part(ui, &mut |ui| match readout {
+                    Readout::Surface(surface) => {
+                        let colors = ColorMap::Turbo;
+                        heat_map::show(ui, heat_map::Input { surface, colors, theme }, &mut self.map);
+                        surface3d::show(ui, surface3d::Input { surface, colors, theme, gpu: None }, &mut self.solid);
+                    }
+                    Readout::Series(lines) => {
+                        series::show(ui, series::Input { series: lines, theme });
+                    }
+                    Readout::Tiles(shown) => {
+                        tiles::show(ui, tiles::Input { tiles: shown, theme }, &mut self.tiles);
+                    }
+                    _ => {}
+                });
+            }
+        });
+    }
+}
