@@ -134,14 +134,14 @@ fn steps_are_exported_one_by_one_or_block_by_block() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let count = |folder: &str| fs::read_dir(here.join(folder)).unwrap().count();
-    stdout(here, &format!("export {SMALL} --estimator full-search --steps 2.1..2.6 --out probes"));
+    stdout(here, &format!("export {SMALL} --estimator full-search --steps 2.1..2.6 --out steps"));
     stdout(
         here,
         &format!("export {SMALL} --estimator full-search --steps 2..5 --every block --format svg --out blocks"),
     );
-    stdout(here, &format!("export {SMALL} --estimator full-search --steps 10..99 --every block --out rest"));
-    assert_eq!((count("probes"), count("blocks"), count("rest")), (6, 4, 2));
-    assert!(here.join("probes/step_00005.png").exists() && here.join("blocks/step_00003.svg").exists());
+    stdout(here, &format!("export {SMALL} --estimator full-search --steps 11..99 --every block --out rest"));
+    assert_eq!((count("steps"), count("blocks"), count("rest")), (6, 4, 2));
+    assert!(here.join("steps/step_00005.png").exists() && here.join("blocks/step_00003.svg").exists());
 }
 
 #[test]

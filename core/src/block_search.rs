@@ -330,7 +330,7 @@ impl Probe<'_> {
                 let of = format!("{columns}×{rows} = {} candidates", self.window.count());
                 let full = self.window.size.0 == self.window.size.1 && self.window.min[0] == self.window.min[1];
                 let cut = if full { "." } else { "; the picture's border cuts it." };
-                said.ink(Role::Reference, format!("Block {}", self.index))
+                said.ink(Role::Reference, format!("Block {}", self.index + 1))
                     .text(format!(" is the {place} of frame t. Its "))
                     .ink(Role::Window, "search window")
                     .text(format!(" in frame t+1 holds {of}{cut}"))
@@ -350,7 +350,7 @@ impl Probe<'_> {
                 }
             }
             (Some(Event::Found(found)), _) => said
-                .ink(Role::Reference, format!("Block {}", self.index))
+                .ink(Role::Reference, format!("Block {}", self.index + 1))
                 .text(" moves by ")
                 .ink(Role::Result, format!("{} px", vector(found.displacement)))
                 .text(format!(": {} {} is the smallest of {} tested.", self.cost.label(), show(*found), self.tested())),
@@ -420,7 +420,7 @@ impl Probe<'_> {
         let mut facts = vec![
             Fact {
                 label: "Block",
-                value: format!("{} of {}, at ({}, {})", self.index, self.pair.blocks.len(), block.x, block.y),
+                value: format!("{} of {}, at ({}, {})", self.index + 1, self.pair.blocks.len(), block.x, block.y),
                 role: Some(Role::Reference),
             },
             Fact { label: "Tested", value: format!("{} of {}", self.tested(), self.window.count()), role: None },

@@ -6,8 +6,9 @@ use crate::{Clip, Error, Estimator, Info, Output, Progress, Role, Rung, Scene, S
 
 /// A place in a run: the unit at hand and how many of its events were seen.
 ///
-/// `0.0` is the start, before anything was seen. Every other cursor has seen at least one event: the
-/// end of unit 7 is `7.n` with all its n events, and one event further on is `8.1`.
+/// The default is the start, before anything was seen. Every other cursor has seen at least one event of its
+/// unit; the end of a unit has seen all of them. People count units from 1, so the cursor with `unit` 7 and
+/// `event` 3 is written `8.3`, and the start `0`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cursor {
     /// The unit at hand, from 0.
@@ -18,7 +19,10 @@ pub struct Cursor {
 
 impl std::fmt::Display for Cursor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}.{}", self.unit, self.event)
+        match self {
+            Self { unit: 0, event: 0 } => f.write_str("0"),
+            Self { unit, event } => write!(f, "{}.{event}", unit.saturating_add(1)),
+        }
     }
 }
 
@@ -29,10 +33,11 @@ impl std::str::FromStr for Cursor {
         let parse = |part: &str| part.parse::<usize>().ok();
         let (unit, event) = text.split_once('.').map_or((text, None), |(unit, event)| (unit, Some(event)));
         match (parse(unit), event.map(parse)) {
-            (Some(unit), Some(Some(event))) => Ok(Self { unit, event }),
-            (Some(unit), None) => Ok(Self { unit, event: usize::MAX }),
+            (Some(0), None | Some(Some(0))) => Ok(Self::default()),
+            (Some(unit @ 1..), None) => Ok(Self { unit: unit - 1, event: usize::MAX }),
+            (Some(unit @ 1..), Some(Some(event))) => Ok(Self { unit: unit - 1, event }),
             _ => Err(Error::new(format!(
-                "a step is written UNIT.EVENT as in 35.412, or UNIT for its end; {text} is neither"
+                "a step is written UNIT.EVENT as in 35.412, UNIT for its end, or 0 for the start; {text} is neither"
             ))),
         }
     }

@@ -172,10 +172,14 @@ fn a_new_move_replaces_an_unfinished_one() {
 
 #[test]
 fn cursors_are_read_as_they_are_written() {
-    let cursor = Cursor { unit: 35, event: 412 };
-    assert_eq!(cursor.to_string().parse(), Ok(cursor));
-    assert_eq!("35".parse(), Ok(Cursor { unit: 35, event: usize::MAX }));
-    for text in ["", ".", "1.", "-1", "a.2", "1.2.3"] {
+    let cursor = Cursor { unit: 34, event: 412 };
+    assert_eq!((cursor.to_string().as_str(), "35.412".parse()), ("35.412", Ok(cursor)));
+    assert_eq!("35".parse(), Ok(Cursor { unit: 34, event: usize::MAX }));
+    for start in ["0", "0.0"] {
+        assert_eq!(start.parse(), Ok(Cursor::default()));
+    }
+    assert_eq!(Cursor::default().to_string(), "0");
+    for text in ["", ".", "1.", "-1", "a.2", "1.2.3", "0.1"] {
         assert!(text.parse::<Cursor>().is_err(), "{text}");
     }
 }

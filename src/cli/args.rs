@@ -80,7 +80,7 @@ Examples:
     #[command(after_help = "\
 Examples:
   motionscope export synth:pillar --estimator full-search --steps 35..35.20 --out steps
-  motionscope export synth:pillar --estimator full-search --steps 0..50 --every block --format svg --out blocks")]
+  motionscope export synth:pillar --estimator full-search --steps 1..50 --every block --format svg --out blocks")]
     Export(ExportArgs),
 }
 
@@ -132,7 +132,7 @@ pub struct RunArgs {
     pub task: TaskArgs,
     #[command(flatten)]
     pub look: LookArgs,
-    /// The step that the overlay shows: UNIT.EVENT as in 35.412, or UNIT for its end; the end of the run unless given.
+    /// The step that the overlay shows: UNIT.EVENT as in 35.412, UNIT for its end, or 0 for the start; the end of the run unless given.
     #[arg(long, value_name = "CURSOR", value_parser = cursor)]
     pub step: Option<Cursor>,
     /// How often to run, for the time.
@@ -195,7 +195,10 @@ fn cursor(text: &str) -> Result<Cursor, String> {
 
 fn steps(text: &str) -> Result<(Cursor, Cursor), String> {
     let (from, to) = text.split_once("..").ok_or("a range of steps is written A..B, as in 35..36 or 35.1..35.412")?;
-    let from = if from.contains('.') { cursor(from)? } else { Cursor { event: 1, ..cursor(from)? } };
+    let from = match cursor(from)? {
+        Cursor { unit, event: usize::MAX } => Cursor { unit, event: 1 },
+        from => from,
+    };
     let to = cursor(to)?;
     if to < from {
         return Err(format!("the range ends at {to}, before it starts at {from}"));

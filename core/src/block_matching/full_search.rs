@@ -179,7 +179,7 @@ impl Estimator for FullSearch {
             "      best ← cost at (u, v)",
             "  displacement of B ← (u, v) of the best",
         ],
-        rungs: &["frame", "block", "probe"],
+        rungs: &["frame", "block", "step"],
         frames: 2,
     };
     type State = State;
