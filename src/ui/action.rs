@@ -1,30 +1,43 @@
 //! What the parts of the window ask for while they are drawn; it is done after the frame.
 
-use std::path::PathBuf;
-
 use motionscope_core::synth::Sample;
 use motionscope_core::{Cursor, Value};
 
 use super::commands::Command;
 use super::document::Owner;
+use super::writer::Order;
 use crate::paint::Theme;
+
+/// What the system's dialog is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Browse {
+    /// A file to open.
+    File,
+    /// A folder to open.
+    Folder,
+    /// A file to write.
+    SaveFile,
+    /// A folder to write into.
+    SaveFolder,
+}
 
 /// Something asked for.
 #[derive(Clone)]
 pub enum Action {
     /// A command.
     Command(Command),
-    /// Open a clip or a session.
-    Open(PathBuf),
+    /// Open a clip or a session by its path, or a scene as `synth:pillar,noise=5`.
+    Open(String),
     /// Open a bundled sample.
     OpenSample(&'static Sample),
     /// Give up opening a clip.
     CancelOpening,
-    /// Ask the system for a clip to open: a file, or a folder.
-    Browse {
-        /// Whether a folder is wanted.
-        folder: bool,
-    },
+    /// Ask the system for a path.
+    Browse(Browse),
+    /// Write a file.
+    Write(Box<Order>),
+    /// Give up writing.
+    CancelWriting,
     /// Take the estimator of this id.
     Choose(&'static str),
     /// Set a parameter.

@@ -1,62 +1,28 @@
 //! What the window does when it is told to.
 
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{TryRecvError, channel};
-use std::time::Instant;
-
-use eframe::egui::{self, ViewportCommand};
-use motionscope_core::synth::Sample;
-use motionscope_core::{Clip, Cursor, Error, Move, Way, estimator};
+use eframe::egui::ViewportCommand;
+use motionscope_core::{Cursor, Move, Way, estimator};
 
 use super::action::Action;
-use super::app::{App, Overlay, title};
+use super::app::{App, Overlay};
 use super::commands::Command;
-use super::document::{Origin, Owner};
-use super::layout;
-use super::loader::Loading;
+use super::document::Owner;
+use super::save_dialog::Kind;
 use super::style::ZOOM;
-use super::{open_dialog, palette};
+use super::{layout, open_dialog, palette};
 use crate::paint::View as Pictures;
 
 impl App {
-    /// Takes in what other threads have done.
-    pub(super) fn receive(&mut self) {
-        self.view = self.walker.view();
-        if let Some(loading) = &self.loading
-            && let Some(outcome) = loading.take()
-        {
-            let path = loading.path.clone();
-            self.loading = None;
-            match outcome {
-                Ok(clip) => self.opened(clip, path),
-                Err(error) => self.not_opened(&path, error),
-            }
-        }
-        let browsed = self.browsing.as_ref().map(|browsing| browsing.try_recv());
-        match browsed {
-            Some(Ok(path)) => {
-                self.browsing = None;
-                if let Some(path) = path {
-                    self.open(path);
-                }
-            }
-            Some(Err(TryRecvError::Disconnected)) => {
-                self.browsing = None;
-                self.toasts.fail("The system offers no file dialog. Type or paste the path instead.");
-                self.overlay = Overlay::Open(open_dialog::State::default());
-            }
-            Some(Err(TryRecvError::Empty)) | None => {}
-        }
-    }
-
     /// Does what was asked for.
     pub(super) fn act(&mut self, action: Action) {
         match action {
             Action::Command(command) => self.command(command),
-            Action::Open(path) => self.open(path),
+            Action::Open(name) => self.open(&name),
             Action::OpenSample(sample) => self.open_sample(sample),
             Action::CancelOpening => self.loading = None,
-            Action::Browse { folder } => self.browse(folder),
+            Action::Browse(wanted) => self.browse(wanted),
+            Action::Write(order) => self.write(*order),
+            Action::CancelWriting => self.writing = None,
             Action::Choose(id) => self.choose(id),
             Action::Set(owner, index, value) => {
                 if let Err(error) = self.document.set(owner, index, value) {
@@ -102,7 +68,10 @@ impl App {
             C::Shortcuts => self.overlay = Overlay::Shortcuts,
             C::About => self.overlay = Overlay::About,
             C::Quit => self.ctx.send_viewport_cmd(ViewportCommand::Close),
-            C::SaveSession | C::ExportPicture | C::ExportSteps | C::ExportVectors => {}
+            C::SaveSession => self.save_as(Kind::Session),
+            C::ExportPicture => self.save_as(Kind::Picture),
+            C::ExportSteps => self.save_as(Kind::Steps),
+            C::ExportVectors => self.save_as(Kind::Vectors),
             C::Undo | C::Redo | C::ResetParameters => self.edit(command),
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink | C::Fit | C::ActualSize => {
                 self.look_at(command);
@@ -220,76 +189,4 @@ impl App {
             self.walker.start(job);
         }
     }
-
-    /// Opens a file or folder on another thread.
-    pub fn open(&mut self, path: PathBuf) {
-        self.player.pause();
-        self.error = None;
-        let ctx = self.ctx.clone();
-        self.loading = Some(Loading::new(&path, move || ctx.request_repaint()));
-    }
-
-    /// Opens a bundled sample in the middle of a search, so that there is something to see.
-    pub fn open_sample(&mut self, sample: &'static Sample) {
-        self.player.pause();
-        self.loading = None;
-        if let Err(error) = self.document.open_sample(sample) {
-            self.error = Some(error);
-            return;
-        }
-        self.begin();
-        let Some(mut job) = self.document.job(None) else { return };
-        let (width, height) = job.clip.size();
-        job.cursor = Cursor { unit: 0, event: FIRST_LOOK };
-        job.near = Some([width as f32 * 0.5, height as f32 * 0.5]);
-        self.walker.start(job);
-    }
-
-    pub(super) fn opened(&mut self, clip: Clip, path: PathBuf) {
-        self.settings.remember(&path);
-        self.document.open(clip, Origin::File(path));
-        self.begin();
-        if let Some(job) = self.document.job(None) {
-            self.walker.start(job);
-        }
-    }
-
-    fn not_opened(&mut self, path: &Path, error: Error) {
-        if !path.exists() {
-            self.settings.forget(path);
-        }
-        self.error = Some(error);
-    }
-
-    /// Another clip is open.
-    fn begin(&mut self) {
-        self.error = None;
-        self.states.stage.fit();
-        self.ctx.send_viewport_cmd(ViewportCommand::Title(title(&self.document)));
-    }
-
-    /// Asks the system for a path, off the window's thread.
-    fn browse(&mut self, folder: bool) {
-        let (sender, receiver) = channel();
-        let ctx: egui::Context = self.ctx.clone();
-        let ask = move || {
-            let begun = Instant::now();
-            let dialog = rfd::FileDialog::new().set_title("Open a clip or a session");
-            let path = if folder { dialog.pick_folder() } else { dialog.pick_file() };
-            // Nobody cancels that fast: there was no dialog. Hanging up says so.
-            if path.is_some() || begun.elapsed().as_millis() > 150 {
-                // The window may have closed meanwhile.
-                sender.send(path).ok();
-            }
-            drop(sender);
-            ctx.request_repaint();
-        };
-        match std::thread::Builder::new().name("dialog".into()).spawn(ask) {
-            Ok(_) => self.browsing = Some(receiver),
-            Err(error) => self.toasts.fail(format!("The file dialog could not be started: {error}. Type the path.")),
-        }
-    }
 }
-
-/// Events that are seen of the first unit shown of a sample.
-const FIRST_LOOK: usize = 640;

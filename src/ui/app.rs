@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::sync::mpsc::Receiver;
 
 use eframe::egui::{self, CentralPanel, Frame, Label, Margin, Panel, RichText, TextStyle, Ui};
-use motionscope_core::{Clip, Error};
+use motionscope_core::Error;
 
-use super::action::Actions;
+use super::action::{Action, Actions, Browse};
 use super::commands::{Command, Now, Rungs};
 use super::document::{Document, Owner};
 use super::layout;
@@ -17,7 +17,8 @@ use super::settings::Settings;
 use super::style::{self, Look};
 use super::toasts::Toasts;
 use super::walker::{View, Walker};
-use super::{gallery, keys, open_dialog, palette, sheet, status, topbar, transport, widgets};
+use super::writer::Writing;
+use super::{gallery, keys, open_dialog, palette, save_dialog, sheet, status, topbar, transport, widgets};
 
 /// What lies over the panes.
 #[derive(Default)]
@@ -31,6 +32,8 @@ pub(super) enum Overlay {
     Shortcuts,
     /// A path to open.
     Open(open_dialog::State),
+    /// Something to write.
+    Save(Box<save_dialog::State>),
     /// The samples.
     Samples,
     /// What the program is.
@@ -51,9 +54,13 @@ pub struct App {
     pub(super) states: States,
     pub(super) gallery: gallery::State,
     /// A path that the system's dialog will deliver.
-    pub(super) browsing: Option<Receiver<Option<PathBuf>>>,
+    pub(super) browsing: Option<(Browse, Receiver<Option<PathBuf>>)>,
+    /// What is being written.
+    pub(super) writing: Option<Writing>,
+    /// Where was written last.
+    pub(super) folder: Option<PathBuf>,
     /// The look that egui was told last.
-    look: Option<Look>,
+    styled: Option<Look>,
     /// When the run was played on last.
     played: f64,
     pub(super) ctx: egui::Context,
@@ -71,7 +78,7 @@ impl App {
         let repaint = ctx.clone();
         let player = Player::at_speed(settings.speed);
         Ok(Self {
-            look: Some(settings.look()),
+            styled: Some(settings.look()),
             settings,
             document: Document::default(),
             walker: Walker::new(move || repaint.request_repaint())?,
@@ -84,6 +91,8 @@ impl App {
             states: States::default(),
             gallery: gallery::State::default(),
             browsing: None,
+            writing: None,
+            folder: None,
             played: 0.0,
             ctx: ctx.clone(),
         })
@@ -116,17 +125,12 @@ impl App {
 
     /// Waits until nothing is worked on any more, for tests; what was found is shown in the next frame.
     pub fn wait(&mut self) {
-        while self.loading.is_some() {
+        while self.loading.is_some() || self.writing.is_some() {
             std::thread::sleep(std::time::Duration::from_millis(2));
             self.receive();
         }
         self.walker.wait();
         self.view = self.walker.view();
-    }
-
-    /// Opens a clip that is there already.
-    pub fn open_clip(&mut self, clip: Clip, path: PathBuf) {
-        self.opened(clip, path);
     }
 
     /// The names of the ladder's rungs.
@@ -221,6 +225,13 @@ impl App {
                 }
                 return;
             }
+            if self.writing.is_some() {
+                ui.spinner();
+                ui.label(RichText::new("Writing…").small());
+                if ui.add(egui::Button::new(RichText::new("Cancel").small()).small()).clicked() {
+                    actions.ask(Action::CancelWriting);
+                }
+            }
             let text = self.view.shown.as_deref().map_or_else(|| "No clip is open".to_owned(), status::line);
             ui.add(Label::new(RichText::new(text).small().color(dim)).truncate());
         });
@@ -236,6 +247,7 @@ impl App {
             error: self.error.as_ref(),
             states: &mut self.states,
             stage_alone: layout::stage_alone(&self.settings.tree),
+            alone: layout::alone(&self.settings.tree),
             animate: !calm && !ui.input(|i| i.pointer.any_down()),
             theme: self.settings.theme(),
             actions,
@@ -256,6 +268,7 @@ impl App {
             }
             Overlay::Shortcuts => sheet::shortcuts(ctx, &self.rungs(), theme),
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
+            Overlay::Save(state) => save_dialog::show(ctx, state, self.rungs(), self.look(), actions),
             Overlay::Samples => gallery::show(ctx, &mut self.gallery, theme, actions),
             Overlay::About => sheet::about(ctx),
         };
@@ -314,7 +327,7 @@ impl eframe::App for App {
         for action in actions.0 {
             self.act(action);
         }
-        if self.look.replace(self.settings.look()) != Some(self.settings.look()) {
+        if self.styled.replace(self.settings.look()) != Some(self.settings.look()) {
             style::apply(&ctx, self.settings.look());
             ctx.request_repaint();
         }

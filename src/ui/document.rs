@@ -7,24 +7,14 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Params, Value, estimat
 
 use super::history::History;
 use super::walker::{Job, Snapshot};
+use crate::source::Source;
 
 /// Where a clip comes from.
-#[derive(Clone)]
-pub enum Origin {
+enum Origin {
     /// A file or folder.
     File(PathBuf),
     /// A scene that is made on the fly.
     Sample(&'static Sample),
-}
-
-impl Origin {
-    /// The file or folder, if it is one.
-    pub fn path(&self) -> Option<&PathBuf> {
-        match self {
-            Origin::File(path) => Some(path),
-            Origin::Sample(_) => None,
-        }
-    }
 }
 
 /// Everything that undo takes back.
@@ -81,16 +71,22 @@ impl Document {
         self.clip.as_ref().map(|(clip, _)| clip)
     }
 
-    /// Where the clip comes from.
-    pub fn origin(&self) -> Option<&Origin> {
-        self.clip.as_ref().map(|(_, origin)| origin)
-    }
-
     /// The synthetic scene, if the clip is one.
     pub fn sample(&self) -> Option<&'static Sample> {
-        match self.origin() {
-            Some(Origin::Sample(sample)) => Some(sample),
+        match self.clip {
+            Some((_, Origin::Sample(sample))) => Some(sample),
             _ => None,
+        }
+    }
+
+    /// Where the clip comes from, with its sliders if it is synthetic.
+    pub fn source(&self) -> Option<Source> {
+        match &self.clip.as_ref()?.1 {
+            Origin::File(path) => Some(Source::File(path.clone())),
+            Origin::Sample(sample) => {
+                let difficulty = self.setup.now().difficulty.clone().unwrap_or_else(|| sample.difficulty());
+                Some(Source::Synth { id: sample.id, difficulty })
+            }
         }
     }
 
@@ -129,23 +125,26 @@ impl Document {
     }
 
     /// Opens a clip; the estimator keeps its parameters.
-    pub fn open(&mut self, clip: Clip, origin: Origin) {
+    pub fn open(&mut self, clip: Clip, source: Source) {
+        let (origin, difficulty) = match source {
+            Source::File(path) => (Origin::File(path), None),
+            Source::Synth { id, difficulty } => match synth::scene(id) {
+                Ok(sample) => (Origin::Sample(sample), Some(difficulty)),
+                Err(_) => (Origin::File(id.into()), None),
+            },
+        };
         self.clip = Some((clip, origin));
         self.frame = 0;
         self.refused = None;
-        let Setup { estimator, .. } = self.setup.now().clone();
-        let difficulty = self.sample().map(Sample::difficulty);
+        let estimator = self.estimator().boxed_clone();
         self.setup = History::new(Setup { estimator, difficulty });
     }
 
-    /// Opens a synthetic scene with its own difficulty.
-    ///
-    /// # Errors
-    /// If the scene cannot be made.
-    pub fn open_sample(&mut self, sample: &'static Sample) -> Result<(), Error> {
-        let clip = sample.clip(&sample.difficulty())?;
-        self.open(clip, Origin::Sample(sample));
-        Ok(())
+    /// Takes an estimator with its parameters and a frame, as a session has them: without a past.
+    pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, frame: usize) {
+        let difficulty = self.setup.now().difficulty.clone();
+        self.setup = History::new(Setup { estimator, difficulty });
+        self.go_to_frame(frame);
     }
 
     /// Takes another estimator with its default parameters; undo brings the old one back.
@@ -275,7 +274,8 @@ mod tests {
 
     fn document() -> Document {
         let mut document = Document::default();
-        document.open_sample(&synth::SCENES[0]).unwrap();
+        let source = Source::synth(synth::SCENES[0].id).unwrap();
+        document.open(source.open(&crate::media::Open::default()).unwrap(), source);
         document
     }
 
@@ -293,6 +293,15 @@ mod tests {
         document.reset(Owner::Estimator);
         assert!(!document.is_tuned(Owner::Estimator));
         assert!(document.undo() && at(&document) == Value::Int(24));
+    }
+
+    #[test]
+    fn a_source_keeps_its_sliders() {
+        let mut document = document();
+        let specs = document.params(Owner::Difficulty).unwrap().specs();
+        let noise = specs.iter().position(|spec| spec.name == "noise").unwrap();
+        document.set(Owner::Difficulty, noise, Value::Real(7.5)).unwrap();
+        assert!(document.source().unwrap().to_string().ends_with("noise=7.5"));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::open_dialog;
 ///
 /// Keys win over the widget in focus unless text is being typed or something lies over the panes.
 pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actions: &mut Actions) {
-    let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|file| file.path().to_owned()));
+    let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|file| file.path().display().to_string()));
     if let Some(path) = dropped {
         actions.ask(Action::Open(path));
     }

@@ -101,14 +101,24 @@ pub fn is_complete(tree: &Tree<Pane>) -> bool {
     tree.root().is_some() && Pane::ALL.iter().all(|pane| tree.tiles.find_pane(pane).is_some())
 }
 
+/// Whether `tile` shares its tabs with no other.
+fn is_alone(tree: &Tree<Pane>, tile: TileId) -> bool {
+    let parent = tree.tiles.parent_of(tile).and_then(|parent| tree.tiles.get_container(parent));
+    parent.is_none_or(|parent| parent.num_children() < 2)
+}
+
+/// Panes that share their tabs with no other: their title is a heading, not a choice.
+pub fn alone(tree: &Tree<Pane>) -> Vec<TileId> {
+    let panes = Pane::ALL.iter().filter_map(|pane| tree.tiles.find_pane(pane));
+    panes.filter(|tile| is_alone(tree, *tile)).collect()
+}
+
 /// The tile that holds nothing but the stage: it needs no tab.
 pub fn stage_alone(tree: &Tree<Pane>) -> Option<TileId> {
     let stage = tree.tiles.find_pane(&Pane::Stage)?;
     let parent = tree.tiles.parent_of(stage)?;
-    match tree.tiles.get(parent) {
-        Some(Tile::Container(Container::Tabs(tabs))) if tabs.children.len() == 1 => Some(parent),
-        _ => None,
-    }
+    let is_tabs = matches!(tree.tiles.get(parent), Some(Tile::Container(Container::Tabs(_))));
+    (is_tabs && is_alone(tree, stage)).then_some(parent)
 }
 
 #[cfg(test)]

@@ -1,17 +1,29 @@
-//! Opens a clip on a thread of its own, with progress and cancel.
+//! Opens a clip or a session on a thread of its own, with progress and cancel.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use motionscope_core::{Clip, Error};
 
-use crate::media::{self, Open, Progress};
+use crate::media::{Open, Progress};
+use crate::session::Session;
+use crate::source::Source;
+
+/// A clip that was opened.
+pub struct Opened {
+    /// The clip.
+    pub clip: Clip,
+    /// Where it comes from.
+    pub source: Source,
+    /// The session that named it, if one did.
+    pub session: Option<Session>,
+}
 
 /// A clip that is being opened.
 pub struct Loading {
-    /// The file or folder.
-    pub path: PathBuf,
+    /// What was asked for: a file, a folder, a session, or `synth:` and a scene.
+    pub name: String,
     shared: Arc<Shared>,
 }
 
@@ -21,7 +33,7 @@ struct Shared {
     /// Share of the work that is done, from 0 to 1, as the bits of an `f32`.
     fraction: AtomicU32,
     cancelled: AtomicBool,
-    outcome: Mutex<Option<Result<Clip, Error>>>,
+    outcome: Mutex<Option<Result<Opened, Error>>>,
     changed: Changed,
 }
 
@@ -39,27 +51,24 @@ impl Progress for Shared {
 }
 
 impl Loading {
-    /// Begins to open `path`; `changed` is called from another thread whenever there is news.
-    pub fn new(path: &Path, changed: impl Fn() + Send + Sync + 'static) -> Self {
+    /// Begins to open `name`; `changed` is called from another thread whenever there is news.
+    pub fn new(name: &str, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let shared = Arc::new(Shared {
             fraction: AtomicU32::new(0),
             cancelled: AtomicBool::new(false),
             outcome: Mutex::default(),
             changed: Box::new(changed),
         });
-        let (worker, file) = (Arc::clone(&shared), path.to_owned());
-        let work = move || {
-            let options = Open { progress: Some(Arc::clone(&worker) as Arc<dyn Progress>), ..Open::default() };
-            worker.deliver(media::open(&file, &options));
-        };
+        let (worker, wanted) = (Arc::clone(&shared), name.to_owned());
+        let work = move || worker.deliver(open(&wanted, Arc::clone(&worker) as Arc<dyn Progress>));
         if let Err(error) = std::thread::Builder::new().name("loader".into()).spawn(work) {
             shared.deliver(Err(Error::new(format!("no thread could be started to open the clip: {error}"))));
         }
-        Self { path: path.to_owned(), shared }
+        Self { name: name.to_owned(), shared }
     }
 
     /// The clip or why there is none, once.
-    pub fn take(&self) -> Option<Result<Clip, Error>> {
+    pub fn take(&self) -> Option<Result<Opened, Error>> {
         self.shared.outcome.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
@@ -76,10 +85,21 @@ impl Drop for Loading {
 }
 
 impl Shared {
-    fn deliver(&self, outcome: Result<Clip, Error>) {
+    fn deliver(&self, outcome: Result<Opened, Error>) {
         *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
         (self.changed)();
     }
+}
+
+fn open(name: &str, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
+    let session = Session::is_named(Path::new(name)).then(|| Session::load(Path::new(name))).transpose()?;
+    let source = match &session {
+        Some(session) => session.source.clone(),
+        None => Source::parse(name)?,
+    };
+    let truth = session.as_ref().and_then(|session| session.truth.clone());
+    let clip = source.open(&Open { progress: Some(progress), truth, ..Open::default() })?;
+    Ok(Opened { clip, source, session })
 }
 
 #[cfg(test)]
@@ -90,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_file_that_is_not_there_is_told() {
-        let loading = Loading::new(Path::new("no/such/clip.png"), || {});
+        let loading = Loading::new("no/such/clip.png", || {});
         let begun = Instant::now();
         let outcome = loop {
             match loading.take() {

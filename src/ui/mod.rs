@@ -7,6 +7,7 @@ pub mod axis;
 pub mod clip_card;
 pub mod commands;
 pub mod document;
+mod files;
 pub mod fuzzy;
 pub mod gallery;
 pub mod heat_map;
@@ -22,9 +23,11 @@ pub mod panes;
 pub mod parameters;
 pub mod player;
 pub mod primitives;
+pub mod save_dialog;
 pub mod series;
 pub mod settings;
 pub mod sheet;
+pub mod slider;
 pub mod stage;
 pub mod status;
 pub mod style;
@@ -37,8 +40,7 @@ pub mod transport;
 pub mod walker;
 pub mod why;
 pub mod widgets;
-
-use std::path::PathBuf;
+pub mod writer;
 
 use anyhow::anyhow;
 use motionscope_core::synth;
@@ -46,8 +48,8 @@ use motionscope_core::synth;
 /// What the window opens with.
 #[derive(Clone, Debug, Default)]
 pub struct Start {
-    /// A clip or a session; a bundled sample if there is none.
-    pub path: Option<PathBuf>,
+    /// A clip, a session or `synth:` and a scene; a bundled sample if there is none.
+    pub open: Option<String>,
 }
 
 /// The sample of the first start.
@@ -75,8 +77,8 @@ pub fn run(start: Start) -> anyhow::Result<()> {
 
 /// Opens what the window is to show first.
 pub fn begin(app: &mut app::App, start: Start) {
-    match (start.path, synth::scene(FIRST_SAMPLE)) {
-        (Some(path), _) => app.open(path),
+    match (start.open, synth::scene(FIRST_SAMPLE)) {
+        (Some(name), _) => app.open(&name),
         (None, Ok(sample)) => app.open_sample(sample),
         (None, Err(_)) => {}
     }

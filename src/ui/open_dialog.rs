@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use eframe::egui::{self, Modal, RichText, TextEdit, TextStyle, Ui, WidgetInfo};
 use lucide_icons::Icon;
 
-use super::action::{Action, Actions};
+use super::action::{Action, Actions, Browse};
 use super::commands::Command;
 use super::widgets;
 
@@ -18,7 +18,7 @@ pub struct State {
 }
 
 /// A path as typed or pasted: quotes, a leading `~` and `file://` are understood.
-pub fn parse(text: &str) -> Option<PathBuf> {
+pub fn parse(text: &str) -> Option<String> {
     let text = text.trim().trim_matches(['"', '\'']);
     let text = text.strip_prefix("file://").unwrap_or(text);
     if text.is_empty() {
@@ -26,8 +26,8 @@ pub fn parse(text: &str) -> Option<PathBuf> {
     }
     let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE"));
     match (text.strip_prefix("~/"), home) {
-        (Some(rest), Some(home)) => Some(PathBuf::from(home).join(rest)),
-        _ => Some(PathBuf::from(text)),
+        (Some(rest), Some(home)) => Some(PathBuf::from(home).join(rest).display().to_string()),
+        _ => Some(text.to_owned()),
     }
 }
 
@@ -45,11 +45,11 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
         done |= path_row(ui, state, actions);
         ui.add_space(4.0);
         ui.horizontal(|ui| {
-            for (glyph, text, folder) in
-                [(Icon::FileVideo, "Browse files…", false), (Icon::Folder, "Browse folders…", true)]
+            for (glyph, text, wanted) in
+                [(Icon::FileVideo, "Browse files…", Browse::File), (Icon::Folder, "Browse folders…", Browse::Folder)]
             {
                 if ui.button((widgets::icon(ui, glyph), text)).clicked() {
-                    actions.ask(Action::Browse { folder });
+                    actions.ask(Action::Browse(wanted));
                     done = true;
                 }
             }
@@ -98,7 +98,7 @@ pub fn recents(ui: &mut Ui, recent: &[PathBuf], actions: &mut Actions) -> bool {
         let text = widgets::elide(&path.display().to_string(), 64);
         let row = ui.add(egui::Button::new((widgets::icon(ui, Icon::History), text)).frame_when_inactive(false));
         if row.clicked() {
-            actions.ask(Action::Open(path.clone()));
+            actions.ask(Action::Open(path.display().to_string()));
             done = true;
         }
     }
@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(parse("file:///a/b.mp4"), Some("/a/b.mp4".into()));
         assert_eq!(parse("  "), None);
         if let Some(home) = std::env::var_os("HOME") {
-            assert_eq!(parse("~/x.gif"), Some(std::path::Path::new(&home).join("x.gif")));
+            assert_eq!(parse("~/x.gif"), Some(std::path::Path::new(&home).join("x.gif").display().to_string()));
         }
     }
 }

@@ -40,6 +40,8 @@ pub struct Panes<'a> {
     pub states: &'a mut States,
     /// The tile that holds nothing but the stage.
     pub stage_alone: Option<TileId>,
+    /// Panes that share their tabs with no other.
+    pub alone: Vec<TileId>,
     /// Whether a step may move.
     pub animate: bool,
     /// The look.
@@ -107,8 +109,7 @@ impl Panes<'_> {
     fn opening(&mut self, ui: &mut Ui, loading: &Loading) {
         ui.horizontal(|ui| {
             ui.spinner();
-            let name = loading.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-            ui.label(format!("Opening {}…", widgets::elide(&name, 48)));
+            ui.label(format!("Opening {}…", widgets::elide(&loading.name, 64)));
             let done = loading.fraction();
             if done > 0.0 {
                 ui.add(egui::ProgressBar::new(done).desired_width(160.0).show_percentage());
@@ -208,8 +209,7 @@ impl Behavior<Pane> for Panes<'_> {
 
     fn tab_ui(&mut self, tiles: &mut Tiles<Pane>, ui: &mut Ui, id: Id, tile: TileId, state: &TabState) -> Response {
         let title = tiles.get_pane(&tile).map_or("Panes", |pane| pane.title());
-        let alone =
-            tiles.parent_of(tile).and_then(|parent| tiles.get_container(parent)).is_none_or(|c| c.num_children() < 2);
+        let alone = self.alone.contains(&tile);
         let chrome = self.theme.chrome();
         let font = egui::FontId::new(TextStyle::Small.resolve(ui.style()).size, style::bold());
         let galley = ui.painter().layout_no_wrap(title.into(), font, Color32::PLACEHOLDER);

@@ -1,8 +1,7 @@
 //! The parameters: what the estimator and a synthetic clip declare, as rows that align.
 
 use eframe::egui::{
-    self, Align, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, Slider, TextStyle, Ui, WidgetInfo,
-    vec2,
+    self, Align, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::params::{Choice, Kind, Spec};
@@ -10,6 +9,7 @@ use motionscope_core::{Value, estimators};
 
 use super::action::{Action, Actions};
 use super::document::{Document, Owner};
+use super::slider::Slider;
 use super::{clip_card, style, widgets};
 use crate::paint::Theme;
 
@@ -73,10 +73,14 @@ fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
 
 fn group(ui: &mut Ui, owner: Owner, document: &Document, theme: Theme, actions: &mut Actions) {
     let Some(params) = document.params(owner) else { return };
-    for (index, spec) in params.specs().iter().enumerate() {
-        let row = Row { owner, index, spec, value: params.value(index), default: document.default_of(owner, index) };
-        row.show(ui, theme, actions);
-    }
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        for (index, spec) in params.specs().iter().enumerate() {
+            let (value, default) = (params.value(index), document.default_of(owner, index));
+            Row { owner, index, spec, value, default, theme }.show(ui, actions);
+            ui.add_space(if matches!(spec.kind, Kind::Int { .. } | Kind::Real { .. }) { 6.0 } else { 4.0 });
+        }
+    });
 }
 
 /// One parameter.
@@ -86,10 +90,11 @@ struct Row<'a> {
     spec: &'a Spec,
     value: Value,
     default: Option<Value>,
+    theme: Theme,
 }
 
 impl Row<'_> {
-    fn show(&self, ui: &mut Ui, theme: Theme, actions: &mut Actions) {
+    fn show(&self, ui: &mut Ui, actions: &mut Actions) {
         let wanted = match (&self.spec.kind, self.value) {
             (Kind::Int { min, max }, Value::Int(value)) => {
                 self.number(ui, (*min as f64, *max as f64), value as f64, true, actions).map(|v| Value::Int(v as i64))
@@ -97,7 +102,7 @@ impl Row<'_> {
             (Kind::Real { min, max }, Value::Real(value)) => {
                 self.number(ui, (*min, *max), value, false, actions).map(Value::Real)
             }
-            (Kind::Switch, Value::Switch(on)) => self.switch(ui, on, theme, actions).map(Value::Switch),
+            (Kind::Switch, Value::Switch(on)) => self.switch(ui, on, actions).map(Value::Switch),
             (Kind::Choice(choices), Value::Choice(name)) => self.choice(ui, choices, name, actions).map(Value::Choice),
             _ => None,
         };
@@ -172,31 +177,23 @@ impl Row<'_> {
             let response = ui.add_sized(vec2(width.size().x + 4.2 * size, ui.spacing().interact_size.y), field);
             response.labelled_by(label.id).on_hover_text(self.tip())
         });
-        ui.spacing_mut().slider_width = ui.available_width();
-        let slid = ui
-            .scope(|ui| {
-                ui.spacing_mut().interact_size.y = (1.1 * size).round();
-                let mut slider = Slider::new(&mut wanted, min..=max).show_value(false);
-                if whole {
-                    slider = slider.integer();
-                } else {
-                    slider = slider.step_by(10f64.powi(-(decimals as i32)));
-                }
-                ui.add(slider)
-            })
-            .inner;
-        let name = &self.spec.label;
-        slid.widget_info(|| WidgetInfo::slider(true, value, name));
+        let default = self.default.and_then(|default| match default {
+            Value::Int(value) => Some(value as f64),
+            Value::Real(value) => Some(value),
+            Value::Switch(_) | Value::Choice(_) => None,
+        });
+        let step = 10f64.powi(-(decimals as i32));
+        let slider = Slider { name: &self.spec.label, range: (min, max), step, default, theme: self.theme };
+        let slid = slider.show(ui, &mut wanted);
         let slid = slid.on_hover_text(self.tip());
         if [&typed, &slid].iter().any(|r| r.drag_stopped() || r.lost_focus()) {
             actions.ask(Action::Settle);
         }
-        ui.add_space(2.0);
         (wanted != value).then_some(wanted)
     }
 
-    fn switch(&self, ui: &mut Ui, on: bool, theme: Theme, actions: &mut Actions) -> Option<bool> {
-        let response = self.line(ui, actions, |ui, _| toggle(ui, on, theme));
+    fn switch(&self, ui: &mut Ui, on: bool, actions: &mut Actions) -> Option<bool> {
+        let response = self.line(ui, actions, |ui, _| toggle(ui, on, self.theme));
         let name = &self.spec.label;
         response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, on, name));
         let clicked = response.on_hover_text(self.tip()).clicked();

@@ -103,6 +103,7 @@ fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
     let keys = Command::Palette.face().keys.first().map_or_else(String::new, |key| key_text(*key));
     let search = Button::new((widgets::icon(ui, Icon::Search).color(dim), words))
         .right_text(RichText::new(keys).small().color(dim));
+    let search = search.fill(style::color(input.theme.chrome().raised));
     let response = ui.add(search.min_size(egui::vec2(11.0 * TextStyle::Body.resolve(ui.style()).size, 0.0)));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Find a command"));
     if transport::tooltip(response, Command::Palette, &input.rungs).clicked() {
@@ -112,8 +113,16 @@ fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
 }
 
 fn button(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
-    let on = is_on(command, input).unwrap_or(false);
-    let response = widgets::icon_button(ui, command.face().icon, &command.text(&input.rungs), on);
+    // What is on is bright, what is folded away is dim: a bar at rest is quiet.
+    let dim = is_on(command, input) == Some(false);
+    let text = command.text(&input.rungs);
+    let response = ui.scope(|ui| {
+        if dim {
+            ui.visuals_mut().widgets.inactive.fg_stroke.color = ui.visuals().weak_text_color();
+        }
+        widgets::icon_button(ui, command.face().icon, &text, false)
+    });
+    let response = response.inner;
     if transport::tooltip(response, command, &input.rungs).clicked() {
         actions.command(command);
     }

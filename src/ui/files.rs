@@ -1,0 +1,236 @@
+//! What the window does with files: opening, browsing, writing.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{TryRecvError, channel};
+use std::time::Instant;
+
+use eframe::egui::ViewportCommand;
+use motionscope_core::synth::Sample;
+use motionscope_core::{Cursor, Error};
+
+use super::action::Browse;
+use super::app::{App, Overlay, title};
+use super::loader::{Loading, Opened};
+use super::save_dialog::{self, Kind};
+use super::stage::Zoom;
+use super::writer::{self, Order, Subject, What, Writing};
+use super::{open_dialog, walker};
+use crate::media::Open;
+use crate::session::{Session, Sight};
+use crate::shot::Look;
+use crate::source::Source;
+
+/// Events that are seen of the first unit shown of a sample.
+const FIRST_LOOK: usize = 640;
+/// Where in the picture a sample is looked at first, as a share of its width and height.
+const FIRST_PLACE: [f32; 2] = [0.19, 0.57];
+
+impl App {
+    /// Takes in what other threads have done.
+    pub(super) fn receive(&mut self) {
+        self.view = self.walker.view();
+        if let Some(outcome) = self.loading.as_ref().and_then(Loading::take) {
+            let name = self.loading.take().map_or_else(String::new, |loading| loading.name.clone());
+            match outcome {
+                Ok(opened) => self.opened(opened, Path::new(&name)),
+                Err(error) => self.not_opened(Path::new(&name), error),
+            }
+        }
+        if let Some(outcome) = self.writing.as_ref().and_then(Writing::take) {
+            self.writing = None;
+            match outcome {
+                Ok(text) => self.toasts.tell(text),
+                Err(error) => self.toasts.fail(format!("Nothing was written: {error}.")),
+            }
+        }
+        self.browsed();
+    }
+
+    /// Takes in the path that the system's dialog delivers.
+    fn browsed(&mut self) {
+        let Some((wanted, delivery)) = &self.browsing else { return };
+        let (wanted, path) = (*wanted, delivery.try_recv());
+        if path == Err(TryRecvError::Empty) {
+            return;
+        }
+        self.browsing = None;
+        let opens = matches!(wanted, Browse::File | Browse::Folder);
+        match (path, &mut self.overlay) {
+            (Ok(Some(path)), _) if opens => self.open(&path.display().to_string()),
+            (Ok(Some(path)), Overlay::Save(state)) => state.path = path.display().to_string(),
+            (Ok(_), _) => {}
+            (Err(_), _) => {
+                self.toasts.fail("The system offers no file dialog. Type or paste the path instead.");
+                if opens {
+                    self.overlay = Overlay::Open(open_dialog::State::default());
+                }
+            }
+        }
+    }
+
+    /// Opens a file, a folder, a session or `synth:` and a scene, on another thread.
+    pub fn open(&mut self, name: &str) {
+        self.player.pause();
+        self.error = None;
+        let ctx = self.ctx.clone();
+        self.loading = Some(Loading::new(name, move || ctx.request_repaint()));
+    }
+
+    /// Opens a bundled sample in the middle of a search, so that there is something to see.
+    pub fn open_sample(&mut self, sample: &'static Sample) {
+        self.player.pause();
+        self.loading = None;
+        let source = Source::Synth { id: sample.id, difficulty: sample.difficulty() };
+        let clip = match source.open(&Open::default()) {
+            Ok(clip) => clip,
+            Err(error) => {
+                self.error = Some(error);
+                return;
+            }
+        };
+        let (width, height) = clip.size();
+        self.document.open(clip, source);
+        self.begin();
+        self.walk_from(
+            Cursor { unit: 0, event: FIRST_LOOK },
+            Some([width as f32 * FIRST_PLACE[0], height as f32 * FIRST_PLACE[1]]),
+        );
+    }
+
+    fn opened(&mut self, opened: Opened, path: &Path) {
+        let Opened { clip, source, session } = opened;
+        if path.exists() {
+            self.settings.remember(path);
+        }
+        self.document.open(clip, source);
+        self.begin();
+        let Some(session) = session else {
+            self.walk_from(Cursor::default(), None);
+            return;
+        };
+        let Session { estimator, frame, cursor, look, sight, .. } = session;
+        self.document.restore(estimator, frame);
+        self.settings.set_theme(look.theme);
+        self.states.stage.view = look.view.unwrap_or_default();
+        if let Some(Sight { center, zoom }) = sight {
+            self.states.stage.zoom = Zoom::At { center, scale: zoom };
+        }
+        let end = Cursor { unit: usize::MAX, event: usize::MAX };
+        self.walk_from(cursor.unwrap_or(end), None);
+    }
+
+    fn walk_from(&mut self, cursor: Cursor, near: Option<[f32; 2]>) {
+        if let Some(job) = self.document.job(None) {
+            self.walker.start(walker::Job { cursor, near, ..job });
+        }
+    }
+
+    fn not_opened(&mut self, path: &Path, error: Error) {
+        if !path.exists() {
+            self.settings.forget(path);
+        }
+        self.error = Some(error);
+    }
+
+    /// Another clip is open.
+    fn begin(&mut self) {
+        self.error = None;
+        self.states.stage.fit();
+        self.ctx.send_viewport_cmd(ViewportCommand::Title(title(&self.document)));
+    }
+
+    /// Asks the system for a path, off the window's thread.
+    pub(super) fn browse(&mut self, wanted: Browse) {
+        let (sender, receiver) = channel();
+        let ctx = self.ctx.clone();
+        let ask = move || {
+            let begun = Instant::now();
+            let path = ask_system(wanted);
+            // Nobody cancels that fast: there was no dialog. Hanging up says so.
+            if path.is_some() || begun.elapsed().as_millis() > 150 {
+                // The window may have closed meanwhile.
+                sender.send(path).ok();
+            }
+            drop(sender);
+            ctx.request_repaint();
+        };
+        match std::thread::Builder::new().name("dialog".into()).spawn(ask) {
+            Ok(_) => self.browsing = Some((wanted, receiver)),
+            Err(error) => self.toasts.fail(format!("The file dialog could not be started: {error}. Type the path.")),
+        }
+    }
+
+    /// Opens the dialog that writes `kind`.
+    pub(super) fn save_as(&mut self, kind: Kind) {
+        let Some(shown) = self.view.shown.as_deref() else { return };
+        let name = self.document.clip().map_or_else(String::new, |clip| clip.info().name.clone());
+        let beside = match self.document.source() {
+            Some(Source::File(path)) => path.parent().map(Path::to_owned),
+            _ => None,
+        };
+        let folder = self.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());
+        let state = save_dialog::State::new(kind, &folder, &save_dialog::stem(&name), shown);
+        self.overlay = Overlay::Save(Box::new(state));
+    }
+
+    /// How the stage looks, for a picture of it.
+    pub(super) fn look(&self) -> Look {
+        Look { view: Some(self.states.stage.view), theme: self.settings.theme(), ..Look::default() }
+    }
+
+    /// Writes on another thread; a message tells the outcome.
+    pub fn write(&mut self, order: Order) {
+        let (Some(clip), Some(shown)) = (self.document.clip().cloned(), self.view.shown.clone()) else { return };
+        self.folder = order.path.parent().map(Path::to_owned);
+        let ctx = self.ctx.clone();
+        let changed = move || ctx.request_repaint();
+        let subject = Subject { clip, estimator: self.document.estimator().boxed_clone(), shown };
+        self.writing = Some(match order.what {
+            What::Picture => Writing::new(changed, move |_| writer::picture(&order, &subject)),
+            What::Steps { .. } => Writing::new(changed, move |progress| writer::steps(&order, &subject, progress)),
+            What::Session => {
+                let session = self.session(&subject);
+                Writing::new(changed, move |_| save_session(session, &order.path))
+            }
+            What::Vectors => {
+                let (writing, deliver) = Writing::later(changed);
+                self.walker.output(move |output| deliver(writer::vectors(&order.path, &output)));
+                writing
+            }
+        });
+    }
+
+    fn session(&self, subject: &Subject) -> Option<Session> {
+        let stage = &self.states.stage;
+        let sight = match stage.zoom {
+            Zoom::Fit => None,
+            Zoom::At { center, scale } => Some(Sight { center, zoom: scale }),
+        };
+        Some(Session {
+            source: self.document.source()?.map_path(|path| std::path::absolute(path).unwrap_or_else(|_| path.into())),
+            truth: None,
+            estimator: subject.estimator.boxed_clone(),
+            frame: subject.shown.frame,
+            cursor: Some(subject.shown.cursor),
+            look: self.look(),
+            sight,
+        })
+    }
+}
+
+fn save_session(session: Option<Session>, path: &Path) -> Result<String, Error> {
+    let session = session.ok_or_else(|| Error::new("no clip is open"))?;
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    session.save(&path)?;
+    Ok(format!("Wrote {}.", path.display()))
+}
+
+fn ask_system(wanted: Browse) -> Option<PathBuf> {
+    let dialog = rfd::FileDialog::new();
+    match wanted {
+        Browse::File => dialog.set_title("Open a clip or a session").pick_file(),
+        Browse::Folder => dialog.set_title("Open a folder of pictures").pick_folder(),
+        Browse::SaveFile => dialog.set_title("Write to").save_file(),
+        Browse::SaveFolder => dialog.set_title("Write into a folder").pick_folder(),
+    }
+}

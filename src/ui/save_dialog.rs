@@ -1,0 +1,291 @@
+//! Writing: where to, as what, and how it looks.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{self, Align, Button, Layout, Modal, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
+use motionscope_core::Cursor;
+
+use super::action::{Action, Actions, Browse};
+use super::commands::Rungs;
+use super::walker::Snapshot;
+use super::widgets;
+use super::writer::{Order, What};
+use crate::shot::{Format, Look};
+
+/// Scales that can be chosen.
+const SCALES: [u32; 4] = [1, 2, 4, 8];
+
+/// What the dialog writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The step that is shown.
+    Picture,
+    /// Several steps.
+    Steps,
+    /// The vectors.
+    Vectors,
+    /// The session.
+    Session,
+}
+
+impl Kind {
+    fn title(self) -> &'static str {
+        match self {
+            Kind::Picture => "Export the picture of this step",
+            Kind::Steps => "Export pictures of several steps",
+            Kind::Vectors => "Export the vectors found so far",
+            Kind::Session => "Save the session",
+        }
+    }
+
+    fn explained(self) -> &'static str {
+        match self {
+            Kind::Picture => "What the stage shows, whole, with the same colours and lines.",
+            Kind::Steps => "One numbered file for each step, into a folder.",
+            Kind::Vectors => "As a table, or as a field with one vector for each pixel.",
+            Kind::Session => "A small text file: clip, estimator, parameters, step and view.",
+        }
+    }
+
+    /// The endings that can be chosen, and what they are.
+    fn endings(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Kind::Picture | Kind::Steps => &[("png", "PNG, pixels"), ("svg", "SVG, lines that stay sharp")],
+            Kind::Vectors => &[
+                ("csv", "CSV, a row for each block"),
+                ("npy", "NPY, an array for NumPy"),
+                ("flo", "Middlebury .flo"),
+                ("png", "KITTI 16-bit PNG"),
+            ],
+            Kind::Session => &[("motionscope", "Session")],
+        }
+    }
+}
+
+/// The dialog while it is open.
+pub struct State {
+    kind: Kind,
+    /// The file, or the folder for several.
+    pub path: String,
+    ending: &'static str,
+    scale: u32,
+    legend: bool,
+    caption: bool,
+    from: String,
+    to: String,
+    rung: usize,
+    focused: bool,
+}
+
+impl State {
+    /// The dialog for `kind`, with a name that says what it is, in `folder`.
+    pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot) -> Self {
+        let ending = kind.endings()[0].0;
+        let Cursor { unit, .. } = shown.cursor;
+        let name = match kind {
+            Kind::Picture => format!("{stem}_{}.{ending}", shown.cursor),
+            Kind::Steps => format!("{stem}_steps"),
+            Kind::Vectors => format!("{stem}_vectors.{ending}"),
+            Kind::Session => format!("{stem}.{ending}"),
+        };
+        Self {
+            kind,
+            path: folder.join(name).display().to_string(),
+            ending,
+            scale: 2,
+            legend: true,
+            caption: false,
+            from: Cursor { unit, event: 1 }.to_string(),
+            to: Cursor { unit, event: shown.events }.to_string(),
+            rung: Rungs::new(shown.info.rungs).unit(),
+            focused: false,
+        }
+    }
+
+    /// What the dialog asks for, or what is wrong with it.
+    fn order(&self, look: Look) -> Result<Order, String> {
+        let path = super::open_dialog::parse(&self.path).ok_or("Type where to write it.")?;
+        let format = if self.ending == "svg" { Format::Svg } else { Format::Png };
+        let what = match self.kind {
+            Kind::Picture => What::Picture,
+            Kind::Vectors => What::Vectors,
+            Kind::Session => What::Session,
+            Kind::Steps => {
+                let cursor = |text: &str| text.trim().parse::<Cursor>().map_err(|error| format!("{error}."));
+                let (from, to) = (cursor(&self.from)?, cursor(&self.to)?);
+                if to < from {
+                    return Err("The last step lies before the first.".into());
+                }
+                What::Steps { from, to, rung: self.rung, format }
+            }
+        };
+        let look = Look { legend: self.legend, caption: self.caption, ..look };
+        Ok(Order { what, path: PathBuf::from(path), scale: self.scale, look })
+    }
+
+    fn set_ending(&mut self, ending: &'static str) {
+        self.ending = ending;
+        if self.kind != Kind::Steps {
+            self.path = Path::new(&self.path).with_extension(ending).display().to_string();
+        }
+    }
+}
+
+/// Shows the dialog; gives whether it is still open.
+pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, look: Look, actions: &mut Actions) -> bool {
+    let size = TextStyle::Body.resolve(&ctx.global_style()).size;
+    let mut done = false;
+    let modal = Modal::new(egui::Id::unique("save")).show(ctx, |ui| {
+        ui.set_width((40.0 * size).min(ui.ctx().content_rect().width() - 48.0));
+        ui.heading(state.kind.title());
+        ui.label(RichText::new(state.kind.explained()).weak());
+        ui.add_space(8.0);
+        options(ui, state, rungs);
+        ui.add_space(4.0);
+        let entered = path_row(ui, state, actions);
+        ui.add_space(12.0);
+        done = buttons(ui, state, look, entered, actions);
+    });
+    !(modal.should_close() || done)
+}
+
+fn line(ui: &mut Ui, label: &str, add: impl FnOnce(&mut Ui)) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    ui.horizontal(|ui| {
+        ui.allocate_ui_with_layout(
+            vec2(6.0 * size, ui.spacing().interact_size.y),
+            Layout::left_to_right(Align::Center),
+            |ui| {
+                ui.set_min_width(6.0 * size);
+                ui.label(RichText::new(label).weak());
+            },
+        );
+        add(ui);
+    });
+}
+
+fn options(ui: &mut Ui, state: &mut State, rungs: Rungs) {
+    let endings = state.kind.endings();
+    if endings.len() > 1 {
+        line(ui, "Format", |ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            for (ending, doc) in endings {
+                let name = if *ending == "flo" { ".flo".to_owned() } else { ending.to_uppercase() };
+                if ui.selectable_label(state.ending == *ending, name).on_hover_text(*doc).clicked() {
+                    state.set_ending(ending);
+                }
+            }
+        });
+    }
+    if state.kind == Kind::Steps {
+        range(ui, state, rungs);
+    }
+    if !matches!(state.kind, Kind::Picture | Kind::Steps) {
+        return;
+    }
+    if state.ending == "png" {
+        line(ui, "Scale", |ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            for scale in SCALES {
+                let tip = "Pixels of the file for each pixel of the clip.";
+                if ui.selectable_label(state.scale == scale, format!("{scale}×")).on_hover_text(tip).clicked() {
+                    state.scale = scale;
+                }
+            }
+        });
+    }
+    line(ui, "With", |ui| {
+        ui.checkbox(&mut state.legend, "Legend").on_hover_text("What the marks mean, below the pictures.");
+        ui.add_space(8.0);
+        ui.checkbox(&mut state.caption, "Caption").on_hover_text("Estimator, parameters and the sentence of the step.");
+    });
+}
+
+fn range(ui: &mut Ui, state: &mut State, rungs: Rungs) {
+    line(ui, "Steps", |ui| {
+        for (text, name) in [(&mut state.from, "First step"), (&mut state.to, "Last step")] {
+            let response = ui.add(TextEdit::singleline(text).desired_width(90.0));
+            let value = text.clone();
+            response.widget_info(|| WidgetInfo::text_edit(true, &value, &value, name));
+            response.on_hover_text(format!("{name}, as UNIT.EVENT; a unit alone is its end."));
+        }
+        ui.label(RichText::new("as UNIT.EVENT").small().weak());
+    });
+    line(ui, "Every", |ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for rung in [rungs.event(), rungs.unit()] {
+            if ui.selectable_label(state.rung == rung, rungs.name(rung)).clicked() {
+                state.rung = rung;
+            }
+        }
+    });
+}
+
+/// The path and the way to the system's dialog; gives whether Enter was pressed.
+fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
+    let mut entered = false;
+    let several = state.kind == Kind::Steps;
+    line(ui, if several { "Folder" } else { "File" }, |ui| {
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let field = TextEdit::singleline(&mut state.path).desired_width(ui.available_width() - 6.5 * size);
+        let response = ui.add(field);
+        let path = state.path.clone();
+        response.widget_info(|| WidgetInfo::text_edit(true, &path, &path, "Where to write it"));
+        if !std::mem::replace(&mut state.focused, true) {
+            response.request_focus();
+        }
+        entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+        if ui.button("Browse…").clicked() {
+            actions.ask(Action::Browse(if several { Browse::SaveFolder } else { Browse::SaveFile }));
+        }
+    });
+    entered
+}
+
+fn buttons(ui: &mut Ui, state: &State, look: Look, entered: bool, actions: &mut Actions) -> bool {
+    let order = state.order(look);
+    let mut done = false;
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let accent = ui.visuals().hyperlink_color;
+            let on = ui.visuals().panel_fill;
+            let write = Button::new(RichText::new("Write").color(on)).fill(accent);
+            let clicked = ui.add_enabled(order.is_ok(), write).clicked();
+            done = ui.button("Cancel").clicked();
+            match order {
+                Ok(order) if clicked || entered => {
+                    actions.ask(Action::Write(Box::new(order)));
+                    done = true;
+                }
+                Ok(_) => {}
+                Err(why) => {
+                    let error = ui.visuals().error_fg_color;
+                    ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                        ui.add(egui::Label::new(RichText::new(why).small().color(error)).wrap());
+                    });
+                }
+            }
+        });
+    });
+    done
+}
+
+/// A name for files about a clip called `name`: letters, digits and dashes.
+pub fn stem(name: &str) -> String {
+    let name = Path::new(name).file_stem().map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned());
+    let plain: String = name.chars().map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
+    let words: Vec<_> = plain.split('-').filter(|word| !word.is_empty()).take(4).collect();
+    if words.is_empty() { "motionscope".into() } else { widgets::elide(&words.join("-"), 40) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stem;
+
+    #[test]
+    fn names_of_files_are_plain() {
+        assert_eq!(stem("Waves behind a pillar"), "waves-behind-a-pillar");
+        assert_eq!(stem("ball_toss.mp4"), "ball-toss");
+        assert_eq!(stem("…"), "motionscope");
+    }
+}

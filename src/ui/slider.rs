@@ -1,0 +1,121 @@
+//! A slim slider as wide as its pane: drag, click, arrow up and down, or a screen reader's actions.
+
+use eframe::egui::accesskit::{Action, ActionData};
+use eframe::egui::{self, Key, Modifiers, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2};
+
+use super::style;
+use crate::paint::Theme;
+
+/// What a slider sets.
+pub struct Slider<'a> {
+    /// Its name, for a screen reader.
+    pub name: &'a str,
+    /// The smallest and the largest value.
+    pub range: (f64, f64),
+    /// From one value to the next.
+    pub step: f64,
+    /// Where a mark says that the value is as it was at first.
+    pub default: Option<f64>,
+    /// The look.
+    pub theme: Theme,
+}
+
+impl Slider<'_> {
+    /// Shows the slider; `value` changes with it.
+    pub fn show(&self, ui: &mut Ui, value: &mut f64) -> Response {
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let height = (1.1 * size).round();
+        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click_and_drag());
+        let radius = (0.42 * size).round();
+        let (left, right) = (rect.left() + radius, rect.right() - radius);
+        let (min, max) = self.range;
+        if let Some(at) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {
+            *value = egui::remap_clamp(f64::from(at.x), f64::from(left)..=f64::from(right), min..=max);
+        }
+        self.by_keys(ui, &response, value);
+        *value = self.nearest(*value);
+        let shown = *value;
+        response.widget_info(|| WidgetInfo::slider(true, shown, self.name));
+        self.describe(ui, &response, shown);
+        let x_of = |value: f64| egui::remap_clamp(value, min..=max, f64::from(left)..=f64::from(right)) as f32;
+        self.paint(ui, &response, x_of(shown), self.default.map(x_of), radius);
+        response
+    }
+
+    /// The value that the slider can stand at nearest to `value`.
+    fn nearest(&self, value: f64) -> f64 {
+        let (min, max) = self.range;
+        let stepped = min + ((value - min) / self.step).round() * self.step;
+        // Steps like 0.1 are not exact; what is shown is.
+        let clean = (stepped * 1e6).round() / 1e6;
+        clean.clamp(min, max)
+    }
+
+    fn by_keys(&self, ui: &Ui, response: &Response, value: &mut f64) {
+        if response.has_focus() {
+            let up = ui.input_mut(|i| i.count_and_consume_key(Modifiers::NONE, Key::ArrowUp));
+            let down = ui.input_mut(|i| i.count_and_consume_key(Modifiers::NONE, Key::ArrowDown));
+            *value += (up as f64 - down as f64) * self.step;
+            let filter = egui::EventFilter { vertical_arrows: true, ..Default::default() };
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+        }
+        ui.input(|input| {
+            let count = |action| input.num_accesskit_action_requests(response.id, action) as f64;
+            *value += (count(Action::Increment) - count(Action::Decrement)) * self.step;
+            let set = input.accesskit_action_requests(response.id, Action::SetValue).last();
+            if let Some(ActionData::NumericValue(wanted)) = set.and_then(|request| request.data.as_ref()) {
+                *value = *wanted;
+            }
+        });
+    }
+
+    fn describe(&self, ui: &Ui, response: &Response, value: f64) {
+        let (min, max) = self.range;
+        ui.ctx().accesskit_node_builder(response.id, |node| {
+            node.set_min_numeric_value(min);
+            node.set_max_numeric_value(max);
+            node.set_numeric_value_step(self.step);
+            node.add_action(Action::SetValue);
+            if value < max {
+                node.add_action(Action::Increment);
+            }
+            if value > min {
+                node.add_action(Action::Decrement);
+            }
+        });
+    }
+
+    fn paint(&self, ui: &Ui, response: &Response, x: f32, default: Option<f32>, radius: f32) {
+        let chrome = self.theme.chrome();
+        let painter = ui.painter();
+        let rect = response.rect;
+        let thickness = (radius * 0.6).max(3.0).round();
+        let rail = egui::Rect::from_center_size(rect.center(), vec2(rect.width(), thickness));
+        painter.rect_filled(rail, thickness / 2.0, style::color(chrome.hovered));
+        let done = style::color(chrome.accent.mix(chrome.panel, 0.3));
+        painter.rect_filled(rail.with_max_x(x), thickness / 2.0, done);
+        if let Some(at) = default.filter(|at| (at - x).abs() > radius) {
+            painter.circle_filled(pos2(at, rect.center().y), thickness * 0.8, style::color(chrome.dim));
+        }
+        let lit = response.hovered() || response.dragged() || response.has_focus();
+        let radius = if lit { radius } else { radius - 1.0 };
+        let ring = Stroke::new(2.0, style::color(chrome.panel));
+        painter.circle(pos2(x, rect.center().y), radius, style::color(chrome.accent), ring);
+        if response.has_focus() {
+            painter.circle_stroke(pos2(x, rect.center().y), radius + 1.0, Stroke::new(1.5, style::color(chrome.text)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_lie_on_the_steps_and_in_the_range() {
+        let slider = Slider { name: "", range: (-10.0, 10.0), step: 0.1, default: None, theme: Theme::Dark };
+        assert_eq!([-11.0, -9.96, 0.04, 0.3000001, 99.0].map(|v| slider.nearest(v)), [-10.0, -10.0, 0.0, 0.3, 10.0]);
+        let whole = Slider { range: (4.0, 64.0), step: 1.0, ..slider };
+        assert_eq!(whole.nearest(16.4), 16.0);
+    }
+}

@@ -1,0 +1,177 @@
+//! Writes pictures, vectors and sessions on a thread of its own, with progress and cancel.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Output};
+
+use super::walker::Snapshot;
+use crate::media::Progress;
+use crate::media::export::{self, FlowFormat};
+use crate::shot::{Format, Look, Moment, Steps};
+
+/// What to write.
+#[derive(Clone, Debug, PartialEq)]
+pub enum What {
+    /// The step that is shown.
+    Picture,
+    /// Steps from one cursor to another, at the stops of a rung.
+    Steps {
+        /// The first.
+        from: Cursor,
+        /// The last.
+        to: Cursor,
+        /// The rung.
+        rung: usize,
+        /// What they are written as.
+        format: Format,
+    },
+    /// The vectors found so far.
+    Vectors,
+    /// Everything that reopens the window as it is.
+    Session,
+}
+
+/// What to write, where, and how it looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Order {
+    /// What.
+    pub what: What,
+    /// The file, or the folder for several.
+    pub path: PathBuf,
+    /// Pixels for each pixel of the clip.
+    pub scale: u32,
+    /// How it looks.
+    pub look: Look,
+}
+
+/// What is written from: a step, and the run that it belongs to.
+pub struct Subject {
+    /// The clip.
+    pub clip: Clip,
+    /// The estimator with its parameters.
+    pub estimator: Box<dyn AnyEstimator>,
+    /// The step.
+    pub shown: Arc<Snapshot>,
+}
+
+/// Something that is being written.
+pub struct Writing {
+    shared: Arc<Shared>,
+}
+
+type Changed = Box<dyn Fn() + Send + Sync>;
+
+struct Shared {
+    cancelled: AtomicBool,
+    outcome: Mutex<Option<Result<String, Error>>>,
+    changed: Changed,
+}
+
+impl Progress for Shared {
+    fn report(&self, _fraction: f32) {}
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+impl Writing {
+    /// Has `write` write on a thread of its own and say what it wrote.
+    pub fn new(
+        changed: impl Fn() + Send + Sync + 'static,
+        write: impl FnOnce(&dyn Progress) -> Result<String, Error> + Send + 'static,
+    ) -> Self {
+        let (writing, deliver) = Self::later(changed);
+        let shared = Arc::clone(&writing.shared);
+        let work = move || deliver(write(&*shared));
+        if let Err(error) = std::thread::Builder::new().name("writer".into()).spawn(work) {
+            writing.shared.deliver(Err(Error::new(format!("no thread could be started to write: {error}"))));
+        }
+        writing
+    }
+
+    /// Something that another thread writes; it tells the outcome with the function given back.
+    pub fn later(
+        changed: impl Fn() + Send + Sync + 'static,
+    ) -> (Self, impl FnOnce(Result<String, Error>) + Send + 'static) {
+        let shared = Arc::new(Shared {
+            cancelled: AtomicBool::new(false),
+            outcome: Mutex::default(),
+            changed: Box::new(changed),
+        });
+        let worker = Arc::clone(&shared);
+        (Self { shared }, move |outcome| worker.deliver(outcome))
+    }
+
+    /// What was written or why nothing was, once.
+    pub fn take(&self) -> Option<Result<String, Error>> {
+        let alone = Arc::strong_count(&self.shared) == 1;
+        let outcome = self.shared.outcome.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // Nobody is left who could tell: the run was replaced before its turn came.
+        outcome.or_else(|| alone.then(|| Err(Error::new("the run was changed meanwhile; write again"))))
+    }
+}
+
+impl Drop for Writing {
+    fn drop(&mut self) {
+        self.shared.cancelled.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Shared {
+    fn deliver(&self, outcome: Result<String, Error>) {
+        *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
+        (self.changed)();
+    }
+}
+
+/// Writes the picture of a step; says what was written.
+///
+/// # Errors
+/// If the ending is neither `.png` nor `.svg`, the picture is too large, or the file cannot be written.
+pub fn picture(order: &Order, subject: &Subject) -> Result<String, Error> {
+    let Subject { estimator, shown, .. } = subject;
+    let format = Format::of(&order.path)?;
+    let moment = Moment {
+        estimator: estimator.as_ref(),
+        frame: shown.frame,
+        cursor: shown.cursor,
+        at_end: shown.at_end,
+        step: &shown.step,
+        scene: &shown.scene,
+        frames: &shown.pair,
+    };
+    export::save(&order.path, &format.encode(&moment.plate(&order.look), order.scale)?)?;
+    Ok(format!("Wrote {}.", order.path.display()))
+}
+
+/// Writes the pictures of several steps; says what was written.
+///
+/// # Errors
+/// As [`Steps::write`].
+pub fn steps(order: &Order, subject: &Subject, progress: &dyn Progress) -> Result<String, Error> {
+    let What::Steps { from, to, rung, format } = order.what else { return picture(order, subject) };
+    let steps = Steps { from, to, rung, format, scale: order.scale, look: order.look };
+    let Subject { clip, estimator, shown } = subject;
+    let count = steps.write(clip, estimator.as_ref(), shown.frame, &order.path, Some(progress))?;
+    let plural = if count == 1 { "" } else { "s" };
+    Ok(format!("Wrote {count} picture{plural} into {}.", order.path.display()))
+}
+
+/// Writes vectors in the format that the file's ending asks for; says what was written.
+///
+/// # Errors
+/// If there is no such format, or the file cannot be written.
+pub fn vectors(path: &Path, output: &Output) -> Result<String, Error> {
+    let is_table = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    let (bytes, lost) = if is_table {
+        (export::csv(output).into_bytes(), None)
+    } else {
+        FlowFormat::of(path)?.encode(&output.flow())?
+    };
+    export::save(path, &bytes)?;
+    let lost = lost.map_or_else(String::new, |lost| format!(" {lost}."));
+    Ok(format!("Wrote {}.{lost}", path.display()))
+}
