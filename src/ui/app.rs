@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::Receiver;
 
 use eframe::egui::{self, CentralPanel, Frame, Label, Margin, Panel, RichText, TextStyle, Ui};
+use eframe::egui_wgpu::RenderState;
 use motionscope_core::Error;
 
 use super::action::{Action, Actions, Browse};
@@ -174,7 +175,7 @@ impl App {
         ctx.request_repaint_after_secs(self.player.wait_secs() as f32);
     }
 
-    fn panels(&mut self, ui: &mut Ui, actions: &mut Actions) {
+    fn panels(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
         let lecture = self.settings.folded.lecture;
         let fill = ui.visuals().panel_fill;
         let bar = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
@@ -185,7 +186,7 @@ impl App {
         let height = (ui.spacing().interact_size.y * 2.0).round();
         let frame = bar(12, 4);
         Panel::bottom("transport").frame(frame).exact_size(height + 8.0).show(ui, |ui| self.transport(ui, actions));
-        CentralPanel::no_frame().show(ui, |ui| self.tiles(ui, actions));
+        CentralPanel::no_frame().show(ui, |ui| self.tiles(ui, gpu, actions));
     }
 
     fn top_bar(&self, ui: &mut Ui, actions: &mut Actions) {
@@ -237,7 +238,7 @@ impl App {
         });
     }
 
-    fn tiles(&mut self, ui: &mut Ui, actions: &mut Actions) {
+    fn tiles(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
         layout::fold(&mut self.settings.tree, self.settings.folded);
         let calm = self.settings.reduced_motion || self.player.is_playing();
         let mut panes = Panes {
@@ -249,6 +250,7 @@ impl App {
             stage_alone: layout::stage_alone(&self.settings.tree),
             alone: layout::alone(&self.settings.tree),
             animate: !calm && !ui.input(|i| i.pointer.any_down()),
+            gpu,
             theme: self.settings.theme(),
             actions,
         };
@@ -310,7 +312,7 @@ impl App {
 }
 
 impl eframe::App for App {
-    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         let mut actions = Actions::default();
         self.receive();
@@ -318,7 +320,7 @@ impl eframe::App for App {
         let overlaid = !matches!(self.overlay, Overlay::None);
         keys::take(&ctx, overlaid, self.settings.folded.lecture, &self.now(), &mut actions);
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
-        self.panels(ui, &mut actions);
+        self.panels(ui, frame.wgpu_render_state(), &mut actions);
         self.lecture_hint(ui, &mut actions);
         self.overlays(&ctx, &mut actions);
         let bottom = ui.spacing().interact_size.y * 2.0 + 56.0;

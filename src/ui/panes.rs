@@ -4,17 +4,19 @@ use eframe::egui::{
     self, Align2, Button, Color32, Frame, Id, Margin, Rect, Response, RichText, Sense, Stroke, TextStyle, Ui, Visuals,
     WidgetInfo, WidgetText, vec2,
 };
+use eframe::egui_wgpu::RenderState;
 use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 use lucide_icons::Icon;
 use motionscope_core::Error;
+use motionscope_core::scene::Readout;
 
 use super::action::{Action, Actions};
 use super::commands::Command;
 use super::document::Document;
 use super::layout::Pane;
 use super::loader::Loading;
-use super::walker::{Snapshot, View};
-use super::{parameters, stage, style, why, widgets};
+use super::walker::View;
+use super::{heat_map, parameters, series, stage, style, surface3d, tiles, why, widgets};
 use crate::paint::{ColorMap, Lengthen, Theme};
 
 /// What the panes remember between frames.
@@ -24,6 +26,12 @@ pub struct States {
     pub stage: stage::State,
     /// The explanation.
     pub why: why::State,
+    /// The cost surface as a heat map.
+    pub heat_map: heat_map::State,
+    /// The cost surface in three dimensions.
+    pub surface3d: surface3d::State,
+    /// Small pictures with their numbers.
+    pub tiles: tiles::State,
 }
 
 /// What the panes show.
@@ -44,6 +52,8 @@ pub struct Panes<'a> {
     pub alone: Vec<TileId>,
     /// Whether a step may move.
     pub animate: bool,
+    /// The window's graphics card, if it has one.
+    pub gpu: Option<&'a RenderState>,
     /// The look.
     pub theme: Theme,
     /// What is asked for.
@@ -158,10 +168,31 @@ impl Panes<'_> {
     }
 
     fn chart(&mut self, ui: &mut Ui, pane: Pane) {
-        let Some(_shown): Option<&Snapshot> = self.view.shown.as_deref() else {
+        let Some(shown) = self.view.shown.as_deref() else {
             return empty(ui, "There is nothing to show before a clip is open.");
         };
-        empty(ui, pane.title());
+        let (theme, colors) = (self.theme, ColorMap::default());
+        let states = &mut *self.states;
+        for readout in &shown.step.readouts {
+            match (pane, readout) {
+                (Pane::Surface, Readout::Surface(surface)) => {
+                    heat_map::show(ui, heat_map::Input { surface, colors, theme }, &mut states.heat_map);
+                }
+                (Pane::Surface3d, Readout::Surface(surface)) => {
+                    let input = surface3d::Input { surface, colors, theme, gpu: self.gpu };
+                    surface3d::show(ui, input, &mut states.surface3d);
+                }
+                (Pane::Plot, Readout::Series(series)) => {
+                    series::show(ui, series::Input { series, theme });
+                }
+                (Pane::Numbers, Readout::Tiles(tiles)) => {
+                    tiles::show(ui, tiles::Input { tiles, theme }, &mut states.tiles);
+                }
+                _ => continue,
+            }
+            return;
+        }
+        empty(ui, "This step has none. Step into the next one to see it.");
     }
 }
 
