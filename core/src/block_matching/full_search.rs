@@ -1,8 +1,10 @@
 //! Full search, also called sequential or exhaustive search: every displacement in the window is tested.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::block_search::{self, BorderRule, Cost, Event, Match, Pair, Patch, Probe, Window, shorter};
+use crate::cost::Sum;
 use crate::{
     Block, Clip, Error, Estimator, Info, Observer, Output, Progress, Role, Rung, Scene, Seen, Step, Threads, choices,
     cost, params,
@@ -64,86 +66,101 @@ impl FullSearch {
         let window = state.pair.window(block, self.range);
         task.set(self, &state.pair, block, window);
         observer.see(|| Event::Window);
-        let best = match &state.order {
-            // Plain counting, for the compiler to see through.
-            None if !self.early_exit => {
-                let tested = task.sums.iter().enumerate();
-                self.scan(window, tested, |(index, &sum), _| (index, sum, block.height), observer)
+        let cut;
+        let order = match &state.order {
+            Some(order) if order.len() != window.count() => {
+                cut = self.order_of(window);
+                cut.as_deref()
             }
-            None => self.scan(window, 0..window.count(), |index, limit| task.test(self, index, limit), observer),
-            Some(order) => {
-                let cut;
-                let order = if order.len() == window.count() {
-                    order
-                } else {
-                    cut = self.order_of(window).unwrap_or_default();
-                    &cut
-                };
-                self.scan(window, order.iter(), |&index, limit| task.test(self, index as usize, limit), observer)
-            }
+            whole => whole.as_deref(),
         };
+        let best = self.scan(task, order, observer);
         observer.see(|| Event::Found(best));
         best
     }
 
     /// Tests the candidates in `order`. This is the loop that is taught, timed and trusted: there is no other.
-    #[inline(always)]
-    fn scan<T>(
-        &self,
-        window: Window,
-        order: impl Iterator<Item = T>,
-        test: impl Fn(T, u32) -> (usize, u32, usize),
-        observer: &mut impl Observer<Event>,
-    ) -> Match {
-        let mut best: Option<Match> = None;
+    fn scan(&self, task: &Task, order: Option<&[u32]>, observer: &mut impl Observer<Event>) -> Match {
+        let (window, count) = (task.window, task.window.count());
+        let index_of = |place: usize| order.map_or(place, |order| order[place] as usize);
+        let found = |(index, sum)| Match { displacement: window.displacement(index), sum };
+        let event = |index, (sum, rows)| Event::Candidate { displacement: window.displacement(index), sum, rows };
+        // Index and sum: the displacement is only worked out where it is asked for.
+        let mut best: Option<(usize, u32)> = None;
         let mut limit = u32::MAX;
-        for candidate in order {
-            let (index, sum, rows) = test(candidate, limit);
-            observer.see(|| Event::Candidate { displacement: window.displacement(index), sum, rows });
-            if sum > limit {
+        for first in (0..count).step_by(RUN) {
+            let run = first..count.min(first + RUN);
+            if task.all_exceed(limit, order, run.clone()) {
+                // None of these can win: whoever looks sees them, and otherwise there is nothing to do.
+                run.for_each(|place| observer.see(|| event(index_of(place), task.test(index_of(place), limit))));
                 continue;
             }
-            let displacement = window.displacement(index);
-            if best.is_none_or(|best| sum < best.sum || shorter(displacement, best.displacement)) {
-                observer.see(|| Event::NewBest { before: best });
-                best = Some(Match { displacement, sum });
-                limit = sum;
+            for index in run.map(index_of) {
+                let (sum, rows) = task.test(index, limit);
+                observer.see(|| event(index, (sum, rows)));
+                if sum > limit {
+                    continue;
+                }
+                let wins_tie = |(other, _)| shorter(window.displacement(index), window.displacement(other));
+                if sum < limit || best.is_none_or(wins_tie) {
+                    observer.see(|| Event::NewBest { before: best.map(found) });
+                    best = Some((index, sum));
+                    limit = sum;
+                }
             }
         }
-        best.unwrap_or(Match { displacement: [0, 0], sum: limit })
+        best.map_or(Match { displacement: [0, 0], sum: limit }, found)
     }
 }
+
+/// How many candidates are passed over at once where none of them can win.
+const RUN: usize = 32;
 
 /// One block's pixels, those under its window, and unless there is an early exit the sums of all candidates.
 struct Task {
     patch: Patch,
     window: Window,
     height: usize,
+    sum: Sum,
+    /// Empty with an early exit.
     sums: Vec<u32>,
 }
 
 impl Task {
-    fn new() -> Self {
-        Self { patch: Patch::default(), window: Window { min: [0, 0], size: (0, 0) }, height: 0, sums: Vec::new() }
+    fn new(search: &FullSearch) -> Self {
+        let window = Window { min: [0, 0], size: (0, 0) };
+        Self { patch: Patch::default(), window, height: 0, sum: search.cost.sum(), sums: Vec::new() }
     }
 
     fn set(&mut self, search: &FullSearch, pair: &Pair, block: Block, window: Window) {
         self.patch.take(pair, block, window);
         (self.window, self.height) = (window, block.height);
         if !search.early_exit {
-            cost::window(search.cost.sum(), &self.patch.block, &self.patch.area, window.size, &mut self.sums);
+            cost::window(self.sum, &self.patch.block, &self.patch.area, window.size, &mut self.sums);
         }
     }
 
-    /// Index, sum and rows looked at of one candidate, given up where the sum exceeds `limit` if so chosen.
+    /// Sum and rows looked at of one candidate; with an early exit, given up where the sum exceeds `limit`.
     #[inline(always)]
-    fn test(&self, search: &FullSearch, index: usize, limit: u32) -> (usize, u32, usize) {
-        if !search.early_exit {
-            return (index, self.sums[index], self.height);
+    fn test(&self, index: usize, limit: u32) -> (u32, usize) {
+        match self.sums.get(index) {
+            Some(&sum) => (sum, self.height),
+            None => {
+                let place = (index % self.window.size.0, index / self.window.size.0);
+                cost::until(self.sum, &self.patch.block, &self.patch.area, place, limit)
+            }
         }
-        let place = (index % self.window.size.0, index / self.window.size.0);
-        let (sum, rows) = cost::until(search.cost.sum(), &self.patch.block, &self.patch.area, place, limit);
-        (index, sum, rows)
+    }
+
+    /// Whether the sums at these places of `order` are known, and all exceed `limit`.
+    #[inline(always)]
+    fn all_exceed(&self, limit: u32, order: Option<&[u32]>, places: Range<usize>) -> bool {
+        match order {
+            _ if self.sums.is_empty() => false,
+            // Without stopping at the first, so that it becomes vector instructions.
+            None => self.sums[places].iter().fold(true, |all, &sum| all & (sum > limit)),
+            Some(order) => order[places].iter().all(|&index| self.sums[index as usize] > limit),
+        }
     }
 }
 
@@ -194,7 +211,7 @@ impl Estimator for FullSearch {
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let block = state.pair.blocks.block(state.found.len());
-        let found = self.search(state, block, &mut Task::new(), observer);
+        let found = self.search(state, block, &mut Task::new(self), observer);
         state.found.push(found);
         state.candidates += state.pair.window(block, self.range).count() as u64;
         Ok(if state.found.len() == state.pair.blocks.len() { Progress::Done } else { Progress::More })
@@ -249,7 +266,7 @@ impl Estimator for FullSearch {
         let blocks = state.pair.blocks;
         let (columns, rows) = blocks.counts();
         let rows = threads.map(rows, |row| {
-            let mut task = Task::new();
+            let mut task = Task::new(self);
             let row = row * columns..(row + 1) * columns;
             row.map(|i| self.search(&state, blocks.block(i), &mut task, &mut ())).collect::<Vec<_>>()
         });
