@@ -242,7 +242,8 @@ fn header(painter: &Painter, map: &Map, area: Rect, input: Input<'_>, hovered: O
         },
         None => format!("{} by displacement", input.surface.title),
     };
-    painter.text(pos2(map.rect.min.x, y), Align2::LEFT_CENTER, told, font, ink::color(chrome.text));
+    let text = (told.as_str(), font, ink::color(chrome.text));
+    ink::line(painter, pos2(map.rect.min.x, y), text, area.max.x - map.rect.min.x);
 }
 
 fn color_bar(painter: &Painter, map: &Map, input: Input<'_>) {

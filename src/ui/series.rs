@@ -66,7 +66,7 @@ impl Plot {
         let high = high.fold(f32::MIN_POSITIVE, f32::max);
         let rough = Axis { values: [0.0, high], places: [rect.max.y, rect.min.y] };
         // The axis ends on a tick, so that it seldom changes while values come in.
-        let step = rough.ticks(2.4 * small, 0.0).windows(2).map(|w| w[1] - w[0]).next().unwrap_or(high);
+        let step = rough.ticks(3.0 * small, 0.0).windows(2).map(|w| w[1] - w[0]).next().unwrap_or(high);
         let top = (high / step).ceil().max(1.0) * step;
         Self {
             rect,
@@ -85,7 +85,7 @@ fn axes(painter: &Painter, plot: &Plot, series: &Series, theme: Theme) {
     let chrome = theme.chrome();
     let (dim, rule) = (ink::color(chrome.dim), Stroke::new(1.0, ink::color(chrome.line)));
     let font = ink::font(Face::Sans, plot.small);
-    for tick in plot.y.ticks(2.4 * plot.small, 0.0) {
+    for tick in plot.y.ticks(3.0 * plot.small, 0.0) {
         let y = plot.y.place(tick);
         painter.hline(plot.rect.x_range(), y, rule);
         painter.text(pos2(plot.rect.min.x - 7.0, y), Align2::RIGHT_CENTER, axis::number(tick), font.clone(), dim);

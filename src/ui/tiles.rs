@@ -66,10 +66,9 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
         }
     }
     state.hovered = hovered;
-    let words = ink::color(theme.chrome().dim);
+    let words = (told(tiles, hovered), ink::font(Face::Sans, small), ink::color(theme.chrome().dim));
     let at = pos2(rect.min.x, rect.max.y - line / 2.0);
-    let painter = ui.painter_at(rect);
-    painter.text(at, Align2::LEFT_CENTER, told(tiles, hovered), ink::font(Face::Sans, small), words);
+    ink::line(ui.painter(), at, (&words.0, words.1, words.2), rect.width());
     Response { hovered }
 }
 

@@ -225,22 +225,26 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
         let hint =
             "Point at a pixel to read it. Click a block to go there. The wheel zooms, dragging moves the picture.";
         ink::name(&response, || hint.into());
-        painter.text(rect.left_center(), Align2::LEFT_CENTER, hint, font, dim);
+        ink::line(&painter, rect.left_center(), (hint, font, dim), rect.width());
         return;
     };
     let columns = columns(input.pair, pixel);
     ink::name(&response, || columns.iter().map(|c| format!("{} {}", c.label, c.value)).collect::<Vec<_>>().join(", "));
     let mut at = rect.left_center();
     for column in &columns {
-        let label = painter.text(at, Align2::LEFT_CENTER, column.label, font.clone(), dim);
-        let right = label.max.x + 0.4 * size + column.digits * 0.65 * size;
+        let label = painter.layout_no_wrap(column.label.into(), font.clone(), dim);
+        let right = at.x + label.size().x + 0.4 * size + column.digits * 0.65 * size;
+        let end = right + if column.color.is_some() { 1.3 * size } else { 0.0 };
+        if end > rect.max.x {
+            break;
+        }
+        painter.galley(at - vec2(0.0, label.size().y / 2.0), label, dim);
         painter.text(pos2(right, at.y), Align2::RIGHT_CENTER, &column.value, font.clone(), text);
-        at.x = right + 1.4 * size;
         if let Some(color) = column.color {
             let patch = Rect::from_center_size(pos2(right + 0.8 * size, at.y), vec2(0.9 * size, 0.9 * size));
             pixels::patch(&painter, patch, color);
-            at.x += 0.9 * size;
         }
+        at.x = end + 1.4 * size;
     }
 }
 

@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     if !ui.is_rect_visible(rect) {
         return;
     }
-    let screen = Screen::new(rect, &state.orbit);
+    let screen = Screen::new(rect, &state.orbit, vec2(5.0, 2.0) * input.theme.sizes().small);
     let painter = ui.painter_at(rect);
     let bench = Bench::new(input.surface);
     let stand = Stand { painter: &painter, screen, bench, eye: state.orbit.eye(), theme: input.theme };
@@ -235,16 +235,24 @@ impl Stand<'_> {
 
     /// The cost at the top of each pin.
     fn pins(&self, surface: &Surface) {
-        let small = self.theme.sizes().small;
-        for (role, at, top) in relief::pins(surface) {
-            let Some(cost) = heat_map::cost(surface, at) else { continue };
-            let mut place = self.bench.place(at.map(|c| c as f32), 0.0);
-            place.y = top;
-            let at = self.at(place) - vec2(0.0, 3.0);
+        let font = ink::font(Face::Bold, self.theme.sizes().small);
+        let heads: Vec<_> = relief::pins(surface)
+            .into_iter()
+            .filter_map(|(role, at, top)| {
+                let foot = self.bench.place(at.map(|c| c as f32), 0.0);
+                Some((role, heat_map::cost(surface, at)?, self.at(Vec3 { y: top, ..foot })))
+            })
+            .collect();
+        for &(role, cost, head) in &heads {
+            // Of two numbers each stands on its own side.
+            let align = match heads.iter().find(|other| other.0 != role).map(|other| head.x < other.2.x) {
+                None => Align2::CENTER_BOTTOM,
+                Some(true) => Align2::RIGHT_BOTTOM,
+                Some(false) => Align2::LEFT_BOTTOM,
+            };
             let color = ink::color(self.theme.word(role));
-            let font = ink::font(Face::Bold, small);
-            let galley = self.painter.layout_no_wrap(axis::number(cost), font, color);
-            let rect = Align2::CENTER_BOTTOM.anchor_size(at, galley.size());
+            let galley = self.painter.layout_no_wrap(axis::number(cost), font.clone(), color);
+            let rect = align.anchor_size(head - vec2(0.0, 3.0), galley.size());
             let back = ink::color(self.theme.chrome().panel.alpha(200));
             self.painter.rect_filled(rect.expand2(vec2(4.0, 0.0)), 3.0, back);
             self.painter.galley(rect.min, galley, color);
@@ -255,6 +263,7 @@ impl Stand<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eframe::egui::Vec2;
     use motionscope_core::Grid;
 
     #[test]
@@ -264,7 +273,7 @@ mod tests {
         let relief = relief::relief(&surface, ColorMap::Viridis, Theme::Dark);
         let orbit = Orbit { yaw_rad: 0.0, ..Orbit::default() };
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(300.0, 200.0));
-        let mesh = flat(&relief, &Screen::new(rect, &orbit), orbit.eye());
+        let mesh = flat(&relief, &Screen::new(rect, &orbit, Vec2::ZERO), orbit.eye());
         assert!(mesh.is_valid() && rect.contains_rect(mesh.calc_bounds()));
         let row = |index: u32| relief.vertices[index as usize].grid[1];
         let (first, last) = (row(mesh.indices[0]), row(mesh.indices[mesh.indices.len() - 1]));

@@ -24,7 +24,7 @@ pub struct Orbit {
 
 impl Default for Orbit {
     fn default() -> Self {
-        Self { yaw_rad: -0.5, pitch_rad: 0.5, distance: 5.2 }
+        Self { yaw_rad: -0.5, pitch_rad: 0.5, distance: 4.9 }
     }
 }
 
@@ -50,13 +50,15 @@ impl Orbit {
         TARGET + self.distance * Vec3::new(cos_pitch * sin_yaw, sin_pitch, cos_pitch * cos_yaw)
     }
 
-    /// Clip space from the world, for a picture of this width over height.
-    pub fn clip_from_world(&self, aspect: f32) -> Mat4 {
-        let eye = self.eye();
-        // A narrow picture is seen from further off, so that its sides are not cut.
-        let widen = (1.35 / aspect.max(0.05)).max(1.0);
-        let eye = TARGET + (eye - TARGET) * widen;
-        let projection = perspective(FIELD_OF_VIEW_RAD, aspect.max(0.05), 0.1, 200.0);
+    /// Clip space from the world, for a picture of `size` points with a `margin` left and right, above and below.
+    pub fn clip_from_world(&self, size: Vec2, margin: Vec2) -> Mat4 {
+        let size = size.max(Vec2::splat(1.0));
+        let aspect = (size.x / size.y).clamp(0.05, 20.0);
+        // Where there is little room, it is seen from further off, so that nothing is cut.
+        let room = (size - 2.0 * margin).max(0.3 * size);
+        let widen = (size.y / room.y).max(1.3 / aspect * size.x / room.x);
+        let eye = TARGET + (self.eye() - TARGET) * widen.max(1.0);
+        let projection = perspective(FIELD_OF_VIEW_RAD, aspect, 0.1, 200.0);
         projection * look_at_mat4(eye, TARGET, Vec3::Y)
     }
 }
@@ -71,10 +73,9 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// The world as seen from `orbit` in `rect`.
-    pub fn new(rect: Rect, orbit: &Orbit) -> Self {
-        let aspect = rect.width().max(1.0) / rect.height().max(1.0);
-        Self { rect, clip_from_world: orbit.clip_from_world(aspect) }
+    /// The world as seen from `orbit` in `rect` with a `margin` around it for words.
+    pub fn new(rect: Rect, orbit: &Orbit, margin: Vec2) -> Self {
+        Self { rect, clip_from_world: orbit.clip_from_world(rect.size(), margin) }
     }
 
     /// Where a place of the world is seen, and its depth from 0 near to 1 far.
@@ -91,7 +92,7 @@ mod tests {
     use eframe::egui::vec2;
 
     fn screen(orbit: &Orbit) -> Screen {
-        Screen::new(Rect::from_min_size(pos2(40.0, 10.0), vec2(600.0, 400.0)), orbit)
+        Screen::new(Rect::from_min_size(pos2(40.0, 10.0), vec2(600.0, 400.0)), orbit, Vec2::ZERO)
     }
 
     #[test]
@@ -112,7 +113,7 @@ mod tests {
             for i in 0..12 {
                 let orbit = Orbit { yaw_rad: i as f32 * 0.53, ..Orbit::default() };
                 let rect = Rect::from_min_size(Pos2::ZERO, aspect);
-                let screen = Screen::new(rect, &orbit);
+                let screen = Screen::new(rect, &orbit, Vec2::ZERO);
                 for corner in [[-1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, -1.0]] {
                     let (at, depth) = screen.project(corner.into());
                     assert!(rect.contains(at) && (0.0..1.0).contains(&depth), "{aspect} {orbit:?}: {at}");
