@@ -1,6 +1,6 @@
 //! Coded video: samples of a container, in decoding order, through a codec.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use motionscope_core::{Error, Frame};
 
@@ -11,6 +11,9 @@ use crate::media::input::Input;
 
 /// Largest number of samples that is believed: 77 hours at 60 per second.
 pub(crate) const MAX_SAMPLES: usize = 1 << 24;
+
+/// Samples before the one sought that are decoded even if nothing needs them, so that stepping back is at hand.
+const RUN_UP_SAMPLES: usize = 24;
 
 /// Where one coded picture lies, in decoding order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,6 +120,11 @@ pub(crate) trait Codec: Send {
     /// One sentence if the sample is damaged or does not show a picture.
     fn decode(&mut self, sample: &[u8]) -> Result<Picture, Error>;
 
+    /// Whether no other picture needs that of `sample`.
+    fn disposable(&self, _sample: &[u8]) -> bool {
+        false
+    }
+
     /// Whether decoding can really start at `sample`, which the container calls a key.
     fn starts(&self, sample: &[u8]) -> bool;
 
@@ -133,13 +141,15 @@ pub(crate) struct Coded {
     places: HashMap<u32, usize>,
     /// The sample to go on with and the one where decoding started; `None` where the codec's state is not known.
     position: Option<(usize, usize)>,
+    /// Samples that could not be decoded, and why.
+    broken: BTreeMap<usize, Error>,
 }
 
 impl Coded {
     /// The frames of `track` in `input` by `codec`.
     pub(crate) fn new(input: Input, track: Track, codec: Box<dyn Codec>) -> Self {
         let places = track.order.iter().enumerate().map(|(place, &sample)| (sample, place)).collect();
-        Self { input, track, codec, places, position: None }
+        Self { input, track, codec, places, position: None, broken: BTreeMap::new() }
     }
 
     /// What the first picture tells: the size of all, and what a person should know.
@@ -202,23 +212,47 @@ impl Coded {
         keep: &mut dyn FnMut(usize, Picture) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let Some(target) = self.track.order.get(index).map(|&s| s as usize) else { return Ok(()) };
-        let (mut next, start) = self.go_towards(target)?;
-        while next <= target {
-            let number = next;
-            next += 1;
+        let (next, start) = self.go_towards(target)?;
+        if let Some((&number, why)) = self.broken.range(start..=target).next() {
+            return Err(self.because_of(number, target, why));
+        }
+        for number in next..=target {
             if self.leads(number, start) {
                 continue;
             }
             let sample = self.sample(number)?;
-            let picture = self.codec.decode(&sample)?;
+            if number + RUN_UP_SAMPLES < target && self.codec.disposable(&sample) {
+                continue;
+            }
+            let picture = self.picture(number, &sample).map_err(|why| self.because_of(number, target, &why))?;
             // One sample can be shown more than once.
             let place = if number == target { Some(index) } else { self.places.get(&(number as u32)).copied() };
             if let Some(place) = place {
                 keep(place, picture)?;
             }
         }
-        self.position = Some((next, start));
+        self.position = Some((target + 1, start));
         Ok(())
+    }
+
+    /// Decodes sample `number`, and remembers if that fails: it always will.
+    fn picture(&mut self, number: usize, sample: &[u8]) -> Result<Picture, Error> {
+        // A panic passes by the lines below.
+        self.broken.insert(number, Error::new("its data are damaged"));
+        let picture = self.codec.decode(sample);
+        match &picture {
+            Ok(_) => self.broken.remove(&number),
+            Err(why) => self.broken.insert(number, why.clone()),
+        };
+        picture
+    }
+
+    /// What keeps sample `target` from being decoded, where it is `number` that is broken.
+    fn because_of(&self, number: usize, target: usize, why: &Error) -> Error {
+        match self.places.get(&(number as u32)) {
+            Some(place) if number != target => Error::new(format!("it builds on frame {place}, of which {why}")),
+            _ => why.clone(),
+        }
     }
 }
 

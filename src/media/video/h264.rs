@@ -92,9 +92,18 @@ impl Codec for H264 {
         Ok(Picture::Planes(self.picture(frame)))
     }
 
+    fn disposable(&self, sample: &[u8]) -> bool {
+        // Two bits of each unit's header tell how much others need it.
+        units(sample, self.length_size)
+            .all(|unit| unit.ok().and_then(|unit| unit.get(self.length_size)).is_some_and(|header| header & 0x60 == 0))
+    }
+
     fn starts(&self, sample: &[u8]) -> bool {
-        let kinds = units(sample, self.length_size).filter_map(|unit| unit.ok()?.get(self.length_size).copied());
-        kinds.map(|header| NalUnitType::from(header & 0x1F)).any(|kind| kind == NalUnitType::SliceIdr)
+        units(sample, self.length_size).filter_map(|unit| unit.ok()?.get(self.length_size..)).any(|unit| match unit {
+            [header, ..] if NalUnitType::from(header & 0x1F) == NalUnitType::SliceIdr => true,
+            [header, payload @ ..] if NalUnitType::from(header & 0x1F) == NalUnitType::Sei => recovers_at_once(payload),
+            _ => false,
+        })
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -120,6 +129,26 @@ fn check_parameters(sps: &NalUnit) -> Result<SpsInfo, Error> {
     Ok(info)
 }
 
+/// Whether supplemental information says that all pictures shown from here on are right (H.264, D.2.8).
+fn recovers_at_once(mut messages: &[u8]) -> bool {
+    // Kind and size are written in bytes of 255 and a last smaller one.
+    let number = |messages: &mut &[u8]| {
+        let full = messages.iter().take_while(|&&byte| byte == 0xFF).count();
+        let last = usize::from(*messages.get(full)?);
+        *messages = &messages[full + 1..];
+        Some(255 * full + last)
+    };
+    while let Some((kind, size)) = number(&mut messages).zip(number(&mut messages)) {
+        let Some((message, rest)) = messages.split_at_checked(size) else { return false };
+        // The count of frames until then comes first; a set bit is zero.
+        if kind == 6 {
+            return message.first().is_some_and(|byte| byte & 0x80 != 0);
+        }
+        messages = rest;
+    }
+    false
+}
+
 /// The units of `sample`, each with its length in front; an error where one is cut off.
 fn units(sample: &[u8], length_size: usize) -> impl Iterator<Item = Result<&[u8], Error>> {
     let mut rest = sample;
@@ -132,4 +161,28 @@ fn units(sample: &[u8], length_size: usize) -> impl Iterator<Item = Result<&[u8]
         rest = unit.map_or(&[], |(_, rest)| rest);
         Some(unit.map(|(unit, _)| unit).ok_or_else(|| damaged("a unit is cut off")))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recovery_point_is_found_among_other_messages() {
+        let mut other = vec![5, 0xFF, 3];
+        other.resize(3 + 258, 7);
+        assert!(recovers_at_once(&[6, 1, 0xC4, 0x80]));
+        assert!(recovers_at_once(&[other.as_slice(), &[6, 1, 0xC4, 0x80]].concat()));
+        assert!(!recovers_at_once(&[6, 1, 0x44, 0x80]));
+        assert!(!recovers_at_once(&other));
+        assert!([&[6_u8] as &[u8], &[6, 9, 0xFF], &[0xFF; 9], &[]].iter().all(|bytes| !recovers_at_once(bytes)));
+    }
+
+    #[test]
+    fn cut_units_are_told() {
+        let whole = [0, 0, 0, 2, 1, 2, 0, 0, 0, 1, 3];
+        assert!(units(&whole, 4).all(|unit| unit.is_ok()));
+        assert_eq!(units(&whole[..10], 4).filter(Result::is_err).count(), 1);
+        assert_eq!(units(&[0xFF; 20], 4).filter(Result::is_err).count(), 1);
+    }
 }
