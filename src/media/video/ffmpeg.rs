@@ -18,6 +18,8 @@ use crate::media::{Decoder, Open, Source, check_size, name_of};
 const RUN_UP_FRAMES: usize = 24;
 /// Frames that are rather decoded than skipped.
 const PATIENCE_FRAMES: usize = 250;
+/// Frames before the first one wanted at which ffmpeg is set: those next to a key frame may need what lies before it.
+const MARGIN_FRAMES: usize = 32;
 /// How often a waiting thread asks whether it should stop.
 const POLL: Duration = Duration::from_millis(10);
 /// Containers without an index, where packets are no frames.
@@ -61,14 +63,13 @@ pub(crate) fn open(path: &Path, options: &Open, why: &Error) -> Result<Source, E
     }
     let (width, height) = first.size();
     decoder.first = Some(first);
-    let container = probe.format.format_name.split(',').next().unwrap_or("unknown").to_owned();
     let info = ClipInfo {
         name: name_of(path),
         width,
         height,
         frames,
         fps: probe.stream.rate(),
-        container,
+        container: probe.format.container(path),
         codec: probe.stream.codec_name,
         warnings,
     };
@@ -112,6 +113,15 @@ struct Packet {
 struct Format {
     #[serde(default)]
     format_name: String,
+}
+
+impl Format {
+    /// The one name, of several that ffprobe has for the format, that the file has too; else the first.
+    fn container(&self, path: &Path) -> String {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        let names = || self.format_name.split(',');
+        names().find(|name| name.eq_ignore_ascii_case(extension)).or(names().next()).unwrap_or_default().to_owned()
+    }
 }
 
 #[derive(Deserialize)]
@@ -211,12 +221,20 @@ impl Failed {
     }
 }
 
+/// A program of the user's, without a console window of its own.
+fn program(name: &str) -> Command {
+    let mut command = Command::new(name);
+    #[cfg(windows)]
+    std::os::windows::process::CommandExt::creation_flags(&mut command, 0x0800_0000);
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
+    command
+}
+
 /// What ffprobe answers about the first video stream of the file at `path`.
 fn ask(path: &Path, what: &[&str], options: &Open) -> Result<Answer, Failed> {
-    let mut command = Command::new("ffprobe");
+    let mut command = program("ffprobe");
     command.args(["-v", "error", "-protocol_whitelist", "file,pipe", "-select_streams", "V:0", "-of", "json"]);
     command.args(what).arg(url(path));
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
     let mut child = Running(command.spawn().map_err(|_| Failed::Absent)?);
     let mut output = child.0.stdout.take().ok_or(Failed::Refused)?;
     let reader = thread::spawn(move || {
@@ -262,15 +280,18 @@ impl Ffmpeg {
     /// Starts a process whose first frame is `index`.
     fn start(&mut self, index: usize) -> Result<(), Error> {
         self.running = None;
-        let mut command = Command::new("ffmpeg");
+        let mut command = program("ffmpeg");
         command.args(["-v", "quiet", "-nostdin", "-protocol_whitelist", "file,pipe"]);
-        if let Some(seconds) = self.times.as_ref().and_then(|times| between(times, index)) {
+        let times = self.times.as_deref().unwrap_or_default();
+        if let Some(seconds) = index.checked_sub(MARGIN_FRAMES).and_then(|early| between(times, early)) {
             command.args(["-seek_timestamp", "1", "-ss", &format!("{seconds:.6}")]);
         }
-        command.arg("-i").arg(url(&self.path)).args(["-map", "0:V:0"]);
+        command.args(["-copyts", "-i"]).arg(url(&self.path)).args(["-map", "0:V:0"]);
+        if let Some(seconds) = between(times, index) {
+            command.args(["-vf", &format!("trim=start={seconds:.6}")]);
+        }
         command.args(if self.old { ["-vsync", "passthrough"] } else { ["-fps_mode", "passthrough"] });
         command.args(["-sws_flags", "accurate_rnd", "-f", "image2pipe", "-c:v", "ppm", "-pix_fmt", "rgb24", "-"]);
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut child =
             Running(command.spawn().map_err(|error| Error::new(format!("ffmpeg does not start ({error})")))?);
         let pipe = child.0.stdout.take().ok_or_else(|| Error::new("ffmpeg does not answer"))?;
@@ -363,6 +384,12 @@ mod tests {
         for bad in ["P6\n2 1\n255\nabc", "P6\n99999 99999\n255\n", "P6\n2 x\n255\n", "P6\n2", "P"] {
             assert!(read_pixmap(&mut bad.as_bytes()).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn the_container_has_the_name_a_person_knows() {
+        let format = Format { format_name: "mov,mp4,m4a".into() };
+        assert_eq!(["a.MP4", "a.m4v", "a"].map(|path| format.container(path.as_ref())), ["mp4", "mov", "mov"]);
     }
 
     #[test]
