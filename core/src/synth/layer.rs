@@ -1,9 +1,10 @@
 //! Layers, front to back, and what each pixel sees of them.
 
+use super::Setting;
 use super::difficulty::Difficulty;
 use super::maths::cos;
 use super::motion::{Affine, Motion, grown};
-use super::shape::{Point, Shape};
+use super::shape::{Point, Shape, length};
 use super::texture::{Rgb, Spot, mix, smooth};
 
 /// What colour a layer has at a spot.
@@ -27,6 +28,15 @@ impl Layer {
     /// The same layer as an object to be tracked.
     pub fn object(mut self, id: u32) -> Self {
         self.object = Some(id);
+        self
+    }
+
+    /// The same layer, which comes in again from the other side once it has left the picture; it must have an end, and
+    /// neither grow nor bend.
+    pub fn round(mut self, setting: &Setting) -> Self {
+        let radius = self.shape.outline().into_iter().map(length).fold(0.0, f64::max);
+        // A frame before it goes over and a frame after it is out of sight too, so no truth tells of the leap.
+        self.motion.lap = Some(self.motion.lap_around(MIDDLE, setting.reach + radius, setting.speed));
         self
     }
 }
@@ -131,6 +141,14 @@ const MIDDLE: Point = [159.5, 119.5];
 /// How many px of the picture a unit of the scene takes.
 pub fn scale(d: &Difficulty) -> f64 {
     (d.width as f64 / 320.0).min(d.height as f64 / 240.0)
+}
+
+/// How far from the scene's middle, in its units, anything can be seen, however the camera turns or draws back.
+pub fn reach(d: &Difficulty) -> f64 {
+    /// The edge of a layer is soft.
+    const MARGIN_PX: f64 = 2.0;
+    let least = if d.scale_change < 0.0 { 0.5 } else { 1.0 };
+    (length([d.width as f64, d.height as f64]) / 2.0 + MARGIN_PX) / (scale(d) * least)
 }
 
 /// The map from the scene to the picture at frame `t`.

@@ -33,7 +33,7 @@ mod truth;
 use std::sync::Arc;
 
 use crate::{Clip, ClipInfo, Error, Frame, FrameSource};
-use layer::{Layer, Stage, scale};
+use layer::{Layer, Stage, reach, scale};
 use recent::Recent;
 use truth::ExactTruth;
 
@@ -61,6 +61,16 @@ struct Setting {
     seed: u32,
     /// How many px of the picture a unit of the scene takes.
     scale: f64,
+    /// How far from its middle anything can be seen, in the scene's units.
+    reach: f64,
+    /// How many times faster than usual everything moves.
+    speed: f64,
+}
+
+impl Setting {
+    fn new(d: &Difficulty) -> Self {
+        Self { seed: d.seed.wrapping_mul(1000), scale: scale(d), reach: reach(d), speed: f64::from(d.speed) }
+    }
 }
 
 impl Sample {
@@ -77,8 +87,7 @@ impl Sample {
     /// A sentence with the range of the first slider that is not within its range.
     pub fn clip(&self, difficulty: &Difficulty) -> Result<Clip, Error> {
         difficulty.check()?;
-        let setting = Setting { seed: difficulty.seed.wrapping_mul(1000), scale: scale(difficulty) };
-        let stage = Arc::new(Stage::new((self.layers)(&setting), difficulty.clone()));
+        let stage = Arc::new(Stage::new((self.layers)(&Setting::new(difficulty)), difficulty.clone()));
         let info = ClipInfo {
             name: self.title.into(),
             width: difficulty.width,

@@ -54,8 +54,8 @@ pub struct Motion {
     pub from: Point,
     /// How far it goes in each frame.
     pub velocity: Point,
-    /// After how far it comes round again from the other side, if it does.
-    pub lap: Option<f64>,
+    /// From which to which distance from `from` it goes round and round, if it does: at the end it is back at the start.
+    pub lap: Option<[f64; 2]>,
     /// How far it swings to either side, about its path.
     pub sway: Point,
     /// How high it bounces.
@@ -94,12 +94,23 @@ impl Motion {
         Self { velocity, ..Self::still([0.0; 2]) }
     }
 
+    /// The lap whose ends are both farther than `reach` from `middle`, and at least `frames` frames of motion beyond.
+    pub fn lap_around(&self, middle: Point, reach: f64, frames: f64) -> [f64; 2] {
+        let speed = super::shape::length(self.velocity);
+        let away = [middle[0] - self.from[0], middle[1] - self.from[1]];
+        let nearest = (away[0] * self.velocity[0] + away[1] * self.velocity[1]) / speed;
+        let aside = (away[0] * self.velocity[1] - away[1] * self.velocity[0]) / speed;
+        let swing = super::shape::length(self.sway) + self.bounce;
+        let half = ((reach + swing) * (reach + swing) - aside * aside).max(0.0).sqrt() + speed * frames;
+        [nearest - half, nearest + half]
+    }
+
     /// The map from the layer at rest, before it bends, to the scene at time `t`.
     pub fn pose(&self, t: f64) -> Affine {
         let swing = sin(t / self.period);
         let hop = (t / self.period).rem_euclid(1.0);
         let distance = super::shape::length(self.velocity) * t;
-        let laps = self.lap.map_or(0.0, |lap| (distance / lap).floor() * lap);
+        let laps = self.lap.map_or(0.0, |[start, end]| ((distance - start) / (end - start)).floor() * (end - start));
         let travelled = if distance == 0.0 { 0.0 } else { t * (1.0 - laps / distance) };
         let path: Point = std::array::from_fn(|i| self.from[i] + self.velocity[i] * travelled + self.sway[i] * swing);
         let lifted = [path[0], path[1] - 4.0 * self.bounce * hop * (1.0 - hop)];
@@ -211,9 +222,18 @@ mod tests {
 
     #[test]
     fn what_leaves_comes_round_again() {
-        let motion = Motion { lap: Some(100.0), ..Motion::drift([10.0, 0.0]) };
-        assert!(near(motion.pose(3.0).shift, [30.0, 0.0]));
-        assert!(near(motion.pose(23.0).shift, [30.0, 0.0]));
+        let motion = Motion { lap: Some([-20.0, 80.0]), ..Motion::drift([10.0, 0.0]) };
+        let at = [-1.0, 3.0, 7.5, 8.0, 10.0, 23.0].map(|t| motion.pose(t).shift[0].round());
+        assert_eq!(at, [-10.0, 30.0, 75.0, -20.0, 0.0, 30.0]);
+    }
+
+    #[test]
+    fn a_lap_ends_out_of_sight_on_either_side() {
+        let motion = Motion { velocity: [3.0, 4.0], ..Motion::still([1.0, -2.0]) };
+        // Passes [4, 2] at 5, whose distance from the middle is 0; or 10 aside of it.
+        assert_eq!(motion.lap_around([4.0, 2.0], 26.0, 2.0), [5.0 - 36.0, 5.0 + 36.0]);
+        assert_eq!(motion.lap_around([12.0, -4.0], 26.0, 2.0), [5.0 - 34.0, 5.0 + 34.0]);
+        assert_eq!(motion.lap_around([84.0, -58.0], 26.0, 2.0), [5.0 - 10.0, 5.0 + 10.0]);
     }
 
     #[test]

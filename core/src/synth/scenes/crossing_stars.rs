@@ -18,12 +18,15 @@ pub const SAMPLE: Sample = Sample {
 
 fn layers(setting: &Setting) -> Vec<Layer> {
     let seed = setting.seed;
-    let fly = |from, velocity, spin| Motion { velocity, lap: Some(640.0), spin, ..Motion::still(from) };
+    let fly = |from, velocity, spin| Motion { velocity, spin, ..Motion::still(from) };
     let star = || Shape::star(5, 30.0, 14.5);
     vec![
-        Layer::new(star(), fly([48.0, 62.0], [9.5, 4.0], 0.01), rgb(0xf2c14e), move |spot| gold(seed, spot)).object(1),
+        Layer::new(star(), fly([48.0, 62.0], [9.5, 4.0], 0.01), rgb(0xf2c14e), move |spot| gold(seed, spot))
+            .object(1)
+            .round(setting),
         Layer::new(star(), fly([272.0, 66.0], [-9.5, 4.0], -0.01), rgb(0xf2c14e), move |spot| gold(seed, spot))
-            .object(2),
+            .object(2)
+            .round(setting),
         Layer::new(Shape::Everywhere, Motion::drift([0.5, 0.0]), rgb(0x1d2a4d), move |spot| night(seed + 100, spot)),
     ]
 }

@@ -18,16 +18,9 @@ pub const SAMPLE: Sample = Sample {
 
 fn layers(setting: &Setting) -> Vec<Layer> {
     let seed = setting.seed;
-    let ball = Motion {
-        velocity: [24.0, 0.0],
-        lap: Some(560.0),
-        bounce: 96.0,
-        period: 13.0,
-        spin: 0.03,
-        ..Motion::still([8.0, 176.0])
-    };
+    let ball = Motion { velocity: [24.0, 0.0], bounce: 96.0, period: 13.0, spin: 0.03, ..Motion::still([8.0, 176.0]) };
     vec![
-        Layer::new(Shape::disc(23.0), ball, rgb(0xe07a2f), move |spot| basketball(seed, spot)).object(1),
+        Layer::new(Shape::disc(23.0), ball, rgb(0xe07a2f), move |spot| basketball(seed, spot)).object(1).round(setting),
         Layer::new(Shape::below([178.0; 2], |_| 178.0), Motion::still([0.0; 2]), rgb(0xc99a66), move |spot| {
             floorboards(seed + 100, spot)
         }),

@@ -18,14 +18,8 @@ pub const SAMPLE: Sample = Sample {
 
 fn layers(setting: &Setting) -> Vec<Layer> {
     let seed = setting.seed;
-    let ball = Motion {
-        velocity: [8.0, 0.0],
-        lap: Some(520.0),
-        sway: [0.0, 4.0],
-        period: 14.0,
-        spin: 0.018,
-        ..Motion::still([52.0, 136.0])
-    };
+    let ball =
+        Motion { velocity: [8.0, 0.0], sway: [0.0, 4.0], period: 14.0, spin: 0.018, ..Motion::still([52.0, 136.0]) };
     vec![
         Layer::new(
             Shape::Rectangle { half: [26.0, 900.0], corner: 0.0 },
@@ -36,7 +30,7 @@ fn layers(setting: &Setting) -> Vec<Layer> {
         Layer::new(swell(161.0, 5.0, 88.0), Motion::drift([-3.0, 0.0]), rgb(0x0f5c78), move |spot| {
             water(seed + 100, spot, 161.0, [rgb(0x083b57), rgb(0x0f6284), rgb(0x3fa3b5)])
         }),
-        Layer::new(Shape::disc(34.0), ball, rgb(0xe9705a), beach_ball).object(1),
+        Layer::new(Shape::disc(34.0), ball, rgb(0xe9705a), beach_ball).object(1).round(setting),
         Layer::new(swell(122.0, 3.0, 61.0), Motion::drift([-1.5, 0.0]), rgb(0x3a93ad), move |spot| {
             water(seed + 200, spot, 122.0, [rgb(0x17698a), rgb(0x3a97b0), rgb(0x8fcfce)])
         }),

@@ -17,17 +17,13 @@ pub const SAMPLE: Sample = Sample {
 
 fn layers(setting: &Setting) -> Vec<Layer> {
     let seed = setting.seed;
-    let drive = |from: Point, velocity: Point, turned: f64| Motion {
-        velocity,
-        turned,
-        lap: Some(480.0),
-        ..Motion::still(from)
-    };
+    let drive = |from: Point, velocity: Point, turned: f64| Motion { velocity, turned, ..Motion::still(from) };
     let car = |id, motion, color: u32| {
         Layer::new(Shape::Rectangle { half: [22.0, 11.0], corner: 6.0 }, motion, rgb(color), move |spot| {
             bodywork(seed + id, spot, rgb(color))
         })
         .object(id)
+        .round(setting)
     };
     vec![
         tree(seed + 60, [44.0, 62.0], 30.0),

@@ -66,8 +66,7 @@ fn a_wrong_truth_would_be_noticed() {
 fn colors_travel_with_the_motion() {
     for scene in SCENES {
         let d = clean(scene);
-        let setting = Setting { seed: 1000, scale: 1.0 };
-        let stage = Stage::new((scene.layers)(&setting), d.clone());
+        let stage = Stage::new((scene.layers)(&Setting::new(&d)), d.clone());
         let (now, next) = (stage.at(3.0), stage.at(4.0));
         let clip = scene.clip(&d).unwrap();
         let hidden = hidden(&clip, 3);
@@ -179,7 +178,7 @@ fn tracks_tell_extent_and_what_can_be_seen() {
 fn boxes_fit_the_masks() {
     for scene in SCENES {
         let d = clean(scene);
-        let stage = Stage::new((scene.layers)(&Setting { seed: 1000, scale: 1.0 }), d.clone());
+        let stage = Stage::new((scene.layers)(&Setting::new(&d)), d.clone());
         let moment = stage.at(2.0);
         let seen = moment.sightings();
         assert!(seen.is_sorted_by_key(|s| s.id));
@@ -217,4 +216,75 @@ fn every_track_keeps_its_number() {
     let ids = |t| clip.truth().unwrap().objects(t).unwrap().unwrap().iter().map(|o| o.id).collect::<Vec<_>>();
     assert_eq!(ids(0), [1, 2, 3, 4, 5]);
     assert!((0..24).all(|t| ids(t).len() >= 3 && ids(t).iter().all(|id| (1..=5).contains(id))));
+}
+
+/// The objects of a clip in frame `t`: number, and left, top, right and bottom edge.
+fn boxes(clip: &Clip, t: usize) -> Vec<(u32, [f32; 4])> {
+    let objects = clip.truth().unwrap().objects(t).unwrap().unwrap_or_default();
+    objects.iter().map(|o| (o.id, [o.x, o.y, o.x + o.width, o.y + o.height])).collect()
+}
+
+/// How far apart two boxes' middles are in x or y.
+fn shift(a: [f32; 4], b: [f32; 4]) -> f32 {
+    (0..2).map(|i| ((a[i] + a[i + 2] - b[i] - b[i + 2]) / 2.0).abs()).fold(0.0, f32::max)
+}
+
+/// The farthest that an object's box gets in one of the first frames.
+fn usual_shift(clip: &Clip) -> f32 {
+    let moves = (0..8).flat_map(|t| {
+        let next = boxes(clip, t + 1);
+        boxes(clip, t).into_iter().filter_map(move |(id, a)| Some(shift(a, next.iter().find(|b| b.0 == id)?.1)))
+    });
+    moves.fold(0.0, f32::max)
+}
+
+/// How many objects of frame `from` are not in frame `to`; each must be within `step` of having left over an edge.
+fn leaving(clip: &Clip, from: usize, to: usize, step: f32) -> usize {
+    let (width, height) = clip.size();
+    let there = boxes(clip, to);
+    let gone: Vec<_> = boxes(clip, from).into_iter().filter(|(id, _)| there.iter().all(|b| b.0 != *id)).collect();
+    for (id, [left, top, right, bottom]) in &gone {
+        let inside = [*right, *bottom, width as f32 - left, height as f32 - top];
+        assert!(inside.iter().any(|i| *i <= step), "{} frames {from}, {to}: {id}", clip.info().name);
+    }
+    gone.len()
+}
+
+#[test]
+fn objects_leave_and_enter_over_the_edge() {
+    for scene in SCENES {
+        let usual = usual_shift(&scene.clip(&clean(scene)).unwrap());
+        for (speed, scale_change, width, height) in
+            [(1.0, 0.0, 320, 240), (4.0, 0.0, 320, 240), (4.0, 0.0, 640, 120), (4.0, -5.0, 320, 240)]
+        {
+            let d = Difficulty { speed, scale_change, width, height, frames: 250, ..clean(scene) };
+            let clip = scene.clip(&d).unwrap();
+            // What zooms also moves towards the middle.
+            let step = 1.25 * usual * speed + 2.0 - 3.0 * scale_change;
+            let (mut left, mut entered) = (0, 0);
+            for t in 0..249 {
+                left += leaving(&clip, t, t + 1, step);
+                entered += leaving(&clip, t + 1, t, step);
+                let next = boxes(&clip, t + 1);
+                for (id, now) in boxes(&clip, t) {
+                    let moved = next.iter().find(|b| b.0 == id).map_or(0.0, |b| shift(now, b.1));
+                    assert!(moved <= step, "{} {d:?} frame {t}: {id} jumps by {moved}", scene.id);
+                }
+            }
+            if ["pillar", "fast-ball", "crossing-stars", "traffic"].contains(&scene.id) {
+                assert!(left > 0 && entered > 0, "{} {d:?}: {left} leave, {entered} enter", scene.id);
+            }
+        }
+    }
+}
+
+#[test]
+fn no_pixel_moves_half_a_picture() {
+    for scene in SCENES.iter().filter(|scene| scene.id != "spin-zoom") {
+        let clip = scene.clip(&Difficulty { speed: 4.0, frames: 60, ..small(scene) }).unwrap();
+        for t in 0..59 {
+            let most = flow(&clip, t).0.cells().iter().flatten().fold(0.0, |most: f32, c| most.max(c.abs()));
+            assert!(most < 48.0, "{} frame {t}: {most}", scene.id);
+        }
+    }
 }
