@@ -3,8 +3,8 @@
 use std::sync::mpsc::{Receiver, channel};
 
 use eframe::egui::{
-    self, Align, ColorImage, Layout, Modal, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, TextStyle,
-    TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    self, Align, ColorImage, Layout, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, TextureHandle,
+    TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use motionscope_core::synth::{SCENES, Sample};
 
@@ -79,12 +79,14 @@ pub fn show(ctx: &egui::Context, state: &mut State, theme: Theme, actions: &mut 
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let screen = ctx.content_rect();
     let mut chosen = false;
-    let modal = Modal::new(egui::Id::unique("samples")).show(ctx, |ui| {
-        ui.set_width((64.0 * size).min(screen.width() - 64.0));
+    let room = (screen.size() - vec2(120.0, 220.0)).max(vec2(240.0, 160.0));
+    let modal = widgets::modal(ctx, "samples", vec2(70.0 * size, 60.0 * size)).show(ctx, |ui| {
+        ui.set_width((70.0 * size).min(room.x));
         ui.heading("Samples");
         ui.label(RichText::new("Made on the fly, with exact truth. Each is named for what it teaches.").weak());
         ui.add_space(8.0);
-        ScrollArea::vertical().max_height(screen.height() - 180.0).show(ui, |ui| {
+        let height = room.y.min(44.0 * size);
+        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             chosen = cards(ui, state, theme, actions);
         });
     });
@@ -95,6 +97,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, theme: Theme, actions: &mut 
 fn cards(ui: &mut Ui, state: &State, theme: Theme, actions: &mut Actions) -> bool {
     let size = TextStyle::Body.resolve(ui.style()).size;
     let gap = 12.0;
+    ui.set_width(ui.available_width() - 12.0);
     let columns = ((ui.available_width() + gap) / (15.0 * size + gap)).floor().max(1.0);
     let width = ((ui.available_width() + gap) / columns - gap).floor();
     let picture = width * PICTURE_PX.1 as f32 / PICTURE_PX.0 as f32 * 0.72;
@@ -138,12 +141,10 @@ fn card(
         image.paint_at(ui, top.shrink(1.0));
     }
     let words = widgets::below(rect, picture).shrink2(vec2(12.0, 10.0));
-    let layout = Layout::top_down(Align::LEFT);
-    ui.scope_builder(UiBuilder::new().max_rect(words).layout(layout), |ui| {
-        ui.spacing_mut().item_spacing.y = 4.0;
-        ui.set_clip_rect(ui.clip_rect().intersect(words));
-        ui.add(egui::Label::new(RichText::new(sample.title).family(style::bold())).wrap().selectable(false));
-        ui.add(egui::Label::new(RichText::new(sample.teaches).small().weak()).wrap().selectable(false));
-    });
+    let mut ui = widgets::inside(ui, words, Layout::top_down(Align::LEFT));
+    ui.spacing_mut().item_spacing.y = 4.0;
+    ui.set_clip_rect(ui.clip_rect().intersect(words));
+    ui.add(egui::Label::new(RichText::new(sample.title).family(style::bold())).wrap().selectable(false));
+    ui.add(egui::Label::new(RichText::new(sample.teaches).small().weak()).wrap().selectable(false));
     response
 }

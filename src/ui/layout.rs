@@ -76,9 +76,10 @@ pub fn tree() -> Tree<Pane> {
         tiles.insert_tab_tile(panes)
     };
     let (stage, parameters, why) = (tabs(&[Pane::Stage]), tabs(&[Pane::Parameters]), tabs(&[Pane::Why]));
-    let charts = tabs(&[Pane::Surface, Pane::Surface3d, Pane::Plot, Pane::Numbers]);
-    let middle = Linear::new_binary(LinearDir::Vertical, [stage, charts], 0.66);
-    let middle = tiles.insert_container(middle);
+    let flat = tabs(&[Pane::Surface, Pane::Numbers]);
+    let deep = tabs(&[Pane::Surface3d, Pane::Plot]);
+    let charts = tiles.insert_container(Linear::new_binary(LinearDir::Horizontal, [flat, deep], 0.5));
+    let middle = tiles.insert_container(Linear::new_binary(LinearDir::Vertical, [stage, charts], 0.62));
     let mut row = Linear::new(LinearDir::Horizontal, vec![parameters, middle, why]);
     for (tile, share) in [(parameters, 0.19), (middle, 0.56), (why, 0.25)] {
         row.shares.set_share(tile, share);

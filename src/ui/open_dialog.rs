@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{self, Modal, RichText, TextEdit, TextStyle, Ui, WidgetInfo};
+use eframe::egui::{self, RichText, TextEdit, TextStyle, Ui, vec2};
 use lucide_icons::Icon;
 
 use super::action::{Action, Actions, Browse};
@@ -35,7 +35,7 @@ pub fn parse(text: &str) -> Option<String> {
 pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions: &mut Actions) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let mut done = false;
-    let modal = Modal::new(egui::Id::unique("open")).show(ctx, |ui| {
+    let modal = widgets::modal(ctx, "open", vec2(40.0 * size, 30.0 * size)).show(ctx, |ui| {
         ui.set_width((40.0 * size).min(ui.ctx().content_rect().width() - 48.0));
         ui.heading("Open");
         ui.label(
@@ -74,9 +74,7 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
         let field = TextEdit::singleline(&mut state.path)
             .hint_text("Type or paste a path")
             .desired_width(ui.available_width() - button - 8.0);
-        let response = ui.add(field);
-        let path = state.path.clone();
-        response.widget_info(|| WidgetInfo::text_edit(true, &path, &path, "Path of the clip"));
+        let response = ui.add(field).accessible_name("Path of the clip");
         if !std::mem::replace(&mut state.focused, true) {
             response.request_focus();
         }

@@ -45,9 +45,11 @@ pub struct Input<'a> {
 /// Shows the palette; gives what was chosen and whether it is still open.
 pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Action>, bool) {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
-    let area = Modal::default_area(egui::Id::unique("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, 5.0 * size));
     let mut chosen = None;
-    let modal = Modal::new(egui::Id::unique("palette")).area(area).show(ctx, |ui| {
+    let id = egui::Id::unique("palette");
+    let area = Modal::default_area(id).anchor(Align2::CENTER_TOP, vec2(0.0, 5.0 * size)).default_height(30.0 * size);
+    let frame = egui::Frame::window(&ctx.global_style()).inner_margin(8);
+    let modal = Modal::new(id).area(area).frame(frame).show(ctx, |ui| {
         ui.set_width((36.0 * size).min(ui.ctx().content_rect().width() - 48.0));
         let (up, down, enter) = ui.input_mut(|i| {
             let mut hit = |key| i.consume_key(Modifiers::NONE, key);
@@ -57,9 +59,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Ac
             .hint_text("Find a command, an estimator, a sample…")
             .desired_width(f32::INFINITY)
             .margin(egui::Margin::symmetric(8, 8));
-        let response = ui.add(field);
-        let query = state.query.clone();
-        response.widget_info(|| WidgetInfo::text_edit(true, &query, &query, "Find a command"));
+        let response = ui.add(field).accessible_name("What to find");
         response.request_focus();
         if response.changed() {
             state.chosen = 0;
@@ -74,7 +74,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Ac
             ui.add_space(8.0);
             ui.label(RichText::new("Nothing is called that. Try fewer letters.").weak());
         }
-        ScrollArea::vertical().max_height(24.0 * size).show(ui, |ui| {
+        ScrollArea::vertical().max_height(24.0 * size).min_scrolled_height(24.0 * size).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             for (index, entry) in entries.iter().enumerate() {
                 let lit = index == state.chosen;
@@ -103,15 +103,14 @@ fn row(ui: &mut Ui, entry: &Entry, lit: bool, theme: Theme) -> egui::Response {
         ui.painter().rect_filled(rect, 5.0, style::color(fill));
     }
     let inner = rect.shrink2(vec2(8.0, 0.0));
-    ui.scope_builder(egui::UiBuilder::new().max_rect(inner).layout(Layout::left_to_right(egui::Align::Center)), |ui| {
-        ui.label(widgets::icon(ui, entry.icon).color(style::color(chrome.dim)));
-        ui.add(Label::new(text).truncate().selectable(false));
-        ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
-            if !entry.keys.is_empty() {
-                widgets::key_cap(ui, &entry.keys, theme);
-            }
-            ui.add(Label::new(RichText::new(&entry.tip).small().weak()).truncate().selectable(false));
-        });
+    let mut ui = widgets::inside(ui, inner, Layout::left_to_right(egui::Align::Center));
+    ui.label(widgets::icon(&ui, entry.icon).color(style::color(chrome.dim)));
+    ui.add(Label::new(text).truncate().selectable(false));
+    ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
+        if !entry.keys.is_empty() {
+            widgets::key_cap(ui, &entry.keys, theme);
+        }
+        ui.add(Label::new(RichText::new(&entry.tip).small().weak()).truncate().selectable(false));
     });
     response
 }

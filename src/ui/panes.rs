@@ -100,7 +100,7 @@ impl Panes<'_> {
             ui.horizontal(|ui| {
                 ui.label(widgets::icon(ui, Icon::TriangleAlert).color(style::color(chrome.error)));
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    if dismissable && widgets::icon_button(ui, Icon::X, "Dismiss error", false).clicked() {
+                    if dismissable && widgets::cross(ui, "Dismiss error").clicked() {
                         self.actions.ask(Action::Dismiss);
                     }
                     if ui.button("Open another…").clicked() {
@@ -279,7 +279,7 @@ impl Behavior<Pane> for Panes<'_> {
         };
         ui.add_space(8.0);
         let name = format!("Fold away {}", command.face().text.to_lowercase());
-        let button = widgets::icon_button(ui, Icon::X, &name, false);
+        let button = widgets::cross(ui, &name);
         if button.on_hover_text(format!("{name}. The buttons at the top bring it back.")).clicked() {
             self.actions.command(command);
         }

@@ -212,9 +212,14 @@ impl Row<'_> {
         actions: &mut Actions,
     ) -> Option<&'static str> {
         let mut wanted = None;
-        let letters: usize = choices.iter().map(|choice| choice.label.chars().count() + 2).sum();
         let size = TextStyle::Body.resolve(ui.style()).size;
-        let fits = letters as f32 * 0.62 * size < 0.62 * ui.available_width();
+        let wide = |text: &str| {
+            let font = TextStyle::Body.resolve(ui.style());
+            ui.painter().layout_no_wrap(text.into(), font, egui::Color32::PLACEHOLDER).size().x
+        };
+        let padding = 2.0 * ui.spacing().button_padding.x + 4.0;
+        let needed: f32 = choices.iter().map(|choice| wide(choice.label) + padding).sum();
+        let fits = needed + wide(&self.spec.label) + 16.0 < ui.available_width();
         self.line(ui, actions, |ui, label| {
             if fits {
                 ui.spacing_mut().item_spacing.x = 2.0;
@@ -270,7 +275,8 @@ fn toggle(ui: &mut Ui, on: bool, theme: Theme) -> Response {
     let radius = rect.height() / 2.0;
     ui.painter().rect_filled(rect, radius, style::color(fill));
     let x = egui::lerp(rect.left() + radius..=rect.right() - radius, how);
-    let knob = chrome.text.mix(chrome.on_accent, how);
+    let off = if theme == Theme::Light { chrome.panel } else { chrome.text };
+    let knob = off.mix(chrome.on_accent, how);
     ui.painter().circle_filled(egui::pos2(x, rect.center().y), radius - 3.0, style::color(knob));
     if response.has_focus() {
         let stroke = egui::Stroke::new(1.5, style::color(chrome.text));

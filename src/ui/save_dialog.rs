@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Align, Button, Layout, Modal, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
+use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
 use motionscope_core::Cursor;
 
 use super::action::{Action, Actions, Browse};
@@ -135,7 +135,7 @@ impl State {
 pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, look: Look, actions: &mut Actions) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let mut done = false;
-    let modal = Modal::new(egui::Id::unique("save")).show(ctx, |ui| {
+    let modal = widgets::modal(ctx, "save", vec2(40.0 * size, 30.0 * size)).show(ctx, |ui| {
         ui.set_width((40.0 * size).min(ui.ctx().content_rect().width() - 48.0));
         ui.heading(state.kind.title());
         ui.label(RichText::new(state.kind.explained()).weak());
@@ -204,9 +204,7 @@ fn options(ui: &mut Ui, state: &mut State, rungs: Rungs) {
 fn range(ui: &mut Ui, state: &mut State, rungs: Rungs) {
     line(ui, "Steps", |ui| {
         for (text, name) in [(&mut state.from, "First step"), (&mut state.to, "Last step")] {
-            let response = ui.add(TextEdit::singleline(text).desired_width(90.0));
-            let value = text.clone();
-            response.widget_info(|| WidgetInfo::text_edit(true, &value, &value, name));
+            let response = ui.add(TextEdit::singleline(text).desired_width(90.0)).accessible_name(name);
             response.on_hover_text(format!("{name}, as UNIT.EVENT; a unit alone is its end."));
         }
         ui.label(RichText::new("as UNIT.EVENT").small().weak());
@@ -228,9 +226,7 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     line(ui, if several { "Folder" } else { "File" }, |ui| {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let field = TextEdit::singleline(&mut state.path).desired_width(ui.available_width() - 6.5 * size);
-        let response = ui.add(field);
-        let path = state.path.clone();
-        response.widget_info(|| WidgetInfo::text_edit(true, &path, &path, "Where to write it"));
+        let response = ui.add(field).accessible_name("Where to write it");
         if !std::mem::replace(&mut state.focused, true) {
             response.request_focus();
         }

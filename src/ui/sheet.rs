@@ -1,6 +1,6 @@
 //! Every key on one page, and what the program is.
 
-use eframe::egui::{self, Grid, Modal, RichText, ScrollArea, TextStyle, Ui};
+use eframe::egui::{self, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use super::commands::{Command, Menu, Rungs, key_text};
 use super::{style, widgets};
@@ -10,11 +10,12 @@ use crate::paint::Theme;
 pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let screen = ctx.content_rect();
-    let modal = Modal::new(egui::Id::unique("shortcuts")).show(ctx, |ui| {
-        ui.set_width((66.0 * size).min(screen.width() - 80.0));
+    let modal = widgets::modal(ctx, "shortcuts", vec2(62.0 * size, 70.0 * size)).show(ctx, |ui| {
+        ui.set_width((62.0 * size).min(screen.width() - 120.0));
         ui.heading("Keyboard shortcuts");
         ui.add_space(8.0);
-        ScrollArea::both().max_height(screen.height() - 160.0).show(ui, |ui| {
+        let height = (screen.height() - 190.0).max(120.0);
+        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             ui.columns(2, |columns| {
                 let (left, right) = columns.split_at_mut(1);
                 for menu in [Menu::Walk, Menu::Export, Menu::Help] {
@@ -53,7 +54,7 @@ fn group(ui: &mut Ui, menu: Menu, rungs: &Rungs, theme: Theme) {
 /// Shows what the program is; gives whether it is still open.
 pub fn about(ctx: &egui::Context) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
-    let modal = Modal::new(egui::Id::unique("about")).show(ctx, |ui| {
+    let modal = widgets::modal(ctx, "about", vec2(30.0 * size, 20.0 * size)).show(ctx, |ui| {
         ui.set_width(30.0 * size);
         ui.label(RichText::new("Motionscope").family(style::bold()).size(1.6 * size));
         ui.label(RichText::new(concat!("Version ", env!("CARGO_PKG_VERSION"))).weak());

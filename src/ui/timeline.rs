@@ -11,7 +11,7 @@ use super::walker::Snapshot;
 use crate::paint::Theme;
 
 /// Least distance of two ticks in points.
-const TICK_PT: f32 = 5.0;
+const TICK_PT: f32 = 9.0;
 
 /// One track: how much there is, and how much of it was seen.
 struct Track<'a> {
@@ -176,8 +176,8 @@ mod tests {
     #[test]
     fn ticks_are_thinned_to_round_numbers() {
         assert_eq!(tick_every(40, 600.0), 1);
-        assert_eq!(tick_every(1200, 600.0), 10);
-        assert_eq!(tick_every(8160, 600.0), 100);
+        assert_eq!(tick_every(1200, 600.0), 20);
+        assert_eq!(tick_every(8160, 600.0), 200);
         assert_eq!(tick_every(8160, 0.0), 10_000);
     }
 

@@ -66,7 +66,7 @@ impl Toasts {
                     ui.horizontal(|ui| {
                         ui.label(widgets::icon(ui, glyph).color(style::color(ink)));
                         ui.add(egui::Label::new(RichText::new(&toast.text)).wrap());
-                        if widgets::icon_button(ui, Icon::X, "Close message", false).clicked() {
+                        if widgets::cross(ui, "Close message").clicked() {
                             read = Some(index);
                         }
                     });

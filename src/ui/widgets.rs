@@ -1,7 +1,8 @@
 //! Small parts that the panes share: icons, icon buttons, segmented choices, headings.
 
 use eframe::egui::{
-    self, Align2, Button, FontId, Rect, Response, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, WidgetInfo, vec2,
+    self, Align2, Button, FontId, Frame, Id, Layout, Modal, Rect, Response, RichText, Sense, Stroke, StrokeKind,
+    TextStyle, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
 
@@ -28,19 +29,13 @@ pub fn icon_button(ui: &mut Ui, glyph: Icon, name: &str, selected: bool) -> Resp
     response
 }
 
-/// A row of icon buttons of which one is chosen; gives the one clicked.
-pub fn segmented<T: PartialEq + Copy>(ui: &mut Ui, now: T, choices: &[(T, Icon, String, String)]) -> Option<T> {
-    let mut clicked = None;
+/// A small cross that folds away or dismisses.
+pub fn cross(ui: &mut Ui, name: &str) -> Response {
     ui.scope(|ui| {
-        ui.spacing_mut().item_spacing.x = 2.0;
-        for (choice, glyph, name, tip) in choices {
-            let response = icon_button(ui, *glyph, name, *choice == now);
-            if response.on_hover_text(tip).clicked() {
-                clicked = Some(*choice);
-            }
-        }
-    });
-    clicked
+        ui.visuals_mut().widgets.inactive.fg_stroke.color = ui.visuals().weak_text_color();
+        icon_button(ui, Icon::X, name, false)
+    })
+    .inner
 }
 
 /// A quiet heading over a group of rows.
@@ -76,12 +71,17 @@ pub fn elide(text: &str, most: usize) -> String {
     format!("{start}…{end}")
 }
 
-/// A thin vertical line between groups of a row.
-pub fn divider(ui: &mut Ui) {
-    let height = ui.spacing().interact_size.y * 0.7;
-    let (rect, _) = ui.allocate_exact_size(vec2(1.0, height), Sense::hover());
-    let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
-    ui.painter().vline(rect.center().x, rect.y_range(), stroke);
+/// A dialog over the panes, as wide as `width` unless the window is narrower, with room for `height`.
+pub fn modal(ctx: &egui::Context, name: &str, size: Vec2) -> Modal {
+    let id = Id::unique(name);
+    let most = ctx.content_rect().size() - vec2(64.0, 64.0);
+    let area = Modal::default_area(id).default_size(size.min(most));
+    Modal::new(id).area(area).frame(Frame::window(&ctx.global_style()).inner_margin(20))
+}
+
+/// A child of `ui` that fills `rect` and takes no room of its own.
+pub fn inside(ui: &mut Ui, rect: Rect, layout: Layout) -> Ui {
+    ui.new_child(UiBuilder::new().max_rect(rect).layout(layout))
 }
 
 /// The part of `rect` below its first `height` points.

@@ -1,0 +1,485 @@
+//! The window driven headlessly: no display, no graphics card, but real keys, clicks and drags.
+
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Key, Modifiers, Pos2, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use motionscope::paint::Theme;
+use motionscope::ui::app::App;
+use motionscope::ui::commands::{Command, Rungs};
+use motionscope::ui::document::Owner;
+use motionscope::ui::walker::Snapshot;
+use motionscope::ui::{self, Start};
+use motionscope_core::{Cursor, Value};
+
+/// The window, and the waiting that a person does not notice.
+struct Window {
+    harness: Harness<'static, App>,
+}
+
+impl Window {
+    /// A window of this size that shows its first sample.
+    fn new(size: Vec2) -> Self {
+        Self::with(size, Start::default())
+    }
+
+    fn with(size: Vec2, start: Start) -> Self {
+        let build = |cc: &mut eframe::CreationContext<'static>| {
+            let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
+            ui::begin(&mut app, start);
+            app
+        };
+        let builder = Harness::builder().with_size(size).with_step_dt(1.0 / 60.0).with_max_steps(80);
+        let mut window = Self { harness: builder.build_eframe(build) };
+        window.settle();
+        window
+    }
+
+    fn usual() -> Self {
+        Self::new(vec2(1440.0, 900.0))
+    }
+
+    /// Draws until nothing changes any more.
+    fn settle(&mut self) {
+        for _ in 0..3 {
+            self.harness.state_mut().wait();
+            self.harness.run_steps(2);
+        }
+        self.harness.run();
+    }
+
+    fn app(&self) -> &App {
+        self.harness.state()
+    }
+
+    fn shown(&self) -> &Snapshot {
+        self.app().view().shown.as_deref().expect("a run is shown")
+    }
+
+    fn cursor(&self) -> Cursor {
+        self.shown().cursor
+    }
+
+    /// Everything that the cursor tells and shows. Costs that are not known are NaN, so it is compared as text.
+    fn told(&self) -> String {
+        let shown = self.shown();
+        format!("{} {:?} {:?}", shown.cursor, shown.step, shown.scene)
+    }
+
+    fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.settle();
+    }
+
+    fn key(&mut self, key: Key) {
+        self.press(Modifiers::NONE, key);
+    }
+
+    fn click(&mut self, label: &str) {
+        self.harness.get_by_label(label).click();
+        self.settle();
+    }
+
+    fn click_role(&mut self, role: Role, label: &str) {
+        self.harness.get_by_role_and_label(role, label).click();
+        self.settle();
+    }
+
+    fn command(&mut self, command: Command) {
+        self.harness.state_mut().command(command);
+        self.settle();
+    }
+
+    fn value(&self, name: &str) -> Value {
+        self.app().document().estimator().get(name).expect("the parameter exists")
+    }
+
+    fn drag(&mut self, from: Pos2, to: Pos2) {
+        self.harness.drag_at(from);
+        self.harness.run_steps(1);
+        for i in 1..=5 {
+            self.harness.hover_at(from + (to - from) * (i as f32 / 5.0));
+            self.harness.run_steps(1);
+        }
+        self.harness.drop_at(to);
+        self.settle();
+    }
+}
+
+#[test]
+fn the_first_screen_shows_a_search_at_work() {
+    let window = Window::usual();
+    let shown = window.shown();
+    assert!(shown.cursor.event > 1 && shown.cursor.event < shown.events, "{}", shown.cursor);
+    assert!(shown.step.readouts.len() > 3);
+    assert!(window.harness.query_by_label_contains("of the work").is_some(), "the status line tells how far it is");
+}
+
+#[test]
+fn a_step_there_and_back_shows_the_same() {
+    let mut window = Window::usual();
+    let before = window.told();
+    for (there, back) in [
+        ((Modifiers::NONE, Key::ArrowRight), (Modifiers::NONE, Key::ArrowLeft)),
+        ((Modifiers::NONE, Key::ArrowLeft), (Modifiers::NONE, Key::ArrowRight)),
+    ] {
+        window.press(there.0, there.1);
+        assert_ne!(window.told(), before);
+        window.press(back.0, back.1);
+        assert!(window.told() == before, "{there:?} and back");
+    }
+    window.press(Modifiers::SHIFT, Key::ArrowRight);
+    let end = window.cursor();
+    assert_eq!(end.event, window.shown().events, "over goes to the end of the block");
+    window.key(Key::PageDown);
+    assert_eq!(window.cursor().unit, end.unit + 1);
+    window.key(Key::PageUp);
+    assert_eq!(window.cursor(), end);
+    window.key(Key::End);
+    assert!(window.shown().at_end);
+    window.key(Key::Home);
+    assert_eq!(window.cursor(), Cursor::default());
+    window.key(Key::U);
+    assert!(window.shown().at_end, "out of the only frame is the end of the run");
+    window.press(Modifiers::SHIFT, Key::U);
+    assert_eq!(window.cursor(), Cursor::default());
+}
+
+#[test]
+fn the_ladder_has_buttons_with_the_estimators_names() {
+    let mut window = Window::usual();
+    let before = window.cursor();
+    let event = window.shown().info.rungs[2];
+    window.click(&format!("Next {event}"));
+    assert_eq!(window.cursor(), Cursor { event: before.event + 1, ..before });
+    window.click(&format!("Previous {event}"));
+    assert_eq!(window.cursor(), before);
+    window.click("To the end of the block");
+    assert_eq!((window.cursor().unit, window.cursor().event), (before.unit, window.shown().events));
+}
+
+#[test]
+fn a_parameter_changes_the_run_and_undo_brings_it_back() {
+    let mut window = Window::usual();
+    let (before, place) = (window.told(), window.shown().reference().expect("a block"));
+    window.harness.get_by_role_and_label(Role::Slider, "Block").set_value_accesskit(24.0);
+    window.settle();
+    assert_eq!(window.value("block"), Value::Int(24));
+    let there = window.shown().reference().expect("a block");
+    assert!((0..2).all(|i| (there[i] - place[i]).abs() <= 20.0), "it stays where it was: {place:?} {there:?}");
+    window.click("Reset block");
+    assert_eq!(window.value("block"), Value::Int(16));
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.value("block"), Value::Int(24));
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.value("block"), Value::Int(16));
+    assert!(window.told() == before, "undo shows what was there before");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(window.value("block"), Value::Int(24));
+}
+
+#[test]
+fn dragging_a_slider_is_one_change() {
+    let mut window = Window::usual();
+    let rail = window.harness.get_by_role_and_label(Role::Slider, "Range").rect();
+    let at = |share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
+    window.drag(at(0.25), at(0.75));
+    let Value::Int(range) = window.value("range") else { panic!("the range is a whole number") };
+    assert!((44..=52).contains(&range), "{range}");
+    window.command(Command::Undo);
+    assert_eq!(window.value("range"), Value::Int(16));
+    assert!(!window.app().document().can_undo());
+}
+
+#[test]
+fn choices_and_switches_are_clicked() {
+    let mut window = Window::usual();
+    window.click("Cost: SSD");
+    assert_eq!(window.value("cost"), Value::Choice("ssd"));
+    window.click_role(Role::CheckBox, "Early exit");
+    assert_eq!(window.value("early-exit"), Value::Switch(true));
+    window.click("Reset all: Estimator");
+    assert!(!window.app().document().is_tuned(Owner::Estimator));
+}
+
+#[test]
+fn the_difficulty_of_a_sample_makes_another_clip() {
+    let mut window = Window::usual();
+    let before = window.shown().pair[0].luma().clone();
+    window.harness.get_by_role_and_label(Role::Slider, "Noise").set_value_accesskit(20.0);
+    window.settle();
+    assert_ne!(*window.shown().pair[0].luma(), before);
+    window.command(Command::Undo);
+    assert_eq!(*window.shown().pair[0].luma(), before);
+}
+
+#[test]
+fn it_plays_and_pauses() {
+    let mut window = Window::usual();
+    let before = window.cursor();
+    window.harness.key_press(Key::Space);
+    let begun = Instant::now();
+    while window.cursor() < (Cursor { event: before.event + 5, ..before }) {
+        window.harness.step();
+        assert!(begun.elapsed() < Duration::from_secs(20), "it does not play");
+    }
+    window.click("Pause");
+    let paused = window.cursor();
+    window.harness.run_steps(30);
+    assert_eq!(window.cursor(), paused);
+}
+
+#[test]
+fn the_timeline_is_scrubbed() {
+    let mut window = Window::usual();
+    let unit = window.cursor().unit;
+    let rail = window.harness.get_by_label("Timeline, blocks").rect();
+    let at = |rail: eframe::egui::Rect, share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
+    window.drag(at(rail, 0.1), at(rail, 0.9));
+    let there = window.cursor();
+    assert!(there.unit > unit && there.event == window.shown().events, "{there}");
+    let event = window.shown().info.rungs[2];
+    let rail = window.harness.get_by_label(&format!("Timeline, {event}s")).rect();
+    window.drag(at(rail, 0.9), at(rail, 0.5));
+    let half = window.shown().events / 2;
+    assert_eq!(window.cursor().unit, there.unit);
+    assert!(window.cursor().event.abs_diff(half) <= half / 20 + 2, "{}", window.cursor());
+}
+
+#[test]
+fn a_click_on_the_stage_goes_to_the_block() {
+    let mut window = Window::usual();
+    window.key(Key::Num2);
+    let stage = window.harness.get_by_label_contains("Stage: ").rect();
+    let before = window.cursor().unit;
+    let at = stage.center() + vec2(40.0, -60.0);
+    window.harness.hover_at(at);
+    window.harness.run_steps(1);
+    window.harness.drag_at(at);
+    window.harness.drop_at(at);
+    window.settle();
+    assert_ne!(window.cursor().unit, before);
+    assert_eq!(window.cursor().event, window.shown().events);
+}
+
+#[test]
+fn another_pair_of_frames_is_run_on() {
+    let mut window = Window::usual();
+    let unit = window.cursor().unit;
+    window.key(Key::Period);
+    assert_eq!((window.shown().frame, window.cursor().unit), (1, unit));
+    window.key(Key::Comma);
+    assert_eq!(window.shown().frame, 0);
+}
+
+#[test]
+fn the_step_is_exported_as_it_is_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    window.press(Modifiers::COMMAND, Key::E);
+    let file = folder.path().join("step.png");
+    write_to(&mut window, &file);
+    let message = window.app().message().unwrap_or_default().to_owned();
+    assert!(message.contains("Wrote"), "{message}");
+    let picture = image::open(&file).expect("a picture").to_rgb8();
+    assert!(picture.width() >= 2 * 2 * 320 && picture.height() > 2 * 240, "{:?}", picture.dimensions());
+
+    window.command(Command::ExportVectors);
+    let table = folder.path().join("vectors.csv");
+    write_to(&mut window, &table);
+    let text = fs::read_to_string(&table).expect("a table");
+    assert_eq!(text.lines().count(), window.cursor().unit + 1, "a row for each finished block under the names");
+
+    window.command(Command::ExportPicture);
+    write_to(&mut window, &folder.path().join("no/such/folder/step.png"));
+    let message = window.app().message().unwrap_or_default().to_owned();
+    assert!(message.contains("Nothing was written"), "{message}");
+}
+
+#[test]
+fn a_range_of_steps_is_exported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    window.command(Command::ExportSteps);
+    let unit = window.cursor().unit;
+    window.harness.get_by_label("First step").set_text_value_accesskit(&format!("{unit}.10"));
+    window.harness.get_by_label("Last step").set_text_value_accesskit(&format!("{unit}.13"));
+    window.settle();
+    let event = window.shown().info.rungs[2];
+    window.click_role(Role::Button, event);
+    window.click_role(Role::Button, "1×");
+    write_to(&mut window, folder.path());
+    let files = fs::read_dir(folder.path()).expect("the folder").count();
+    assert_eq!(files, 4, "{:?}", window.app().message());
+}
+
+fn write_to(window: &mut Window, path: &Path) {
+    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&path.display().to_string());
+    window.settle();
+    window.click_role(Role::Button, "Write");
+}
+
+#[test]
+fn a_session_reopens_exactly() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lesson.motionscope");
+    let mut window = Window::usual();
+    window.click("Cost: SSD");
+    window.harness.get_by_role_and_label(Role::Slider, "Noise").set_value_accesskit(5.0);
+    window.settle();
+    window.key(Key::T);
+    window.key(Key::ArrowRight);
+    window.press(Modifiers::COMMAND, Key::S);
+    write_to(&mut window, &file);
+    let before = window.told();
+
+    let again = Window::with(vec2(1280.0, 720.0), Start { open: Some(file.display().to_string()) });
+    assert!(again.told() == before, "the session does not show the same step");
+    assert_eq!(again.app().settings().theme(), window.app().settings().theme());
+    assert_eq!(again.app().settings().recent.len(), 1);
+}
+
+#[test]
+fn a_bad_file_is_told_and_the_picture_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("broken.png");
+    fs::write(&file, b"\x89PNG\r\n\x1a\nthis is no picture").expect("a file");
+    let mut window = Window::usual();
+    let before = window.told();
+    for name in [file.display().to_string(), folder.path().join("gone.mp4").display().to_string()] {
+        window.harness.state_mut().open(&name);
+        window.settle();
+        let error = window.app().error().expect("an error").to_string();
+        let last = Path::new(&name).file_name().expect("a name").to_string_lossy().into_owned();
+        assert!(error.contains(&last), "{error}");
+        assert!(window.harness.query_by_role(Role::Alert).is_some(), "the error is on the stage");
+        assert!(window.told() == before);
+    }
+    window.click("Dismiss error");
+    assert!(window.app().error().is_none());
+    window.key(Key::ArrowRight);
+    assert_ne!(window.told(), before, "it goes on");
+}
+
+#[test]
+fn a_path_is_typed_and_pasted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for index in 0..3u8 {
+        let picture = image::GrayImage::from_fn(64, 48, |x, y| image::Luma([(x * 3 + y * 5) as u8 ^ index]));
+        picture.save(folder.path().join(format!("frame_{index}.png"))).expect("a picture");
+    }
+    let path = folder.path().display().to_string();
+    let mut window = Window::usual();
+    window.press(Modifiers::COMMAND, Key::O);
+    window.harness.get_by_label("Path of the clip").set_text_value_accesskit(&path);
+    window.settle();
+    window.click_role(Role::Button, "Open");
+    assert_eq!(window.app().document().clip().map(|clip| clip.size()), Some((64, 48)));
+    assert_eq!(window.cursor(), Cursor::default(), "a clip of one's own begins at its start");
+
+    let mut window = Window::usual();
+    window.harness.event(eframe::egui::Event::Paste(format!("\"{path}\"\n")));
+    window.settle();
+    assert_eq!(window.app().document().clip().map(|clip| clip.size()), Some((64, 48)));
+}
+
+#[test]
+fn keys_are_letters_while_one_types() {
+    let mut window = Window::usual();
+    window.press(Modifiers::COMMAND, Key::O);
+    let before = window.told();
+    window.harness.get_by_label("Path of the clip").type_text("l");
+    window.settle();
+    window.key(Key::L);
+    window.key(Key::ArrowRight);
+    assert!(!window.app().settings().folded.lecture && window.told() == before);
+    window.key(Key::Escape);
+    window.key(Key::L);
+    assert!(window.app().settings().folded.lecture);
+}
+
+#[test]
+fn the_palette_runs_a_command() {
+    let mut window = Window::usual();
+    window.press(Modifiers::COMMAND, Key::K);
+    window.harness.get_by_label("What to find").type_text("lectur");
+    window.settle();
+    window.key(Key::Enter);
+    assert!(window.app().settings().folded.lecture);
+    assert!(window.harness.query_by_label("What to find").is_none(), "the palette is closed");
+    window.key(Key::Escape);
+    assert!(!window.app().settings().folded.lecture);
+
+    window.press(Modifiers::COMMAND, Key::K);
+    window.harness.get_by_label("What to find").type_text("barber");
+    window.settle();
+    window.key(Key::Enter);
+    let name = window.app().document().clip().map(|clip| clip.info().name.clone()).unwrap_or_default();
+    assert!(name.contains("Barber"), "{name}");
+}
+
+#[test]
+fn the_shortcut_sheet_lists_every_command() {
+    let mut window = Window::new(vec2(1600.0, 2400.0));
+    window.key(Key::F1);
+    let rungs = Rungs::new(window.shown().info.rungs);
+    for command in Command::ALL {
+        let text = command.text(&rungs);
+        assert!(window.harness.query_all_by_label(&text).next().is_some(), "{text} is not on the sheet");
+    }
+}
+
+#[test]
+fn the_samples_are_shown_and_opened() {
+    let mut window = Window::usual();
+    window.press(Modifiers::COMMAND, Key::N);
+    let first = &motionscope_core::synth::SCENES[0];
+    window.click_role(Role::Button, first.title);
+    assert_eq!(window.app().document().sample().map(|sample| sample.id), Some(first.id));
+    assert!(window.shown().cursor.event > 1);
+}
+
+#[test]
+fn every_theme_draws_at_every_size() {
+    for size in [vec2(720.0, 480.0), vec2(1280.0, 720.0), vec2(1920.0, 1080.0)] {
+        let mut window = Window::new(size);
+        for _ in 0..Theme::ALL.len() {
+            window.key(Key::T);
+            for command in [Command::Samples, Command::Shortcuts, Command::Open, Command::ExportSteps, Command::About] {
+                window.command(command);
+                window.key(Key::Escape);
+            }
+        }
+        for key in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5] {
+            window.key(key);
+        }
+    }
+}
+
+#[test]
+fn panes_fold_away_and_come_back() {
+    let mut window = Window::usual();
+    let seen = |window: &Window, label: &str| window.harness.query_by_role_and_label(Role::Tab, label).is_some();
+    assert!(seen(&window, "Parameters") && seen(&window, "Why") && seen(&window, "3-D"));
+    window.press(Modifiers::COMMAND, Key::Num1);
+    window.press(Modifiers::COMMAND, Key::Num2);
+    assert!(!seen(&window, "Parameters") && seen(&window, "Why") && !seen(&window, "3-D"));
+    window.command(Command::ResetLayout);
+    assert!(seen(&window, "Parameters") && seen(&window, "3-D"));
+    window.click_role(Role::Tab, "Plot");
+    assert!(window.harness.query_all_by_label_contains("Cost by candidate").next().is_some());
+}
+
+#[test]
+fn the_interface_scales_within_bounds() {
+    let mut window = Window::usual();
+    (0..30).for_each(|_| window.press(Modifiers::COMMAND, Key::Plus));
+    let largest = window.app().settings().zoom();
+    assert!(largest > 2.0 && largest < 3.0);
+    window.press(Modifiers::COMMAND, Key::Num0);
+    assert_eq!(window.app().settings().zoom(), 1.0);
+}
