@@ -12,6 +12,7 @@ pub mod fuzzy;
 pub mod gallery;
 pub mod heat_map;
 pub mod history;
+mod icon;
 pub mod ink;
 pub mod keys;
 pub mod layout;
@@ -63,6 +64,7 @@ pub fn run(start: Start) -> anyhow::Result<()> {
     let viewport = eframe::egui::ViewportBuilder::default()
         .with_title("Motionscope")
         .with_app_id("motionscope")
+        .with_icon(icon::icon())
         .with_inner_size([1440.0, 900.0])
         .with_min_inner_size([720.0, 480.0])
         .with_drag_and_drop(true);

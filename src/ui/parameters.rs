@@ -51,24 +51,27 @@ fn title(ui: &mut Ui, text: &str, owner: Owner, document: &Document, actions: &m
 fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     let info = document.estimator().info();
     let combo = ComboBox::from_id_salt("estimator").selected_text(info.name).width(ui.available_width());
-    let shown = combo.show_ui(ui, |ui| {
-        let mut family = "";
-        for other in estimators() {
-            let other = other.info();
-            if other.family != family {
-                family = other.family;
-                widgets::heading(ui, family);
-            }
-            let row = ui.selectable_label(other.id == info.id, other.name).on_hover_text(other.summary);
-            if row.clicked() {
-                actions.ask(Action::Choose(other.id));
-            }
-        }
-    });
+    let shown = combo.show_ui(ui, |ui| estimators_by_family(ui, info.id, actions));
     let name = format!("Estimator: {}", info.name);
     shown.response.widget_info(|| WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
     shown.response.on_hover_text(info.summary);
     ui.add_space(4.0);
+}
+
+/// Every estimator under its family, to choose from.
+pub fn estimators_by_family(ui: &mut Ui, now: &str, actions: &mut Actions) {
+    let mut family = "";
+    for estimator in estimators() {
+        let info = estimator.info();
+        if info.family != family {
+            family = info.family;
+            widgets::heading(ui, family);
+        }
+        if ui.selectable_label(info.id == now, info.name).on_hover_text(info.summary).clicked() {
+            actions.ask(Action::Choose(info.id));
+            ui.close();
+        }
+    }
 }
 
 fn group(ui: &mut Ui, owner: Owner, document: &Document, theme: Theme, actions: &mut Actions) {

@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             right(ui, input, roomy, actions);
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| title(ui, input));
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| title(ui, input, actions));
         });
     });
 }
@@ -63,25 +63,36 @@ fn brand(ui: &mut Ui, theme: Theme) {
     ui.add_space(8.0);
 }
 
-/// What is open: `Waves behind a pillar  ·  frame 12 → 13  ·  Full search`.
-fn title(ui: &mut Ui, input: &Input) {
+/// What is open: the clip, the pair of frames and the estimator, each with the way to another one.
+fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let Some(clip) = input.document.clip() else { return };
-    ui.add_space(12.0);
-    let frame = input.document.frame();
-    let estimator = input.document.estimator().info().name;
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    ui.add_space(size);
+    // Long names give way to what stands beside them.
+    let letters = (ui.available_width() / size - 20.0) / 0.6;
+    let name = widgets::elide(&clip.info().name, (letters.max(8.0)) as usize);
+    let name = RichText::new(name).family(style::bold());
+    let clip = ui.menu_button(name, |ui| {
+        for command in [Command::Open, Command::Samples] {
+            item(ui, command, input, actions);
+        }
+        if !input.recent.is_empty() {
+            ui.separator();
+            open_dialog::recents(ui, input.recent, actions);
+        }
+    });
+    clip.response.on_hover_text(super::clip_card::facts(input.document));
+    if ui.available_width() < 16.0 * size {
+        return;
+    }
     let dim = ui.visuals().weak_text_color();
-    let font = TextStyle::Body.resolve(ui.style());
-    let format = |family: egui::FontFamily, color| egui::TextFormat {
-        font_id: egui::FontId::new(font.size, family),
-        color,
-        valign: Align::Center,
-        ..Default::default()
-    };
-    let mut job = egui::text::LayoutJob::default();
-    job.append(&clip.info().name, 0.0, format(style::bold(), ui.visuals().text_color()));
-    let rest = format!("   frame {frame} → {}   {estimator}", frame + 1);
-    job.append(&rest, 0.0, format(egui::FontFamily::Proportional, dim));
-    ui.add(egui::Label::new(job).truncate()).on_hover_text(super::clip_card::facts(input.document));
+    let frame = input.document.frame();
+    ui.label(RichText::new(format!("frame {frame} → {}", frame + 1)).color(dim));
+    let info = input.document.estimator().info();
+    let estimator = ui.menu_button(RichText::new(info.name).color(dim), |ui| {
+        super::parameters::estimators_by_family(ui, info.id, actions);
+    });
+    estimator.response.on_hover_text(info.summary);
 }
 
 fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
