@@ -59,6 +59,12 @@ pub struct Sight {
     pub zoom: f32,
 }
 
+impl Sight {
+    fn is_sound(&self) -> bool {
+        self.center.iter().all(|c| c.abs() < 1e6) && (1e-3..=1e3).contains(&self.zoom)
+    }
+}
+
 /// The file as it is written.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -118,7 +124,10 @@ impl Session {
     pub fn parse(text: &str, folder: &Path) -> Result<Self, Error> {
         let text: Text = toml::from_str(text).map_err(|error| Error::new(first_line(&error)))?;
         if text.motionscope != VERSION {
-            let told = "it was written by a later version of Motionscope; open it with that one";
+            let told = format!(
+                "its format is {}, and this Motionscope reads {VERSION}; open it with its own version",
+                text.motionscope
+            );
             return Err(Error::new(told));
         }
         let mut estimator = estimator(&text.estimator)?;
@@ -133,7 +142,7 @@ impl Session {
             frame: text.frame,
             cursor: text.step.map(|step| step.parse()).transpose()?,
             look: text.picture.look()?,
-            sight: text.sight.filter(|sight| sight.zoom.is_finite() && sight.zoom > 0.0),
+            sight: text.sight.filter(Sight::is_sound),
         })
     }
 
@@ -230,12 +239,26 @@ fn named<T: Copy, const N: usize>(kind: &str, id: &str, all: [(String, T); N]) -
 }
 
 fn folder_of(path: &Path) -> &Path {
-    path.parent().unwrap_or(Path::new(""))
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
 }
 
 /// `path` as told from `folder`: with `..` where needed, whole where the two have nothing in common.
 fn relative(path: &Path, folder: &Path) -> PathBuf {
-    let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    // What exists is looked up, so that links and `..` lead where they lead; the rest is told by its parts.
+    let whole = |path: &Path| {
+        let whole = path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf());
+        whole.components().fold(PathBuf::new(), |mut whole, part| {
+            match part {
+                Component::ParentDir => drop(whole.pop()),
+                Component::CurDir => {}
+                part => whole.push(part),
+            }
+            whole
+        })
+    };
     let (path, folder) = (whole(path), whole(folder));
     let (parts, folders): (Vec<_>, Vec<_>) = (path.components().collect(), folder.components().collect());
     let common = parts.iter().zip(&folders).take_while(|(a, b)| a == b).count();
@@ -309,13 +332,44 @@ mod tests {
     }
 
     #[test]
+    fn paths_are_told_from_where_the_session_is() {
+        let top = tempfile::tempdir().unwrap();
+        let here = top.path().join("here");
+        fs::create_dir_all(here.join("deep")).unwrap();
+        let clip = here.join("a.mp4");
+        fs::write(&clip, []).unwrap();
+        for (folder, told) in [
+            (here.clone(), "a.mp4"),
+            (here.join("deep"), "../a.mp4"),
+            (here.join("deep").join(".."), "a.mp4"),
+            (here.join("deep").join("..").join(".."), "here/a.mp4"),
+        ] {
+            assert_eq!(slashed(&relative(&clip, &folder)), told, "{}", folder.display());
+        }
+        assert_eq!(folder_of(Path::new("one.motionscope")), Path::new("."));
+    }
+
+    #[test]
+    fn a_sight_that_cannot_be_is_left_out() {
+        let start = "motionscope = 1\nclip = \"a.mp4\"\nestimator = \"full-search\"\n[sight]\n";
+        for (sight, is_kept) in [
+            ("center = [1, 2]\nzoom = 4", true),
+            ("center = [nan, 2]\nzoom = 4", false),
+            ("center = [1, 2]\nzoom = inf", false),
+        ] {
+            let read = Session::parse(&format!("{start}{sight}"), Path::new("")).unwrap();
+            assert_eq!(read.sight.is_some(), is_kept, "{sight}");
+        }
+    }
+
+    #[test]
     fn what_is_no_session_is_told_in_a_sentence() {
         let parse = |text: &str| Session::parse(text, Path::new("")).err().map(|e| e.to_string()).unwrap_or_default();
         let start = "motionscope = 1\nclip = \"a.mp4\"\n";
         for (text, told) in [
             ("\u{0}PNG", "no session"),
             ("clip = 3", "no session"),
-            ("motionscope = 2\nclip = \"a\"\nestimator = \"full-search\"", "later version"),
+            ("motionscope = 2\nclip = \"a\"\nestimator = \"full-search\"", "its format is 2"),
             (&format!("{start}estimator = \"magic\""), "full-search"),
             (&format!("{start}estimator = \"full-search\"\nstep = \"x\""), "UNIT.EVENT"),
             (&format!("{start}estimator = \"full-search\"\n[set]\nblock = 400"), "4 to 64 px"),

@@ -154,6 +154,7 @@ fn a_session_brings_all_that_the_command_line_needs() {
     );
     fs::write(here.join("lesson.motionscope"), text).unwrap();
     stdout(here, "run lesson.motionscope --overlay a.png");
+    assert_eq!(json(here, "info lesson.motionscope --json"), json(here, &format!("info {SMALL} --json")));
     let flags = "--frame 1 --step 3.7 --set block=8 --set range=4 --view blend --theme light --legend";
     stdout(here, &format!("run {SMALL} --estimator full-search {flags} --overlay b.png"));
     assert!(fs::read(here.join("a.png")).unwrap() == fs::read(here.join("b.png")).unwrap());

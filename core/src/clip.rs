@@ -240,9 +240,9 @@ impl Clip {
     /// # Errors
     /// As [`Clip::frame`]; a clip of a single frame is told so.
     pub fn pair(&self, t: usize) -> Result<[Arc<Frame>; 2], Error> {
-        if self.info.frames == Some(1) {
+        if self.info.frames.is_some_and(|n| n < 2) {
             return Err(Error::new(format!(
-                "{} has a single frame and motion needs two; open a clip, or a folder of numbered pictures",
+                "{} has a single frame or none, and motion needs two; open a clip, or a folder of numbered pictures",
                 self.info.name
             )));
         }

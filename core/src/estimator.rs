@@ -101,7 +101,7 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     /// Every bad input is refused here.
     fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error>;
 
-    /// Does one unit of work. Called only while there is more to do.
+    /// Does one unit of work and tells at least one event. Called only while there is more to do.
     ///
     /// # Errors
     /// If a frame that it needs is damaged; the run ends before this unit.

@@ -78,7 +78,7 @@ impl BlockGrid {
         Block { x, y, width: clip(x, self.picture.0), height: clip(y, self.picture.1) }
     }
 
-    /// The column and row of the block whose centre is nearest to pixel `(x, y)`.
+    /// The column and row of the block whose centre is nearest to pixel `(x, y)`; one cut by the edge counts as whole.
     pub fn nearest(&self, x: usize, y: usize) -> (usize, usize) {
         let (columns, rows) = self.counts();
         let nearest = |p: usize, count: usize| {
@@ -111,11 +111,11 @@ pub struct BlockVector {
     /// Displacement `[u, v]` in px/frame.
     pub displacement: [f32; 2],
     /// Its cost.
-    pub cost: f32,
+    pub cost: f64,
 }
 
 impl BlockField {
-    /// Every pixel moves as the block whose centre is nearest.
+    /// Every pixel moves as the block whose centre is nearest; a block cut by the edge counts as whole.
     pub fn flow(&self) -> Flow {
         let columns = self.blocks.counts().0;
         let (width, height) = self.blocks.picture;

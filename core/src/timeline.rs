@@ -347,24 +347,24 @@ impl<E: Estimator> Timeline<E> {
         Journey { goal, origin: index, index, state: state.clone() }
     }
 
-    /// Runs one unit of the journey unobserved; gives the journey that goes on.
-    fn travel(&mut self, mut journey: Journey<E>) -> Journey<E> {
+    /// Runs one unit of the journey unobserved; gives the journey that goes on, if one does.
+    fn travel(&mut self, mut journey: Journey<E>) -> Option<Journey<E>> {
         match self.estimator.advance(&self.clip, &mut journey.state, &mut ()) {
             Ok(Progress::More) => {
                 journey.index += 1;
                 self.come_by(journey.index, &journey.state);
-                match journey.goal {
+                Some(match journey.goal {
                     Goal::GroupEnd { rung, from }
                         if journey.index > from && self.groups.is_start(rung, journey.index) =>
                     {
                         self.depart(Goal::end_of(journey.index - 1))
                     }
                     _ => journey,
-                }
+                })
             }
             Ok(Progress::Done) => {
                 self.units = Some(journey.index + 1);
-                self.depart(Goal::end_of(journey.index))
+                Some(self.depart(Goal::end_of(journey.index)))
             }
             Err(error) => self.give_up(journey.index, error),
         }
@@ -382,15 +382,15 @@ impl<E: Estimator> Timeline<E> {
                 self.unit = unit;
                 None
             }
-            Err(error) => Some(self.give_up(journey.index, error)),
+            Err(error) => self.give_up(journey.index, error),
         }
     }
 
-    /// Unit `index` cannot be run: the run ends before it.
-    fn give_up(&mut self, index: usize, error: Error) -> Journey<E> {
+    /// Unit `index` cannot be run: the run ends before it. The first unit was run once, so it stays.
+    fn give_up(&mut self, index: usize, error: Error) -> Option<Journey<E>> {
         self.failure = Some(error);
-        self.units = Some(index);
-        self.depart(Goal::end_of(index - 1))
+        self.units = Some(index.max(1));
+        index.checked_sub(1).map(|last| self.depart(Goal::end_of(last)))
     }
 }
 
@@ -434,7 +434,7 @@ impl<E: Estimator> Walk for Timeline<E> {
         while let Some(journey) = self.journey.take() {
             self.journey = match journey.goal {
                 Goal::Cursor(cursor) if cursor.unit == journey.index => self.arrive(journey, cursor),
-                _ => Some(self.travel(journey)),
+                _ => self.travel(journey),
             };
             if self.journey.is_some() && !more() {
                 return false;

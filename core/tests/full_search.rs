@@ -1,6 +1,7 @@
 //! Full search against a plain reference, and against what the issue of ties and borders demands.
 
-use motionscope_core::{Clip, Frame, Gray, Grid, Output, Threads, estimator};
+use motionscope_core::scene::Readout;
+use motionscope_core::{Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, Way, estimator};
 use proptest::prelude::*;
 
 /// What a search is asked for.
@@ -13,7 +14,7 @@ struct Question {
 }
 
 /// Full search as simple as possible: displacement and cost of the block at `(x, y)`.
-fn reference(current: &Gray, next: &Gray, (x0, y0): (usize, usize), question: Question) -> ([f32; 2], f32) {
+fn reference(current: &Gray, next: &Gray, (x0, y0): (usize, usize), question: Question) -> ([f32; 2], f64) {
     let (width, height) = (current.width() as i64, current.height() as i64);
     let (x1, y1) = ((x0 + question.block).min(current.width()), (y0 + question.block).min(current.height()));
     let fold = |i: i64, n: i64| match question.border {
@@ -44,7 +45,7 @@ fn reference(current: &Gray, next: &Gray, (x0, y0): (usize, usize), question: Qu
         }
     }
     let (cost, _, v, u) = tested.into_iter().min().expect("the zero displacement is always there");
-    ([u as f32, v as f32], cost as f32)
+    ([u as f32, v as f32], cost as f64)
 }
 
 fn picture(width: usize, height: usize, seed: u32, levels: u32) -> Gray {
@@ -106,7 +107,7 @@ fn mse_is_ssd_divided_and_chooses_the_same() {
     for (i, (a, b)) in ssd.vectors.iter().zip(&mse.vectors).enumerate() {
         let (a, b, block) = (a.unwrap(), b.unwrap(), ssd.blocks.block(i));
         assert_eq!(a.displacement, b.displacement);
-        assert_eq!(b.cost, a.cost / (block.width * block.height) as f32);
+        assert_eq!(b.cost, a.cost / (block.width * block.height) as f64);
     }
 }
 
@@ -126,4 +127,88 @@ fn refuses_a_block_larger_than_the_picture_in_words() {
     let clip = Clip::from_frames("tiny", vec![Frame::gray(Grid::new(10, 10, 0)); 2]).unwrap();
     let error = estimator("full-search").unwrap().walk(&clip, 0).err().unwrap().to_string();
     assert_eq!(error, "a block of 16 px does not fit into a picture of 10×10 px; choose a smaller block");
+}
+
+/// All sentences of block `unit`, from 0, that begin with `start`.
+fn sentences(clip: &Clip, settings: &[(&str, &str)], unit: usize, start: &str) -> Vec<String> {
+    let mut search = estimator("full-search").unwrap();
+    settings.iter().for_each(|(name, value)| search.set(name, value).unwrap());
+    let mut walk = search.walk(clip, 0).unwrap();
+    let mut found = Vec::new();
+    walk.jump(Move::To(Cursor { unit, event: 0 }));
+    while walk.cursor().unit <= unit && !walk.at_end() {
+        walk.jump(Move::Rung(2, Way::Forward));
+        let told = walk.step(None).sentence.plain();
+        if walk.cursor().unit == unit && told.starts_with(start) {
+            found.push(told);
+        }
+    }
+    found
+}
+
+fn pair(current: impl FnMut(usize, usize) -> u8, next: impl FnMut(usize, usize) -> u8) -> Clip {
+    let frames = vec![Frame::gray(Grid::from_fn(24, 24, current)), Frame::gray(Grid::from_fn(24, 24, next))];
+    Clip::from_frames("pair", frames).unwrap()
+}
+
+#[test]
+fn every_event_says_why() {
+    let settings = [("block", "8"), ("range", "1")];
+    // One bright column that moves right by one: costs fall to zero at (1, 0).
+    let clip = pair(|x, _| if x == 3 { 10 } else { 0 }, |x, _| if x == 4 { 10 } else { 0 });
+    assert_eq!(
+        sentences(&clip, &settings, 0, "Block"),
+        [
+            "Block 1 is the 8×8 px at (0, 0) of frame t. Its search window in frame t+1 holds 2×2 = 4 candidates; \
+             the picture's border cuts it.",
+            "Block 1 moves by (1, 0) px: SAD 0 is the smallest of 4 tested.",
+        ]
+    );
+    assert_eq!(sentences(&clip, &settings, 0, "0 at"), ["0 at (1, 0) is less than 160 at (0, 0): the new best."]);
+    assert_eq!(
+        sentences(&clip, &settings, 0, "Candidate (1, 1)"),
+        ["Candidate (1, 1) costs 0, the same as the best so far, 0 at (1, 0), which is shorter and stays."]
+    );
+    let whole = [("block", "8"), ("range", "1"), ("border", "replicate")];
+    assert!(sentences(&clip, &whole, 0, "Block")[0].ends_with("holds 3×3 = 9 candidates."));
+}
+
+#[test]
+fn ties_say_which_rule_decided() {
+    let settings = [("block", "8"), ("range", "1"), ("border", "replicate")];
+    let flat = pair(|_, _| 7, |_, _| 7);
+    let preferred = sentences(&flat, &settings, 0, "0 at");
+    assert_eq!(preferred[0], "0 at (−1, −1) is the first cost, so it is the best so far.");
+    assert_eq!(
+        preferred[1],
+        "0 at (0, −1) equals the best so far at (−1, −1), and the displacement is shorter: it is preferred."
+    );
+    let kept = sentences(&flat, &settings, 0, "Candidate (1, −1)");
+    assert!(kept[0].ends_with("0 at (0, −1), which is shorter and stays."), "{}", kept[0]);
+    // Diagonal stripes one pixel off: (0, −1) and (1, 0) are as short and fit as well.
+    let spiral = [("block", "8"), ("range", "1"), ("border", "replicate"), ("order", "spiral")];
+    let stripe = |k: usize| (k * 37 % 251) as u8;
+    let stripes = pair(|x, y| stripe(x + 30 - y + 1), |x, y| stripe(x + 30 - y));
+    let told = sentences(&stripes, &spiral, 4, "Candidate");
+    assert!(told.iter().any(|told| told.contains("as short and comes first, row by row")), "{told:?}");
+}
+
+#[test]
+fn an_early_exit_stops_at_the_first_row_that_is_too_much() {
+    // Every row of a wrong candidate costs 80; the right one costs nothing.
+    let clip = pair(|_, _| 0, |x, _| if x < 8 { 0 } else { 80 });
+    let settings = [("block", "8"), ("range", "2"), ("early-exit", "on"), ("order", "spiral")];
+    let given_up = sentences(&clip, &settings, 0, "Candidate (1, 0)");
+    assert_eq!(
+        given_up,
+        ["Candidate (1, 0) costs 80 after 1 of 8 rows, already more than the best, 0 at (0, 0): given up early."]
+    );
+    let mut search = estimator("full-search").unwrap();
+    settings.iter().for_each(|(name, value)| search.set(name, value).unwrap());
+    let mut walk = search.walk(&clip, 0).unwrap();
+    walk.jump(Move::Rung(1, Way::Forward));
+    let readouts = walk.step(None).readouts;
+    let surface = readouts.iter().find_map(|r| if let Readout::Surface(s) = r { Some(s) } else { None }).unwrap();
+    let known = surface.values.cells().iter().filter(|v| v.is_finite()).count();
+    assert_eq!(known, 3, "only (0, 0), (0, 1) and (0, 2) were summed to the end");
 }

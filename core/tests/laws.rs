@@ -48,7 +48,8 @@ fn into(way: Way, walk: &mut dyn Walk) {
 
 /// Parameters small enough that whole runs can be walked.
 fn small(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
-    for (name, value) in [("block", "8"), ("range", "2")] {
+    // More candidates than are passed over at once.
+    for (name, value) in [("block", "8"), ("range", "3")] {
         if estimator.get(name).is_ok() {
             estimator.set(name, value).expect("in range");
         }
@@ -238,6 +239,29 @@ fn in_range(kind: &Kind, dice: u64) -> Value {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn stepping_equals_running_with_any_small_parameters(dice in prop::collection::vec(any::<u64>(), 16)) {
+        for mut estimator in estimators() {
+            for (i, spec) in estimator.specs().iter().enumerate() {
+                let kind = match spec.kind {
+                    Kind::Int { min, max } => Kind::Int { min, max: max.min(min + 9) },
+                    ref other => other.clone(),
+                };
+                prop_assert!(estimator.set_value(i, in_range(&kind, dice[i % dice.len()])).is_ok());
+            }
+            let clip = moving(30, 26, (1, -1), 2);
+            let mut walk = estimator.walk(&clip, 0).expect("small blocks fit");
+            let unit = walk.info().rungs.len() - 2;
+            let mut events = 0;
+            while !walk.at_end() {
+                walk.jump(Move::Rung(unit, Way::Forward));
+                events += walk.events() as u64;
+            }
+            prop_assert_eq!(walk.output(), estimator.run(&clip, 0, &Threads::single()).expect("a run"));
+            prop_assert_eq!(events, estimator.extent(&clip, 0).expect("an extent").events);
+        }
+    }
 
     #[test]
     fn any_parameters_in_range_run_or_are_refused_in_words(

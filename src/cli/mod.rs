@@ -55,8 +55,9 @@ fn run(args: Args) -> Result<(), Error> {
         None => window(args.clip),
         Some(Command::List { json }) => say(&if json { list::json() } else { list::text() }),
         Some(Command::Info { clip, json, count, truth }) => {
-            let options = media::Open { count, truth, ..media::Open::default() };
-            let info = Info::of(&Source::parse(&clip)?.open(&options)?);
+            let named = task::Named::find(&clip, truth)?;
+            let info =
+                Info::of(&named.source.open(&media::Open { count, truth: named.truth, ..media::Open::default() })?);
             say(&if json { report::to_json(&info)? } else { info.to_string() })
         }
         Some(Command::Synth { name, out, set, list }) => match (name, out) {

@@ -1,6 +1,6 @@
 //! What is estimated: a clip, a pair of its frames, and an estimator with its parameters.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, estimator};
 
@@ -10,6 +10,31 @@ use crate::media::Open;
 use crate::session::Session;
 use crate::shot::Look;
 use crate::source::Source;
+
+/// What a person called a clip: the clip itself, or a session that leads to it.
+pub struct Named {
+    /// Where the clip comes from.
+    pub source: Source,
+    /// Its truth, if that was given by hand.
+    pub truth: Option<PathBuf>,
+    /// The rest of the session.
+    pub session: Option<Session>,
+}
+
+impl Named {
+    /// What `name` stands for; `truth` overrides that of a session.
+    ///
+    /// # Errors
+    /// If it is a session that cannot be read, or a scene that does not exist.
+    pub fn find(name: &str, truth: Option<PathBuf>) -> Result<Self, Error> {
+        if !Session::is_named(Path::new(name)) {
+            return Ok(Self { source: Source::parse(name)?, truth, session: None });
+        }
+        let session = Session::load(Path::new(name))?;
+        let truth = truth.or_else(|| session.truth.clone());
+        Ok(Self { source: session.source.clone(), truth, session: Some(session) })
+    }
+}
 
 /// A clip with the estimator to run on it.
 pub struct Task {
@@ -33,24 +58,20 @@ impl Task {
     /// # Errors
     /// If anything that is named does not exist or cannot be opened.
     pub fn open(args: &TaskArgs) -> Result<Self, Error> {
-        let named = args.estimator.as_deref().map(estimator).transpose()?;
-        let mut task = if Session::is_named(Path::new(&args.clip)) {
-            let session = Session::load(Path::new(&args.clip))?;
-            let options = Open { truth: args.truth.clone().or(session.truth), ..Open::default() };
-            Self {
-                name: session.source.to_string(),
-                clip: session.source.open(&options)?,
-                estimator: named.unwrap_or(session.estimator),
-                frame: session.frame,
-                cursor: session.cursor,
-                look: session.look,
+        let Named { source, truth, session } = Named::find(&args.clip, args.truth.clone())?;
+        let missing = || Error::new("which estimator? Give --estimator ID; `motionscope list` names them");
+        let chosen = args.estimator.as_deref().map(estimator).transpose()?;
+        let clip = || source.open(&Open { truth, ..Open::default() });
+        let mut task = match session {
+            Some(Session { estimator, frame, cursor, look, .. }) => {
+                let estimator = chosen.unwrap_or(estimator);
+                Self { name: source.to_string(), clip: clip()?, estimator, frame, cursor, look }
             }
-        } else {
-            let missing = || Error::new("which estimator? Give --estimator ID; `motionscope list` names them");
-            let estimator = named.ok_or_else(missing)?;
-            let options = Open { truth: args.truth.clone(), ..Open::default() };
-            let clip = Source::parse(&args.clip)?.open(&options)?;
-            Self { name: args.clip.clone(), clip, estimator, frame: 0, cursor: None, look: Look::default() }
+            None => {
+                let estimator = chosen.ok_or_else(missing)?;
+                let (name, look) = (source.to_string(), Look::default());
+                Self { name, clip: clip()?, estimator, frame: 0, cursor: None, look }
+            }
         };
         task.frame = args.frame.unwrap_or(task.frame);
         set_all(&mut *task.estimator, &args.set)?;

@@ -192,7 +192,7 @@ impl Estimator for FullSearch {
             "  lay the window of ±range px around B in frame t+1",
             "  for each displacement (u, v) in the window",
             "    cost ← difference of B and the block at (u, v)",
-            "    if cost < best, or equal and (u, v) is shorter",
+            "    if cost < best, or equal and (u, v) shorter, then first",
             "      best ← cost at (u, v)",
             "  displacement of B ← (u, v) of the best",
         ],
@@ -282,6 +282,15 @@ impl FullSearch {
         let Seen { before, events, focus, .. } = *seen;
         let index = before.found.len();
         let window = before.pair.window(before.pair.blocks.block(index), self.range);
-        Probe { pair: &before.pair, cost: self.cost, index, window, found: &before.found, events, focus }
+        Probe {
+            pair: &before.pair,
+            cost: self.cost,
+            index,
+            window,
+            range: self.range,
+            found: &before.found,
+            events,
+            focus,
+        }
     }
 }

@@ -21,7 +21,7 @@ fn blocks(field: &BlockField) -> Table<7> {
         let [x, y] = block.center().map(Cell::Single);
         let [width, height] = [block.width, block.height].map(|side| Cell::Int(side as i64));
         let [u, v] = vector.displacement.map(Cell::Single);
-        [x, y, width, height, u, v, Cell::Single(vector.cost)]
+        [x, y, width, height, u, v, Cell::Real(vector.cost)]
     });
     let columns = ["x_px", "y_px", "width_px", "height_px", "u_px", "v_px", "cost"];
     Table { columns, rows: rows.collect() }

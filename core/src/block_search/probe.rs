@@ -1,0 +1,115 @@
+//! A block search at a cursor: what it draws.
+
+use super::{Cost, Displacement, Event, Match, Pair, Window};
+use crate::scene::{Arrow, Picture, Shape};
+use crate::{Block, Grid, Role, Scene};
+
+/// The unit at a cursor as a block search sees it: what to draw and tell follows from this.
+pub(crate) struct Probe<'a> {
+    /// The pair of frames.
+    pub pair: &'a Pair,
+    /// Its cost.
+    pub cost: Cost,
+    /// Index of the block.
+    pub index: usize,
+    /// The block's window.
+    pub window: Window,
+    /// How far the window reaches where nothing cuts it, in px.
+    pub range: usize,
+    /// Blocks found before.
+    pub found: &'a [Match],
+    /// Events of this block that were seen.
+    pub events: &'a [Event],
+    /// The pixel pointed at.
+    pub focus: Option<[f32; 2]>,
+}
+
+impl Probe<'_> {
+    pub(super) fn block(&self) -> Block {
+        self.pair.blocks.block(self.index)
+    }
+
+    /// The candidate under test.
+    pub(super) fn candidate(&self) -> Option<(Match, usize)> {
+        self.events.iter().rev().find_map(|event| match *event {
+            Event::Candidate { displacement, sum, rows } => Some((Match { displacement, sum }, rows)),
+            _ => None,
+        })
+    }
+
+    /// The best candidate so far.
+    pub(super) fn best(&self) -> Option<Match> {
+        let newest = self.events.iter().rposition(|event| matches!(event, Event::NewBest { .. }))?;
+        Probe { events: &self.events[..newest], ..*self }.candidate().map(|(found, _)| found)
+    }
+
+    pub(super) fn tested(&self) -> usize {
+        self.events.iter().filter(|event| matches!(event, Event::Candidate { .. })).count()
+    }
+
+    pub(super) fn is_over(&self) -> bool {
+        matches!(self.events.last(), Some(Event::Found(_)))
+    }
+
+    /// Marks on the stage.
+    pub fn draw(&self, scene: &mut Scene) {
+        let blocks = &self.pair.blocks;
+        let arrow = |block: Block, [u, v]: Displacement| {
+            let [x, y] = block.center();
+            Arrow { from: [x, y], to: [x + u as f32, y + v as f32] }
+        };
+        let done = self.found.iter().enumerate();
+        let mut arrows: Vec<_> = done.map(|(i, found)| arrow(blocks.block(i), found.displacement)).collect();
+        if let Some(Event::Found(found)) = self.events.last() {
+            arrows.push(arrow(self.block(), found.displacement));
+        }
+        if !arrows.is_empty() {
+            scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
+            scene.legend(Role::Result, "displacement found");
+        }
+        if self.events.is_empty() {
+            return;
+        }
+        let block = self.block();
+        let at =
+            |[u, v]: Displacement| Shape::pixels(block.x as i32 + u, block.y as i32 + v, block.width, block.height);
+        scene.mark(Picture::Current, Role::Reference, at([0, 0]));
+        scene.legend(Role::Reference, "block in frame t");
+        self.draw_window(block, scene);
+        if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
+            scene.mark(Picture::Next, Role::Candidate, at(candidate.displacement));
+            scene.legend(Role::Candidate, "candidate");
+        }
+        if let Some(best) = self.best() {
+            scene.mark(Picture::Next, Role::Best, at(best.displacement));
+            scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow(block, best.displacement)]));
+            scene.legend(Role::Best, "best so far");
+        }
+    }
+
+    fn draw_window(&self, block: Block, scene: &mut Scene) {
+        let (min, size) = (self.window.min, self.window.size);
+        let reach = (block.width + size.0 - 1, block.height + size.1 - 1);
+        let corner = (block.x as i32 + min[0], block.y as i32 + min[1]);
+        if self.tested() > 0 {
+            let center = block.center();
+            let origin = [center[0] + min[0] as f32, center[1] + min[1] as f32];
+            scene.mark(Picture::Next, Role::Candidate, Shape::Heat { origin, values: self.costs() });
+        }
+        scene.mark(Picture::Next, Role::Window, Shape::pixels(corner.0, corner.1, reach.0, reach.1));
+        scene.legend(Role::Window, "search window");
+    }
+
+    /// The costs known so far, by displacement; a candidate that was given up has none.
+    pub(super) fn costs(&self) -> Grid<f32> {
+        let mut costs = Grid::new(self.window.size.0, self.window.size.1, f32::NAN);
+        for event in self.events {
+            if let Event::Candidate { displacement, sum, rows } = *event
+                && rows == self.block().height
+            {
+                costs[self.window.place(displacement)] = self.cost.of(sum, self.block()) as f32;
+            }
+        }
+        costs
+    }
+}
