@@ -1,7 +1,7 @@
 //! A whole clip as numbered pictures with its truth beside them.
 
-use std::fs;
 use std::path::Path;
+use std::{fs, io};
 
 use motionscope_core::{Clip, Error, Frame, Grid, Truth};
 
@@ -11,10 +11,11 @@ use crate::media::names::file_name;
 use crate::media::sequence::{Sequence, number};
 
 /// Writes `clip` into `folder`: `frame_0000.png` …, and what is known about it as `flow/frame_0000.flo` …,
-/// `occ/frame_0000.png` … and `gt.txt`, so that opening the folder finds all of it again.
+/// `occ/frame_0000.png` … and `gt.txt`, so that opening the folder finds all of it again. Of an earlier clip in the folder
+/// these files are replaced, or removed where nothing is known of this clip; nothing else is touched.
 ///
 /// # Errors
-/// If a frame cannot be decoded, a file cannot be written, the folder holds other pictures, or the work was cancelled.
+/// If a frame cannot be decoded, a file cannot be written or removed, the folder holds other pictures, or the work was cancelled.
 pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Result<(), Error> {
     let name = &clip.info().name;
     let Some(frames) = clip.info().frames else {
@@ -30,15 +31,18 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
             progress.report(t as f32 / frames as f32);
         }
         save(&folder.join(format!("frame_{t:04}.png")), &frame(&*clip.frame(t)?)?)?;
-        if let Some(truth) = clip.truth() {
-            fields(truth.as_ref(), t, folder)?;
-        }
+        let [flow, mask] = match clip.truth() {
+            Some(truth) => fields(truth.as_ref(), t)?,
+            None => [None, None],
+        };
+        put(&folder.join("flow"), &format!("frame_{t:04}.flo"), flow)?;
+        put(&folder.join("occ"), &format!("frame_{t:04}.png"), mask)?;
     }
-    match clip.truth().map(|truth| tracks(truth.as_ref(), frames)) {
-        Some(Ok(Some(rows))) => save(&folder.join("gt.txt"), rows.as_bytes()),
-        Some(Err(error)) => Err(error),
-        _ => Ok(()),
-    }
+    let rows = match clip.truth() {
+        Some(truth) => tracks(truth.as_ref(), frames)?,
+        None => None,
+    };
+    put(folder, "gt.txt", rows.map(String::into_bytes))
 }
 
 /// `frame` as a PNG: in colour where it has any, gray otherwise.
@@ -75,18 +79,26 @@ fn refuse_other_pictures(folder: &Path, frames: usize) -> Result<(), Error> {
     }
 }
 
-fn fields(truth: &dyn Truth, t: usize, folder: &Path) -> Result<(), Error> {
-    if let Some(flow) = truth.flow(t)? {
-        let flows = folder.join("flow");
-        make(&flows)?;
-        save(&flows.join(format!("frame_{t:04}.flo")), &flo(&flow))?;
+/// Writes the file called `name`, or removes that of an earlier clip, which would be read as the truth of this one.
+fn put(folder: &Path, name: &str, bytes: Option<Vec<u8>>) -> Result<(), Error> {
+    let path = folder.join(name);
+    if let Some(bytes) = bytes {
+        make(folder)?;
+        return save(&path, &bytes);
     }
-    if let Some(hidden) = truth.occlusion(t)? {
-        let masks = folder.join("occ");
-        make(&masks)?;
-        save(&masks.join(format!("frame_{t:04}.png")), &mask(&hidden)?)?;
+    match fs::remove_file(&path) {
+        Err(e) if !matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => Err(Error::new(
+            format!("{} of an earlier clip cannot be removed ({e}); choose an empty folder", path.display()),
+        )),
+        _ => Ok(()),
     }
-    Ok(())
+}
+
+/// The files of flow and of occlusion at frame `t`, where they are known.
+fn fields(truth: &dyn Truth, t: usize) -> Result<[Option<Vec<u8>>; 2], Error> {
+    let flow = truth.flow(t)?.map(|flow| flo(&flow));
+    let hidden = truth.occlusion(t)?.map(|hidden| mask(&hidden)).transpose()?;
+    Ok([flow, hidden])
 }
 
 fn mask(hidden: &Grid<bool>) -> Result<Vec<u8>, Error> {
@@ -137,6 +149,35 @@ mod tests {
             let [a, b] = [&wanted, &found].map(|truth| truth.objects(t).unwrap().unwrap());
             assert_eq!(a.len(), b.len());
             assert!(a.iter().zip(&b).all(|(a, b)| a.id == b.id && (a.x - b.x).abs() < 1e-3));
+        }
+    }
+
+    #[test]
+    fn truth_of_an_earlier_clip_goes_and_nothing_else() {
+        let (folder, source) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        clip(&made(4), folder.path(), None).unwrap();
+        clip(&made(4), source.path(), None).unwrap();
+        let others = ["notes.txt", "gt.txt.bak", "flow/notes.txt", "flow/frame_0009.flo", "occ/frame_0001.txt"];
+        for other in others {
+            fs::write(folder.path().join(other), other).unwrap();
+        }
+        let is_there = |name: &str| folder.path().join(name).is_file();
+
+        // Without tracks, and without the flow of one frame.
+        fs::remove_file(source.path().join("gt.txt")).unwrap();
+        fs::remove_file(source.path().join("flow/frame_0001.flo")).unwrap();
+        clip(&open(source.path(), &Open::default()).unwrap(), folder.path(), None).unwrap();
+        assert!(!is_there("gt.txt") && !is_there("flow/frame_0001.flo"));
+        assert!(is_there("flow/frame_0000.flo") && is_there("flow/frame_0002.flo") && is_there("occ/frame_0001.png"));
+
+        // Without any truth.
+        fs::remove_dir_all(source.path().join("flow")).unwrap();
+        fs::remove_dir_all(source.path().join("occ")).unwrap();
+        clip(&open(source.path(), &Open::default()).unwrap(), folder.path(), None).unwrap();
+        assert!(open(folder.path(), &Open::default()).unwrap().truth().is_none());
+        assert!((0..4).all(|t| is_there(&format!("frame_{t:04}.png"))));
+        for other in others {
+            assert_eq!(fs::read_to_string(folder.path().join(other)).unwrap(), other);
         }
     }
 
