@@ -13,6 +13,9 @@ use resvg::{tiny_skia, usvg};
 /// Floating-point units differ in the last bit, so a channel may differ by this much.
 const TOLERANCE: u8 = 2;
 
+/// In the middle of a block's candidates.
+const MIDDLE: Cursor = Cursor { unit: 16, event: 150 };
+
 fn golden(name: &str) -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "tests", "golden", name].iter().collect()
 }
@@ -146,7 +149,7 @@ fn specimen_plate(theme: Theme) -> Plate {
 }
 
 /// A textured picture that moves by (5, −3), on which full search is seen at `step`.
-fn search(step: &str) -> ([Arc<Frame>; 2], Scene) {
+fn search(step: Cursor) -> ([Arc<Frame>; 2], Scene) {
     let texture = |x: i32, y: i32| {
         let wave = |a: f32, b: f32| ((x as f32 * a + y as f32 * b).sin() * 40.0) as i32;
         ((128 + wave(0.35, 0.12) + wave(-0.11, 0.41) + wave(0.05, 0.03)).clamp(0, 255) / 24 * 24) as u8
@@ -161,7 +164,7 @@ fn search(step: &str) -> ([Arc<Frame>; 2], Scene) {
     let mut full_search = estimator("full-search").expect("full search is registered");
     full_search.set("range", "8").expect("range is a parameter");
     let mut walk = full_search.walk(&clip, 0).expect("the clip can be searched");
-    walk.jump(Move::To(step.parse::<Cursor>().expect("a cursor")));
+    walk.jump(Move::To(step));
     (clip.pair(0).expect("two frames"), walk.scene(None))
 }
 
@@ -176,7 +179,7 @@ fn every_shape_in_every_role_looks_as_it_did() {
 
 #[test]
 fn full_search_in_the_middle_of_a_block_looks_as_it_did() {
-    let (frames, scene) = search("16.150");
+    let (frames, scene) = search(MIDDLE);
     let framed = PlateOptions {
         zoom: 3,
         frame: Some(12),
@@ -193,7 +196,7 @@ fn full_search_in_the_middle_of_a_block_looks_as_it_did() {
 
 #[test]
 fn without_words_the_picture_is_the_frame() {
-    let (frames, _) = search("0");
+    let (frames, _) = search(Cursor::default());
     let options = PlateOptions { view: View::Next, ..PlateOptions::default() };
     let plate = Plate::new(&frames, &Scene::default(), &options);
     for scale in [1, 2, 8] {
@@ -247,7 +250,7 @@ fn rendered(svg: &str) -> Rgb {
 
 #[test]
 fn the_svg_shows_what_the_png_shows() {
-    let (frames, scene) = search("16.150");
+    let (frames, scene) = search(MIDDLE);
     let side_by_side = PlateOptions { zoom: 2, legend: true, ..PlateOptions::default() };
     let plates = Theme::ALL.map(specimen_plate).into_iter().chain([Plate::new(&frames, &scene, &side_by_side)]);
     for (i, plate) in plates.enumerate() {
