@@ -1,5 +1,7 @@
 //! The primitives of every painter as the window's shapes.
 
+use std::sync::Arc;
+
 use eframe::egui::epaint::PathShape;
 use eframe::egui::{self, Color32, ColorImage, Mesh, Painter, Pos2, Shape, TextureHandle, TextureOptions, pos2, vec2};
 
@@ -12,7 +14,7 @@ const MANY: usize = 3000;
 
 /// `primitives` as shapes; pictures among them are left out, for they need textures that someone keeps.
 pub fn shapes(painter: &Painter, primitives: &[Primitive]) -> Vec<Shape> {
-    let mut maker = Maker::new(painter, Vec::new());
+    let mut maker = Maker::new(painter, Kept::default());
     let drawn = primitives.iter().filter(|primitive| !matches!(primitive, Primitive::Image { .. }));
     drawn.for_each(|primitive| maker.add(primitive));
     maker.finish().0
@@ -61,22 +63,29 @@ fn ribbon(colors: &[[u8; 4]], edge: impl Fn(f32) -> [Pos2; 2]) -> Shape {
     Shape::mesh(mesh)
 }
 
+/// What shapes were made of, to be used again where it stays the same from step to step.
+#[derive(Clone, Default)]
+pub struct Kept {
+    pictures: Vec<TextureHandle>,
+    meshes: Vec<(Vec<Arrow>, Arc<Mesh>)>,
+}
+
 /// Makes shapes of primitives. Arrows that follow each other become one mesh.
 pub struct Maker<'a> {
     painter: &'a Painter,
     clip: primitive::Rect,
     shapes: Vec<Shape>,
     arrows: Vec<Arrow>,
-    heats: Vec<TextureHandle>,
-    heats_used: usize,
+    before: Kept,
+    now: Kept,
 }
 
 impl<'a> Maker<'a> {
-    /// Makes shapes for `painter`; `heats` are textures of an earlier time, to be used again.
-    pub fn new(painter: &'a Painter, heats: Vec<TextureHandle>) -> Self {
+    /// Makes shapes for `painter`; `before` is what was kept of the last ones.
+    pub fn new(painter: &'a Painter, before: Kept) -> Self {
         let clip = painter.clip_rect();
         let clip = primitive::Rect { min: clip.min.into(), max: clip.max.into() };
-        Self { painter, clip, shapes: Vec::new(), arrows: Vec::new(), heats, heats_used: 0 }
+        Self { painter, clip, shapes: Vec::new(), arrows: Vec::new(), before, now: Kept::default() }
     }
 
     /// Adds one primitive on top, if any of it can be seen.
@@ -142,27 +151,36 @@ impl<'a> Maker<'a> {
     }
 
     fn texture(&mut self, image: ColorImage) -> egui::TextureId {
-        let index = self.heats_used;
-        self.heats_used += 1;
-        match self.heats.get_mut(index) {
-            Some(texture) => texture.set(image, TextureOptions::NEAREST),
-            None => self.heats.push(self.painter.ctx().load_texture("heat", image, TextureOptions::NEAREST)),
-        }
-        self.heats[index].id()
+        let texture = match self.before.pictures.pop() {
+            Some(mut texture) => {
+                texture.set(image, TextureOptions::NEAREST);
+                texture
+            }
+            None => self.painter.ctx().load_texture("picture", image, TextureOptions::NEAREST),
+        };
+        let id = texture.id();
+        self.now.pictures.push(texture);
+        id
     }
 
     fn flush(&mut self) {
-        if !self.arrows.is_empty() {
-            let feather = 1.0 / self.painter.pixels_per_point();
-            self.shapes.push(Shape::mesh(arrow_mesh(&std::mem::take(&mut self.arrows), feather)));
+        if self.arrows.is_empty() {
+            return;
         }
+        let arrows = std::mem::take(&mut self.arrows);
+        let known = self.before.meshes.iter().position(|(known, _)| *known == arrows);
+        let mesh = match known {
+            Some(i) => self.before.meshes.swap_remove(i).1,
+            None => Arc::new(arrow_mesh(&arrows, 1.0 / self.painter.pixels_per_point())),
+        };
+        self.shapes.push(Shape::Mesh(mesh.clone()));
+        self.now.meshes.push((arrows, mesh));
     }
 
-    /// The shapes, and the textures that they need.
-    pub fn finish(mut self) -> (Vec<Shape>, Vec<TextureHandle>) {
+    /// The shapes, and what they need to be kept.
+    pub fn finish(mut self) -> (Vec<Shape>, Kept) {
         self.flush();
-        self.heats.truncate(self.heats_used);
-        (self.shapes, self.heats)
+        (self.shapes, self.now)
     }
 }
 

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{Painter, Rect, Shape, TextureHandle};
+use eframe::egui::{Painter, Rect, Shape};
 use motionscope_core::Scene;
 use motionscope_core::scene::{Mark, Shape as MarkShape};
 
 use super::{Input, Lens, pixels};
 use crate::paint::{ColorMap, Lengthen, Look, Panel, Placement, Theme, resolve};
-use crate::ui::primitives::Maker;
+use crate::ui::primitives::{Kept, Maker};
 
 /// The shapes that were shown last, by panel.
 #[derive(Clone, Default)]
@@ -41,7 +41,7 @@ struct Slot {
     scene: Arc<Scene>,
     key: Key,
     shapes: Vec<Shape>,
-    heats: Vec<TextureHandle>,
+    kept: Kept,
 }
 
 impl Marks {
@@ -67,20 +67,20 @@ impl Marks {
         let at = self.slots.iter().position(|slot| slot.panel == panel);
         let fresh = at.is_some_and(|i| Arc::ptr_eq(&self.slots[i].scene, input.scene) && self.slots[i].key == key);
         if !fresh {
-            let heats = at.map(|i| self.slots.swap_remove(i).heats).unwrap_or_default();
+            let kept = at.map(|i| self.slots.swap_remove(i).kept).unwrap_or_default();
             // Where numbers stand in the pixels, heat would hide them.
             let clear = |mark: &Mark| lens.scale < pixels::NUMBERS || !matches!(mark.shape, MarkShape::Heat { .. });
             let shown = |(i, mark): &(usize, &Mark)| panel.shows(mark.on) && clear(mark) && !key.without.contains(i);
             let still = input.scene.marks.iter().enumerate().filter(shown).map(|(_, mark)| mark);
-            let mut maker = Maker::new(painter, heats);
+            let mut maker = Maker::new(painter, kept);
             resolve(still, &look, place).iter().for_each(|primitive| maker.add(primitive));
-            let (shapes, heats) = maker.finish();
-            self.slots.push(Slot { panel, scene: input.scene.clone(), key, shapes, heats });
+            let (shapes, kept) = maker.finish();
+            self.slots.push(Slot { panel, scene: input.scene.clone(), key, shapes, kept });
         }
         if let Some(slot) = self.slots.iter().find(|slot| slot.panel == panel) {
             painter.extend(slot.shapes.iter().cloned());
         }
-        let mut maker = Maker::new(painter, Vec::new());
+        let mut maker = Maker::new(painter, Kept::default());
         let moving = moving.iter().map(|(_, mark)| mark).filter(|mark| panel.shows(mark.on));
         resolve(moving, &look, place).iter().for_each(|primitive| maker.add(primitive));
         painter.extend(maker.finish().0);

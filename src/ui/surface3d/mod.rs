@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     if !ui.is_rect_visible(rect) {
         return;
     }
-    let screen = Screen::new(rect, &state.orbit, vec2(5.0, 2.0) * input.theme.sizes().small);
+    let screen = Screen::new(rect, &state.orbit, vec2(4.5, 1.8) * input.theme.sizes().small);
     let painter = ui.painter_at(rect);
     let bench = Bench::new(input.surface);
     let stand = Stand { painter: &painter, screen, bench, eye: state.orbit.eye(), theme: input.theme };

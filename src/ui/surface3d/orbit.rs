@@ -6,10 +6,12 @@ use glam::{Mat4, Vec3};
 use serde::{Deserialize, Serialize};
 
 const FIELD_OF_VIEW_RAD: f32 = 0.5;
-const NEAREST: f32 = 2.2;
-const FARTHEST: f32 = 14.0;
+const DISTANCE: f32 = 5.6;
+const ZOOM: (f32, f32) = (0.4, 6.0);
+/// How high the pins reach.
+const TOP: f32 = 1.3;
 /// What the camera looks at: above the ground, in the middle of what stands on it.
-const TARGET: Vec3 = Vec3::new(0.0, 0.36, 0.0);
+const TARGET: Vec3 = Vec3::new(0.0, 0.4, 0.0);
 
 /// From where one looks. x is u, z is v, y is the cost; the ground reaches from −1 to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,13 +20,13 @@ pub struct Orbit {
     pub yaw_rad: f32,
     /// Above the ground.
     pub pitch_rad: f32,
-    /// From the middle.
-    pub distance: f32,
+    /// 1 shows everything as large as it fits.
+    pub zoom: f32,
 }
 
 impl Default for Orbit {
     fn default() -> Self {
-        Self { yaw_rad: -0.5, pitch_rad: 0.5, distance: 4.9 }
+        Self { yaw_rad: -0.5, pitch_rad: 0.5, zoom: 1.0 }
     }
 }
 
@@ -40,27 +42,44 @@ impl Orbit {
     /// After coming nearer by `factor`.
     #[must_use]
     pub fn nearer(self, factor: f32) -> Self {
-        Self { distance: (self.distance / factor).clamp(NEAREST, FARTHEST), ..self }
+        Self { zoom: (self.zoom * factor).clamp(ZOOM.0, ZOOM.1), ..self }
     }
 
     /// Where the eye is.
     pub fn eye(&self) -> Vec3 {
         let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
         let (sin_pitch, cos_pitch) = self.pitch_rad.sin_cos();
-        TARGET + self.distance * Vec3::new(cos_pitch * sin_yaw, sin_pitch, cos_pitch * cos_yaw)
+        TARGET + DISTANCE * Vec3::new(cos_pitch * sin_yaw, sin_pitch, cos_pitch * cos_yaw)
     }
 
     /// Clip space from the world, for a picture of `size` points with a `margin` left and right, above and below.
+    ///
+    /// At zoom 1 the world fills the picture, and its size does not change while it turns.
     pub fn clip_from_world(&self, size: Vec2, margin: Vec2) -> Mat4 {
         let size = size.max(Vec2::splat(1.0));
         let aspect = (size.x / size.y).clamp(0.05, 20.0);
-        // Where there is little room, it is seen from further off, so that nothing is cut.
-        let room = (size - 2.0 * margin).max(0.3 * size);
-        let widen = (size.y / room.y).max(1.3 / aspect * size.x / room.x);
-        let eye = TARGET + (self.eye() - TARGET) * widen.max(1.0);
-        let projection = perspective(FIELD_OF_VIEW_RAD, aspect, 0.1, 200.0);
-        projection * look_at_mat4(eye, TARGET, Vec3::Y)
+        let projection = perspective(FIELD_OF_VIEW_RAD, aspect, 0.1, 100.0);
+        let seen = projection * look_at_mat4(self.eye(), TARGET, Vec3::Y);
+        let (low, high) = extent(&seen);
+        let room = ((size - 2.0 * margin) / size).max(Vec2::splat(0.3)) * 2.0;
+        let scale = self.zoom * (room.x / (high.x - low.x)).min(room.y / (high.y - low.y));
+        let middle = (low + high) / 2.0;
+        let place = Mat4::from_translation(Vec3::new(-middle.x * scale, -middle.y * scale, 0.0));
+        place * Mat4::from_scale(Vec3::new(scale, scale, 1.0)) * seen
     }
+}
+
+/// The part of the picture that the world takes, whichever way it is turned.
+fn extent(seen: &Mat4) -> (glam::Vec2, glam::Vec2) {
+    let radius = std::f32::consts::SQRT_2;
+    let rim = (0..24).flat_map(|i| {
+        let (sin, cos) = (i as f32 / 24.0 * std::f32::consts::TAU).sin_cos();
+        // Pins at the very corners are rare: they may reach into the margin.
+        [Vec3::new(radius * cos, 0.0, radius * sin), Vec3::new(0.8 * cos, TOP, 0.8 * sin)]
+    });
+    let (low, high) = (glam::Vec2::MAX, glam::Vec2::MIN);
+    rim.map(|place| seen.project_point3(place).truncate())
+        .fold((low, high), |(low, high), at| (low.min(at), high.max(at)))
 }
 
 /// The camera over a part of the screen.
@@ -104,7 +123,7 @@ mod tests {
         assert!(at(0.0, 1.0, 0.0).0.y < at(0.0, 0.0, 0.0).0.y, "cost upwards");
         assert!(at(0.0, 0.0, 1.0).0.y > at(0.0, 0.0, -1.0).0.y, "v towards the eye");
         assert!(at(0.0, 0.0, 1.0).1 < at(0.0, 0.0, -1.0).1, "and nearer");
-        assert!((at(0.0, 0.36, 0.0).0 - screen.rect.center()).length() < 1e-2);
+        assert!((at(0.0, 0.4, 0.0).0.x - screen.rect.center().x).abs() < 1e-2);
     }
 
     #[test]
@@ -114,9 +133,9 @@ mod tests {
                 let orbit = Orbit { yaw_rad: i as f32 * 0.53, ..Orbit::default() };
                 let rect = Rect::from_min_size(Pos2::ZERO, aspect);
                 let screen = Screen::new(rect, &orbit, Vec2::ZERO);
-                for corner in [[-1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, -1.0]] {
+                for corner in [[-1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.5, 1.3, -0.5]] {
                     let (at, depth) = screen.project(corner.into());
-                    assert!(rect.contains(at) && (0.0..1.0).contains(&depth), "{aspect} {orbit:?}: {at}");
+                    assert!(rect.expand(1.0).contains(at) && (0.0..1.0).contains(&depth), "{aspect} {orbit:?}: {at}");
                 }
             }
         }
@@ -125,7 +144,7 @@ mod tests {
     #[test]
     fn turning_stays_above_the_ground_and_zooming_in_bounds() {
         let orbit = Orbit::default().turned(vec2(1e5, -1e5)).nearer(1e6);
-        assert!(orbit.eye().y > 0.0 && orbit.distance == NEAREST);
-        assert_eq!(Orbit::default().nearer(1e-6).distance, FARTHEST);
+        assert!(orbit.eye().y > 0.0 && orbit.zoom == ZOOM.1);
+        assert_eq!(Orbit::default().nearer(1e-6).zoom, ZOOM.0);
     }
 }
