@@ -56,6 +56,7 @@ impl Fixture {
             scene: &self.scene,
             theme: Theme::Dark,
             colors: ColorMap::Viridis,
+            heat: "SAD",
             lengthen: Lengthen::Auto,
             animate: false,
         }

@@ -67,12 +67,17 @@ impl Panes<'_> {
             self.nothing_yet(ui);
             return;
         };
+        let heat = shown.step.readouts.iter().find_map(|readout| match readout {
+            Readout::Surface(surface) => Some(surface.title),
+            _ => None,
+        });
         let input = stage::Input {
             pair: &shown.pair,
             frame: shown.frame,
             scene: &shown.scene,
             theme: self.theme,
             colors: ColorMap::default(),
+            heat: heat.unwrap_or_default(),
             lengthen: Lengthen::default(),
             animate: self.animate,
         };

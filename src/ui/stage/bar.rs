@@ -148,7 +148,8 @@ fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui) -> Items {
         (entry, width)
     });
     let heat = look.heat.map(|range| {
-        let ends = range.map(axis::number);
+        let [low, high] = range.map(axis::number);
+        let ends = [format!("{} {low}", input.heat).trim_start().to_owned(), high];
         let width = width(&ends[0]) + width(&ends[1]) + BAR.x + 2.0 * GAP;
         (*look, ends, width)
     });
@@ -179,7 +180,7 @@ impl Items {
 
     fn plain(&self) -> String {
         let words = self.entries.iter().map(|(entry, _)| entry.meaning.clone());
-        let heat = self.heat.as_ref().map(|(_, [low, high], _)| format!("colours from {low} to {high}"));
+        let heat = self.heat.as_ref().map(|(_, [low, high], _)| format!("colours for {low} to {high}"));
         words.chain(heat).collect::<Vec<_>>().join(", ")
     }
 

@@ -43,6 +43,8 @@ pub struct Input<'a> {
     pub theme: Theme,
     /// Colours for heat.
     pub colors: ColorMap,
+    /// What the colours of heat stand for, for the legend: `SAD`.
+    pub heat: &'a str,
     /// How long displacements are drawn.
     pub lengthen: Lengthen,
     /// Whether what moved since the last step glides to its new place.
