@@ -14,7 +14,7 @@ use resvg::{tiny_skia, usvg};
 const TOLERANCE: u8 = 2;
 
 /// In the middle of a block's candidates.
-const MIDDLE: Cursor = Cursor { unit: 16, event: 150 };
+const MIDDLE: Cursor = Cursor { unit: 15, event: 150 };
 
 fn golden(name: &str) -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "tests", "golden", name].iter().collect()
