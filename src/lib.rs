@@ -3,6 +3,7 @@
 pub mod cli;
 pub mod media;
 pub mod paint;
+pub mod quality;
 pub mod session;
 pub mod shot;
 pub mod source;

@@ -144,6 +144,9 @@ impl Spec {
     }
 
     fn refusal(&self, given: &str) -> Error {
+        if matches!(self.kind, Kind::Int { .. }) && given.parse::<f64>().is_ok_and(|v| v.fract() != 0.0) {
+            return Error::new(format!("{} can be a whole number, {}, not {given}", self.name, self.allowed()));
+        }
         Error::new(format!("{} can be {}, not {given}", self.name, self.allowed()))
     }
 }
@@ -315,25 +318,21 @@ macro_rules! params {
                 &SPECS
             }
 
-            #[allow(unused_assignments, unused_mut, unused_variables)]
             fn value(&self, index: usize) -> $crate::Value {
                 let values = [$( $crate::params::Parameter::to_value(self.$field), )*];
                 values[index]
             }
 
-            #[allow(unused_assignments, unused_mut, unused_variables)]
             fn set_value(&mut self, index: usize, value: $crate::Value) -> Result<(), $crate::Error> {
-                let spec = &$crate::Params::specs(self)[index];
-                let value = spec.check(value)?;
-                let mut field = 0;
-                $(
-                    if index == field
-                        && let Some(value) = $crate::params::Parameter::from_value(value)
-                    {
-                        self.$field = value;
-                    }
-                    field += 1;
-                )*
+                let value = $crate::Params::specs(self)[index].check(value)?;
+                let setters: &[fn(&mut Self, $crate::Value)] = &[$(
+                    |params, value| {
+                        if let Some(value) = $crate::params::Parameter::from_value(value) {
+                            params.$field = value;
+                        }
+                    },
+                )*];
+                setters[index](self, value);
                 Ok(())
             }
         }

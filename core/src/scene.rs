@@ -226,12 +226,12 @@ impl Math {
     }
 
     /// `base` with `index` below right.
-    pub fn sub(base: Math, index: Math) -> Self {
+    pub fn indexed(base: Math, index: Math) -> Self {
         Math::Sub(Box::new(base), Box::new(index))
     }
 
     /// `base` with `exponent` above right.
-    pub fn sup(base: Math, exponent: Math) -> Self {
+    pub fn power(base: Math, exponent: Math) -> Self {
         Math::Sup(Box::new(base), Box::new(exponent))
     }
 

@@ -8,7 +8,8 @@ use crate::{Clip, Error, Estimator, Info, Output, Progress, Role, Rung, Scene, S
 ///
 /// The default is the start, before anything was seen. Every other cursor has seen at least one event of its
 /// unit; the end of a unit has seen all of them. People count units from 1, so the cursor with `unit` 7 and
-/// `event` 3 is written `8.3`, and the start `0`.
+/// `event` 3 is written `8.3`, and the start `0`. An
+/// `event` beyond the last means the end of the unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cursor {
     /// The unit at hand, from 0.
@@ -21,6 +22,7 @@ impl std::fmt::Display for Cursor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self { unit: 0, event: 0 } => f.write_str("0"),
+            Self { unit, event: usize::MAX } => write!(f, "{}", unit.saturating_add(1)),
             Self { unit, event } => write!(f, "{}.{event}", unit.saturating_add(1)),
         }
     }

@@ -131,9 +131,9 @@ fn refuses_a_block_larger_than_the_picture_in_words() {
 
 /// All sentences of block `unit`, from 0, that begin with `start`.
 fn sentences(clip: &Clip, settings: &[(&str, &str)], unit: usize, start: &str) -> Vec<String> {
-    let mut search = estimator("full-search").unwrap();
-    settings.iter().for_each(|(name, value)| search.set(name, value).unwrap());
-    let mut walk = search.walk(clip, 0).unwrap();
+    let mut search = estimator("full-search").expect("it is there");
+    settings.iter().for_each(|(name, value)| search.set(name, value).expect("in range"));
+    let mut walk = search.walk(clip, 0).expect("a walk");
     let mut found = Vec::new();
     walk.jump(Move::To(Cursor { unit, event: 0 }));
     while walk.cursor().unit <= unit && !walk.at_end() {
@@ -148,7 +148,7 @@ fn sentences(clip: &Clip, settings: &[(&str, &str)], unit: usize, start: &str) -
 
 fn pair(current: impl FnMut(usize, usize) -> u8, next: impl FnMut(usize, usize) -> u8) -> Clip {
     let frames = vec![Frame::gray(Grid::from_fn(24, 24, current)), Frame::gray(Grid::from_fn(24, 24, next))];
-    Clip::from_frames("pair", frames).unwrap()
+    Clip::from_frames("pair", frames).expect("one size")
 }
 
 #[test]

@@ -84,11 +84,11 @@ impl Estimator for Toy {
 }
 
 fn clip() -> Clip {
-    Clip::from_frames("dot", vec![Frame::gray(Grid::new(1, 1, 0))]).unwrap()
+    Clip::from_frames("dot", vec![Frame::gray(Grid::new(1, 1, 0))]).expect("sound")
 }
 
 fn toy(items: usize, levels: usize, damaged: usize) -> Timeline<Toy> {
-    Timeline::new(Toy { items, levels, damaged }, clip(), 0).unwrap()
+    Timeline::new(Toy { items, levels, damaged }, clip(), 0).expect("sound")
 }
 
 fn done(walk: &dyn Walk) -> u64 {
@@ -178,6 +178,7 @@ fn cursors_are_read_as_they_are_written() {
     for start in ["0", "0.0"] {
         assert_eq!(start.parse(), Ok(Cursor::default()));
     }
+    assert_eq!(Cursor { unit: 34, event: usize::MAX }.to_string(), "35");
     assert_eq!(Cursor::default().to_string(), "0");
     for text in ["", ".", "1.", "-1", "a.2", "1.2.3", "0.1"] {
         assert!(text.parse::<Cursor>().is_err(), "{text}");

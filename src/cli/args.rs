@@ -201,7 +201,7 @@ fn steps(text: &str) -> Result<(Cursor, Cursor), String> {
     };
     let to = cursor(to)?;
     if to < from {
-        return Err(format!("the range ends at {to}, before it starts at {from}"));
+        return Err(format!("a range of steps runs forwards, and {text} does not"));
     }
     Ok((from, to))
 }

@@ -76,7 +76,10 @@ fn window(clip: Option<String>) -> Result<(), Error> {
 fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {
     let mut source = Source::parse(&format!("synth:{}", name.trim_start_matches("synth:")))?;
     settings.iter().try_for_each(|setting| source.set(setting))?;
-    media::export::clip(&source.open(&media::Open::default())?, out, None)
+    let clip = source.open(&media::Open::default())?;
+    media::export::clip(&clip, out, None)?;
+    let frames = clip.info().frames.unwrap_or_default();
+    say(&format!("{}: {frames} frames and their truth in {}", clip.info().name, out.display()))
 }
 
 /// Sets parameters from `NAME=VALUE`, in order.

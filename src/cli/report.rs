@@ -2,12 +2,13 @@
 
 use std::time::Duration;
 
-use motionscope_core::{Clip, Error, Extent, Output, metrics, predict};
+use motionscope_core::{Error, Extent, Output};
 use serde::Serialize;
 use serde_json::Map;
 
 use super::list::value;
 use super::task::Task;
+use crate::quality::{AgainstTruth, Quality};
 
 /// One run in numbers.
 #[derive(Serialize)]
@@ -20,7 +21,7 @@ pub struct Report {
     events: u64,
     threads: usize,
     ms: Milliseconds,
-    metrics: Metrics,
+    metrics: Quality,
 }
 
 /// Time of the estimation alone: no decoding, no drawing.
@@ -28,24 +29,6 @@ pub struct Report {
 struct Milliseconds {
     median: f64,
     min: f64,
-}
-
-/// How good the estimate is.
-#[derive(Serialize)]
-struct Metrics {
-    /// Candidates that were tested.
-    candidates: u64,
-    /// Of the motion-compensated prediction of frame t; null if it is perfect.
-    psnr_db: Option<f64>,
-    #[serde(flatten)]
-    truth: Option<AgainstTruth>,
-}
-
-#[derive(Serialize)]
-struct AgainstTruth {
-    epe_px: f64,
-    aae_deg: f64,
-    known: usize,
 }
 
 /// How a run went.
@@ -76,7 +59,7 @@ impl Report {
             events: extent.events,
             threads,
             ms: Milliseconds { median, min: times.first().copied().map_or(0.0, ms) },
-            metrics: Metrics::new(&task.clip, task.frame, output)?,
+            metrics: Quality::of(&task.clip, task.frame, output)?,
         })
     }
 
@@ -99,22 +82,6 @@ impl Report {
             None => "error       unknown: there is no true flow for this frame\n".into(),
         };
         text
-    }
-}
-
-impl Metrics {
-    fn new(clip: &Clip, frame: usize, output: &Output) -> Result<Self, Error> {
-        let [current, next] = clip.pair(frame)?;
-        let flow = output.flow();
-        let Output::Blocks(field) = output;
-        let psnr = metrics::psnr_db(&predict(&flow, next.luma(), field.border), current.luma())?;
-        let truth = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten();
-        let error = truth.map(|truth| metrics::flow_error(&flow, &truth)).transpose()?.flatten();
-        Ok(Self {
-            candidates: field.candidates,
-            psnr_db: psnr.is_finite().then_some(psnr),
-            truth: error.map(|e| AgainstTruth { epe_px: e.epe_px, aae_deg: e.aae_deg, known: e.known }),
-        })
     }
 }
 

@@ -99,9 +99,13 @@ fn timed(task: &Task, threads: &Threads, repeat: u32) -> Result<(Output, Vec<std
 
 fn overlay(task: &Task, args: &RunArgs, format: Format) -> Result<Vec<u8>, Error> {
     let mut walk = task.estimator.walk(&task.clip, task.frame)?;
-    walk.jump(args.step.or(task.cursor).map_or(Move::End, Move::To));
+    let step = args.step.or(task.cursor);
+    walk.jump(step.map_or(Move::End, Move::To));
     if let Some(failure) = walk.failure() {
         return Err(failure.clone());
+    }
+    if let Some(step) = step.filter(|step| step.unit > walk.cursor().unit) {
+        return Err(Error::new(format!("there is no step {step}: the run ends at {}", walk.cursor())));
     }
     let frames = task.clip.pair(task.frame)?;
     let told = (walk.step(None), walk.scene(None));

@@ -333,8 +333,8 @@ mod tests {
 
     #[test]
     fn scripts_are_smaller_and_off_the_baseline() {
-        let sub = set(&Math::sub(Math::Var("I"), Math::Var("t")), 100.0);
-        let sup = set(&Math::sup(Math::Var("x"), Math::text("2")), 100.0);
+        let sub = set(&Math::indexed(Math::Var("I"), Math::Var("t")), 100.0);
+        let sup = set(&Math::power(Math::Var("x"), Math::text("2")), 100.0);
         assert!(baselines(&sub)[1] > 0.0 && baselines(&sup)[1] < 0.0);
         let small = |f: &Formula| matches!(f.pieces[1], Piece::Text { size_pt, .. } if size_pt < 20.0);
         assert!(small(&sub) && small(&sup));

@@ -9,7 +9,10 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use motionscope_core::scene::Readout;
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Frame, Info, Move, Output, Role, Rung, Scene, Step, Walk};
+
+use crate::quality::Quality;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
 const PATIENCE: Duration = Duration::from_millis(60);
@@ -250,6 +253,7 @@ impl Drop for Walker {
 /// A run at work.
 struct Run {
     walk: Box<dyn Walk>,
+    clip: Clip,
     pair: [Arc<Frame>; 2],
 }
 
@@ -336,7 +340,7 @@ impl<'a> Worker<'a> {
         if let Some(unit) = job.near.and_then(|point| walk.unit_at(point)) {
             cursor.unit = unit;
         }
-        self.run = Some(Run { walk, pair });
+        self.run = Some(Run { walk, clip: job.clip, pair });
         if cursor != Cursor::default() {
             self.travel(Move::To(cursor));
         }
@@ -405,9 +409,26 @@ impl Run {
             place: walk.place(),
             landmarks: walk.landmarks(),
             failure: walk.failure().cloned(),
-            step: Arc::new(walk.step(focus)),
+            step: Arc::new(self.step(focus)),
             scene: Arc::new(walk.scene(focus)),
         }
+    }
+}
+
+impl Run {
+    /// What the cursor tells; at the end, also how good the estimate is.
+    fn step(&self, focus: Option<[f32; 2]>) -> Step {
+        let mut step = self.walk.step(focus);
+        if self.walk.at_end()
+            && let Ok(quality) = Quality::of(&self.clip, self.walk.frame(), &self.walk.output())
+        {
+            match step.readouts.iter_mut().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None })
+            {
+                Some(facts) => facts.extend(quality.facts()),
+                None => step.readouts.push(Readout::Facts(quality.facts())),
+            }
+        }
+        step
     }
 }
 

@@ -76,14 +76,15 @@ impl Probe<'_> {
         scene.mark(Picture::Current, Role::Reference, at([0, 0]));
         scene.legend(Role::Reference, "block in frame t");
         self.draw_window(block, scene);
-        if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
-            scene.mark(Picture::Next, Role::Candidate, at(candidate.displacement));
-            scene.legend(Role::Candidate, "candidate");
-        }
         if let Some(best) = self.best() {
             scene.mark(Picture::Next, Role::Best, at(best.displacement));
             scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow(block, best.displacement)]));
-            scene.legend(Role::Best, "best so far");
+            scene.legend(Role::Best, if self.is_over() { "best match" } else { "best so far" });
+        }
+        // On top: a new best is the candidate under test.
+        if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
+            scene.mark(Picture::Next, Role::Candidate, at(candidate.displacement));
+            scene.legend(Role::Candidate, "candidate");
         }
     }
 

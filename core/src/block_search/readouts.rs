@@ -37,6 +37,11 @@ impl Probe<'_> {
         }
     }
 
+    /// The role of that candidate.
+    fn shown_role(&self) -> Role {
+        if self.is_over() { Role::Best } else { Role::Candidate }
+    }
+
     fn facts(&self) -> Vec<Fact> {
         let block = self.block();
         let mut facts = vec![
@@ -47,7 +52,10 @@ impl Probe<'_> {
             },
             Fact { label: "Tested", value: format!("{} of {}", self.tested(), self.window.count()), role: None },
         ];
-        let of = |found: Match| format!("{} at {} px", self.cost.show(found.sum, block), vector(found.displacement));
+        let of = |found: Match| {
+            let (cost, sum) = (self.cost.label(), self.cost.show(found.sum, block));
+            format!("{} px, {cost} {sum}", vector(found.displacement))
+        };
         if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
             facts.push(Fact { label: "Candidate", value: of(candidate), role: Some(Role::Candidate) });
         }
@@ -74,10 +82,10 @@ impl Probe<'_> {
         let sum = self.cost.sum();
         let (open, close) = if self.cost == Cost::Mse { ("1/N · ", "") } else { ("", "") };
         let difference = Math::Row(vec![
-            Math::sub(Math::Var("I"), Math::Var("t")),
+            Math::indexed(Math::Var("I"), Math::Var("t")),
             Math::text("(x, y) − "),
-            Math::sub(Math::Var("I"), Math::text("t+1")),
-            Math::text(format!("(x {}, y {})", offset(candidate.displacement[0]), offset(candidate.displacement[1]))),
+            Math::indexed(Math::Var("I"), Math::text("t+1")),
+            Math::text(format!("(x{}, y{})", offset(candidate.displacement[0]), offset(candidate.displacement[1]))),
         ]);
         let general = vec![
             name(),
@@ -90,7 +98,7 @@ impl Probe<'_> {
             let pair = vec![
                 Math::ink(Role::Reference, a.pixel(x, y).to_string()),
                 Math::text(" − "),
-                Math::ink(Role::Candidate, b.pixel(x, y).to_string()),
+                Math::ink(self.shown_role(), b.pixel(x, y).to_string()),
             ];
             term(sum, Math::Row(pair))
         };
@@ -133,7 +141,7 @@ impl Probe<'_> {
         let numbers = vec![
             Math::ink(Role::Reference, p.to_string()),
             Math::text(" − "),
-            Math::ink(Role::Candidate, q.to_string()),
+            Math::ink(self.shown_role(), q.to_string()),
         ];
         Some(Math::Row(vec![
             Math::text(format!("at pixel ({x}, {y}):  ")),
@@ -157,7 +165,12 @@ impl Probe<'_> {
         let tile = |label, role, values, top| Tile { label, role, values, range: [0.0, top] };
         vec![
             tile("block", Some(Role::Reference), grid(&|x, y| f32::from(a.pixel(x, y))), 255.0),
-            tile("candidate", Some(Role::Candidate), grid(&|x, y| f32::from(b.pixel(x, y))), 255.0),
+            tile(
+                if self.is_over() { "best match" } else { "candidate" },
+                Some(self.shown_role()),
+                grid(&|x, y| f32::from(b.pixel(x, y))),
+                255.0,
+            ),
             tile(label, Some(Role::Error), differences, top),
         ]
     }
@@ -192,8 +205,11 @@ impl Probe<'_> {
 }
 
 fn offset(v: i32) -> String {
-    let sign = if v < 0 { '−' } else { '+' };
-    format!("{sign} {}", v.unsigned_abs())
+    match v {
+        0 => String::new(),
+        _ if v < 0 => format!(" − {}", v.unsigned_abs()),
+        _ => format!(" + {v}"),
+    }
 }
 
 fn term(sum: Sum, difference: Math) -> Math {
@@ -201,7 +217,7 @@ fn term(sum: Sum, difference: Math) -> Math {
         Sum::Absolute => Math::Abs(Box::new(difference)),
         Sum::Squared => {
             let bracketed = Math::Row(vec![Math::text("("), difference, Math::text(")")]);
-            Math::sup(bracketed, Math::text("2"))
+            Math::power(bracketed, Math::text("2"))
         }
     }
 }

@@ -1,0 +1,61 @@
+//! How good an estimate is, for the command line and for the window.
+
+use motionscope_core::scene::Fact;
+use motionscope_core::{Clip, Error, Output, metrics, predict};
+use serde::Serialize;
+
+/// An estimate in numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Quality {
+    /// Candidates that were tested.
+    pub candidates: u64,
+    /// Peak signal-to-noise ratio in dB of the motion-compensated prediction of frame t; `None` if it is perfect.
+    pub psnr_db: Option<f64>,
+    /// Errors against the true flow, where it is known.
+    #[serde(flatten)]
+    pub truth: Option<AgainstTruth>,
+}
+
+/// Errors over the pixels whose true motion is known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AgainstTruth {
+    /// Mean endpoint error in px.
+    pub epe_px: f64,
+    /// Mean angular error in degrees.
+    pub aae_deg: f64,
+    /// Pixels compared.
+    pub known: usize,
+}
+
+impl Quality {
+    /// The quality of `output` for frame `frame` of `clip`.
+    ///
+    /// # Errors
+    /// If a frame or the truth cannot be read.
+    pub fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Self, Error> {
+        let [current, next] = clip.pair(frame)?;
+        let flow = output.flow();
+        let Output::Blocks(field) = output;
+        let psnr = metrics::psnr_db(&predict(&flow, next.luma(), field.border), current.luma())?;
+        let truth = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten();
+        let error = truth.map(|truth| metrics::flow_error(&flow, &truth)).transpose()?.flatten();
+        Ok(Self {
+            candidates: field.candidates,
+            psnr_db: psnr.is_finite().then_some(psnr),
+            truth: error.map(|e| AgainstTruth { epe_px: e.epe_px, aae_deg: e.aae_deg, known: e.known }),
+        })
+    }
+
+    /// The same for a person.
+    pub fn facts(&self) -> Vec<Fact> {
+        let fact = |label, value| Fact { label, value, role: None };
+        let psnr = self.psnr_db.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
+        let mut facts = vec![fact("Candidates", self.candidates.to_string()), fact("Prediction", psnr)];
+        if let Some(truth) = self.truth {
+            facts.push(fact("Endpoint error", format!("{:.3} px", truth.epe_px)));
+            facts.push(fact("Angular error", format!("{:.2}°", truth.aae_deg)));
+            facts.push(fact("Known motion", format!("{} px", truth.known)));
+        }
+        facts
+    }
+}
