@@ -134,6 +134,12 @@ impl App {
         self.view = self.walker.view();
     }
 
+    /// Whether everything that was asked for is there and shown.
+    pub fn is_settled(&self) -> bool {
+        let pictured = !matches!(self.overlay, Overlay::Samples) || self.gallery.is_complete();
+        pictured && self.loading.is_none() && self.writing.is_none() && !self.view.busy
+    }
+
     /// The names of the ladder's rungs.
     pub(super) fn rungs(&self) -> Rungs {
         Rungs::new(self.document.estimator().info().rungs)

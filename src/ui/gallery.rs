@@ -101,7 +101,7 @@ fn cards(ui: &mut Ui, state: &State, theme: Theme, actions: &mut Actions) -> boo
     let columns = ((ui.available_width() + gap) / (15.0 * size + gap)).floor().max(1.0);
     let width = ((ui.available_width() + gap) / columns - gap).floor();
     let picture = width * PICTURE_PX.1 as f32 / PICTURE_PX.0 as f32 * 0.72;
-    let height = picture + 7.8 * size;
+    let height = picture + 9.4 * size;
     let mut chosen = false;
     ui.spacing_mut().item_spacing = vec2(gap, gap);
     for (row, samples) in SCENES.chunks(columns as usize).enumerate() {

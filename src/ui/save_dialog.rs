@@ -96,8 +96,8 @@ impl State {
             legend: true,
             caption: false,
             from: Cursor { unit, event: 1 }.to_string(),
-            to: Cursor { unit, event: shown.events }.to_string(),
-            rung: Rungs::new(shown.info.rungs).unit(),
+            to: shown.cursor.to_string(),
+            rung: Rungs::new(shown.info.rungs).event(),
             focused: false,
         }
     }

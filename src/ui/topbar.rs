@@ -68,9 +68,11 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let Some(clip) = input.document.clip() else { return };
     let size = TextStyle::Body.resolve(ui.style()).size;
     ui.add_space(size);
-    // Long names give way to what stands beside them.
-    let letters = (ui.available_width() / size - 20.0) / 0.6;
-    let name = widgets::elide(&clip.info().name, (letters.max(8.0)) as usize);
+    // A long name gives way to what stands beside it, and in a narrow window that gives way to the name.
+    let room = ui.available_width() / size;
+    let roomy = room > 28.0;
+    let letters = if roomy { room - 16.0 } else { room - 2.0 } / 0.58;
+    let name = widgets::elide(&clip.info().name, letters.max(8.0) as usize);
     let name = RichText::new(name).family(style::bold());
     let clip = ui.menu_button(name, |ui| {
         for command in [Command::Open, Command::Samples] {
@@ -82,12 +84,14 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         }
     });
     clip.response.on_hover_text(super::clip_card::facts(input.document));
-    if ui.available_width() < 16.0 * size {
+    if !roomy {
         return;
     }
     let dim = ui.visuals().weak_text_color();
     let frame = input.document.frame();
+    ui.add_space(8.0);
     ui.label(RichText::new(format!("frame {frame} → {}", frame + 1)).color(dim));
+    ui.add_space(8.0);
     let info = input.document.estimator().info();
     let estimator = ui.menu_button(RichText::new(info.name).color(dim), |ui| {
         super::parameters::estimators_by_family(ui, info.id, actions);

@@ -1,0 +1,157 @@
+//! Pictures of the window, for the README and for the eye of a reviewer.
+//!
+//! `UPDATE_SCREENSHOTS=1 cargo test --test screenshots` makes them anew. Without it they are compared with what the
+//! window looks like now: at most 1 % of the pixels may differ by more than 40 of 255 in any channel, since drivers
+//! smooth edges differently. Where no graphics driver is installed there is nothing to compare, unless
+//! `REQUIRE_SCREENSHOTS` is set. A software driver will do (on Debian: mesa-vulkan-drivers).
+
+use std::fs;
+use std::io::Cursor as Bytes;
+use std::path::PathBuf;
+
+use eframe::egui::{Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::wgpu::WgpuTestRenderer;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ImageEncoder as _, Rgb, RgbImage};
+use motionscope::paint::Theme;
+use motionscope::ui::app::App;
+use motionscope::ui::commands::Command;
+use motionscope::ui::{self, Start};
+
+/// Most bytes that a picture may have.
+const MOST_BYTES: usize = 300_000;
+/// How far a channel may be off.
+const FAR: u8 = 40;
+/// Share of the pixels that may be further off.
+const SHARE: f64 = 0.01;
+
+/// What is on a picture.
+struct Scene {
+    name: &'static str,
+    size: Vec2,
+    theme: Theme,
+    open: &'static str,
+    commands: &'static [Command],
+}
+
+const SCENES: [Scene; 4] = [
+    Scene { name: "dark", size: vec2(1280.0, 800.0), theme: Theme::Dark, open: "", commands: &[] },
+    Scene {
+        name: "light",
+        size: vec2(1280.0, 800.0),
+        theme: Theme::Light,
+        open: "synth:parallax",
+        commands: &[Command::End, Command::FrameT],
+    },
+    Scene {
+        name: "projector",
+        size: vec2(1280.0, 720.0),
+        theme: Theme::Projector,
+        open: "",
+        commands: &[Command::Over, Command::Lecture],
+    },
+    Scene { name: "samples", size: vec2(960.0, 600.0), theme: Theme::Dark, open: "", commands: &[Command::Samples] },
+];
+
+fn picture(scene: &Scene, renderer: WgpuTestRenderer) -> RgbImage {
+    let start = Start { open: (!scene.open.is_empty()).then(|| scene.open.to_owned()) };
+    let builder = Harness::builder().with_size(scene.size).with_max_steps(80).with_render_cursor(false);
+    let mut harness = builder.renderer(renderer).build_eframe(|cc| {
+        let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
+        ui::begin(&mut app, start);
+        app
+    });
+    settle(&mut harness);
+    while harness.state().settings().theme() != scene.theme {
+        harness.state_mut().command(Command::NextTheme);
+        settle(&mut harness);
+    }
+    for command in scene.commands {
+        harness.state_mut().command(*command);
+        settle(&mut harness);
+    }
+    let picture = harness.render().expect("the window can be drawn");
+    thin(&picture)
+}
+
+/// The picture with two bits less where it is no flat area: nobody sees it, and the file is half as large.
+fn thin(picture: &image::RgbaImage) -> RgbImage {
+    let (width, height) = picture.dimensions();
+    RgbImage::from_fn(width, height, |x, y| {
+        let pixel = picture.get_pixel(x, y);
+        let same = |dx: i32, dy: i32| {
+            let (x, y) = (x.saturating_add_signed(dx).min(width - 1), y.saturating_add_signed(dy).min(height - 1));
+            picture.get_pixel(x, y) == pixel
+        };
+        let flat = [(-2, 0), (2, 0), (0, -2), (0, 2)].into_iter().all(|(dx, dy)| same(dx, dy));
+        let [r, g, b, _] = pixel.0;
+        Rgb(if flat { [r, g, b] } else { [r, g, b].map(|v| v & !3) })
+    })
+}
+
+fn settle(harness: &mut Harness<'_, App>) {
+    for _ in 0..4 {
+        harness.state_mut().wait();
+        harness.run_steps(3);
+    }
+    while !harness.state().is_settled() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        harness.run_steps(1);
+    }
+}
+
+fn encode(picture: &RgbImage) -> Vec<u8> {
+    let mut bytes = Bytes::new(Vec::new());
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive);
+    let (width, height) = picture.dimensions();
+    encoder.write_image(picture, width, height, image::ExtendedColorType::Rgb8).expect("a picture can be written");
+    bytes.into_inner()
+}
+
+fn file(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("screenshots").join(format!("{name}.png"))
+}
+
+/// Share of the pixels that are far off.
+fn difference(a: &RgbImage, b: &RgbImage) -> f64 {
+    if a.dimensions() != b.dimensions() {
+        return 1.0;
+    }
+    let far = |(a, b): (&Rgb<u8>, &Rgb<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > FAR);
+    let count = a.pixels().zip(b.pixels()).filter(|pair| far(*pair)).count();
+    count as f64 / f64::from(a.width() * a.height())
+}
+
+#[test]
+fn the_window_looks_as_it_did() {
+    let update = std::env::var_os("UPDATE_SCREENSHOTS").is_some();
+    let required = update || std::env::var_os("REQUIRE_SCREENSHOTS").is_some();
+    for scene in &SCENES {
+        let Ok(renderer) = std::panic::catch_unwind(WgpuTestRenderer::new) else {
+            assert!(!required, "no graphics driver; install one (on Debian: mesa-vulkan-drivers)");
+            println!("no graphics driver, so there is nothing to compare");
+            return;
+        };
+        let now = picture(scene, renderer);
+        let bytes = encode(&now);
+        assert!(bytes.len() < MOST_BYTES, "{} takes {} bytes", scene.name, bytes.len());
+        if update {
+            fs::write(file(scene.name), &bytes).expect("the picture can be written");
+            continue;
+        }
+        let then = image::open(file(scene.name)).expect("the picture is there").to_rgb8();
+        let off = difference(&now, &then);
+        if off > SHARE {
+            let seen = std::env::temp_dir().join(format!("motionscope-{}.png", scene.name));
+            fs::write(&seen, &bytes).expect("the picture can be written");
+            panic!(
+                "{:.1} % of {} look different; compare {} and, if it is meant to be so, make them anew with \
+                 UPDATE_SCREENSHOTS=1",
+                100.0 * off,
+                scene.name,
+                seen.display()
+            );
+        }
+    }
+}
