@@ -29,7 +29,9 @@ impl Slider<'_> {
         let radius = (0.42 * size).round();
         let (left, right) = (rect.left() + radius, rect.right() - radius);
         let (min, max) = self.range;
-        if let Some(at) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {
+        // The last move and the release may come in one frame.
+        let held = response.is_pointer_button_down_on() || response.drag_stopped();
+        if let Some(at) = response.interact_pointer_pos().filter(|_| held) {
             *value = egui::remap_clamp(f64::from(at.x), f64::from(left)..=f64::from(right), min..=max);
         }
         self.by_keys(ui, &response, value);

@@ -89,7 +89,8 @@ impl Track<'_> {
             let index = (value as usize).min(self.count - 1) + 1;
             response.clone().on_hover_text_at_pointer(format!("{} {}", self.name, grouped(index)));
         }
-        let held = response.is_pointer_button_down_on() || response.clicked();
+        // The last move and the release may come in one frame.
+        let held = response.is_pointer_button_down_on() || response.clicked() || response.drag_stopped();
         held.then(|| response.interact_pointer_pos()).flatten().map(|at| self.value_at(rail, at.x))
     }
 
