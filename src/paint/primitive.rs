@@ -264,10 +264,8 @@ impl Primitive {
 fn around(points: &[Point]) -> Rect {
     let mut rect = Rect { min: [f32::MAX; 2], max: [f32::MIN; 2] };
     for point in points {
-        for i in 0..2 {
-            rect.min[i] = rect.min[i].min(point[i]);
-            rect.max[i] = rect.max[i].max(point[i]);
-        }
+        rect.min = [rect.min[0].min(point[0]), rect.min[1].min(point[1])];
+        rect.max = [rect.max[0].max(point[0]), rect.max[1].max(point[1])];
     }
     rect
 }

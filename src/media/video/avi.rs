@@ -217,7 +217,9 @@ mod tests {
 
     #[test]
     fn every_layout_is_unpacked() {
-        let cases: [(&[u8; 4], u16, &[u8], &str, [u8; 2]); 9] = [
+        /// Compression, bits per pixel, bytes, name of the codec, gray values.
+        type Case = (&'static [u8; 4], u16, &'static [u8], &'static str, [u8; 2]);
+        let cases: [Case; 9] = [
             (&[0; 4], 8, &[10, 20, 0, 0], "pal8", [10, 20]),
             (&[0; 4], 16, &[0xFF, 0x7F, 0, 0], "rgb555", [255, 0]),
             (&[0; 4], 32, &[7, 7, 7, 0, 9, 9, 9, 0], "bgr32", [7, 9]),
