@@ -30,8 +30,9 @@ const STREAMS: [&str; 4] = ["mpegts", "mpeg", "mpegvideo", "h264"];
 /// # Errors
 /// One sentence, without the file's name, with `why` in it.
 pub(crate) fn open(path: &Path, options: &Open, why: &Error) -> Result<Source, Error> {
-    if path == Path::new("-") {
-        return Err(Error::new(format!("{why}; save standard input to a file and open that")));
+    // A pipe has been read to its end already.
+    if path == Path::new("-") || !path.is_file() {
+        return Err(Error::new(format!("{why}; save what the pipe holds to a file and open that")));
     }
     if !options.ffmpeg {
         return Err(Failed::Absent.told(why));
