@@ -60,12 +60,12 @@ pub fn entries<'a>(
 ) -> Vec<Entry> {
     let entry = |&(role, meaning): &(Role, &'static str)| {
         let sample = marks.clone().filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min()?;
-        let times = match look.lengthen {
-            0.5 => "½".to_owned(),
-            times => times.to_string(),
+        let long = match look.lengthen {
+            _ if sample != Sample::Arrow || !marks::is_lengthened(role) => String::new(),
+            1.0 => String::new(),
+            0.5 => ", drawn at half length".to_owned(),
+            times => format!(", drawn ×{times}"),
         };
-        let long =
-            if sample == Sample::Arrow && marks::is_lengthened(role) { format!(", × {times}") } else { String::new() };
         Some(Entry { role, sample, meaning: format!("{meaning}{long}") })
     };
     meanings.iter().filter_map(entry).collect()
@@ -179,6 +179,10 @@ impl Strip<'_> {
 
     fn heat(&mut self, label: &str, range: [f32; 2]) {
         let low = if label.is_empty() { number(range[0]) } else { format!("{label} {}", number(range[0])) };
+        if range[0] == range[1] {
+            let at = self.place(fonts::width(&low, Face::Sans, self.size));
+            return self.words(&low, at);
+        }
         let high = number(range[1]);
         let (left, right) = (fonts::width(&low, Face::Sans, self.size), fonts::width(&high, Face::Sans, self.size));
         let [x, y] = self.place(left + BAR[0] + right + 2.0 * GAP);

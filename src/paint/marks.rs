@@ -28,7 +28,7 @@ pub struct Look {
 /// How long displacements are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Lengthen {
-    /// As long as fits between their neighbours, by a power of two.
+    /// At most as long as a step from block to block, by a power of two.
     #[default]
     Auto,
     /// This many times their length.
@@ -39,7 +39,7 @@ impl Look {
     /// The look of `scene`: heat spans the values that it has, and `lengthen` is settled.
     pub fn new(scene: &Scene, theme: Theme, colors: ColorMap, lengthen: Lengthen) -> Self {
         let lengthen = match lengthen {
-            Lengthen::Auto => fitting(scene),
+            Lengthen::Auto => fitting(scene).unwrap_or(1.0),
             Lengthen::Times(factor) if factor.is_finite() && factor > 0.0 => factor,
             Lengthen::Times(_) => 1.0,
         };
@@ -76,7 +76,9 @@ pub fn is_lengthened(role: Role) -> bool {
 /// What `marks` look like at `place`, back to front. Line widths do not depend on the zoom.
 pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place: Placement) -> Vec<Primitive> {
     let mut primitives = Vec::new();
-    for mark in marks {
+    // What is under test is seen also where it lies on the best.
+    let (under_test, others): (Vec<_>, Vec<_>) = marks.into_iter().partition(|mark| mark.role == Role::Candidate);
+    for mark in others.into_iter().chain(under_test) {
         if mark.shape.coordinates().iter().all(|c| c.is_finite()) {
             Painter { ink: look.theme.ink(mark.role), look, place, out: &mut primitives }.shape(mark.role, &mark.shape);
         }
@@ -97,7 +99,7 @@ impl Painter<'_> {
             Shape::Rect { min, max } => {
                 let rect = self.place.rect(*min, *max);
                 let [width, height] = rect.size();
-                self.thin_out((width.min(height) / 5.0).max(0.5));
+                self.thin_out((width.min(height) / 5.0).max(1.0));
                 // The line lies outside, so that it hides no pixel of what it frames.
                 self.outline(rect.grown(self.ink.width / 2.0).corners());
             }
@@ -260,25 +262,51 @@ fn heat_range(scene: &Scene) -> Option<[f32; 2]> {
     })
 }
 
-/// The power of two, ½ to 8, by which displacements are drawn so that few reach their neighbour's origin.
-fn fitting(scene: &Scene) -> f32 {
+/// The power of two, ½ to 4, by which displacements are drawn so that few are longer than a step between them.
+///
+/// Where a window is searched its range decides, which stays the same from block to block; else what was found does.
+pub(crate) fn fitting(scene: &Scene) -> Option<f32> {
     let fields = scene.marks.iter().filter_map(|mark| match &mark.shape {
         Shape::Arrows(arrows) if is_lengthened(mark.role) => Some(arrows),
         _ => None,
     });
-    let fit = |arrows: &Vec<scene::Arrow>| {
-        let mut lengths: Vec<f32> = arrows
-            .iter()
-            .map(|arrow| length([0, 1].map(|i| arrow.to[i] - arrow.from[i])))
-            .filter(|length| *length > 0.0)
-            .collect();
-        lengths.sort_by(f32::total_cmp);
-        // One in twenty may be longer.
-        let long = lengths.get(lengths.len().saturating_sub(1) * 19 / 20)?;
-        let room = spacing(arrows) / long;
-        [8.0, 4.0, 2.0, 1.0].into_iter().find(|times| *times <= room).or(Some(0.5))
+    let searched = search(scene);
+    let fit = |arrows: &Vec<scene::Arrow>| match searched {
+        Some((block, range)) => {
+            let room = if arrows.len() > 1 { block.max(spacing(arrows)) } else { block };
+            Some(times(room / range).max(1.0))
+        }
+        None => Some(times(spacing(arrows) / typical(arrows)?)),
     };
-    fields.filter_map(fit).min_by(f32::total_cmp).unwrap_or(1.0)
+    fields.filter_map(fit).min_by(f32::total_cmp)
+}
+
+fn times(room: f32) -> f32 {
+    // A little beyond the neighbour is better than half the length.
+    if room < 0.75 { 0.5 } else { [4.0, 2.0].into_iter().find(|times| *times <= room).unwrap_or(1.0) }
+}
+
+/// Side of the block and range of the search in px, if a block is searched for in a window.
+fn search(scene: &Scene) -> Option<(f32, f32)> {
+    let rect = |role: Role| {
+        scene.marks.iter().find_map(|mark| match mark.shape {
+            Shape::Rect { min, max } if mark.role == role => Some((min, max)),
+            _ => None,
+        })
+    };
+    let ((min, max), (from, to)) = (rect(Role::Reference)?, rect(Role::Window)?);
+    // At an edge of the picture the window is cut on that side alone.
+    let range = (0..2).flat_map(|i| [min[i] - from[i], to[i] - max[i]]).fold(0.0, f32::max);
+    let block = (max[0] - min[0]).max(max[1] - min[1]);
+    (range > 0.0).then_some((block, range))
+}
+
+/// The length that one in ten displacements exceeds, of those that are any.
+fn typical(arrows: &[scene::Arrow]) -> Option<f32> {
+    let lengths = arrows.iter().map(|arrow| length([0, 1].map(|i| arrow.to[i] - arrow.from[i])));
+    let mut lengths: Vec<f32> = lengths.filter(|length| *length > 0.0).collect();
+    lengths.sort_by(f32::total_cmp);
+    lengths.get(lengths.len().saturating_sub(1) * 9 / 10).copied()
 }
 
 fn length([x, y]: [f32; 2]) -> f32 {
@@ -311,11 +339,34 @@ mod tests {
     fn small_motions_are_lengthened_and_large_ones_shortened() {
         let factor =
             |step, motion| Look::new(&field(step, motion), Theme::Dark, ColorMap::Viridis, Lengthen::Auto).lengthen;
-        assert_eq!(factor(16.0, 1.0), 8.0);
+        assert_eq!(factor(16.0, 1.0), 4.0);
         assert_eq!(factor(16.0, 5.0), 2.0);
         assert_eq!(factor(16.0, 15.0), 1.0);
         assert_eq!(factor(16.0, 30.0), 0.5);
         assert_eq!(factor(16.0, 0.0), 1.0);
+    }
+
+    #[test]
+    fn the_range_of_a_search_decides_whatever_was_found() {
+        let factor = |range: i32, motion: f32| {
+            let side = (16 + 2 * range) as usize;
+            let mut scene = field(16.0, motion);
+            scene.mark(Picture::Current, Role::Reference, Shape::pixels(100, 100, 16, 16));
+            scene.mark(Picture::Next, Role::Window, Shape::pixels(100 - range, 100 - range, side, side));
+            Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto).lengthen
+        };
+        assert_eq!([factor(50, 1.0), factor(50, 40.0), factor(7, 1.0), factor(4, 4.0)], [1.0, 1.0, 2.0, 4.0]);
+    }
+
+    #[test]
+    fn a_candidate_is_drawn_over_the_best() {
+        let mut scene = Scene::default();
+        scene.mark(Picture::Next, Role::Candidate, Shape::pixels(4, 8, 16, 16));
+        scene.mark(Picture::Next, Role::Best, Shape::pixels(4, 8, 16, 16));
+        let look = Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto);
+        let primitives = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 2.0 });
+        let Some(Primitive::Polyline { stroke, .. }) = primitives.last() else { panic!("{primitives:?}") };
+        assert_eq!(stroke.color, Theme::Dark.ink(Role::Candidate).color);
     }
 
     #[test]

@@ -176,7 +176,12 @@ impl Layout<'_> {
         let mut primitives = vec![Primitive::Image { pixels, rect }];
         primitives.extend(marks::resolve(shown(panel, scene), &self.look, placement));
         let beyond = if self.margin > 0.0 { BEYOND } else { 0.0 };
-        self.pictures.push(Layer { clip: Some(rect.grown(beyond)), primitives });
+        let is_arrow = |primitive: &Primitive| matches!(primitive, Primitive::Arrow(_));
+        for chunk in primitives.chunk_by(|a, b| is_arrow(a) == is_arrow(b)) {
+            // Arrows end with the picture.
+            let clip = if chunk.iter().any(is_arrow) { rect } else { rect.grown(beyond) };
+            self.pictures.push(Layer { clip: Some(clip), primitives: chunk.to_vec() });
+        }
         self.panels.push((panel, placement));
     }
 

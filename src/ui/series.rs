@@ -60,7 +60,7 @@ impl Plot {
     fn new(series: &Series, area: Rect, theme: Theme) -> Self {
         let small = theme.sizes().small;
         let min = area.min + vec2(4.6 * small, 2.4 * small);
-        let max = area.max - vec2(1.2 * small, 3.0 * small);
+        let max = area.max - vec2(2.0 * small, 3.6 * small);
         let rect = Rect::from_min_max(min, max.max(min + vec2(8.0, 8.0)));
         let high = series.lines.iter().flat_map(|(_, _, points)| points).map(|p| p[1]).filter(|y| y.is_finite());
         let high = high.fold(f32::MIN_POSITIVE, f32::max);
@@ -93,17 +93,15 @@ fn axes(painter: &Painter, plot: &Plot, series: &Series, theme: Theme) {
     let bottom = plot.rect.max.y;
     painter.hline(plot.rect.x_range(), bottom, Stroke::new(1.0, dim));
     let width = |text: &str| painter.layout_no_wrap(text.into(), font.clone(), dim).size().x;
-    let label = plot.rect.max.x - width(series.x_label);
     for tick in plot.x.ticks(5.0 * plot.small, 1.0) {
         let (x, text) = (plot.x.place(tick), axis::number(tick));
         painter.vline(x, bottom..=bottom + 4.0, Stroke::new(1.0, dim));
-        // The last stretch is for what the numbers mean.
-        if x + width(&text) / 2.0 + 8.0 < label {
-            painter.text(pos2(x, bottom + 6.0), Align2::CENTER_TOP, text, font.clone(), dim);
-        }
+        let x = x.min(painter.clip_rect().max.x - width(&text) / 2.0);
+        painter.text(pos2(x, bottom + 6.0), Align2::CENTER_TOP, text, font.clone(), dim);
     }
     let text = ink::color(chrome.text);
-    painter.text(pos2(plot.rect.max.x, bottom + 6.0), Align2::RIGHT_TOP, series.x_label, font, text);
+    let below = pos2(plot.rect.max.x, bottom + 6.0 + 1.3 * plot.small);
+    painter.text(below, Align2::RIGHT_TOP, series.x_label, font, text);
 }
 
 /// A line in its role's colour. A best value holds until it is beaten: it goes in steps.

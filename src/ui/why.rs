@@ -26,13 +26,23 @@ pub struct State {
     sentence: f32,
     equation: f32,
     facts: f32,
+    line: Option<usize>,
 }
 
 impl State {
     /// Forgets the room when it was measured for another estimator, width or type size.
     fn keep_for(&mut self, key: (&'static str, u32, Theme)) {
         if self.key != Some(key) {
-            *self = State { key: Some(key), ..Self::default() };
+            // Room for what most steps tell, from the first on.
+            let size = key.2.sizes();
+            let lines = |count: f32, size: f32| count * (1.45 * size).round();
+            *self = State {
+                key: Some(key),
+                sentence: lines(3.0, size.heading + 2.0),
+                facts: lines(4.0, size.body),
+                equation: lines(4.0, size.heading),
+                line: None,
+            };
         }
     }
 }
@@ -54,7 +64,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
             _ => None,
         });
         hold(ui, &mut state.equation, |ui| equation(ui, lines.unwrap_or_default(), theme));
-        pseudocode(ui, input);
+        let moved = state.line.replace(step.line) != Some(step.line);
+        pseudocode(ui, input, moved);
         citation(ui, info.source, theme);
     });
 }
@@ -136,20 +147,24 @@ fn row(ui: &mut Ui, fact: &Fact, ruled: bool, theme: Theme) {
     painter.galley(pos2(rect.max.x, top + down), value, Color32::PLACEHOLDER);
 }
 
-fn pseudocode(ui: &mut Ui, input: Input<'_>) {
+/// The algorithm's lines; the current one comes into view when it `moved`.
+fn pseudocode(ui: &mut Ui, input: Input<'_>, moved: bool) {
     let Input { info, step, theme } = input;
     let chrome = theme.chrome();
     ui.label(egui::RichText::new(info.name).size(theme.sizes().small).color(ink::color(chrome.dim)));
     egui::Frame::new().fill(ink::color(chrome.raised)).corner_radius(4.0).inner_margin(vec2(0.0, 8.0)).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         for (i, line) in info.pseudocode.iter().enumerate() {
-            code_line(ui, line, i == step.line, theme);
+            let rect = code_line(ui, line, i == step.line, theme);
+            if moved && i == step.line {
+                ui.scroll_to_rect_animation(rect.expand(8.0), None, egui::style::ScrollAnimation::none());
+            }
         }
     });
     ui.add_space(8.0);
 }
 
-fn code_line(ui: &mut Ui, line: &str, current: bool, theme: Theme) {
+fn code_line(ui: &mut Ui, line: &str, current: bool, theme: Theme) -> egui::Rect {
     let chrome = theme.chrome();
     let size = theme.sizes().mono;
     let words = line.trim_start();
@@ -171,6 +186,7 @@ fn code_line(ui: &mut Ui, line: &str, current: bool, theme: Theme) {
         painter.add(egui::Shape::convex_polygon(arrow, ink::color(chrome.accent), Stroke::NONE));
     }
     painter.galley(rect.min + vec2(margin + indent, 3.0), galley, Color32::PLACEHOLDER);
+    rect
 }
 
 fn citation(ui: &mut Ui, source: &str, theme: Theme) {

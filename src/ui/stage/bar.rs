@@ -1,10 +1,11 @@
 //! Around the pictures: what to look at, what the marks mean, and the numbers of the pixel pointed at.
 
 use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, pos2, vec2};
-use motionscope_core::Frame;
+use motionscope_core::scene::Shape;
+use motionscope_core::{Frame, Role};
 
 use super::{Input, State, pixels};
-use crate::paint::legend::{self, Entry};
+use crate::paint::legend::{self, Entry, Sample};
 use crate::paint::{Face, Look, Primitive, Theme, View};
 use crate::ui::{axis, ink, primitives};
 
@@ -100,7 +101,7 @@ pub fn height_below(ui: &Ui, input: &Input<'_>, state: &mut State) -> f32 {
     if state.legend {
         let width = ui.available_width();
         let look = state.marks.look(input);
-        let lines = legend_items(input, &look, ui).layout(width).1;
+        let lines = legend_lines(input, &look, ui, width);
         let known = &mut state.legend_height;
         if known.width != width || known.theme != input.theme {
             *known = Height { width, theme: input.theme, lines: 1 };
@@ -122,7 +123,7 @@ pub fn below(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
         let look = state.marks.look(input);
         let height = state.legend_height.lines as f32 * line_height(input.theme);
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
-        let items = legend_items(input, &look, ui);
+        let items = legend_items(input, &look, ui, state);
         ink::name(&response, || format!("Legend: {}", items.plain()));
         items.paint(ui, rect);
     }
@@ -139,17 +140,39 @@ struct Items {
 const BAR: egui::Vec2 = vec2(96.0, 8.0);
 const GAP: f32 = 8.0;
 
-fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui) -> Items {
-    let shown = input.scene.marks.iter();
+/// How many lines everything that the legend may ever tell here needs.
+fn legend_lines(input: &Input<'_>, look: &Look, ui: &Ui, width: f32) -> usize {
+    let width_of = |text: &str| text_width(ui, text, input.theme);
+    let entry = |&(role, meaning): &(Role, &'static str)| {
+        let entry = Entry { role, sample: Sample::Frame, meaning: meaning.into() };
+        (entry, ink::SWATCH.x + GAP + width_of(meaning))
+    };
+    let ends = [String::new(), String::new()];
+    let heat = Some((*look, ends, width_of(input.heat) + width_of(" 000 000") + width_of("000 000") + BAR.x + 2.0 * GAP));
+    let entries = input.scene.legend.iter().map(entry).collect();
+    Items { entries, heat, theme: input.theme }.layout(width).1
+}
+
+/// What is drawn in the pictures that are shown.
+fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items {
+    let panels = state.view.panels();
+    let shown = input.scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
+    let is_close = state.shown.is_some_and(|lens| lens.scale >= pixels::NUMBERS);
+    let has_heat = !is_close && shown.clone().any(|mark| matches!(mark.shape, Shape::Heat { .. }));
     let width = |text: &str| text_width(ui, text, input.theme);
     let entries = legend::entries(&input.scene.legend, shown, look);
     let entries = entries.into_iter().map(|entry| {
         let width = ink::SWATCH.x + GAP + width(&entry.meaning);
         (entry, width)
     });
-    let heat = look.heat.map(|range| {
+    let heat = look.heat.filter(|_| has_heat).map(|range| {
         let [low, high] = range.map(axis::number);
-        let ends = [format!("{} {low}", input.heat).trim_start().to_owned(), high];
+        let low = format!("{} {low}", input.heat).trim_start().to_owned();
+        if range[0] == range[1] {
+            let width = width(&low);
+            return (*look, [low, String::new()], width);
+        }
+        let ends = [low, high];
         let width = width(&ends[0]) + width(&ends[1]) + BAR.x + 2.0 * GAP;
         (*look, ends, width)
     });
@@ -180,7 +203,10 @@ impl Items {
 
     fn plain(&self) -> String {
         let words = self.entries.iter().map(|(entry, _)| entry.meaning.clone());
-        let heat = self.heat.as_ref().map(|(_, [low, high], _)| format!("colours for {low} to {high}"));
+        let heat = self.heat.as_ref().map(|(_, [low, high], _)| match high.as_str() {
+            "" => format!("colour for {low}"),
+            high => format!("colours for {low} to {high}"),
+        });
         words.chain(heat).collect::<Vec<_>>().join(", ")
     }
 
@@ -203,6 +229,9 @@ impl Items {
         let (Some((look, [low, high], _)), Some(place)) = (&self.heat, places.last()) else { return };
         let mut at = rect.min + place.to_vec2();
         at.x += word(at, low) + GAP;
+        if high.is_empty() {
+            return;
+        }
         let bar = Rect::from_min_size(at + vec2(0.0, ((height - BAR.y) / 2.0).round()), BAR);
         if let Primitive::Image { pixels, .. } =
             legend::color_bar(look.colors, crate::paint::primitive::Rect::new(bar.min.into(), BAR.into()))
@@ -234,13 +263,15 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
     let mut at = rect.left_center();
     for column in &columns {
         let label = painter.layout_no_wrap(column.label.into(), font.clone(), dim);
-        let right = at.x + label.size().x + 0.4 * size + column.digits * 0.65 * size;
+        let value = painter.layout_no_wrap(column.value.clone(), font.clone(), text);
+        let room = value.size().x.max(column.digits * 0.65 * size);
+        let right = at.x + label.size().x + 0.5 * size + room;
         let end = right + if column.color.is_some() { 1.3 * size } else { 0.0 };
         if end > rect.max.x {
             break;
         }
         painter.galley(at - vec2(0.0, label.size().y / 2.0), label, dim);
-        painter.text(pos2(right, at.y), Align2::RIGHT_CENTER, &column.value, font.clone(), text);
+        painter.galley(pos2(right - value.size().x, at.y - value.size().y / 2.0), value, text);
         if let Some(color) = column.color {
             let patch = Rect::from_center_size(pos2(right + 0.8 * size, at.y), vec2(0.9 * size, 0.9 * size));
             pixels::patch(&painter, patch, color);
@@ -270,7 +301,7 @@ fn columns(pair: &[std::sync::Arc<Frame>; 2], pixel: [usize; 2]) -> Vec<Column> 
     }
     for (label, frame) in [("RGB t", &pair[0]), ("RGB t+1", &pair[1])] {
         if let Some([r, g, b]) = pixels::rgb_at(frame, pixel) {
-            columns.push(number(label, format!("{r} {g} {b}"), 8.5));
+            columns.push(number(label, format!("{r} {g} {b}"), 10.0));
         }
     }
     columns

@@ -27,6 +27,8 @@ use pictures::Pictures;
 
 /// Between two pictures, in points.
 const GAP: f32 = 4.0;
+/// How far marks may reach beyond their picture, in points.
+const BEYOND: f32 = 3.0;
 /// How long each picture is seen when they blink, in seconds.
 const BLINK_SECS: f64 = 0.6;
 
@@ -163,9 +165,17 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Respo
         ui.ctx().request_repaint();
     }
     let header = bar::line_height(input.theme);
-    for (panel, pane) in panels.iter().zip(split(area, panels.len(), size, header)) {
-        let lens = Lens::new(pane, size, state.zoom);
-        state.shown = Some(lens);
+    let zoom = state.zoom;
+    let panes = split(area, panels.len(), size, header).into_iter().map(|pane| Lens::new(pane, size, zoom));
+    let lenses: Vec<(Panel, Lens)> = panels.iter().copied().zip(panes).collect();
+    let shown = lenses.last().map(|(_, lens)| *lens);
+    if state.shown != shown {
+        // The scale is told above the pictures, which were placed only now.
+        state.shown = shown;
+        ui.ctx().request_repaint();
+    }
+    for (panel, lens) in &lenses {
+        let pane = lens.pane;
         let id = ui.scope_id().with(("pane", *panel));
         let sensed = ui.interact(pane, id, Sense::click_and_drag());
         let cursor = if sensed.dragged() { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
@@ -174,7 +184,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Respo
             let title = title(*panel, input.frame, 1);
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}"))
         });
-        if let Some(zoom) = looked(ui, &sensed, &lens) {
+        if let Some(zoom) = looked(ui, &sensed, lens) {
             state.zoom = zoom;
             ui.ctx().request_repaint();
         }
@@ -184,9 +194,11 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Respo
         if sensed.clicked() {
             response.clicked = sensed.interact_pointer_pos().and_then(|at| lens.pixel_at(at)).map(to_point);
         }
-        paint(ui, *panel, &lens, input, state);
     }
     state.hovered = hovered;
+    for (panel, lens) in &lenses {
+        paint(ui, *panel, lens, input, state);
+    }
     response.hovered = hovered.map(to_point);
     response
 }
@@ -232,10 +244,12 @@ fn paint(ui: &Ui, panel: Panel, lens: &Lens, input: &Input<'_>, state: &mut Stat
     let share = (panel == Panel::Blend).then_some(state.blend);
     let gain = state.pictures.paint(&painter, panel, share, lens, input.pair);
     pixels::grid(&painter, lens);
-    pixels::numbers(&painter, panel, lens, input.pair);
+    pixels::numbers(&painter, (panel, state.blend), lens, input.pair);
     let time = ui.input(|i| i.time);
     let moving = state.glide.marks(time);
-    state.marks.paint(&painter, panel, lens, input, &moving);
+    // A frame at the edge of the picture stays whole, all else ends with the picture.
+    let marks = painter.with_clip_rect(lens.picture_rect().expand(BEYOND).intersect(lens.pane));
+    state.marks.paint(&marks, panel, lens, input, &moving);
     if let Some(pixel) = state.hovered {
         pixels::cross_hair(&painter, lens, pixel);
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{Align2, Color32, Painter, Rect, Stroke, StrokeKind};
+use eframe::egui::{self, Align2, Color32, Painter, Rect, Stroke, StrokeKind};
 use motionscope_core::{Frame, Gray};
 
 use super::Lens;
@@ -32,8 +32,8 @@ pub fn grid(painter: &Painter, lens: &Lens) {
     }
 }
 
-/// The gray value in each pixel.
-pub fn numbers(painter: &Painter, panel: Panel, lens: &Lens, pair: &[Arc<Frame>; 2]) {
+/// The gray value in each pixel; a blend has this share of frame t + 1.
+pub fn numbers(painter: &Painter, panel: (Panel, f32), lens: &Lens, pair: &[Arc<Frame>; 2]) {
     let Some([[left, right], [top, bottom]]) = lens.visible().filter(|_| lens.scale >= NUMBERS) else { return };
     if (right - left + 1) * (bottom - top + 1) > MOST_NUMBERS {
         return;
@@ -48,15 +48,18 @@ pub fn numbers(painter: &Painter, panel: Panel, lens: &Lens, pair: &[Arc<Frame>;
     }
 }
 
-/// The number in a pixel of `panel`, and how bright the pixel is. A blend has none.
-fn value(panel: Panel, pair: &[Arc<Frame>; 2], x: usize, y: usize) -> Option<(u8, u8)> {
+/// The number in a pixel of `panel`, and how bright the pixel is.
+fn value((panel, share): (Panel, f32), pair: &[Arc<Frame>; 2], x: usize, y: usize) -> Option<(u8, u8)> {
     let gray = |i: usize| pair[i].luma().get(x, y).copied();
     match panel {
         Panel::Current => gray(0).map(|v| (v, v)),
         Panel::Next => gray(1).map(|v| (v, v)),
         // Differences are shown brighter than they are.
         Panel::Difference => Some(gray(0)?.abs_diff(gray(1)?)).map(|v| (v, v.saturating_mul(4))),
-        Panel::Blend => None,
+        Panel::Blend => {
+            let v = egui::lerp(f32::from(gray(0)?)..=f32::from(gray(1)?), share.clamp(0.0, 1.0)).round() as u8;
+            Some((v, v))
+        }
     }
 }
 
@@ -109,10 +112,11 @@ mod tests {
     fn a_pixel_tells_the_number_that_it_shows() {
         let frame = |v| Arc::new(Frame::gray(Grid::new(3, 2, v)));
         let pair = [frame(10), frame(250)];
-        let shown = Panel::Difference;
-        assert_eq!(value(Panel::Next, &pair, 2, 1), Some((250, 250)));
+        let shown = (Panel::Difference, 0.0);
+        assert_eq!(value((Panel::Next, 0.0), &pair, 2, 1), Some((250, 250)));
         assert_eq!(value(shown, &pair, 0, 0), Some((240, 255)));
-        assert_eq!(value(Panel::Current, &pair, 3, 0), None);
+        assert_eq!(value((Panel::Current, 0.0), &pair, 3, 0), None);
+        assert_eq!(value((Panel::Blend, 0.25), &pair, 0, 0), Some((70, 70)));
         assert_eq!((gray_at(pair[0].luma(), [1, 1]), gray_at(pair[0].luma(), [9, 9])), ("10".into(), "–".into()));
     }
 

@@ -243,6 +243,16 @@ impl Stand<'_> {
                 Some((role, heat_map::cost(surface, at)?, self.at(Vec3 { y: top, ..foot })))
             })
             .collect();
+        for (role, at, top) in relief::pins(surface) {
+            let Some(cost) = heat_map::cost(surface, at) else { continue };
+            let foot = self.bench.place(at.map(|c| c as f32), cost);
+            let (low, high) = (self.at(foot), self.at(Vec3 { y: top, ..foot }));
+            // Seen faintly through what stands before it.
+            let inked = self.theme.ink(role);
+            let color = ink::color(inked.color).gamma_multiply(0.55);
+            self.painter.line_segment([low, high], Stroke::new(inked.width.min(2.0), color));
+            self.painter.circle(low, 4.0, color, Stroke::new(1.0, ink::color(inked.halo).gamma_multiply(0.55)));
+        }
         for &(role, cost, head) in &heads {
             // Of two numbers each stands on its own side.
             let align = match heads.iter().find(|other| other.0 != role).map(|other| head.x < other.2.x) {

@@ -26,7 +26,7 @@ pub struct Orbit {
 
 impl Default for Orbit {
     fn default() -> Self {
-        Self { yaw_rad: -0.5, pitch_rad: 0.5, zoom: 1.0 }
+        Self { yaw_rad: -0.5, pitch_rad: 0.68, zoom: 1.0 }
     }
 }
 
