@@ -265,7 +265,7 @@ fn heat_range(scene: &Scene) -> Option<[f32; 2]> {
 /// The power of two, ½ to 4, by which displacements are drawn so that few are longer than a step between them.
 ///
 /// Where a window is searched its range decides, which stays the same from block to block; else what was found does.
-pub(crate) fn fitting(scene: &Scene) -> Option<f32> {
+fn fitting(scene: &Scene) -> Option<f32> {
     let fields = scene.marks.iter().filter_map(|mark| match &mark.shape {
         Shape::Arrows(arrows) if is_lengthened(mark.role) => Some(arrows),
         _ => None,

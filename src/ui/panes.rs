@@ -197,7 +197,18 @@ impl Panes<'_> {
             }
             return;
         }
-        empty(ui, "This step has none. Step into the next one to see it.");
+        empty(ui, absent(pane));
+    }
+}
+
+/// What will stand in a chart that this step has nothing for, and what to do.
+fn absent(pane: Pane) -> &'static str {
+    match pane {
+        Pane::Surface | Pane::Surface3d => {
+            "Here stands the cost of every displacement tested. Step on (→) until a candidate is tested."
+        }
+        Pane::Plot => "Here stands how the cost goes from candidate to candidate. Step on (→) to see it grow.",
+        _ => "Here stand the pixels that are compared, as numbers. Step on (→) until a block is compared.",
     }
 }
 

@@ -11,6 +11,10 @@ use crate::paint::{Face, Theme};
 
 /// Points per pixel from which numbers fit.
 const NUMBERS: f32 = 17.0;
+/// Size of a pixel that is large enough to read its number, in points.
+const READABLE: f32 = 22.0;
+/// Tiles with more pixels along a side are shown whole rather than readable.
+const MOST_PIXELS: usize = 32;
 /// Largest size of a pixel, in points.
 const LARGEST: f32 = 36.0;
 /// Between two tiles, in points.
@@ -38,15 +42,29 @@ pub struct Response {
     pub hovered: Option<[usize; 2]>,
 }
 
-/// Shows the tiles as large as they fit, and the numbers of the pixel pointed at below them.
+/// Shows the tiles with their numbers, to be scrolled where they do not fit, and the pixel pointed at below them.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let Input { tiles, theme } = input;
     let small = theme.sizes().small;
     let line = (1.7 * small).round();
+    let mut response = Response::default();
+    let room = (ui.available_height() - line - ui.spacing().item_spacing.y).max(2.0 * line);
+    let scroll = egui::ScrollArea::both().id_salt("tiles").auto_shrink(false).max_height(room);
+    scroll.show(ui, |ui| response = side_by_side(ui, input, state));
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), line), Sense::hover());
+    let words = (told(tiles, response.hovered), ink::font(Face::Sans, small), ink::color(theme.chrome().dim));
+    ink::line(ui.painter(), rect.left_center(), (&words.0, words.1, words.2), rect.width());
+    response
+}
+
+fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
+    let Input { tiles, theme } = input;
+    let line = (1.7 * theme.sizes().small).round();
     let area = ui.available_rect_before_wrap();
     let labels = tiles.iter().map(|tile| label_width(ui.painter(), tile, theme)).fold(0.0, f32::max);
-    let frame = Frame::new(tiles, area, line, labels);
-    let (rect, whole) = ui.allocate_exact_size(vec2(area.width(), frame.height + 2.0 * line), Sense::hover());
+    let frame = Frame::new(tiles, area, line, labels).readable(tiles, labels);
+    let width = frame.step * tiles.len() as f32;
+    let (rect, whole) = ui.allocate_exact_size(vec2(width, frame.height + line), Sense::hover());
     ink::name(&whole, || told(tiles, state.hovered));
     let mut hovered = None;
     for (i, tile) in tiles.iter().enumerate() {
@@ -66,9 +84,6 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
         }
     }
     state.hovered = hovered;
-    let words = (told(tiles, hovered), ink::font(Face::Sans, small), ink::color(theme.chrome().dim));
-    let at = pos2(rect.min.x, rect.max.y - line / 2.0);
-    ink::line(ui.painter(), at, (&words.0, words.1, words.2), rect.width());
     Response { hovered }
 }
 
@@ -86,10 +101,21 @@ impl Frame {
         let size = |tile: &Tile| [tile.values.width() as f32, tile.values.height() as f32];
         let [width, height] = tiles.iter().map(size).fold([1.0f32; 2], |[w, h], size| [w.max(size[0]), h.max(size[1])]);
         let across = (area.width() / tiles.len().max(1) as f32 - GAP) / width;
-        let down = (area.height() - 2.0 * line - 4.0) / height;
+        let down = (area.height() - line - 4.0) / height;
         let cell = across.min(down).clamp(2.0, LARGEST);
         let cell = if cell >= 4.0 { cell.floor() } else { cell };
         Self { cell, step: (cell * width).max(labels) + GAP, height: cell * height + 4.0, top: line }
+    }
+
+    /// The same with pixels large enough for their numbers, unless there are too many.
+    fn readable(self, tiles: &[Tile], labels: f32) -> Self {
+        let sizes = tiles.iter().map(|tile| tile.values.size());
+        let (width, height) = sizes.fold((1, 1), |(w, h), size| (w.max(size.0), h.max(size.1)));
+        if self.cell >= NUMBERS || width.max(height) > MOST_PIXELS {
+            return self;
+        }
+        let step = (READABLE * width as f32).max(labels) + GAP;
+        Self { cell: READABLE, step, height: READABLE * height as f32 + 4.0, ..self }
     }
 
     fn place(&self, origin: Pos2, index: usize, tile: &Tile) -> Rect {
@@ -156,7 +182,7 @@ fn paint(painter: &Painter, tile: &Tile, place: Rect, cell: f32, theme: Theme) -
     painter.add(Shape::mesh(mesh));
     if cell >= NUMBERS {
         let font = ink::font(Face::Sans, (0.42 * cell).clamp(7.5, 14.0));
-        for (x, y, v) in known {
+        for (x, y, v) in known.filter(|(x, y, _)| painter.clip_rect().intersects(square(*x, *y))) {
             let color = super::stage::on_gray(shade(v));
             let number = axis::number(v);
             // A square of 255 has five digits: it gets smaller type.
@@ -200,6 +226,16 @@ mod tests {
             let middle = last.min + vec2(2.5, 3.5) * cell;
             assert_eq!(pixel(middle, last, cell, &tiles[1]), Some([2, 3]));
         }
+    }
+
+    #[test]
+    fn a_block_is_shown_large_enough_for_its_numbers() {
+        let small = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 160.0));
+        let cell = |side| {
+            let tiles = [tile(side, Role::Reference, 255.0), tile(side, Role::Candidate, 255.0)];
+            Frame::new(&tiles, small, 20.0, 90.0).readable(&tiles, 90.0).cell
+        };
+        assert!(cell(4) >= NUMBERS && cell(16) >= NUMBERS && cell(64) < NUMBERS);
     }
 
     #[test]

@@ -58,16 +58,24 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
             Readout::Facts(facts) => Some(facts.as_slice()),
             _ => None,
         });
+        rule(ui, theme);
         hold(ui, &mut state.facts, |ui| table(ui, facts.unwrap_or_default(), theme));
         let lines = step.readouts.iter().find_map(|readout| match readout {
             Readout::Equation(lines) => Some(lines.as_slice()),
             _ => None,
         });
+        rule(ui, theme);
         hold(ui, &mut state.equation, |ui| equation(ui, lines.unwrap_or_default(), theme));
         let moved = state.line.replace(step.line) != Some(step.line);
         pseudocode(ui, input, moved);
         citation(ui, info.source, theme);
     });
+}
+
+/// A thin line between two parts, so that the room kept for a part is seen to be its own.
+fn rule(ui: &mut Ui, theme: Theme) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 1.0), Sense::hover());
+    ui.painter().hline(rect.x_range(), rect.min.y, Stroke::new(1.0, ink::color(theme.chrome().line)));
 }
 
 /// Shows a part in at least as much height as it ever took.
