@@ -58,14 +58,17 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
             Readout::Facts(facts) => Some(facts.as_slice()),
             _ => None,
         });
-        rule(ui, theme);
-        hold(ui, &mut state.facts, |ui| table(ui, facts.unwrap_or_default(), theme));
         let lines = step.readouts.iter().find_map(|readout| match readout {
             Readout::Equation(lines) => Some(lines.as_slice()),
             _ => None,
         });
-        rule(ui, theme);
-        hold(ui, &mut state.equation, |ui| equation(ui, lines.unwrap_or_default(), theme));
+        // Before the first step there is neither: no room is kept then.
+        if facts.is_some() || lines.is_some() {
+            rule(ui, theme);
+            hold(ui, &mut state.facts, |ui| table(ui, facts.unwrap_or_default(), theme));
+            rule(ui, theme);
+            hold(ui, &mut state.equation, |ui| equation(ui, lines.unwrap_or_default(), theme));
+        }
         let moved = state.line.replace(step.line) != Some(step.line);
         pseudocode(ui, input, moved);
         citation(ui, info.source, theme);

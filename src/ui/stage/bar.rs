@@ -148,7 +148,8 @@ fn legend_lines(input: &Input<'_>, look: &Look, ui: &Ui, width: f32) -> usize {
         (entry, ink::SWATCH.x + GAP + width_of(meaning))
     };
     let ends = [String::new(), String::new()];
-    let heat = Some((*look, ends, width_of(input.heat) + width_of(" 000 000") + width_of("000 000") + BAR.x + 2.0 * GAP));
+    let heat =
+        Some((*look, ends, width_of(input.heat) + width_of(" 000 000") + width_of("000 000") + BAR.x + 2.0 * GAP));
     let entries = input.scene.legend.iter().map(entry).collect();
     Items { entries, heat, theme: input.theme }.layout(width).1
 }
