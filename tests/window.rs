@@ -1,5 +1,6 @@
 //! The window driven headlessly: no display, no graphics card, but real keys, clicks and drags.
 
+use std::ffi::OsString;
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -9,6 +10,7 @@ use eframe::egui::{Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use motionscope::paint::Theme;
+use motionscope::session::Session;
 use motionscope::ui::app::App;
 use motionscope::ui::commands::{Command, Rungs};
 use motionscope::ui::document::Owner;
@@ -344,6 +346,40 @@ fn a_session_reopens_exactly() {
 }
 
 #[test]
+fn a_session_keeps_truth_and_look_and_the_command_line_paints_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (first, second) = (folder.path().join("first.motionscope"), folder.path().join("second.motionscope"));
+    fs::write(folder.path().join("truth.flo"), still_truth(320, 240)).expect("the truth");
+    let text = "motionscope = 1\nclip = \"synth:pillar\"\ntruth = \"truth.flo\"\nestimator = \"full-search\"\n\
+                step = \"30.200\"\n[picture]\nview = \"side-by-side\"\ntheme = \"light\"\ncolors = \"turbo\"\narrows = 2.5\n\
+                legend = false\ncaption = true\n";
+    fs::write(&first, text).expect("the session");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(first.display().to_string()) });
+    window.press(Modifiers::COMMAND, Key::S);
+    write_to(&mut window, &second);
+    let (before, after) = (Session::load(&first).expect("read"), Session::load(&second).expect("written"));
+    assert_eq!(after.look, before.look);
+    let truth = after.truth.and_then(|truth| truth.canonicalize().ok());
+    assert_eq!(truth, folder.path().join("truth.flo").canonicalize().ok());
+    assert_eq!((after.cursor, after.frame), (before.cursor, before.frame));
+
+    window.command(Command::ExportPicture);
+    let (mine, theirs) = (folder.path().join("window.png"), folder.path().join("line.png"));
+    window.click_role(Role::Button, "1×");
+    write_to(&mut window, &mine);
+    let words = ["motionscope", "run", &second.display().to_string(), "--scale", "1", "--overlay"].map(OsString::from);
+    let code = motionscope::cli::main(words.into_iter().chain([theirs.clone().into_os_string()]));
+    assert_eq!(format!("{code:?}"), format!("{:?}", std::process::ExitCode::SUCCESS));
+    assert!(fs::read(mine).expect("a picture") == fs::read(theirs).expect("a picture"), "the pictures differ");
+}
+
+/// A flow file that says that nothing moves.
+fn still_truth(width: u32, height: u32) -> Vec<u8> {
+    let head = [width.to_le_bytes(), height.to_le_bytes()].concat();
+    [b"PIEH".to_vec(), head, vec![0; (width * height * 8) as usize]].concat()
+}
+
+#[test]
 fn a_bad_file_is_told_and_the_picture_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("broken.png");
@@ -396,10 +432,10 @@ fn keys_are_letters_while_one_types() {
     window.settle();
     window.key(Key::L);
     window.key(Key::ArrowRight);
-    assert!(!window.app().settings().folded.lecture && window.told() == before);
+    assert!(!window.app().settings().lecture && window.told() == before);
     window.key(Key::Escape);
     window.key(Key::L);
-    assert!(window.app().settings().folded.lecture);
+    assert!(window.app().settings().lecture);
 }
 
 #[test]
@@ -409,10 +445,10 @@ fn the_palette_runs_a_command() {
     window.harness.get_by_label("What to find").type_text("lectur");
     window.settle();
     window.key(Key::Enter);
-    assert!(window.app().settings().folded.lecture);
+    assert!(window.app().settings().lecture);
     assert!(window.harness.query_by_label("What to find").is_none(), "the palette is closed");
     window.key(Key::Escape);
-    assert!(!window.app().settings().folded.lecture);
+    assert!(!window.app().settings().lecture);
 
     window.press(Modifiers::COMMAND, Key::K);
     window.harness.get_by_label("What to find").type_text("barber");
@@ -472,6 +508,35 @@ fn panes_fold_away_and_come_back() {
     assert!(seen(&window, "Parameters") && seen(&window, "3-D"));
     window.click_role(Role::Tab, "Plot");
     assert!(window.harness.query_all_by_label_contains("Cost by candidate").next().is_some());
+}
+
+#[test]
+fn large_type_in_a_small_window_leaves_room_for_the_stage() {
+    for size in [vec2(1280.0, 720.0), vec2(1440.0, 900.0)] {
+        let mut window = Window::new(size);
+        let seen = |window: &Window, label: &str| window.harness.query_by_role_and_label(Role::Tab, label).is_some();
+        assert!(seen(&window, "Parameters"));
+        window.command(Command::ProjectorTheme);
+        assert!(!seen(&window, "Parameters") && seen(&window, "Why"));
+        window.command(Command::ShowParameters);
+        assert!(seen(&window, "Parameters"), "they come when asked for");
+        window.command(Command::LightTheme);
+        assert!(seen(&window, "Parameters"));
+    }
+}
+
+#[test]
+fn play_starts_anew_at_the_end() {
+    let mut window = Window::usual();
+    window.command(Command::End);
+    assert!(window.shown().at_end);
+    window.harness.state_mut().command(Command::Play);
+    let begun = Instant::now();
+    while window.harness.state().view().shown.as_deref().is_none_or(|shown| shown.at_end) {
+        window.harness.step();
+        assert!(begun.elapsed() < Duration::from_secs(20), "it stays at the end");
+    }
+    assert_eq!(window.cursor().unit, 0);
 }
 
 #[test]

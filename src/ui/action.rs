@@ -6,7 +6,6 @@ use motionscope_core::{Cursor, Value};
 use super::commands::Command;
 use super::document::Owner;
 use super::writer::Order;
-use crate::paint::Theme;
 
 /// What the system's dialog is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +18,15 @@ pub enum Browse {
     SaveFile,
     /// A folder to write into.
     SaveFolder,
+}
+
+/// Which side of a unit is gone to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Before its first event.
+    Start,
+    /// Its result.
+    End,
 }
 
 /// Something asked for.
@@ -48,16 +56,14 @@ pub enum Action {
     ResetAll(Owner),
     /// Go to a place of the run.
     Seek(Cursor),
-    /// Go to what lies at a pixel.
-    SeekAt([f32; 2]),
+    /// Go to the end or to the start of what lies at a pixel.
+    SeekAt([f32; 2], Side),
     /// Explain a pixel.
     Focus(Option<[f32; 2]>),
     /// Run on the pair that starts with this frame.
     Frame(usize),
     /// Play at this speed.
     Speed(usize),
-    /// Take this theme.
-    Theme(Theme),
     /// The error was read.
     Dismiss,
 }

@@ -10,7 +10,7 @@ use super::document::Owner;
 use super::save_dialog::Kind;
 use super::style::ZOOM;
 use super::{layout, open_dialog, palette};
-use crate::paint::View as Pictures;
+use crate::paint::{Theme, View as Pictures};
 
 impl App {
     /// Does what was asked for.
@@ -39,9 +39,9 @@ impl App {
                 self.player.pause();
                 self.walker.go(Move::To(cursor));
             }
-            Action::SeekAt(point) => {
+            Action::SeekAt(point, side) => {
                 self.player.pause();
-                self.walker.go_at(point);
+                self.walker.go_at(point, side);
             }
             Action::Focus(point) => self.walker.focus(point),
             Action::Frame(frame) => self.go_to_frame(frame),
@@ -49,7 +49,6 @@ impl App {
                 self.player.speed = speed;
                 self.settings.speed = speed;
             }
-            Action::Theme(theme) => self.settings.set_theme(theme),
             Action::Dismiss => self.error = None,
         }
     }
@@ -76,7 +75,8 @@ impl App {
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink | C::Fit | C::ActualSize => {
                 self.look_at(command);
             }
-            C::NextTheme | C::LargerInterface | C::SmallerInterface | C::NormalInterface => self.restyle(command),
+            C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => self.restyle(command),
+            C::LargerInterface | C::SmallerInterface | C::NormalInterface => self.restyle(command),
             C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::ResetLayout => self.arrange(command),
             C::FullScreen => {
                 let now = self.ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
@@ -84,7 +84,12 @@ impl App {
             }
             C::ReducedMotion => self.settings.reduced_motion = !self.settings.reduced_motion,
             C::Play if self.player.is_playing() => self.player.pause(),
-            C::Play => self.player.play(),
+            C::Play => {
+                if self.now().at_end {
+                    self.walker.go(Move::To(Cursor::default()));
+                }
+                self.player.play();
+            }
             C::Slower | C::Faster => {
                 self.player.shift(command == C::Faster);
                 self.settings.speed = self.player.speed;
@@ -147,24 +152,24 @@ impl App {
             Command::LargerInterface => self.settings.set_zoom(zoom + step),
             Command::SmallerInterface => self.settings.set_zoom(zoom - step),
             Command::NormalInterface => self.settings.set_zoom(1.0),
+            Command::DarkTheme => self.settings.set_theme(Theme::Dark),
+            Command::LightTheme => self.settings.set_theme(Theme::Light),
+            Command::ProjectorTheme => self.settings.set_theme(Theme::Projector),
             _ => self.settings.set_theme(self.settings.next_theme()),
         }
     }
 
     fn arrange(&mut self, command: Command) {
-        let folded = &mut self.settings.folded;
-        let toggled = match command {
-            Command::ShowParameters => &mut folded.parameters,
-            Command::ShowWhy => &mut folded.why,
-            Command::ShowCharts => &mut folded.charts,
-            Command::Lecture => &mut folded.lecture,
+        match command {
+            Command::ShowParameters => self.settings.toggle(layout::Pane::Parameters, self.tight),
+            Command::ShowWhy => self.settings.toggle(layout::Pane::Why, self.tight),
+            Command::ShowCharts => self.settings.toggle(layout::Pane::Surface, self.tight),
+            Command::Lecture => self.settings.lecture = !self.settings.lecture,
             _ => {
-                *folded = layout::Folded::default();
-                self.settings.tree = layout::tree();
-                return;
+                self.settings.reset_layout();
+                self.tight = layout::Tight::default();
             }
-        };
-        *toggled = !*toggled;
+        }
     }
 
     fn choose(&mut self, id: &str) {

@@ -10,7 +10,7 @@ use motionscope_core::Error;
 use super::action::{Action, Actions, Browse};
 use super::commands::{Command, Now, Rungs};
 use super::document::{Document, Owner};
-use super::layout;
+use super::layout::{self, Folded, Tight};
 use super::loader::Loading;
 use super::panes::{Panes, States};
 use super::player::Player;
@@ -62,6 +62,8 @@ pub struct App {
     pub(super) folder: Option<PathBuf>,
     /// The look that egui was told last.
     styled: Option<Look>,
+    /// Whether the window is small for its type.
+    pub(super) tight: Tight,
     /// When the run was played on last.
     played: f64,
     pub(super) ctx: egui::Context,
@@ -94,6 +96,7 @@ impl App {
             browsing: None,
             writing: None,
             folder: None,
+            tight: Tight::default(),
             played: 0.0,
             ctx: ctx.clone(),
         })
@@ -140,6 +143,20 @@ impl App {
         pictured && self.loading.is_none() && self.writing.is_none() && !self.view.busy
     }
 
+    /// What is folded away just now.
+    pub fn folded(&self) -> Folded {
+        self.settings.folded(self.tight)
+    }
+
+    /// Looks how much room there is, and shares it out anew where that has changed.
+    fn measure(&mut self, ctx: &egui::Context) {
+        let (room, body_pt) = (ctx.content_rect().size(), self.settings.theme().sizes().body);
+        let tight = Tight::of(room, body_pt);
+        if tight.differs(std::mem::replace(&mut self.tight, tight)) {
+            layout::share_out(&mut self.settings.tree, tight, room.x, body_pt);
+        }
+    }
+
     /// The names of the ladder's rungs.
     pub(super) fn rungs(&self) -> Rungs {
         Rungs::new(self.document.estimator().info().rungs)
@@ -169,7 +186,7 @@ impl App {
         let now = ctx.input(|i| i.time);
         let seconds = now - std::mem::replace(&mut self.played, now);
         let Some(shown) = self.view.shown.as_deref().filter(|_| self.player.is_playing()) else { return };
-        if shown.at_end {
+        if shown.at_end && !self.view.busy {
             self.player.pause();
             return;
         }
@@ -182,7 +199,7 @@ impl App {
     }
 
     fn panels(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
-        let lecture = self.settings.folded.lecture;
+        let lecture = self.settings.lecture;
         let fill = ui.visuals().panel_fill;
         let bar = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
         if !lecture {
@@ -200,7 +217,7 @@ impl App {
             document: &self.document,
             now: self.now(),
             rungs: self.rungs(),
-            folded: self.settings.folded,
+            folded: self.folded(),
             reduced_motion: self.settings.reduced_motion,
             recent: &self.settings.recent,
             theme: self.settings.theme(),
@@ -245,7 +262,8 @@ impl App {
     }
 
     fn tiles(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
-        layout::fold(&mut self.settings.tree, self.settings.folded);
+        let folded = self.folded();
+        layout::fold(&mut self.settings.tree, folded);
         let calm = self.settings.reduced_motion || self.player.is_playing();
         let mut panes = Panes {
             document: &self.document,
@@ -303,7 +321,7 @@ impl App {
 
     /// One line over the stage that says how to leave a lecture.
     fn lecture_hint(&self, ui: &Ui, actions: &mut Actions) {
-        if !self.settings.folded.lecture {
+        if !self.settings.lecture {
             return;
         }
         let area = egui::Area::new(egui::Id::unique("lecture")).anchor(egui::Align2::RIGHT_TOP, [-8.0, 6.0]);
@@ -323,8 +341,9 @@ impl eframe::App for App {
         let mut actions = Actions::default();
         self.receive();
         self.play(&ctx);
+        self.measure(&ctx);
         let overlaid = !matches!(self.overlay, Overlay::None);
-        keys::take(&ctx, overlaid, self.settings.folded.lecture, &self.now(), &mut actions);
+        keys::take(&ctx, overlaid, self.settings.lecture, &self.now(), &mut actions);
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
         self.panels(ui, frame.wgpu_render_state(), &mut actions);
         self.lecture_hint(ui, &mut actions);

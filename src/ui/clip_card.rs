@@ -65,8 +65,12 @@ pub fn facts(document: &Document) -> String {
 fn frame(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     let now = document.frame();
     let last = document.last_frame().unwrap_or(usize::MAX >> 12);
+    let tip = "The first frame of the pair; the second is the next one.";
+    // A narrow pane has the name on a line of its own.
+    let narrow = ui.available_width() < 7.5 * ui.spacing().interact_size.y;
+    let above = narrow.then(|| ui.label("Frame").on_hover_text(tip));
     ui.horizontal(|ui| {
-        let label = ui.label("Frame").on_hover_text("The first frame of the pair; the second is the next one.");
+        let label = above.unwrap_or_else(|| ui.label("Frame").on_hover_text(tip));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.add_enabled_ui(now < last, |ui| {

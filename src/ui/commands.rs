@@ -53,6 +53,12 @@ commands! {
     ActualSize,
     /// Dark, light, projector.
     NextTheme,
+    /// Light on dark.
+    DarkTheme,
+    /// Dark on light.
+    LightTheme,
+    /// Large type and thick lines.
+    ProjectorTheme,
     /// Everything larger.
     LargerInterface,
     /// Everything smaller.
@@ -287,6 +293,15 @@ impl Command {
                 "Dark, light, and projector with large type and thick lines.",
                 const { &[key(Key::T)] },
             ),
+            C::DarkTheme => (Menu::View, Icon::Moon, "Dark theme", "Light on dark, for the desk.", &[]),
+            C::LightTheme => (Menu::View, Icon::Sun, "Light theme", "Dark on light, for print and bright rooms.", &[]),
+            C::ProjectorTheme => (
+                Menu::View,
+                Icon::Projector,
+                "Projector theme",
+                "Large type and thick lines, for the last row; what is not shown to a class is folded away.",
+                &[],
+            ),
             C::LargerInterface => (
                 Menu::View,
                 Icon::AArrowUp,
@@ -349,7 +364,13 @@ impl Command {
             C::ResetLayout => {
                 (Menu::View, Icon::LayoutDashboard, "Reset layout", "Put every pane back where it was at first.", &[])
             }
-            C::Play => (Menu::Walk, Icon::Play, "Play", "Play the run, or pause it.", const { &[key(Key::Space)] }),
+            C::Play => (
+                Menu::Walk,
+                Icon::Play,
+                "Play",
+                "Play the run, or pause it; at its end, play it again from the start.",
+                const { &[key(Key::Space)] },
+            ),
             C::Into => (
                 Menu::Walk,
                 Icon::ChevronRight,
@@ -502,7 +523,7 @@ impl Command {
             C::ResetParameters => now.has_clip && now.is_tuned,
             C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
             C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
-            C::Play => now.has_run && (!now.at_end || now.playing),
+            C::Play => now.has_run,
             C::Stop => now.busy || now.playing,
             C::NextFrame => now.has_clip && !now.at_last_frame,
             C::PreviousFrame => now.has_clip && !now.at_first_frame,
@@ -511,7 +532,8 @@ impl Command {
                 now.has_run
             }
             C::Open | C::PastePath | C::Samples | C::Quit => true,
-            C::NextTheme | C::LargerInterface | C::SmallerInterface | C::NormalInterface => true,
+            C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
+            C::LargerInterface | C::SmallerInterface | C::NormalInterface => true,
             C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::FullScreen => true,
             C::ReducedMotion | C::ResetLayout | C::Slower | C::Faster => true,
             C::Palette | C::Shortcuts | C::About => true,
@@ -612,10 +634,15 @@ impl Rungs {
         self.names.get(index).copied().unwrap_or("step")
     }
 
+    /// The name of the rung that one steps out of; the outermost one is the whole run.
+    pub fn outer(self) -> &'static str {
+        if self.group() == 0 { "run" } else { self.name(self.group()) }
+    }
+
     fn fill(self, text: &str) -> String {
         text.replace("{into}", self.name(self.event()))
             .replace("{over}", self.name(self.unit()))
-            .replace("{out}", self.name(self.group()))
+            .replace("{out}", self.outer())
     }
 }
 

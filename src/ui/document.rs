@@ -1,12 +1,14 @@
 //! What is open and how it is set: the clip, the estimator, the frame, and the past of all parameters.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use motionscope_core::synth::{self, Difficulty, Sample};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Params, Value, estimators};
 
 use super::history::History;
 use super::walker::{Job, Snapshot};
+use crate::media::Open;
+use crate::shot::Look;
 use crate::source::Source;
 
 /// Where a clip comes from.
@@ -54,6 +56,10 @@ pub struct Document {
     clip: Option<(Clip, Origin)>,
     setup: History<Setup>,
     frame: usize,
+    /// Truth given by hand.
+    truth: Option<PathBuf>,
+    /// How a session wants its pictures; view, theme and legend are the window's own.
+    look: Look,
     /// Why the clip could not be made with these sliders.
     refused: Option<Error>,
 }
@@ -61,7 +67,8 @@ pub struct Document {
 impl Default for Document {
     fn default() -> Self {
         let estimator = estimators().swap_remove(0);
-        Self { clip: None, setup: History::new(Setup { estimator, difficulty: None }), frame: 0, refused: None }
+        let setup = History::new(Setup { estimator, difficulty: None });
+        Self { clip: None, setup, frame: 0, truth: None, look: Look::default(), refused: None }
     }
 }
 
@@ -124,8 +131,18 @@ impl Document {
         self.refused.as_ref()
     }
 
-    /// Opens a clip; the estimator keeps its parameters.
-    pub fn open(&mut self, clip: Clip, source: Source) {
+    /// Truth that was given by hand.
+    pub fn truth(&self) -> Option<&Path> {
+        self.truth.as_deref()
+    }
+
+    /// Colours, lengths and caption of the pictures.
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// Opens a clip with the truth that was given for it; the estimator keeps its parameters.
+    pub fn open(&mut self, clip: Clip, source: Source, truth: Option<PathBuf>) {
         let (origin, difficulty) = match source {
             Source::File(path) => (Origin::File(path), None),
             Source::Synth { id, difficulty } => match synth::scene(id) {
@@ -135,16 +152,17 @@ impl Document {
         };
         self.clip = Some((clip, origin));
         self.frame = 0;
-        self.refused = None;
+        (self.truth, self.look, self.refused) = (truth, Look::default(), None);
         let estimator = self.estimator().boxed_clone();
         self.setup = History::new(Setup { estimator, difficulty });
     }
 
-    /// Takes an estimator with its parameters and a frame, as a session has them: without a past.
-    pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, frame: usize) {
+    /// Takes an estimator with its parameters, a frame and a look, as a session has them: without a past.
+    pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, frame: usize, look: Look) {
         let difficulty = self.setup.now().difficulty.clone();
         self.setup = History::new(Setup { estimator, difficulty });
         self.go_to_frame(frame);
+        self.look = look;
     }
 
     /// Takes another estimator with its default parameters; undo brings the old one back.
@@ -250,11 +268,10 @@ impl Document {
 
     /// Makes a synthetic clip again after its sliders moved.
     fn remake(&mut self) {
-        let (Some((clip, Origin::Sample(sample))), Some(difficulty)) = (&mut self.clip, &self.setup.now().difficulty)
-        else {
-            return;
-        };
-        match synth::Sample::clip(sample, difficulty) {
+        let Some(source) = self.source().filter(|_| self.sample().is_some()) else { return };
+        let made = source.open(&Open { truth: self.truth.clone(), ..Open::default() });
+        let Some((clip, _)) = &mut self.clip else { return };
+        match made {
             Ok(made) => (*clip, self.refused) = (made, None),
             Err(error) => self.refused = Some(error),
         }
@@ -275,7 +292,7 @@ mod tests {
     fn document() -> Document {
         let mut document = Document::default();
         let source = Source::synth(synth::SCENES[0].id).unwrap();
-        document.open(source.open(&crate::media::Open::default()).unwrap(), source);
+        document.open(source.open(&Open::default()).unwrap(), source, None);
         document
     }
 

@@ -89,7 +89,7 @@ impl App {
             }
         };
         let (width, height) = clip.size();
-        self.document.open(clip, source);
+        self.document.open(clip, source, None);
         self.begin();
         self.walk_from(
             Cursor { unit: 0, event: FIRST_LOOK },
@@ -102,16 +102,18 @@ impl App {
         if path.exists() {
             self.settings.remember(path);
         }
-        self.document.open(clip, source);
+        let truth = session.as_ref().and_then(|session| session.truth.clone());
+        self.document.open(clip, source, truth);
         self.begin();
         let Some(session) = session else {
             self.walk_from(Cursor::default(), None);
             return;
         };
         let Session { estimator, frame, cursor, look, sight, .. } = session;
-        self.document.restore(estimator, frame);
+        self.document.restore(estimator, frame, look);
         self.settings.set_theme(look.theme);
         self.states.stage.view = look.view.unwrap_or_default();
+        self.states.stage.legend = look.legend;
         if let Some(Sight { center, zoom }) = sight {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }
@@ -169,13 +171,15 @@ impl App {
             _ => None,
         };
         let folder = self.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());
-        let state = save_dialog::State::new(kind, &folder, &save_dialog::stem(&name), shown);
+        let state = save_dialog::State::new(kind, &folder, &save_dialog::stem(&name), shown, self.look());
         self.overlay = Overlay::Save(Box::new(state));
     }
 
     /// How the stage looks, for a picture of it.
     pub(super) fn look(&self) -> Look {
-        Look { view: Some(self.states.stage.view), theme: self.settings.theme(), ..Look::default() }
+        let stage = &self.states.stage;
+        let (view, theme, legend) = (Some(stage.view), self.settings.theme(), stage.legend);
+        Look { view, theme, legend, ..*self.document.look() }
     }
 
     /// Writes on another thread; a message tells the outcome.
@@ -206,9 +210,10 @@ impl App {
             Zoom::Fit => None,
             Zoom::At { center, scale } => Some(Sight { center, zoom: scale }),
         };
+        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
         Some(Session {
-            source: self.document.source()?.map_path(|path| std::path::absolute(path).unwrap_or_else(|_| path.into())),
-            truth: None,
+            source: self.document.source()?.map_path(whole),
+            truth: self.document.truth().map(whole),
             estimator: subject.estimator.boxed_clone(),
             frame: subject.shown.frame,
             cursor: Some(subject.shown.cursor),

@@ -10,7 +10,20 @@ pub fn score(query: &str, text: &str) -> Option<i32> {
     if letters.is_empty() {
         return Some(0);
     }
-    starts.filter_map(|at| from(&letters, &text, at)).max()
+    let scattered = starts.filter_map(|at| from(&letters, &text, at)).max()?;
+    Some(scattered + words(query, &text.iter().collect::<String>()))
+}
+
+/// What whole stretches of `text` are worth: any word that is written out counts more than letters strewn about.
+fn words(query: &str, text: &str) -> i32 {
+    let query = query.to_lowercase();
+    let worth = |word: &str| {
+        let mut found = text.match_indices(word).map(|(at, _)| at).peekable();
+        let occurs = found.peek().is_some();
+        let starts = found.any(|at| !text[..at].chars().next_back().is_some_and(char::is_alphanumeric));
+        200 * i32::from(occurs) + 200 * i32::from(starts)
+    };
+    query.split_whitespace().map(worth).sum()
 }
 
 /// The score with the first letter at `start`.
@@ -37,6 +50,10 @@ mod tests {
         assert_eq!(best("fs", &texts), "Full screen");
         assert_eq!(best("frame", &texts), "Frame t");
         assert_eq!(best("fast", &texts), "Play faster");
+        let themes = ["Pictures of several steps in the folder", "Next theme", "Dark theme", "Projector theme"];
+        assert_eq!(best("projector", &themes), "Projector theme");
+        assert_eq!(best("dark", &themes), "Dark theme");
+        assert!(score("them", "Dark theme") > score("them", "To the end of the frame").map(|score| score + 100));
         assert_eq!(score("xyz", "Full screen"), None);
         assert_eq!(score("", "anything"), Some(0));
     }

@@ -53,7 +53,52 @@ pub struct Folded {
     /// The panes below the stage.
     pub charts: bool,
     /// All but stage and explanation.
+    #[serde(skip)]
     pub lecture: bool,
+}
+
+/// Widths of the window, in letters of its type, below which parameters wait until they are asked for.
+const WIDE_LETTERS: f32 = 90.0;
+/// Heights below which the charts do.
+const HIGH_LETTERS: f32 = 46.0;
+/// Width of the explanation where there is little room: a formula fits.
+const WHY_LETTERS: f32 = 22.5;
+
+/// Where the window is small for its type: a small screen, or a projector's large letters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tight {
+    /// Too narrow for three panes beside each other.
+    pub width: bool,
+    /// Too low for two above each other.
+    pub height: bool,
+    /// Size of the type in whole points.
+    type_pt: u32,
+}
+
+impl Tight {
+    /// Whether the panes' widths are to be shared out anew after `before`.
+    pub fn differs(self, before: Self) -> bool {
+        self.width != before.width || self.width && self.type_pt != before.type_pt
+    }
+
+    /// What a window of `size` is with type of `body_pt`.
+    pub fn of(size: egui::Vec2, body_pt: f32) -> Self {
+        let letters = size / body_pt.max(1.0);
+        Self { width: letters.x < WIDE_LETTERS, height: letters.y < HIGH_LETTERS, type_pt: body_pt.round() as u32 }
+    }
+}
+
+/// Gives the explanation the width that formulas need in a window of `width_pt`, or its usual share if that is roomy.
+pub fn share_out(tree: &mut Tree<Pane>, tight: Tight, width_pt: f32, body_pt: f32) {
+    let usual = 0.25;
+    let needed = if tight.width { (WHY_LETTERS * body_pt / width_pt.max(1.0)).clamp(usual, 0.42) } else { usual };
+    let Some(root) = tree.root() else { return };
+    let why = tree.tiles.find_pane(&Pane::Why).and_then(|pane| tree.tiles.parent_of(pane));
+    let Some(Tile::Container(Container::Linear(row))) = tree.tiles.get_mut(root) else { return };
+    let others: f32 = row.children.iter().filter(|tile| Some(**tile) != why).map(|tile| row.shares[*tile]).sum();
+    let Some(why) = why.filter(|why| row.children.contains(why)) else { return };
+    let seen = if tight.width { others - row.children.first().map_or(0.0, |first| row.shares[*first]) } else { others };
+    row.shares.set_share(why, needed / (1.0 - needed) * seen);
 }
 
 impl Folded {

@@ -48,7 +48,8 @@ pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Ac
     let mut chosen = None;
     let id = egui::Id::unique("palette");
     let area = Modal::default_area(id).anchor(Align2::CENTER_TOP, vec2(0.0, 5.0 * size)).default_height(30.0 * size);
-    let frame = egui::Frame::window(&ctx.global_style()).inner_margin(8);
+    let area = area.fade_in(false);
+    let frame = egui::Frame::window(&ctx.global_style()).inner_margin(12);
     let modal = Modal::new(id).area(area).frame(frame).show(ctx, |ui| {
         ui.set_width((36.0 * size).min(ui.ctx().content_rect().width() - 48.0));
         let (up, down, enter) = ui.input_mut(|i| {
@@ -63,6 +64,8 @@ pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Ac
         response.request_focus();
         if response.changed() {
             state.chosen = 0;
+            // The field shows what was typed one frame after.
+            ui.ctx().request_repaint();
         }
         let entries = found(&state.query, input);
         state.chosen = (state.chosen + usize::from(down)).saturating_sub(usize::from(up));

@@ -10,14 +10,14 @@ use lucide_icons::Icon;
 use motionscope_core::Error;
 use motionscope_core::scene::Readout;
 
-use super::action::{Action, Actions};
+use super::action::{Action, Actions, Side};
 use super::commands::Command;
 use super::document::Document;
 use super::layout::Pane;
 use super::loader::Loading;
 use super::walker::View;
 use super::{heat_map, parameters, series, stage, style, surface3d, tiles, why, widgets};
-use crate::paint::{ColorMap, Lengthen, Theme};
+use crate::paint::Theme;
 
 /// What the panes remember between frames.
 #[derive(Default)]
@@ -76,15 +76,16 @@ impl Panes<'_> {
             frame: shown.frame,
             scene: &shown.scene,
             theme: self.theme,
-            colors: ColorMap::default(),
+            colors: self.document.look().colors,
             heat: heat.unwrap_or_default(),
-            lengthen: Lengthen::default(),
+            lengthen: self.document.look().lengthen,
             animate: self.animate,
         };
         let response = stage::show(ui, input, &mut self.states.stage);
         self.actions.ask(Action::Focus(response.hovered));
         if let Some(point) = response.clicked {
-            self.actions.ask(Action::SeekAt(point));
+            let side = if ui.input(|i| i.modifiers.shift) { Side::Start } else { Side::End };
+            self.actions.ask(Action::SeekAt(point, side));
         }
     }
 
@@ -176,7 +177,7 @@ impl Panes<'_> {
         let Some(shown) = self.view.shown.as_deref() else {
             return empty(ui, "There is nothing to show before a clip is open.");
         };
-        let (theme, colors) = (self.theme, ColorMap::default());
+        let (theme, colors) = (self.theme, self.document.look().colors);
         let states = &mut *self.states;
         for readout in &shown.step.readouts {
             match (pane, readout) {

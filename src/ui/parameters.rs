@@ -115,14 +115,38 @@ impl Row<'_> {
     }
 
     /// Label left, `add` right; between them the way back if the value was changed.
-    fn line<R>(&self, ui: &mut Ui, actions: &mut Actions, add: impl FnOnce(&mut Ui, &Response) -> R) -> R {
+    ///
+    /// Where both do not fit, `add`, which needs `needed_pt`, lies on a line of its own.
+    fn line<R>(
+        &self,
+        ui: &mut Ui,
+        needed_pt: f32,
+        actions: &mut Actions,
+        add: impl FnOnce(&mut Ui, &Response) -> R,
+    ) -> R {
         let height = ui.spacing().interact_size.y;
+        let changed = self.default.is_some_and(|default| default != self.value);
+        let back = if changed { height + 8.0 } else { 0.0 };
+        if text_width(ui, &self.spec.label) + 8.0 + back + needed_pt > ui.available_width() {
+            let label = ui.add(egui::Label::new(&self.spec.label).wrap().sense(Sense::hover()));
+            let label = label.on_hover_text(self.tip());
+            let row = vec2(ui.available_width(), height);
+            return ui
+                .allocate_ui_with_layout(row, Layout::left_to_right(Align::Center), |ui| {
+                    let result = add(ui, &label);
+                    if changed {
+                        self.way_back(ui, actions);
+                    }
+                    result
+                })
+                .inner;
+        }
         ui.allocate_ui_with_layout(vec2(ui.available_width(), height), Layout::left_to_right(Align::Center), |ui| {
             let label = ui.add(egui::Label::new(&self.spec.label).truncate().sense(Sense::hover()));
             let label = label.on_hover_text(self.tip());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let result = add(ui, &label);
-                if self.default.is_some_and(|default| default != self.value) {
+                if changed {
                     self.way_back(ui, actions);
                 }
                 result
@@ -169,15 +193,11 @@ impl Row<'_> {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let decimals = if whole { 0 } else { decimals(max - min) };
         let unit = if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) };
-        let typed = self.line(ui, actions, |ui, label| {
+        let width = text_width(ui, self.spec.unit) + 4.2 * size;
+        let typed = self.line(ui, width, actions, |ui, label| {
             let mut field = DragValue::new(&mut wanted).range(min..=max).suffix(unit).max_decimals(decimals);
             field = field.speed((max - min) / 200.0);
-            let width = ui.painter().layout_no_wrap(
-                self.spec.unit.into(),
-                TextStyle::Body.resolve(ui.style()),
-                egui::Color32::WHITE,
-            );
-            let response = ui.add_sized(vec2(width.size().x + 4.2 * size, ui.spacing().interact_size.y), field);
+            let response = ui.add_sized(vec2(width, ui.spacing().interact_size.y), field);
             response.labelled_by(label.id).on_hover_text(self.tip())
         });
         let default = self.default.and_then(|default| match default {
@@ -196,7 +216,8 @@ impl Row<'_> {
     }
 
     fn switch(&self, ui: &mut Ui, on: bool, actions: &mut Actions) -> Option<bool> {
-        let response = self.line(ui, actions, |ui, _| toggle(ui, on, self.theme));
+        let width = 1.2 * ui.spacing().interact_size.y;
+        let response = self.line(ui, width, actions, |ui, _| toggle(ui, on, self.theme));
         let name = &self.spec.label;
         response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, on, name));
         let clicked = response.on_hover_text(self.tip()).clicked();
@@ -216,14 +237,11 @@ impl Row<'_> {
     ) -> Option<&'static str> {
         let mut wanted = None;
         let size = TextStyle::Body.resolve(ui.style()).size;
-        let wide = |text: &str| {
-            let font = TextStyle::Body.resolve(ui.style());
-            ui.painter().layout_no_wrap(text.into(), font, egui::Color32::PLACEHOLDER).size().x
-        };
         let padding = 2.0 * ui.spacing().button_padding.x + 4.0;
-        let needed: f32 = choices.iter().map(|choice| wide(choice.label) + padding).sum();
-        let fits = needed + wide(&self.spec.label) + 16.0 < ui.available_width();
-        self.line(ui, actions, |ui, label| {
+        let needed: f32 = choices.iter().map(|choice| text_width(ui, choice.label) + padding).sum();
+        let fits = needed + text_width(ui, &self.spec.label) + 16.0 < ui.available_width();
+        let list = (9.5 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
+        self.line(ui, if fits { needed } else { list }, actions, |ui, label| {
             if fits {
                 ui.spacing_mut().item_spacing.x = 2.0;
                 for choice in choices.iter().rev() {
@@ -239,7 +257,7 @@ impl Row<'_> {
             }
             let shown = choices.iter().find(|choice| choice.name == now).map_or(now, |choice| choice.label);
             let combo = ComboBox::from_id_salt((self.owner as usize, self.index)).selected_text(shown);
-            let response = combo.width(9.5 * size).show_ui(ui, |ui| {
+            let response = combo.width(list).truncate().show_ui(ui, |ui| {
                 for choice in choices {
                     let row = ui.selectable_label(choice.name == now, choice.label);
                     if row.on_hover_text(choice.doc).clicked() {
@@ -254,6 +272,12 @@ impl Row<'_> {
         }
         wanted
     }
+}
+
+/// How wide `text` is as a label.
+fn text_width(ui: &Ui, text: &str) -> f32 {
+    let font = TextStyle::Body.resolve(ui.style());
+    ui.painter().layout_no_wrap(text.into(), font, egui::Color32::PLACEHOLDER).size().x
 }
 
 /// Decimals that a real number of this span is worth.

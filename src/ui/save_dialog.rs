@@ -79,7 +79,7 @@ pub struct State {
 
 impl State {
     /// The dialog for `kind`, with a name that says what it is, in `folder`.
-    pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot) -> Self {
+    pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, look: Look) -> Self {
         let ending = kind.endings()[0].0;
         let Cursor { unit, .. } = shown.cursor;
         let name = match kind {
@@ -93,8 +93,8 @@ impl State {
             path: folder.join(name).display().to_string(),
             ending,
             scale: 2,
-            legend: true,
-            caption: false,
+            legend: look.legend,
+            caption: look.caption,
             from: Cursor { unit, event: 1 }.to_string(),
             to: shown.cursor.to_string(),
             rung: Rungs::new(shown.info.rungs).event(),

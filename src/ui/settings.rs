@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use egui_tiles::Tree;
 use serde::{Deserialize, Serialize};
 
-use super::layout::{self, Folded, Pane};
+use super::layout::{self, Folded, Pane, Tight};
 use super::player::Player;
 use super::style::{Look, ZOOM};
 use crate::paint::Theme;
@@ -14,6 +14,9 @@ use crate::paint::Theme;
 const RECENT: usize = 12;
 /// The key under which everything is stored.
 const KEY: &str = "motionscope";
+
+/// What is folded away at first where there is little room.
+const TIGHT: Folded = Folded { parameters: true, why: false, charts: true, lecture: false };
 
 /// What is remembered.
 #[derive(Clone, Serialize, Deserialize)]
@@ -25,8 +28,13 @@ pub struct Settings {
     zoom: f32,
     /// Whether things change at once.
     pub reduced_motion: bool,
-    /// What is folded away.
-    pub folded: Folded,
+    /// What is folded away where there is room.
+    folded: Folded,
+    /// What is folded away where there is not.
+    folded_tight: Folded,
+    /// Only stage, explanation and transport: over when the window closes.
+    #[serde(skip)]
+    pub lecture: bool,
     /// Clips that were open lately, the last one first.
     pub recent: Vec<PathBuf>,
     /// How fast to play.
@@ -42,6 +50,8 @@ impl Default for Settings {
             zoom: 1.0,
             reduced_motion: false,
             folded: Folded::default(),
+            folded_tight: TIGHT,
+            lecture: false,
             recent: Vec::new(),
             speed: Player::default().speed,
             tree: layout::tree(),
@@ -56,8 +66,6 @@ impl Settings {
         if !layout::is_complete(&settings.tree) {
             settings.tree = layout::tree();
         }
-        // A lecture is over when the window closes.
-        settings.folded.lecture = false;
         settings.set_zoom(settings.zoom);
         settings
     }
@@ -81,6 +89,36 @@ impl Settings {
     pub fn next_theme(&self) -> Theme {
         let at = Theme::ALL.iter().position(|theme| *theme == self.theme()).unwrap_or(0);
         Theme::ALL[(at + 1) % Theme::ALL.len()]
+    }
+
+    /// What is folded away in a window with this much room.
+    pub fn folded(&self, tight: Tight) -> Folded {
+        let (wide, small) = (self.folded, self.folded_tight);
+        Folded {
+            parameters: if tight.width { small.parameters } else { wide.parameters },
+            why: wide.why,
+            charts: if tight.height { small.charts } else { wide.charts },
+            lecture: self.lecture,
+        }
+    }
+
+    /// Folds `pane` away or brings it back.
+    pub fn toggle(&mut self, pane: Pane, tight: Tight) {
+        let folded = match pane {
+            Pane::Parameters if tight.width => &mut self.folded_tight.parameters,
+            Pane::Parameters => &mut self.folded.parameters,
+            Pane::Why | Pane::Stage => &mut self.folded.why,
+            _ if tight.height => &mut self.folded_tight.charts,
+            _ => &mut self.folded.charts,
+        };
+        *folded = !*folded;
+    }
+
+    /// Puts every pane back where it was at first.
+    pub fn reset_layout(&mut self) {
+        let usual = Self::default();
+        (self.folded, self.folded_tight, self.lecture, self.tree) =
+            (usual.folded, usual.folded_tight, usual.lecture, usual.tree);
     }
 
     /// Interface scale.

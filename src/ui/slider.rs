@@ -29,8 +29,8 @@ impl Slider<'_> {
         let radius = (0.42 * size).round();
         let (left, right) = (rect.left() + radius, rect.right() - radius);
         let (min, max) = self.range;
-        // The last move and the release may come in one frame.
-        let held = response.is_pointer_button_down_on() || response.drag_stopped();
+        // The last move, or press and release, may come in one slow frame.
+        let held = response.is_pointer_button_down_on() || response.drag_stopped() || response.clicked();
         if let Some(at) = response.interact_pointer_pos().filter(|_| held) {
             *value = egui::remap_clamp(f64::from(at.x), f64::from(left)..=f64::from(right), min..=max);
         }

@@ -1,13 +1,18 @@
 //! The line at the bottom: where the run stands, in words.
 
-use motionscope_core::Role;
 use motionscope_core::scene::Readout;
+use motionscope_core::{Cursor, Role};
 
 use super::walker::Snapshot;
 
 /// Where the run stands: `block 35 of 1200 · probe 412 of 1104 · Best so far 812 at (−3, 2) · 38 % of the work`.
 pub fn line(shown: &Snapshot) -> String {
     let rungs = shown.info.rungs;
+    if shown.cursor == Cursor::default() {
+        let unit = rungs.len().checked_sub(2).and_then(|rung| rungs.get(rung)).unwrap_or(&"unit");
+        let of = shown.units.map_or_else(String::new, |units| format!("  ·  {} {unit}s to do", grouped(units)));
+        return format!("not started{of}");
+    }
     let mut parts = Vec::new();
     for (rung, name) in shown.place.iter().zip(rungs) {
         // A rung of one is no news.

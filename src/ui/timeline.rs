@@ -68,7 +68,9 @@ impl Columns {
         // The counter is given the room that it will need at its end, so that the track does not jump.
         let most = |track: &Track| width(&format!("{} / {}", grouped(track.count), grouped(track.count)));
         let widest = |of: &dyn Fn(&Track) -> f32| tracks.into_iter().map(of).fold(0.0, f32::max).ceil();
-        Self { left: widest(&|track| width(track.name)) + 8.0, right: widest(&most) + 20.0 }
+        // The knob reaches beyond the end of its track.
+        let gap = 1.2 * font.size;
+        Self { left: widest(&|track| width(track.name)) + gap, right: widest(&most) + gap }
     }
 }
 

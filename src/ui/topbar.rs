@@ -3,7 +3,7 @@
 use eframe::egui::{self, Align, Button, Layout, MenuBar, RichText, TextStyle, Ui};
 use lucide_icons::Icon;
 
-use super::action::{Action, Actions};
+use super::action::Actions;
 use super::commands::{Command, Menu, Now, Rungs, key_text};
 use super::document::Document;
 use super::layout::Folded;
@@ -152,9 +152,13 @@ fn theme(ui: &mut Ui, now: Theme, actions: &mut Actions) {
     let response = widgets::icon_button(ui, glyph, &format!("Theme: {}", now.name()), false);
     let response = response.on_hover_text("Dark, light, or projector\nT");
     egui::Popup::menu(&response).show(|ui| {
-        for theme in Theme::ALL {
-            if ui.selectable_label(theme == now, theme.name()).clicked() {
-                actions.ask(Action::Theme(theme));
+        for (theme, command) in [
+            (Theme::Dark, Command::DarkTheme),
+            (Theme::Light, Command::LightTheme),
+            (Theme::Projector, Command::ProjectorTheme),
+        ] {
+            if ui.selectable_label(theme == now, theme.name()).on_hover_text(command.face().tip).clicked() {
+                actions.command(command);
             }
         }
     });
@@ -168,6 +172,9 @@ fn is_on(command: Command, input: &Input) -> Option<bool> {
         Command::ShowCharts => Some(!input.folded.charts),
         Command::Lecture => Some(input.folded.lecture),
         Command::ReducedMotion => Some(input.reduced_motion),
+        Command::DarkTheme if input.theme == Theme::Dark => Some(true),
+        Command::LightTheme if input.theme == Theme::Light => Some(true),
+        Command::ProjectorTheme if input.theme == Theme::Projector => Some(true),
         _ => None,
     }
 }
@@ -194,7 +201,8 @@ fn section(command: Command) -> u8 {
     use Command as C;
     match command {
         C::SaveSession | C::Fit | C::ActualSize | C::ResetParameters => 1,
-        C::NextTheme | C::LargerInterface | C::SmallerInterface | C::NormalInterface => 2,
+        C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => 2,
+        C::LargerInterface | C::SmallerInterface | C::NormalInterface => 2,
         C::Quit | C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::FullScreen => 3,
         C::ReducedMotion | C::ResetLayout => 4,
         C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => 5,

@@ -67,20 +67,22 @@ pub fn tooltip(response: Response, command: Command, rungs: &Rungs) -> Response 
     }
 }
 
-/// The name of the rung that a command of the ladder moves on.
-fn rung_name(command: Command, rungs: &Rungs) -> Option<&'static str> {
+/// What a command of the ladder is called on its button: the rung that it moves on, or where it leads.
+fn button_name(command: Command, rungs: &Rungs) -> Option<String> {
+    let outer = |side: &str| if rungs.group() == 0 { side.to_owned() } else { format!("{} {side}", rungs.outer()) };
     use Command as C;
     match command {
-        C::Into | C::IntoBack => Some(rungs.name(rungs.event())),
-        C::Over | C::OverBack => Some(rungs.name(rungs.unit())),
-        C::Out | C::OutBack => Some(rungs.name(rungs.group())),
+        C::Into | C::IntoBack => Some(rungs.name(rungs.event()).to_owned()),
+        C::Over | C::OverBack => Some(rungs.name(rungs.unit()).to_owned()),
+        C::Out => Some(outer("end")),
+        C::OutBack => Some(outer("start")),
         _ => None,
     }
 }
 
 fn step(ui: &mut Ui, command: Command, named: bool, input: &Input, actions: &mut Actions) {
     let glyph = widgets::icon(ui, command.face().icon);
-    let name = rung_name(command, &input.rungs).filter(|_| named);
+    let name = button_name(command, &input.rungs).filter(|_| named);
     let back = matches!(command, Command::IntoBack | Command::OverBack | Command::OutBack | Command::Start);
     let height = ui.spacing().interact_size.y * 1.25;
     let button = match (name, back) {

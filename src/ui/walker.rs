@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use motionscope_core::scene::Readout;
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Frame, Info, Move, Output, Role, Rung, Scene, Step, Walk};
 
+use super::action::Side;
 use crate::quality::Quality;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
@@ -100,8 +101,8 @@ type Visit = Box<dyn FnOnce(&dyn Walk) + Send>;
 
 enum Request {
     Go(Move),
-    /// To the end of the unit whose result lies at a pixel.
-    GoAt([f32; 2]),
+    /// To the end or the start of the unit whose result lies at a pixel.
+    GoAt([f32; 2], Side),
     Visit(Visit),
 }
 
@@ -179,9 +180,9 @@ impl Walker {
         self.wake(desk, replaces);
     }
 
-    /// Goes to the end of the unit whose result lies at pixel `point` of frame t.
-    pub fn go_at(&self, point: [f32; 2]) {
-        self.ask(true, |desk| desk.requests.push_back(Request::GoAt(point)));
+    /// Goes to the end or the start of the unit whose result lies at pixel `point` of frame t.
+    pub fn go_at(&self, point: [f32; 2], side: Side) {
+        self.ask(true, |desk| desk.requests.push_back(Request::GoAt(point, side)));
     }
 
     /// Gives up the move at work; the run stays where it is shown.
@@ -319,9 +320,10 @@ impl<'a> Worker<'a> {
                 Err(error) => self.refuse(error),
             },
             Task::Request(Request::Go(to)) => self.go(to),
-            Task::Request(Request::GoAt(point)) => {
+            Task::Request(Request::GoAt(point, side)) => {
                 if let Some(unit) = self.run.as_ref().and_then(|run| run.walk.unit_at(point)) {
-                    self.go(Move::To(Cursor { unit, event: usize::MAX }));
+                    let event = if side == Side::Start { usize::from(unit > 0) } else { usize::MAX };
+                    self.go(Move::To(Cursor { unit, event }));
                 }
             }
             Task::Request(Request::Visit(visit)) => {

@@ -75,7 +75,8 @@ pub fn elide(text: &str, most: usize) -> String {
 pub fn modal(ctx: &egui::Context, name: &str, size: Vec2) -> Modal {
     let id = Id::unique(name);
     let most = ctx.content_rect().size() - vec2(64.0, 64.0);
-    let area = Modal::default_area(id).default_size(size.min(most));
+    // A slow computer would show a dialog that fades in as an empty shade for a long while.
+    let area = Modal::default_area(id).default_size(size.min(most)).fade_in(false);
     Modal::new(id).area(area).frame(Frame::window(&ctx.global_style()).inner_margin(20))
 }
 

@@ -254,7 +254,7 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
     let painter = ui.painter_at(rect);
     let Some(pixel) = hovered else {
         let hint =
-            "Point at a pixel to read it. Click a block to go there. The wheel zooms, dragging moves the picture.";
+            "Point at a pixel to read it. Click a block for its result, Shift+click for its start. The wheel zooms.";
         ink::name(&response, || hint.into());
         ink::line(&painter, rect.left_center(), (hint, font, dim), rect.width());
         return;
