@@ -24,12 +24,32 @@ impl Axis {
         if p == q { a } else { a + (place - p) / (q - p) * (b - a) }
     }
 
-    /// Ticks at least `spacing` points apart and at least `smallest` in value.
+    /// Round ticks at least `spacing` points apart and at least `smallest` in value.
     pub fn ticks(&self, spacing: f32, smallest: f32) -> Vec<f32> {
+        ticks(self.low(), self.high(), self.step(spacing).max(smallest))
+    }
+
+    /// Ticks of displacements: multiples of a power of two, as search ranges are, at least `spacing` points apart.
+    pub fn displacement_ticks(&self, spacing: f32) -> Vec<f32> {
+        let least = self.step(spacing);
+        let steps = (0..16).map(|i| (1u32 << i) as f32);
+        let Some(step) = steps.into_iter().find(|step| *step >= least) else { return Vec::new() };
+        let (first, last) = ((self.low() / step).ceil() as i32, (self.high() / step).floor() as i32);
+        (first..=last).map(|i| i as f32 * step).collect()
+    }
+
+    fn low(&self) -> f32 {
+        self.values[0].min(self.values[1])
+    }
+
+    fn high(&self) -> f32 {
+        self.values[0].max(self.values[1])
+    }
+
+    /// The step in value of ticks `spacing` points apart.
+    fn step(&self, spacing: f32) -> f32 {
         let length = (self.places[1] - self.places[0]).abs();
-        let (low, high) = (self.values[0].min(self.values[1]), self.values[0].max(self.values[1]));
-        let count = (length / spacing.max(1.0)).floor().max(1.0);
-        ticks(low, high, ((high - low) / count).max(smallest))
+        (self.high() - self.low()) / (length / spacing.max(1.0)).floor().max(1.0)
     }
 }
 
@@ -107,6 +127,16 @@ mod tests {
             assert!(!ticks.is_empty());
             assert!(ticks.windows(2).all(|w| axis.place(w[1]) - axis.place(w[0]) >= 39.9), "{high}: {ticks:?}");
         }
+    }
+
+    #[test]
+    fn displacements_are_ticked_by_powers_of_two() {
+        let axis = |side: f32, length: f32| Axis { values: [-side, side], places: [0.0, length] };
+        assert_eq!(axis(16.0, 160.0).displacement_ticks(50.0), [-16.0, 0.0, 16.0]);
+        assert_eq!(axis(16.0, 260.0).displacement_ticks(50.0), [-16.0, -8.0, 0.0, 8.0, 16.0]);
+        assert_eq!(axis(10.0, 160.0).displacement_ticks(50.0), [-8.0, 0.0, 8.0]);
+        assert_eq!(axis(1.0, 900.0).displacement_ticks(50.0), [-1.0, 0.0, 1.0]);
+        assert!(axis(f32::NAN, 100.0).displacement_ticks(50.0).is_empty());
     }
 
     #[test]

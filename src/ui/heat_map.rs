@@ -189,9 +189,9 @@ fn axes(painter: &Painter, map: &Map, theme: Theme) {
     let stroke = Stroke::new(1.0, dim);
     let (bottom, left) = (map.rect.max.y, map.rect.min.x);
     painter.rect_stroke(map.rect, 0.0, Stroke::new(1.0, ink::color(chrome.line)), egui::StrokeKind::Outside);
-    for (which, spacing) in [(0, 3.2 * small), (1, 2.0 * small)] {
+    for (which, spacing) in [(0, 2.8 * small), (1, 1.8 * small)] {
         let axis = map.axis(which);
-        for tick in axis.ticks(spacing, 1.0) {
+        for tick in axis.displacement_ticks(spacing) {
             let (at, text) = (axis.place(tick), axis::number(tick));
             if which == 0 {
                 painter.vline(at, bottom..=bottom + 4.0, stroke);

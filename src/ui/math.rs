@@ -90,16 +90,30 @@ pub fn lay_out(math: &Math, size_pt: f32, max_width: f32, measure: &mut dyn Meas
         Math::Row(parts) => parts.as_slice(),
         other => std::slice::from_ref(other),
     };
-    let boxes = |size: f32, measure: &mut dyn Measure| -> Vec<(Formula, bool)> {
-        parts.iter().map(|part| (Setter { measure }.set(part, size), is_operator(part))).collect()
-    };
-    let first = boxes(size_pt, measure);
-    let widest = first.iter().map(|(part, _)| part.width).fold(0.0, f32::max);
+    let first = units(parts, size_pt, measure);
+    let widest = first.iter().map(|unit| unit.width).fold(0.0, f32::max);
     if widest <= max_width {
         return break_lines(first, size_pt, max_width);
     }
     let size_pt = size_pt * (max_width / widest).clamp(SMALLEST, 1.0);
-    break_lines(boxes(size_pt, measure), size_pt, max_width)
+    break_lines(units(parts, size_pt, measure), size_pt, max_width)
+}
+
+/// What stays together on a line: a term with the operators before it.
+fn units(parts: &[Math], size: f32, measure: &mut dyn Measure) -> Vec<Formula> {
+    let mut units = Vec::new();
+    let mut unit = Formula::default();
+    for part in parts {
+        let at = vec2(unit.width, 0.0);
+        unit.put(Setter { measure: &mut *measure }.set(part, size), at);
+        if !is_operator(part) {
+            units.push(std::mem::take(&mut unit));
+        }
+    }
+    if !unit.pieces.is_empty() {
+        units.push(unit);
+    }
+    units
 }
 
 /// Whether `math` stands between two terms, so that a line may end before it but not after it.
@@ -111,30 +125,21 @@ fn is_operator(math: &Math) -> bool {
     }
 }
 
-/// Sets parts in lines; each comes with whether it is an operator, which goes with what follows it.
-fn break_lines(parts: Vec<(Formula, bool)>, size_pt: f32, max_width: f32) -> Formula {
+/// Sets units in lines.
+fn break_lines(units: Vec<Formula>, size_pt: f32, max_width: f32) -> Formula {
     let mut whole = Formula::default();
     let mut line = Formula::default();
     let mut below = None;
-    let mut waiting = Formula::default();
-    for (part, operator) in parts {
-        let at = vec2(waiting.width, 0.0);
-        waiting.put(part, at);
-        if operator {
-            continue;
-        }
-        let part = std::mem::take(&mut waiting);
-        if line.width > 0.0 && line.width + part.width > max_width {
+    for unit in units {
+        if line.width > 0.0 && line.width + unit.width > max_width {
             let full = std::mem::take(&mut line);
             below = Some(add_line(&mut whole, full, below, size_pt));
             // What goes on is set in.
-            line.width = size_pt.min((max_width - part.width).max(0.0));
+            line.width = size_pt.min((max_width - unit.width).max(0.0));
         }
         let at = vec2(line.width, 0.0);
-        line.put(part, at);
+        line.put(unit, at);
     }
-    let at = vec2(line.width, 0.0);
-    line.put(waiting, at);
     add_line(&mut whole, line, below, size_pt);
     whole
 }
@@ -369,6 +374,12 @@ mod tests {
         let formula = set(&row, 75.0);
         let ys = baselines(&formula);
         assert!(ys[0] < ys[1] && ys[1] == ys[2], "{ys:?}");
+    }
+
+    #[test]
+    fn a_term_too_wide_with_its_operators_shrinks() {
+        let long = vec![Math::Sum(Box::new(Math::text("x, y"))), Math::Abs(Box::new(Math::text("0123456789")))];
+        assert!(set(&Math::Row(long), 120.0).width <= 120.0);
     }
 
     #[test]

@@ -196,7 +196,7 @@ impl Stand<'_> {
             let length = (self.at(point(-along, near)) - self.at(point(along, near))).length();
             // Ticks as far apart as their numbers need on the screen.
             let on_screen = Axis { places: [0.0, length], ..axis };
-            for tick in on_screen.ticks(3.0 * small, 1.0) {
+            for tick in on_screen.displacement_ticks(3.0 * small) {
                 let a = axis.place(tick);
                 self.line(point(a, -across), point(a, across), false);
                 self.word(point(a, near), 0.9, &axis::number(tick), Face::Sans);
