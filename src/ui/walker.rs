@@ -506,8 +506,10 @@ mod tests {
         let walker = Walker::new(|| {}).unwrap();
         walker.start(Job { cursor: Cursor { unit: 0, event: 5 }, near: Some([40.0, 20.0]), ..job() });
         assert_eq!(cursor(&walker), Cursor { unit: 6, event: 5 });
-        walker.go_at([1.0, 1.0]);
-        assert_eq!(cursor(&walker).unit, 0);
+        walker.go_at([1.0, 1.0], Side::End);
+        assert_eq!((cursor(&walker).unit, cursor(&walker).event > 1), (0, true));
+        walker.go_at([40.0, 20.0], Side::Start);
+        assert_eq!(cursor(&walker), Cursor { unit: 6, event: 1 });
     }
 
     #[test]
