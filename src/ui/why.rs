@@ -50,10 +50,11 @@ impl State {
 /// Shows the explanation in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let Input { info, step, theme } = input;
+    ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
+    state.keep_for((info.id, ui.available_width().round() as u32, theme));
+    // The sentence stays in sight, however far the rest is scrolled.
+    hold(ui, &mut state.sentence, |ui| sentence(ui, &step.sentence, theme));
     egui::ScrollArea::vertical().id_salt("why").auto_shrink(false).show(ui, |ui| {
-        ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
-        state.keep_for((info.id, ui.available_width().round() as u32, theme));
-        hold(ui, &mut state.sentence, |ui| sentence(ui, &step.sentence, theme));
         let facts = step.readouts.iter().find_map(|readout| match readout {
             Readout::Facts(facts) => Some(facts.as_slice()),
             _ => None,
