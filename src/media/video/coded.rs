@@ -9,8 +9,8 @@ use super::turn::Turn;
 use crate::media::Decoder;
 use crate::media::input::Input;
 
-/// Largest number of samples that is believed: 77 hours at 60 per second.
-pub(crate) const MAX_SAMPLES: usize = 1 << 24;
+/// Largest number of samples that is believed: 19 hours at 60 per second.
+pub(crate) const MAX_SAMPLES: usize = 1 << 22;
 
 /// Samples before the one sought that are decoded even if nothing needs them, so that stepping back is at hand.
 const RUN_UP_SAMPLES: usize = 24;

@@ -166,20 +166,29 @@ fn sizes(stbl: &[u8]) -> Result<Vec<u32>, Error> {
     if let Some(stsz) = find(stbl, b"stsz") {
         let mut bytes = Bytes(stsz.get(4..).unwrap_or_default());
         let (same, count) = bytes.be32().zip(bytes.be32()).ok_or_else(damaged)?;
+        let count = believable(count)?;
         if same == 0 {
-            return Ok(bytes.0.chunks_exact(4).take(count as usize).map(|row| number(row, 0)).collect());
+            return Ok(bytes.0.chunks_exact(4).take(count).map(|row| number(row, 0)).collect());
         }
-        return if count as usize <= MAX_SAMPLES { Ok(vec![same; count as usize]) } else { Err(damaged()) };
+        return Ok(vec![same; count]);
     }
     let mut bytes = Bytes(find(stbl, b"stz2").and_then(|stz2| stz2.get(4..)).ok_or_else(damaged)?);
     let (bits, count) = bytes.be32().zip(bytes.be32()).ok_or_else(damaged)?;
-    let all: Vec<u32> = match bits {
-        4 => bytes.0.iter().flat_map(|&pair| [u32::from(pair >> 4), u32::from(pair & 15)]).collect(),
-        8 => bytes.0.iter().map(|&size| u32::from(size)).collect(),
-        16 => bytes.0.chunks_exact(2).map(|pair| u32::from(u16::from_be_bytes([pair[0], pair[1]]))).collect(),
-        _ => return Err(damaged()),
-    };
-    Ok(all.into_iter().take(count as usize).collect())
+    let count = believable(count)?;
+    match bits {
+        4 => Ok(bytes.0.iter().flat_map(|&pair| [u32::from(pair >> 4), u32::from(pair & 15)]).take(count).collect()),
+        8 => Ok(bytes.0.iter().take(count).map(|&size| u32::from(size)).collect()),
+        16 => {
+            let pairs = bytes.0.chunks_exact(2).take(count);
+            Ok(pairs.map(|pair| u32::from(u16::from_be_bytes([pair[0], pair[1]]))).collect())
+        }
+        _ => Err(damaged()),
+    }
+}
+
+/// A number of samples that a clip can have, before anything is allocated for them.
+fn believable(count: u32) -> Result<usize, Error> {
+    Some(count as usize).filter(|&count| count <= MAX_SAMPLES).ok_or_else(damaged)
 }
 
 /// The values of a table of runs, each `count` times `value`.
@@ -209,4 +218,27 @@ fn decode_time(tfdt: &[u8]) -> Option<i64> {
     bytes.take(3)?;
     let time = if long { bytes.be64()? } else { u64::from(bytes.be32()?) };
     i64::try_from(time).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(kind: &[u8; 4], numbers: &[u32]) -> Vec<u8> {
+        let mut bytes = (12 + 4 * numbers.len() as u32).to_be_bytes().to_vec();
+        bytes.extend(kind);
+        bytes.extend([0; 4]);
+        bytes.extend(numbers.iter().flat_map(|n| n.to_be_bytes()));
+        bytes
+    }
+
+    #[test]
+    fn a_number_of_samples_that_no_clip_has_is_refused_before_it_is_allocated() {
+        assert_eq!(sizes(&table(b"stsz", &[7, 3])), Ok(vec![7; 3]));
+        assert_eq!(sizes(&table(b"stsz", &[0, 2, 5, 6])), Ok(vec![5, 6]));
+        assert_eq!(sizes(&table(b"stz2", &[8, 4, 0x0102_0304])), Ok(vec![1, 2, 3, 4]));
+        for (kind, first) in [(b"stsz", 7), (b"stsz", 0), (b"stz2", 4), (b"stz2", 16)] {
+            assert!(sizes(&table(kind, &[first, u32::MAX, 1])).is_err());
+        }
+    }
 }
