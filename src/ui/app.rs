@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::mpsc::Receiver;
 
-use eframe::egui::{self, CentralPanel, Frame, Label, Margin, Panel, RichText, TextStyle, Ui};
+use eframe::egui::{self, Align, CentralPanel, Frame, Label, Layout, Margin, Panel, RichText, TextStyle, Ui};
 use eframe::egui_wgpu::RenderState;
 use motionscope_core::Error;
 
@@ -257,7 +257,15 @@ impl App {
                 }
             }
             let text = self.view.shown.as_deref().map_or_else(|| "No clip is open".to_owned(), status::line);
-            ui.add(Label::new(RichText::new(text).small().color(dim)).truncate());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if ui.available_width() > 70.0 * small.size {
+                    let keys = status::keys(self.rungs());
+                    ui.label(RichText::new(keys).small().color(dim));
+                }
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    ui.add(Label::new(RichText::new(text).small().color(dim)).truncate());
+                });
+            });
         });
     }
 

@@ -225,7 +225,10 @@ fn sentence(error: &Error) -> String {
 /// A pane with nothing in it says why.
 pub fn empty(ui: &mut Ui, text: &str) {
     let dim = ui.visuals().weak_text_color();
-    ui.centered_and_justified(|ui| ui.label(RichText::new(text).color(dim)));
+    ui.vertical_centered(|ui| {
+        ui.add_space(ui.available_height() * 0.4);
+        ui.label(RichText::new(text).color(dim));
+    });
 }
 
 impl Behavior<Pane> for Panes<'_> {

@@ -3,6 +3,7 @@
 use motionscope_core::scene::Readout;
 use motionscope_core::{Cursor, Role};
 
+use super::commands::{Command, Rungs, key_text};
 use super::walker::Snapshot;
 
 /// Where the run stands: `block 35 of 1200 · probe 412 of 1104 · Best so far 812 at (−3, 2) · 38 % of the work`.
@@ -28,6 +29,18 @@ pub fn line(shown: &Snapshot) -> String {
         parts.push(format!("{} % of the work", percent(share)));
     }
     parts.join("  ·  ")
+}
+
+/// The keys that matter most: `→ step   Shift+→ block   Space play   ? all keys`.
+pub fn keys(rungs: Rungs) -> String {
+    let (event, unit) = (rungs.name(rungs.event()), rungs.name(rungs.unit()));
+    let named =
+        [(Command::Into, event), (Command::Over, unit), (Command::Play, "play"), (Command::Shortcuts, "all keys")];
+    let told = named.iter().filter_map(|(command, name)| {
+        let key = command.face().keys.first()?;
+        Some(format!("{} {name}", key_text(*key)))
+    });
+    told.collect::<Vec<_>>().join("   ")
 }
 
 /// The number that matters most: the best so far or the result.

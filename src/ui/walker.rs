@@ -2,6 +2,7 @@
 //!
 //! Nothing here knows the window. A request never waits for an earlier one that takes long: it replaces it.
 
+use std::cell::OnceCell;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +10,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use motionscope_core::scene::Readout;
+use motionscope_core::scene::{Fact, Readout};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Frame, Info, Move, Output, Role, Rung, Scene, Step, Walk};
 
 use super::action::Side;
@@ -256,6 +257,8 @@ struct Run {
     walk: Box<dyn Walk>,
     clip: Clip,
     pair: [Arc<Frame>; 2],
+    /// How good the whole estimate is, once it was asked for.
+    quality: OnceCell<Vec<Fact>>,
 }
 
 enum Task {
@@ -342,7 +345,7 @@ impl<'a> Worker<'a> {
         if let Some(unit) = job.near.and_then(|point| walk.unit_at(point)) {
             cursor.unit = unit;
         }
-        self.run = Some(Run { walk, clip: job.clip, pair });
+        self.run = Some(Run { walk, clip: job.clip, pair, quality: OnceCell::new() });
         if cursor != Cursor::default() {
             self.travel(Move::To(cursor));
         }
@@ -421,16 +424,20 @@ impl Run {
     /// What the cursor tells; at the end, also how good the estimate is.
     fn step(&self, focus: Option<[f32; 2]>) -> Step {
         let mut step = self.walk.step(focus);
-        if self.walk.at_end()
-            && let Ok(quality) = Quality::of(&self.clip, self.walk.frame(), &self.walk.output())
-        {
+        if self.walk.at_end() {
+            let quality = self.quality.get_or_init(|| self.judge()).iter().cloned();
             match step.readouts.iter_mut().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None })
             {
-                Some(facts) => facts.extend(quality.facts()),
-                None => step.readouts.push(Readout::Facts(quality.facts())),
+                Some(facts) => facts.extend(quality),
+                None => step.readouts.push(Readout::Facts(quality.collect())),
             }
         }
         step
+    }
+
+    fn judge(&self) -> Vec<Fact> {
+        let quality = Quality::of(&self.clip, self.walk.frame(), &self.walk.output());
+        quality.map_or_else(|_| Vec::new(), |quality| quality.facts())
     }
 }
 
