@@ -13,8 +13,8 @@ use motionscope::paint::Theme;
 use motionscope::session::Session;
 use motionscope::ui::app::App;
 use motionscope::ui::commands::{Command, Rungs};
-use motionscope::ui::document::Owner;
-use motionscope::ui::walker::Snapshot;
+use motionscope::ui::model::document::Owner;
+use motionscope::ui::model::walker::Snapshot;
 use motionscope::ui::{self, Start};
 use motionscope_core::{Cursor, Value};
 

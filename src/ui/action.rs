@@ -4,8 +4,8 @@ use motionscope_core::synth::Sample;
 use motionscope_core::{Cursor, Value};
 
 use super::commands::Command;
-use super::document::Owner;
-use super::writer::Order;
+use super::model::document::Owner;
+use super::model::writer::Order;
 
 /// What the system's dialog is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

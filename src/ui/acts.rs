@@ -6,10 +6,11 @@ use motionscope_core::{Cursor, Move, Way, estimator};
 use super::action::Action;
 use super::app::{App, Overlay};
 use super::commands::Command;
-use super::document::Owner;
-use super::save_dialog::Kind;
+use super::dialogs::save::Kind;
+use super::dialogs::{open as open_dialog, palette};
+use super::layout;
+use super::model::document::Owner;
 use super::style::ZOOM;
-use super::{layout, open_dialog, palette};
 use crate::paint::{Theme, View as Pictures};
 
 impl App {

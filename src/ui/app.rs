@@ -9,17 +9,19 @@ use motionscope_core::Error;
 
 use super::action::{Action, Actions, Browse};
 use super::commands::{Command, Now, Rungs};
-use super::document::{Document, Owner};
+use super::dialogs::{gallery, open as open_dialog, palette, save as save_dialog, sheet};
 use super::layout::{self, Folded, Tight};
-use super::loader::Loading;
+use super::model::document::{Document, Owner};
+use super::model::loader::Loading;
+use super::model::player::Player;
+use super::model::settings::Settings;
+use super::model::walker::{View, Walker};
+use super::model::writer::Writing;
 use super::panes::{Panes, States};
-use super::player::Player;
-use super::settings::Settings;
+use super::parts::toasts::Toasts;
+use super::parts::widgets;
 use super::style::{self, Look};
-use super::toasts::Toasts;
-use super::walker::{View, Walker};
-use super::writer::Writing;
-use super::{gallery, keys, open_dialog, palette, save_dialog, sheet, status, topbar, transport, widgets};
+use super::{keys, status, topbar, transport};
 
 /// What lies over the panes.
 #[derive(Default)]

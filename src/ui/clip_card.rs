@@ -5,8 +5,9 @@ use lucide_icons::Icon;
 
 use super::action::{Action, Actions};
 use super::commands::Command;
-use super::document::Document;
-use super::{parameters, style, widgets};
+use super::model::document::Document;
+use super::parts::widgets;
+use super::{parameters, style};
 
 /// Draws the card.
 pub fn show(ui: &mut Ui, document: &Document, actions: &mut Actions) {

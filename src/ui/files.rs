@@ -10,11 +10,12 @@ use motionscope_core::{Cursor, Error};
 
 use super::action::Browse;
 use super::app::{App, Overlay, title};
-use super::loader::{Loading, Opened};
-use super::save_dialog::{self, Kind};
+use super::dialogs::open as open_dialog;
+use super::dialogs::save::{self, Kind};
+use super::model::loader::{Loading, Opened};
+use super::model::walker;
+use super::model::writer::{self, Order, Subject, What, Writing};
 use super::stage::Zoom;
-use super::writer::{self, Order, Subject, What, Writing};
-use super::{open_dialog, walker};
 use crate::media::Open;
 use crate::session::{Session, Sight};
 use crate::shot::Look;
@@ -171,7 +172,7 @@ impl App {
             _ => None,
         };
         let folder = self.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());
-        let state = save_dialog::State::new(kind, &folder, &save_dialog::stem(&name), shown, self.look());
+        let state = save::State::new(kind, &folder, &save::stem(&name), shown, self.look());
         self.overlay = Overlay::Save(Box::new(state));
     }
 

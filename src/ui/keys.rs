@@ -4,7 +4,7 @@ use eframe::egui::{self, Event, FocusDirection, Key, Popup};
 
 use super::action::{Action, Actions};
 use super::commands::{Command, Now};
-use super::open_dialog;
+use super::dialogs::open as open_dialog;
 
 /// Takes what the window understands out of the input, before any widget sees it.
 ///

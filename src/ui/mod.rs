@@ -6,42 +6,28 @@ pub mod app;
 pub mod axis;
 pub mod clip_card;
 pub mod commands;
-pub mod document;
+pub mod dialogs;
 mod files;
-pub mod fuzzy;
-pub mod gallery;
 pub mod heat_map;
-pub mod history;
-mod icon;
 pub mod ink;
 pub mod keys;
 pub mod layout;
-pub mod loader;
 pub mod math;
-pub mod open_dialog;
-pub mod palette;
+pub mod model;
 pub mod panes;
 pub mod parameters;
-pub mod player;
+pub mod parts;
 pub mod primitives;
-pub mod save_dialog;
 pub mod series;
-pub mod settings;
-pub mod sheet;
-pub mod slider;
 pub mod stage;
 pub mod status;
 pub mod style;
 pub mod surface3d;
 pub mod tiles;
 pub mod timeline;
-pub mod toasts;
 pub mod topbar;
 pub mod transport;
-pub mod walker;
 pub mod why;
-pub mod widgets;
-pub mod writer;
 
 use anyhow::anyhow;
 use motionscope_core::synth;
@@ -64,7 +50,7 @@ pub fn run(start: Start) -> anyhow::Result<()> {
     let viewport = eframe::egui::ViewportBuilder::default()
         .with_title("Motionscope")
         .with_app_id("motionscope")
-        .with_icon(icon::icon())
+        .with_icon(parts::icon::icon())
         .with_inner_size([1440.0, 900.0])
         .with_min_inner_size([720.0, 480.0])
         .with_drag_and_drop(true);

@@ -12,11 +12,12 @@ use motionscope_core::scene::Readout;
 
 use super::action::{Action, Actions, Side};
 use super::commands::Command;
-use super::document::Document;
 use super::layout::Pane;
-use super::loader::Loading;
-use super::walker::View;
-use super::{heat_map, parameters, series, stage, style, surface3d, tiles, why, widgets};
+use super::model::document::Document;
+use super::model::loader::Loading;
+use super::model::walker::View;
+use super::parts::widgets;
+use super::{heat_map, parameters, series, stage, style, surface3d, tiles, why};
 use crate::paint::Theme;
 
 /// What the panes remember between frames.

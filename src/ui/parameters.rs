@@ -8,9 +8,10 @@ use motionscope_core::params::{Choice, Kind, Spec};
 use motionscope_core::{Value, estimators};
 
 use super::action::{Action, Actions};
-use super::document::{Document, Owner};
-use super::slider::Slider;
-use super::{clip_card, style, widgets};
+use super::model::document::{Document, Owner};
+use super::parts::slider::Slider;
+use super::parts::widgets;
+use super::{clip_card, style};
 use crate::paint::Theme;
 
 /// Draws the whole pane.

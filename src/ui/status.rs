@@ -4,7 +4,7 @@ use motionscope_core::scene::Readout;
 use motionscope_core::{Cursor, Role};
 
 use super::commands::{Command, Rungs, key_text};
-use super::walker::Snapshot;
+use super::model::walker::Snapshot;
 
 /// Where the run stands: `block 35 of 1200 · probe 412 of 1104 · Best so far 812 at (−3, 2) · 38 % of the work`.
 pub fn line(shown: &Snapshot) -> String {

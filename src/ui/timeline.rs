@@ -5,9 +5,9 @@ use eframe::egui::{
 };
 use motionscope_core::{Cursor, Role};
 
+use super::model::walker::Snapshot;
 use super::status::grouped;
 use super::style;
-use super::walker::Snapshot;
 use crate::paint::Theme;
 
 /// Least distance of two ticks in points.

@@ -5,9 +5,11 @@ use lucide_icons::Icon;
 
 use super::action::Actions;
 use super::commands::{Command, Menu, Now, Rungs, key_text};
-use super::document::Document;
+use super::dialogs::open as open_dialog;
 use super::layout::Folded;
-use super::{open_dialog, style, transport, widgets};
+use super::model::document::Document;
+use super::parts::widgets;
+use super::{style, transport};
 use crate::paint::Theme;
 
 /// What the bar shows.

@@ -7,9 +7,10 @@ use lucide_icons::Icon;
 
 use super::action::{Action, Actions};
 use super::commands::{Command, Now, Rungs, key_text};
-use super::player::{Player, SPEEDS};
-use super::walker::Snapshot;
-use super::{style, timeline, widgets};
+use super::model::player::{Player, SPEEDS};
+use super::model::walker::Snapshot;
+use super::parts::widgets;
+use super::{style, timeline};
 use crate::paint::Theme;
 
 /// What the transport shows.

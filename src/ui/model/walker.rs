@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 use motionscope_core::scene::{Fact, Readout};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Frame, Info, Move, Output, Role, Rung, Scene, Step, Walk};
 
-use super::action::Side;
 use crate::quality::Quality;
+use crate::ui::action::Side;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
 const PATIENCE: Duration = Duration::from_millis(60);

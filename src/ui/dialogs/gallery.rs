@@ -8,9 +8,10 @@ use eframe::egui::{
 };
 use motionscope_core::synth::{SCENES, Sample};
 
-use super::action::{Action, Actions};
-use super::{style, widgets};
 use crate::paint::Theme;
+use crate::ui::action::{Action, Actions};
+use crate::ui::parts::widgets;
+use crate::ui::style;
 
 /// Width and height of a sample's picture in pixels.
 const PICTURE_PX: (usize, usize) = (240, 180);

@@ -2,9 +2,10 @@
 
 use eframe::egui::{self, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
 
-use super::commands::{Command, Menu, Rungs, key_text};
-use super::{style, widgets};
 use crate::paint::Theme;
+use crate::ui::commands::{Command, Menu, Rungs, key_text};
+use crate::ui::parts::widgets;
+use crate::ui::style;
 
 /// Shows the shortcut sheet; gives whether it is still open.
 pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
 use motionscope_core::Cursor;
 
-use super::action::{Action, Actions, Browse};
-use super::commands::Rungs;
-use super::walker::Snapshot;
-use super::widgets;
-use super::writer::{Order, What};
 use crate::shot::{Format, Look};
+use crate::ui::action::{Action, Actions, Browse};
+use crate::ui::commands::Rungs;
+use crate::ui::model::walker::Snapshot;
+use crate::ui::model::writer::{Order, What};
+use crate::ui::parts::widgets;
 
 /// Scales that can be chosen.
 const SCALES: [u32; 4] = [1, 2, 4, 8];
@@ -104,7 +104,7 @@ impl State {
 
     /// What the dialog asks for, or what is wrong with it.
     fn order(&self, look: Look) -> Result<Order, String> {
-        let path = super::open_dialog::parse(&self.path).ok_or("Type where to write it.")?;
+        let path = super::open::parse(&self.path).ok_or("Type where to write it.")?;
         let format = if self.ending == "svg" { Format::Svg } else { Format::Png };
         let what = match self.kind {
             Kind::Picture => What::Picture,

@@ -3,8 +3,9 @@
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, RichText, TextStyle};
 use lucide_icons::Icon;
 
-use super::{style, widgets};
+use super::widgets;
 use crate::paint::Theme;
+use crate::ui::style;
 
 /// How long a message stays, in seconds; errors stay longer.
 const STAY_SECS: f64 = 6.0;

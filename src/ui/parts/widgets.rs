@@ -6,8 +6,8 @@ use eframe::egui::{
 };
 use lucide_icons::Icon;
 
-use super::style;
 use crate::paint::Theme;
+use crate::ui::style;
 
 /// An icon as text, a little larger than the type around it.
 pub fn icon(ui: &Ui, icon: Icon) -> RichText {

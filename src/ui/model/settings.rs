@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use egui_tiles::Tree;
 use serde::{Deserialize, Serialize};
 
-use super::layout::{self, Folded, Pane, Tight};
 use super::player::Player;
-use super::style::{Look, ZOOM};
 use crate::paint::Theme;
+use crate::ui::layout::{self, Folded, Pane, Tight};
+use crate::ui::style::{Look, ZOOM};
 
 /// Clips that are remembered.
 const RECENT: usize = 12;

@@ -9,10 +9,12 @@ use eframe::egui::{
 use lucide_icons::Icon;
 use motionscope_core::{estimators, synth};
 
-use super::action::Action;
-use super::commands::{Command, Now, Rungs, key_text};
-use super::{fuzzy, style, widgets};
+use super::fuzzy;
 use crate::paint::Theme;
+use crate::ui::action::Action;
+use crate::ui::commands::{Command, Now, Rungs, key_text};
+use crate::ui::parts::widgets;
+use crate::ui::style;
 
 /// The palette while it is open.
 #[derive(Default)]

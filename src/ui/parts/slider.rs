@@ -3,8 +3,8 @@
 use eframe::egui::accesskit::{Action, ActionData};
 use eframe::egui::{self, Key, Modifiers, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
-use super::style;
 use crate::paint::Theme;
+use crate::ui::style;
 
 /// What a slider sets.
 pub struct Slider<'a> {

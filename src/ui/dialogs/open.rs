@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use eframe::egui::{self, RichText, TextEdit, TextStyle, Ui, vec2};
 use lucide_icons::Icon;
 
-use super::action::{Action, Actions, Browse};
-use super::commands::Command;
-use super::widgets;
+use crate::ui::action::{Action, Actions, Browse};
+use crate::ui::commands::Command;
+use crate::ui::parts::widgets;
 
 /// The dialog while it is open.
 #[derive(Default)]

@@ -1,0 +1,8 @@
+//! What opens over the panes.
+
+pub mod fuzzy;
+pub mod gallery;
+pub mod open;
+pub mod palette;
+pub mod save;
+pub mod sheet;

@@ -1,0 +1,9 @@
+//! What the window knows and does without drawing: the document, the run on its thread, files in and out.
+
+pub mod document;
+pub mod history;
+pub mod loader;
+pub mod player;
+pub mod settings;
+pub mod walker;
+pub mod writer;
