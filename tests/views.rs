@@ -57,6 +57,7 @@ impl Fixture {
             theme: Theme::Dark,
             colors: ColorMap::Viridis,
             heat: "SAD",
+            gpu: None,
             lengthen: Lengthen::Auto,
             animate: false,
         }

@@ -3,6 +3,7 @@
 pub mod action;
 mod acts;
 pub mod app;
+mod arrows;
 pub mod axis;
 pub mod clip_card;
 pub mod commands;

@@ -79,6 +79,7 @@ impl Panes<'_> {
             theme: self.theme,
             colors: self.document.look().colors,
             heat: heat.unwrap_or_default(),
+            gpu: self.gpu,
             lengthen: self.document.look().lengthen,
             animate: self.animate,
         };

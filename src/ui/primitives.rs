@@ -1,20 +1,16 @@
 //! The primitives of every painter as the window's shapes.
 
-use std::sync::Arc;
-
 use eframe::egui::epaint::PathShape;
 use eframe::egui::{self, Color32, ColorImage, Mesh, Painter, Pos2, Shape, TextureHandle, TextureOptions, pos2, vec2};
+use eframe::egui_wgpu::RenderState;
 
 use super::ink;
 use crate::paint::Primitive;
 use crate::paint::primitive::{self, Arrow, Line, Point};
 
-/// Above this many arrows, those small enough are drawn more simply.
-const MANY: usize = 3000;
-
 /// `primitives` as shapes; pictures among them are left out, for they need textures that someone keeps.
 pub fn shapes(painter: &Painter, primitives: &[Primitive]) -> Vec<Shape> {
-    let mut maker = Maker::new(painter, Kept::default());
+    let mut maker = Maker::new(painter, None, Kept::default());
     let drawn = primitives.iter().filter(|primitive| !matches!(primitive, Primitive::Image { .. }));
     drawn.for_each(|primitive| maker.add(primitive));
     maker.finish().0
@@ -67,7 +63,7 @@ fn ribbon(colors: &[[u8; 4]], edge: impl Fn(f32) -> [Pos2; 2]) -> Shape {
 #[derive(Clone, Default)]
 pub struct Kept {
     pictures: Vec<TextureHandle>,
-    meshes: Vec<(Vec<Arrow>, Arc<Mesh>)>,
+    arrows: Vec<(Vec<Arrow>, Shape)>,
 }
 
 /// Makes shapes of primitives. Arrows that follow each other become one mesh.
@@ -76,16 +72,17 @@ pub struct Maker<'a> {
     clip: primitive::Rect,
     shapes: Vec<Shape>,
     arrows: Vec<Arrow>,
+    gpu: Option<&'a RenderState>,
     before: Kept,
     now: Kept,
 }
 
 impl<'a> Maker<'a> {
     /// Makes shapes for `painter`; `before` is what was kept of the last ones.
-    pub fn new(painter: &'a Painter, before: Kept) -> Self {
+    pub fn new(painter: &'a Painter, gpu: Option<&'a RenderState>, before: Kept) -> Self {
         let clip = painter.clip_rect();
         let clip = primitive::Rect { min: clip.min.into(), max: clip.max.into() };
-        Self { painter, clip, shapes: Vec::new(), arrows: Vec::new(), before, now: Kept::default() }
+        Self { painter, clip, shapes: Vec::new(), arrows: Vec::new(), gpu, before, now: Kept::default() }
     }
 
     /// Adds one primitive on top, if any of it can be seen.
@@ -168,13 +165,16 @@ impl<'a> Maker<'a> {
             return;
         }
         let arrows = std::mem::take(&mut self.arrows);
-        let known = self.before.meshes.iter().position(|(known, _)| *known == arrows);
-        let mesh = match known {
-            Some(i) => self.before.meshes.swap_remove(i).1,
-            None => Arc::new(arrow_mesh(&arrows, 1.0 / self.painter.pixels_per_point())),
+        let known = self.before.arrows.iter().position(|(known, _)| *known == arrows);
+        let shape = match known {
+            Some(i) => self.before.arrows.swap_remove(i).1,
+            None => {
+                let clip = self.painter.clip_rect();
+                super::arrows::shape(&arrows, clip, self.painter.pixels_per_point(), self.gpu)
+            }
         };
-        self.shapes.push(Shape::Mesh(mesh.clone()));
-        self.now.meshes.push((arrows, mesh));
+        self.shapes.push(shape.clone());
+        self.now.arrows.push((arrows, shape));
     }
 
     /// The shapes, and what they need to be kept.
@@ -186,88 +186,4 @@ impl<'a> Maker<'a> {
 
 fn places(points: &[Point]) -> Vec<Pos2> {
     points.iter().map(|&point| point.into()).collect()
-}
-
-/// All arrows in one mesh, the edges softened over `feather` points.
-fn arrow_mesh(arrows: &[Arrow], feather: f32) -> Mesh {
-    let mut mesh = Mesh::default();
-    let plain = arrows.len() > MANY;
-    mesh.reserve_vertices(arrows.len() * if plain { 38 } else { 76 });
-    for arrow in arrows {
-        let (halo, color) = (ink::color(arrow.halo), ink::color(arrow.color));
-        // Small arrows by the thousand: their rim needs no soft edge, their dot fewer corners.
-        let corners = if plain { 6 } else { 14 };
-        let soft = if plain { 0.0 } else { feather };
-        for (grow, color, soft) in [(arrow.halo_width, halo, soft), (0.0, color, feather)] {
-            let inner = arrow.outline(grow - soft / 2.0);
-            let outer = arrow.outline(grow + soft / 2.0);
-            if let (Some(inner), Some(outer)) = (inner, outer) {
-                fan(&mut mesh, arrow.hub(), &inner, (soft > 0.0).then_some(&outer), color);
-            }
-            let radius = arrow.dot() + grow;
-            let ring = |radius: f32| circle(arrow.from, radius, corners);
-            let outer = ring(radius + soft / 2.0);
-            fan(&mut mesh, arrow.from, &ring((radius - soft / 2.0).max(0.1)), (soft > 0.0).then_some(&outer), color);
-        }
-    }
-    mesh
-}
-
-fn circle(center: Point, radius: f32, corners: usize) -> Vec<Point> {
-    let corner = |i: usize| {
-        let (sin, cos) = (i as f32 / corners as f32 * std::f32::consts::TAU).sin_cos();
-        [center[0] + radius * cos, center[1] + radius * sin]
-    };
-    (0..corners).map(corner).collect()
-}
-
-/// Fills the outline `inner` from `hub`, and fades out to `outer`.
-fn fan<'a>(mesh: &mut Mesh, hub: Point, inner: &[Point], outer: Option<impl AsRef<[Point]> + 'a>, color: Color32) {
-    let n = inner.len() as u32;
-    let first = mesh.vertices.len() as u32;
-    mesh.colored_vertex(hub.into(), color);
-    inner.iter().for_each(|&point| mesh.colored_vertex(point.into(), color));
-    for i in 0..n {
-        mesh.add_triangle(first, first + 1 + i, first + 1 + (i + 1) % n);
-    }
-    let Some(outer) = outer else { return };
-    outer.as_ref().iter().for_each(|&point| mesh.colored_vertex(point.into(), Color32::TRANSPARENT));
-    for i in 0..n {
-        let (a, b) = (first + 1 + i, first + 1 + (i + 1) % n);
-        mesh.add_triangle(a, a + n, b + n);
-        mesh.add_triangle(a, b + n, b);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::paint::Color;
-
-    fn arrow(to: Point) -> Arrow {
-        Arrow { from: [10.0, 10.0], to, width: 2.0, color: Color::WHITE, halo: Color::BLACK, halo_width: 1.0 }
-    }
-
-    #[test]
-    fn a_mesh_of_arrows_is_sound_and_stays_near_them() {
-        for count in [1, MANY + 1] {
-            let arrows = vec![arrow([50.0, 30.0]); count];
-            let mesh = arrow_mesh(&arrows, 1.0);
-            assert!(mesh.is_valid() && !mesh.is_empty());
-            let bounds = egui::Rect::from_min_max(pos2(10.0, 10.0), pos2(50.0, 30.0)).expand(8.0);
-            assert!(bounds.contains_rect(mesh.calc_bounds()), "{:?}", mesh.calc_bounds());
-        }
-    }
-
-    #[test]
-    fn an_arrow_without_motion_is_a_dot() {
-        let mesh = arrow_mesh(&[arrow([10.0, 10.0])], 1.0);
-        assert!(mesh.calc_bounds().width() < 10.0 && !mesh.is_empty());
-    }
-
-    #[test]
-    fn arrows_by_the_thousand_stay_light() {
-        let arrows = vec![arrow([18.0, 12.0]); 8160];
-        assert!(arrow_mesh(&arrows, 1.0).vertices.len() < 8160 * 50);
-    }
 }

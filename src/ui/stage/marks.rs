@@ -72,7 +72,7 @@ impl Marks {
             let clear = |mark: &Mark| lens.scale < pixels::NUMBERS || !matches!(mark.shape, MarkShape::Heat { .. });
             let shown = |(i, mark): &(usize, &Mark)| panel.shows(mark.on) && clear(mark) && !key.without.contains(i);
             let still = input.scene.marks.iter().enumerate().filter(shown).map(|(_, mark)| mark);
-            let mut maker = Maker::new(painter, kept);
+            let mut maker = Maker::new(painter, input.gpu, kept);
             resolve(still, &look, place).iter().for_each(|primitive| maker.add(primitive));
             let (shapes, kept) = maker.finish();
             self.slots.push(Slot { panel, scene: input.scene.clone(), key, shapes, kept });
@@ -80,7 +80,7 @@ impl Marks {
         if let Some(slot) = self.slots.iter().find(|slot| slot.panel == panel) {
             painter.extend(slot.shapes.iter().cloned());
         }
-        let mut maker = Maker::new(painter, Kept::default());
+        let mut maker = Maker::new(painter, input.gpu, Kept::default());
         let moving = moving.iter().map(|(_, mark)| mark).filter(|mark| panel.shows(mark.on));
         resolve(moving, &look, place).iter().for_each(|primitive| maker.add(primitive));
         painter.extend(maker.finish().0);

@@ -13,6 +13,7 @@ mod pixels;
 use std::sync::Arc;
 
 use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
+use eframe::egui_wgpu::RenderState;
 use motionscope_core::{Frame, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +50,8 @@ pub struct Input<'a> {
     pub heat: &'a str,
     /// How long displacements are drawn.
     pub lengthen: Lengthen,
+    /// The window's graphics card, if it has one.
+    pub gpu: Option<&'a RenderState>,
     /// Whether what moved since the last step glides to its new place.
     pub animate: bool,
 }
@@ -99,13 +102,6 @@ impl Default for State {
 }
 
 impl State {
-    /// Magnifies by `factor` about the middle of the pane.
-    pub fn magnify(&mut self, factor: f32) {
-        if let Some(lens) = self.shown {
-            self.zoom = lens.zoomed(lens.pane.center(), factor);
-        }
-    }
-
     /// One image pixel to one pixel of the screen.
     pub fn one_to_one(&mut self, pixels_per_point: f32) {
         if let Some(lens) = self.shown {
