@@ -19,6 +19,7 @@ pub mod panes;
 pub mod parameters;
 pub mod parts;
 pub mod primitives;
+pub mod rungs;
 pub mod series;
 pub mod stage;
 pub mod status;
