@@ -70,7 +70,7 @@ fn run(args: Args) -> Result<(), Error> {
 }
 
 fn window(clip: Option<String>) -> Result<(), Error> {
-    ui::run(ui::Start { open: clip }).map_err(|error| Error::new(error.to_string()))
+    ui::run(ui::Start { open: clip })
 }
 
 fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {

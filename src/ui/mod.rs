@@ -31,8 +31,7 @@ pub mod topbar;
 pub mod transport;
 pub mod why;
 
-use anyhow::anyhow;
-use motionscope_core::synth;
+use motionscope_core::{Error, synth};
 
 /// What the window opens with.
 #[derive(Clone, Debug, Default)]
@@ -48,7 +47,7 @@ const FIRST_SAMPLE: &str = "pillar";
 ///
 /// # Errors
 /// A sentence that says what to do where no window can be opened.
-pub fn run(start: Start) -> anyhow::Result<()> {
+pub fn run(start: Start) -> Result<(), Error> {
     let viewport = eframe::egui::ViewportBuilder::default()
         .with_title("Motionscope")
         .with_app_id("motionscope")
@@ -75,17 +74,17 @@ pub fn begin(app: &mut app::App, start: Start) {
 }
 
 /// Why no window could be opened, and what to do.
-fn explain(error: &eframe::Error) -> anyhow::Error {
+fn explain(error: &eframe::Error) -> Error {
     let instead = "pictures need no window: try `motionscope run CLIP --estimator full-search --overlay FILE.png`";
-    match error {
-        eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => anyhow!(
+    Error::new(match error {
+        eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => format!(
             "no window can be opened here ({error}); start Motionscope on a desktop, or set DISPLAY or WAYLAND_DISPLAY \
              to one; {instead}"
         ),
-        eframe::Error::Wgpu(_) => anyhow!(
+        eframe::Error::Wgpu(_) => format!(
             "no graphics driver can draw the window ({error}); install a Vulkan or OpenGL driver (on Debian: \
              mesa-vulkan-drivers); {instead}"
         ),
-        other => anyhow!("the window could not be opened ({other}); {instead}"),
-    }
+        other => format!("the window could not be opened ({other}); {instead}"),
+    })
 }
