@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::block_search::{self, BorderRule, Cost, Event, Match, Pair, Patch, Probe, Window, shorter};
+use crate::block_search::{self, BorderRule, Cost, Displacement, Event, Match, Pair, Patch, Probe, Window, shorter};
 use crate::cost::Sum;
 use crate::{
     Block, Clip, Error, Estimator, Info, Observer, Output, Progress, Role, Rung, Scene, Seen, Step, Threads, choices,
@@ -33,7 +33,8 @@ params! {
         order: Order = Order::Raster;
         /// Distance from one block to the next; 0 sets them edge to edge, less than the block lets them overlap.
         step: usize = 0, 0..=64, "px";
-        /// Stop adding up a candidate as soon as its sum exceeds the best (partial distortion). Never changes the result.
+        /// Stop adding up a candidate after the row at which its sum exceeds the best (partial distortion). It never
+        /// changes the result. The saving is told in rows; in time there is none here, where whole windows are summed at once.
         early_exit: bool = false;
         /// What happens where the window leaves the picture.
         border: BorderRule = BorderRule::Inside;
@@ -44,67 +45,59 @@ params! {
 #[derive(Clone)]
 pub struct State {
     pair: Pair,
-    /// The order of a window that the border does not cut, by index into the window; `None` for raster.
-    order: Option<Arc<[u32]>>,
+    /// The displacements of a window that the border does not cut, in the order of the search; `None` for raster.
+    order: Option<Arc<[Displacement]>>,
     found: Vec<Match>,
     candidates: u64,
 }
 
 impl FullSearch {
-    /// The indices of `window` in the order of the search; `None` if that is simply from first to last.
-    fn order_of(&self, window: Window) -> Option<Arc<[u32]>> {
-        let mut indices: Vec<u32> = (0..window.count() as u32).collect();
+    /// The displacements up to ±range in the order of the search; `None` if that is simply row by row.
+    fn order(&self) -> Option<Arc<[Displacement]>> {
+        let (min, side) = (-(self.range as i32), 2 * self.range + 1);
+        let whole = Window { min: [min, min], size: (side, side) };
+        let mut displacements: Vec<_> = (0..whole.count()).map(|index| whole.displacement(index)).collect();
         match self.order {
             Order::Raster => return None,
-            Order::Spiral => indices.sort_by_cached_key(|&index| ring_place(window.displacement(index as usize))),
+            Order::Spiral => displacements.sort_by_cached_key(|&displacement| ring_place(displacement)),
         }
-        Some(indices.into())
+        Some(displacements.into())
     }
 
     /// Searches one block.
     fn search(&self, state: &State, block: Block, task: &mut Task, observer: &mut impl Observer<Event>) -> Match {
-        let window = state.pair.window(block, self.range);
-        task.set(self, &state.pair, block, window);
+        task.set(self, state, block);
         observer.see(|| Event::Window);
-        let cut;
-        let order = match &state.order {
-            Some(order) if order.len() != window.count() => {
-                cut = self.order_of(window);
-                cut.as_deref()
-            }
-            whole => whole.as_deref(),
-        };
-        let best = self.scan(task, order, observer);
+        let best = self.scan(task, observer);
         observer.see(|| Event::Found(best));
         best
     }
 
-    /// Tests the candidates in `order`. This is the loop that is taught, timed and trusted: there is no other.
-    fn scan(&self, task: &Task, order: Option<&[u32]>, observer: &mut impl Observer<Event>) -> Match {
+    /// Tests the candidates in order. This is the loop that is taught, timed and trusted: there is no other.
+    fn scan(&self, task: &Task, observer: &mut impl Observer<Event>) -> Match {
         let (window, count) = (task.window, task.window.count());
-        let index_of = |place: usize| order.map_or(place, |order| order[place] as usize);
-        let found = |(index, sum)| Match { displacement: window.displacement(index), sum };
-        let event = |index, (sum, rows)| Event::Candidate { displacement: window.displacement(index), sum, rows };
-        // Index and sum: the displacement is only worked out where it is asked for.
-        let mut best: Option<(usize, u32)> = None;
+        let found = |index| Match { displacement: window.displacement(index), sum: task.sums[index] };
+        let event = |index, limit| {
+            let (sum, rows) = if self.early_exit { task.until(index, limit) } else { (task.sums[index], task.height) };
+            Event::Candidate { displacement: window.displacement(index), sum, rows }
+        };
+        // An index: the displacement is only worked out where it is asked for.
+        let mut best: Option<usize> = None;
         let mut limit = u32::MAX;
         for first in (0..count).step_by(RUN) {
             let run = first..count.min(first + RUN);
-            if task.all_exceed(limit, order, run.clone()) {
+            if task.all_exceed(limit, run.clone()) {
                 // None of these can win: whoever looks sees them, and otherwise there is nothing to do.
-                run.for_each(|place| observer.see(|| event(index_of(place), task.test(index_of(place), limit))));
+                run.for_each(|place| observer.see(|| event(task.index(place), limit)));
                 continue;
             }
-            for index in run.map(index_of) {
-                let (sum, rows) = task.test(index, limit);
-                observer.see(|| event(index, (sum, rows)));
-                if sum > limit {
-                    continue;
-                }
-                let wins_tie = |(other, _)| shorter(window.displacement(index), window.displacement(other));
-                if sum < limit || best.is_none_or(wins_tie) {
+            for index in run.map(|place| task.index(place)) {
+                let sum = task.sums[index];
+                observer.see(|| event(index, limit));
+                let wins_tie = |other| shorter(window.displacement(index), window.displacement(other));
+                if sum < limit || sum == limit && best.is_none_or(wins_tie) {
                     observer.see(|| Event::NewBest { before: best.map(found) });
-                    best = Some((index, sum));
+                    best = Some(index);
                     limit = sum;
                 }
             }
@@ -114,52 +107,61 @@ impl FullSearch {
 }
 
 /// How many candidates are passed over at once where none of them can win.
-const RUN: usize = 32;
+const RUN: usize = 16;
 
-/// One block's pixels, those under its window, and unless there is an early exit the sums of all candidates.
+/// One block's pixels, those under its window, and the sums of all candidates.
 struct Task {
     patch: Patch,
     window: Window,
     height: usize,
     sum: Sum,
-    /// Empty with an early exit.
+    /// By index into the window.
     sums: Vec<u32>,
+    /// The indices into the window in the order of the search; empty for raster.
+    order: Vec<u32>,
 }
 
 impl Task {
     fn new(search: &FullSearch) -> Self {
         let window = Window { min: [0, 0], size: (0, 0) };
-        Self { patch: Patch::default(), window, height: 0, sum: search.cost.sum(), sums: Vec::new() }
+        let (patch, sum) = (Patch::default(), search.cost.sum());
+        Self { patch, window, height: 0, sum, sums: Vec::new(), order: Vec::new() }
     }
 
-    fn set(&mut self, search: &FullSearch, pair: &Pair, block: Block, window: Window) {
-        self.patch.take(pair, block, window);
-        (self.window, self.height) = (window, block.height);
-        if !search.early_exit {
-            cost::window(self.sum, &self.patch.block, &self.patch.area, window.size, &mut self.sums);
+    fn set(&mut self, search: &FullSearch, state: &State, block: Block) {
+        let window = state.pair.window(block, search.range);
+        self.patch.take(&state.pair, block, window);
+        self.height = block.height;
+        // The kernel works out whole windows at once. An early exit is therefore only for the eye: what it passes
+        // over could not have won.
+        cost::window(self.sum, &self.patch.block, &self.patch.area, window.size, &mut self.sums);
+        if window != self.window {
+            self.window = window;
+            let order = state.order.iter().flat_map(|order| order.iter());
+            self.order.clear();
+            self.order.extend(order.filter_map(|&displacement| window.index(displacement)).map(|index| index as u32));
         }
     }
 
-    /// Sum and rows looked at of one candidate; with an early exit, given up where the sum exceeds `limit`.
+    /// The index into the window of the candidate at `place` in the order of the search.
     #[inline(always)]
-    fn test(&self, index: usize, limit: u32) -> (u32, usize) {
-        match self.sums.get(index) {
-            Some(&sum) => (sum, self.height),
-            None => {
-                let place = (index % self.window.size.0, index / self.window.size.0);
-                cost::until(self.sum, &self.patch.block, &self.patch.area, place, limit)
-            }
-        }
+    fn index(&self, place: usize) -> usize {
+        self.order.get(place).map_or(place, |&index| index as usize)
     }
 
-    /// Whether the sums at these places of `order` are known, and all exceed `limit`.
+    /// Sum and number of rows of a candidate that is given up after the first row at which it exceeds `limit`.
+    fn until(&self, index: usize, limit: u32) -> (u32, usize) {
+        let place = (index % self.window.size.0, index / self.window.size.0);
+        cost::until(self.sum, &self.patch.block, &self.patch.area, place, limit)
+    }
+
+    /// Whether the sums at these places of the order all exceed `limit`.
     #[inline(always)]
-    fn all_exceed(&self, limit: u32, order: Option<&[u32]>, places: Range<usize>) -> bool {
-        match order {
-            _ if self.sums.is_empty() => false,
+    fn all_exceed(&self, limit: u32, places: Range<usize>) -> bool {
+        match self.order.get(places.clone()) {
+            Some(order) if !order.is_empty() => order.iter().all(|&index| self.sums[index as usize] > limit),
             // Without stopping at the first, so that it becomes vector instructions.
-            None => self.sums[places].iter().fold(true, |all, &sum| all & (sum > limit)),
-            Some(order) => order[places].iter().all(|&index| self.sums[index as usize] > limit),
+            _ => self.sums[places].iter().fold(true, |all, &sum| all & (sum > limit)),
         }
     }
 }
@@ -204,9 +206,7 @@ impl Estimator for FullSearch {
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let pair = Pair::new(clip, frame, self.block, self.step, self.border)?;
-        let (min, side) = (-(self.range as i32), 2 * self.range + 1);
-        let order = self.order_of(Window { min: [min, min], size: (side, side) });
-        Ok(State { pair, order, found: Vec::new(), candidates: 0 })
+        Ok(State { pair, order: self.order(), found: Vec::new(), candidates: 0 })
     }
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {

@@ -94,6 +94,13 @@ impl Window {
         [self.min[0] + (index % self.size.0) as i32, self.min[1] + (index / self.size.0) as i32]
     }
 
+    /// The index of a displacement, if it lies in the window.
+    #[inline(always)]
+    pub fn index(&self, [u, v]: Displacement) -> Option<usize> {
+        let (column, row) = (usize::try_from(u - self.min[0]).ok()?, usize::try_from(v - self.min[1]).ok()?);
+        (column < self.size.0 && row < self.size.1).then(|| row * self.size.0 + column)
+    }
+
     /// Column and row of a displacement.
     pub(super) fn place(&self, displacement: Displacement) -> (usize, usize) {
         ((displacement[0] - self.min[0]) as usize, (displacement[1] - self.min[1]) as usize)

@@ -57,13 +57,28 @@ impl Probe<'_> {
                 .ink(Role::Reference, format!("Block {}", self.index + 1))
                 .text(" moves by ")
                 .ink(Role::Result, format!("{} px", vector(found.displacement)))
-                .text(format!(": {} {} is the smallest of {} tested.", self.cost.label(), show(*found), self.tested())),
+                .text(format!(": {} {} is the smallest of {} tested.", self.cost.label(), show(*found), self.tested()))
+                .text(self.saved_rows()),
             (None, _) => said.text(format!(
                 "Nothing has been searched yet: {} blocks of {} px wait. Step into the first.",
                 self.pair.blocks.len(),
                 self.pair.blocks.size
             )),
         }
+    }
+
+    /// What giving up early has saved, if it has.
+    fn saved_rows(&self) -> String {
+        let looked_at: usize =
+            self.events.iter().map(|event| if let Event::Candidate { rows, .. } = event { *rows } else { 0 }).sum();
+        let all = self.tested() * self.block().height;
+        if looked_at == all {
+            return String::new();
+        }
+        format!(
+            " Giving up early, {looked_at} of {all} rows were added up: {:.0} %.",
+            100.0 * looked_at as f64 / all as f64
+        )
     }
 
     fn why_candidate(&self, candidate: Match, rows: usize) -> Sentence {

@@ -2,6 +2,9 @@
 //!
 //! The kernels of a whole window give exactly what [`until`] gives candidate by candidate; a test holds them to it.
 
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
 use crate::{Border, Gray};
 
 /// What is summed over the pixels of a block.
@@ -159,147 +162,6 @@ fn plain(sum: Sum, block: &Cut, area: &Cut, columns: usize, costs: &mut [u32]) {
         for (i, cost) in costs.iter_mut().enumerate() {
             *cost = until(sum, block, area, (i, j), u32::MAX).0;
         }
-    }
-}
-
-/// Kernels for x86-64.
-///
-/// Two candidates, one below the other, share the rows that are read: of the two lanes of 16 pixels the second
-/// stands one row lower. Row `r` of the area, broadcast to both lanes, meets row `r` of the block in the first
-/// and row `r − 1` in the second; what sticks out at the top and the bottom is put together in one.
-#[cfg(target_arch = "x86_64")]
-mod x86 {
-    use std::arch::x86_64::*;
-
-    use super::{Cut, SLACK_BYTES};
-
-    /// Side of the tiles into which a block is cut.
-    const TILE: usize = 16;
-
-    /// The rows of one tile for both lanes, and masks of the pixels that count.
-    struct Tile {
-        x: usize,
-        y: usize,
-        pixels: [__m256i; TILE],
-        masks: [__m256i; TILE],
-        is_full: bool,
-    }
-
-    impl Tile {
-        #[target_feature(enable = "avx2")]
-        fn new(block: &Cut, x: usize, y: usize) -> Self {
-            let (width, height) = (TILE.min(block.width - x), TILE.min(block.height - y));
-            let (mut pixels, mut masks) = ([_mm256_setzero_si256(); TILE], [_mm256_setzero_si256(); TILE]);
-            for r in 0..TILE {
-                let (mut row, mut mask) = ([0u8; 2 * TILE], [0u8; 2 * TILE]);
-                for (lane, of_block) in [r, (r + TILE - 1) % TILE].into_iter().enumerate() {
-                    if of_block < height {
-                        let lane = lane * TILE..lane * TILE + width;
-                        row[lane.clone()].copy_from_slice(&block.row(x, y + of_block)[..width]);
-                        mask[lane].fill(u8::MAX);
-                    }
-                }
-                // SAFETY: 32 bytes are there to be read.
-                unsafe {
-                    pixels[r] = _mm256_loadu_si256(row.as_ptr().cast());
-                    masks[r] = _mm256_loadu_si256(mask.as_ptr().cast());
-                }
-            }
-            Self { x, y, pixels, masks, is_full: (width, height) == (TILE, TILE) }
-        }
-    }
-
-    /// Sums of the differences of two times 16 pixels, spread over each lane.
-    #[inline(always)]
-    unsafe fn differences<const SQUARED: bool>(a: __m256i, b: __m256i) -> __m256i {
-        // SAFETY: the caller vouches for AVX2.
-        unsafe {
-            if !SQUARED {
-                return _mm256_sad_epu8(a, b);
-            }
-            let zero = _mm256_setzero_si256();
-            let difference = _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
-            let (low, high) = (_mm256_unpacklo_epi8(difference, zero), _mm256_unpackhi_epi8(difference, zero));
-            _mm256_add_epi32(_mm256_madd_epi16(low, low), _mm256_madd_epi16(high, high))
-        }
-    }
-
-    /// The sum of each lane, in the first and the fifth of eight numbers.
-    #[inline(always)]
-    unsafe fn lane_sums<const SQUARED: bool>(total: __m256i) -> __m256i {
-        // SAFETY: the caller vouches for AVX2.
-        unsafe {
-            let halves = _mm256_add_epi32(total, _mm256_unpackhi_epi64(total, total));
-            if SQUARED { _mm256_add_epi32(halves, _mm256_srli_epi64::<32>(halves)) } else { halves }
-        }
-    }
-
-    /// Adds the part of `tile` to the sums of all candidates.
-    #[inline(always)]
-    unsafe fn add_tile<const SQUARED: bool, const FULL: bool>(
-        tile: &Tile,
-        area: &Cut,
-        columns: usize,
-        sums: &mut [u32],
-    ) {
-        let rows = sums.len() / columns;
-        let lowest = (rows - 1) / 2 * 2 + tile.y + TILE;
-        assert!(tile.x + columns <= area.stride && (lowest + 1) * area.stride + SLACK_BYTES <= area.pixels.len());
-        for j in (0..rows).step_by(2) {
-            for i in 0..columns {
-                // SAFETY: the assertion above keeps 16 bytes from every place in every row inside the area; the
-                // caller vouches for AVX2.
-                unsafe {
-                    let start = area.pixels.as_ptr().add((j + tile.y) * area.stride + tile.x + i);
-                    let row = |r: usize| _mm_loadu_si128(start.add(r * area.stride).cast());
-                    let mut total = _mm256_setzero_si256();
-                    for r in 0..TILE {
-                        let both = if r == 0 {
-                            _mm256_set_m128i(row(TILE), row(0))
-                        } else {
-                            _mm256_broadcastsi128_si256(row(r))
-                        };
-                        let both = if FULL { both } else { _mm256_and_si256(tile.masks[r], both) };
-                        total = _mm256_add_epi32(total, differences::<SQUARED>(both, tile.pixels[r]));
-                    }
-                    let halves = lane_sums::<SQUARED>(total);
-                    sums[j * columns + i] += _mm256_extract_epi32::<0>(halves) as u32;
-                    if let Some(below) = sums.get_mut((j + 1) * columns + i) {
-                        *below += _mm256_extract_epi32::<4>(halves) as u32;
-                    }
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn all_tiles<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
-        for y in (0..block.height).step_by(TILE) {
-            for x in (0..block.width).step_by(TILE) {
-                // SAFETY: the caller vouches for AVX2.
-                unsafe {
-                    let tile = Tile::new(block, x, y);
-                    if tile.is_full {
-                        add_tile::<SQUARED, true>(&tile, area, columns, sums);
-                    } else {
-                        add_tile::<SQUARED, false>(&tile, area, columns, sums);
-                    }
-                }
-            }
-        }
-    }
-
-    /// With the 32 registers of AVX-512 the whole tile stays in registers.
-    #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx2")]
-    pub fn avx512<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
-        // SAFETY: this function is only compiled for processors with AVX2.
-        unsafe { all_tiles::<SQUARED>(block, area, columns, sums) }
-    }
-
-    #[target_feature(enable = "avx2")]
-    pub fn avx2<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
-        // SAFETY: as above.
-        unsafe { all_tiles::<SQUARED>(block, area, columns, sums) }
     }
 }
 

@@ -1,0 +1,269 @@
+//! Kernels for x86-64.
+//!
+//! All of them let candidates that stand below each other share the rows that are read: of the lanes of a register,
+//! 16 bytes each, every one stands a row lower than the one before. A row of the area, broadcast to all lanes, meets
+//! another row of the block in each. What sticks out at the top of the lower lanes and at the bottom of the upper
+//! ones is put together: in *slot* `s`, lane `k` holds row `(s − k) mod height` of the block.
+
+use std::arch::x86_64::*;
+
+use super::Cut;
+
+/// Side of the tiles into which a block is cut.
+const TILE: usize = 16;
+
+/// Part of a block, at most 16×16 px.
+#[derive(Clone, Copy)]
+struct Tile {
+    x: usize,
+    y: usize,
+    width: usize,
+    height: usize,
+}
+
+/// The tiles of a block, row by row.
+fn tiles(block: &Cut) -> impl Iterator<Item = Tile> {
+    let (width, height) = (block.width, block.height);
+    let corners = (0..height).step_by(TILE).flat_map(move |y| (0..width).step_by(TILE).map(move |x| (x, y)));
+    corners.map(move |(x, y)| Tile { x, y, width: TILE.min(width - x), height: TILE.min(height - y) })
+}
+
+impl Tile {
+    /// Panics unless the rows that `lanes` candidates below each other meet may be read for all places, and in each
+    /// of them 16 bytes from `past` bytes after the last place on.
+    fn check(&self, area: &Cut, (columns, rows): (usize, usize), lanes: usize, past: usize) {
+        let lowest = self.y + rows.next_multiple_of(lanes) - 1 + TILE - 1;
+        assert!(lowest * area.stride + self.x + columns - 1 + past + 16 <= area.pixels.len());
+    }
+}
+
+/// With AVX-512, absolute differences are summed by `vdbpsadbw`: four pixels against eight places in a row, at once,
+/// in each of four lanes.
+#[target_feature(enable = "avx512f,avx512bw,avx512vl,avx2")]
+pub fn avx512<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
+    for tile in tiles(block) {
+        if !SQUARED && tile.width.is_multiple_of(4) && tile.height >= LANES - 1 {
+            let quads = Quads::new(block, &tile);
+            match tile.width / 4 {
+                1 => add_quads::<1>(&tile, &quads, area, columns, sums),
+                2 => add_quads::<2>(&tile, &quads, area, columns, sums),
+                3 => add_quads::<3>(&tile, &quads, area, columns, sums),
+                _ => add_quads::<4>(&tile, &quads, area, columns, sums),
+            }
+        } else {
+            // SAFETY: this function is only compiled for processors with AVX2.
+            unsafe { add_tile::<SQUARED>(&tile, block, area, columns, sums) }
+        }
+    }
+}
+
+/// Without it, two candidates share a register.
+#[target_feature(enable = "avx2")]
+pub fn avx2<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
+    for tile in tiles(block) {
+        // SAFETY: as above.
+        unsafe { add_tile::<SQUARED>(&tile, block, area, columns, sums) }
+    }
+}
+
+/// Lanes of a register of AVX-512.
+const LANES: usize = 4;
+/// Places next to each other that one lane stands for.
+const PLACES: usize = 8;
+
+/// For each four columns of a tile: four pixels, four times, in each lane.
+type Slot = [[[u8; 4]; 4 * LANES]; TILE / 4];
+
+/// A tile for [`add_quads`], slot by slot; aligned, so that no register is loaded from two cache lines.
+#[repr(align(64))]
+struct Quads([Slot; TILE]);
+
+impl Quads {
+    fn new(block: &Cut, tile: &Tile) -> Self {
+        let mut quads = [[[[0; 4]; 4 * LANES]; TILE / 4]; TILE];
+        for slot in 0..tile.height {
+            for lane in 0..LANES {
+                let row = block.row(tile.x, tile.y + (slot + tile.height - lane) % tile.height);
+                let (pixels, _) = row[..tile.width].as_chunks::<4>();
+                for (quads, pixels) in quads[slot].iter_mut().zip(pixels) {
+                    quads[lane * 4..][..4].fill(*pixels);
+                }
+            }
+        }
+        Self(quads)
+    }
+}
+
+/// Adds the absolute differences of `tile` to the sums of all candidates.
+#[target_feature(enable = "avx512f,avx512bw,avx512vl,avx2")]
+fn add_quads<const COUNT: usize>(tile: &Tile, quads: &Quads, area: &Cut, columns: usize, sums: &mut [u32]) {
+    let rows = sums.len() / columns;
+    tile.check(area, (columns, rows), LANES, 8);
+    for j in (0..rows).step_by(LANES) {
+        for i in (0..columns).step_by(PLACES) {
+            // SAFETY: `check` has seen that all rows and bytes that are read lie inside the area.
+            let total = unsafe {
+                let start = area.pixels.as_ptr().add((j + tile.y) * area.stride + tile.x + i);
+                quad_sums::<COUNT>(&quads.0[..tile.height], start, area.stride)
+            };
+            let lanes: [__m128i; LANES] = [
+                _mm512_extracti32x4_epi32::<0>(total),
+                _mm512_extracti32x4_epi32::<1>(total),
+                _mm512_extracti32x4_epi32::<2>(total),
+                _mm512_extracti32x4_epi32::<3>(total),
+            ];
+            let inside = if i + PLACES <= columns { u8::MAX } else { (1 << (columns - i)) - 1 };
+            for (lane, row) in lanes.into_iter().zip(sums[j * columns..].chunks_mut(columns)) {
+                // SAFETY: `inside` leaves out what lies past the end of the row.
+                unsafe {
+                    let sums = row.as_mut_ptr().add(i).cast::<i32>();
+                    let before = _mm256_maskz_loadu_epi32(inside, sums);
+                    let after = _mm256_add_epi32(before, _mm256_cvtepu16_epi32(lane));
+                    _mm256_mask_storeu_epi32(sums, inside, after);
+                }
+            }
+        }
+    }
+}
+
+/// The sums of eight places in each of four rows of places, the first of them at `start`.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512vl,avx2")]
+unsafe fn quad_sums<const COUNT: usize>(slots: &[Slot], start: *const u8, stride: usize) -> __m512i {
+    /// Of the four times four bytes of a lane, those that a quad meets at eight places in a row.
+    const FIRST: i32 = 0b10_01_01_00;
+    /// The same for the quad beside it.
+    const SECOND: i32 = 0b11_10_10_01;
+    let mut totals = [_mm512_setzero_si512(); 4];
+    let mut add = |slot: &Slot, [left, right]: [__m512i; 2]| {
+        // SAFETY: a quad of the tile is 64 bytes.
+        let quad = |q: usize| unsafe { _mm512_loadu_si512(slot[q].as_ptr().cast()) };
+        totals[0] = _mm512_add_epi16(totals[0], _mm512_dbsad_epu8::<FIRST>(quad(0), left));
+        if COUNT > 1 {
+            totals[1] = _mm512_add_epi16(totals[1], _mm512_dbsad_epu8::<SECOND>(quad(1), left));
+        }
+        if COUNT > 2 {
+            totals[2] = _mm512_add_epi16(totals[2], _mm512_dbsad_epu8::<FIRST>(quad(2), right));
+            if COUNT > 3 {
+                totals[3] = _mm512_add_epi16(totals[3], _mm512_dbsad_epu8::<SECOND>(quad(3), right));
+            }
+        }
+    };
+    // SAFETY: the caller vouches for the bytes.
+    let at = |row: usize, right: usize| unsafe { _mm_loadu_si128(start.add(row * stride + right).cast()) };
+    // At the top the lower lanes have not begun: they take the row that they lack at the bottom.
+    for (s, slot) in slots.iter().enumerate().take(LANES - 1) {
+        let lower = u16::MAX << (4 * (s + 1));
+        let upper = |right| _mm512_broadcast_i32x4(at(s, right));
+        let both = |right| _mm512_mask_broadcast_i32x4(upper(right), lower, at(s + slots.len(), right));
+        add(slot, [both(0), both(8)]);
+    }
+    for (s, slot) in slots.iter().enumerate().skip(LANES - 1) {
+        add(slot, [_mm512_broadcast_i32x4(at(s, 0)), _mm512_broadcast_i32x4(at(s, 8))]);
+    }
+    let [a, b, c, d] = totals;
+    _mm512_add_epi16(_mm512_add_epi16(a, b), _mm512_add_epi16(c, d))
+}
+
+/// A tile for [`add_tile`]: its rows in both lanes, and masks of the pixels that count.
+struct Rows {
+    pixels: [__m256i; TILE],
+    masks: [__m256i; TILE],
+}
+
+impl Rows {
+    #[target_feature(enable = "avx2")]
+    fn new(block: &Cut, tile: &Tile) -> Self {
+        let (mut pixels, mut masks) = ([_mm256_setzero_si256(); TILE], [_mm256_setzero_si256(); TILE]);
+        for slot in 0..TILE {
+            let (mut row, mut mask) = ([0u8; 2 * TILE], [0u8; 2 * TILE]);
+            for lane in 0..2 {
+                let of_block = (slot + TILE - lane) % TILE;
+                if of_block < tile.height {
+                    let lane = lane * TILE..lane * TILE + tile.width;
+                    row[lane.clone()].copy_from_slice(&block.row(tile.x, tile.y + of_block)[..tile.width]);
+                    mask[lane].fill(u8::MAX);
+                }
+            }
+            // SAFETY: 32 bytes are there to be read.
+            unsafe {
+                pixels[slot] = _mm256_loadu_si256(row.as_ptr().cast());
+                masks[slot] = _mm256_loadu_si256(mask.as_ptr().cast());
+            }
+        }
+        Self { pixels, masks }
+    }
+}
+
+/// Sums of the differences of two times 16 pixels, spread over each lane.
+#[inline(always)]
+unsafe fn differences<const SQUARED: bool>(a: __m256i, b: __m256i) -> __m256i {
+    // SAFETY: the caller vouches for AVX2.
+    unsafe {
+        if !SQUARED {
+            return _mm256_sad_epu8(a, b);
+        }
+        let zero = _mm256_setzero_si256();
+        let difference = _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
+        let (low, high) = (_mm256_unpacklo_epi8(difference, zero), _mm256_unpackhi_epi8(difference, zero));
+        _mm256_add_epi32(_mm256_madd_epi16(low, low), _mm256_madd_epi16(high, high))
+    }
+}
+
+/// The sum of each lane, in the first and the fifth of eight numbers.
+#[inline(always)]
+unsafe fn lane_sums<const SQUARED: bool>(total: __m256i) -> __m256i {
+    // SAFETY: the caller vouches for AVX2.
+    unsafe {
+        let halves = _mm256_add_epi32(total, _mm256_unpackhi_epi64(total, total));
+        if SQUARED { _mm256_add_epi32(halves, _mm256_srli_epi64::<32>(halves)) } else { halves }
+    }
+}
+
+/// Adds the part of `tile` to the sums of all candidates.
+#[inline(always)]
+unsafe fn add_tile<const SQUARED: bool>(tile: &Tile, block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
+    // SAFETY: the caller vouches for AVX2.
+    unsafe {
+        let rows = Rows::new(block, tile);
+        if (tile.width, tile.height) == (TILE, TILE) {
+            add_rows::<SQUARED, true>(tile, &rows, area, columns, sums);
+        } else {
+            add_rows::<SQUARED, false>(tile, &rows, area, columns, sums);
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn add_rows<const SQUARED: bool, const FULL: bool>(
+    tile: &Tile,
+    Rows { pixels, masks }: &Rows,
+    area: &Cut,
+    columns: usize,
+    sums: &mut [u32],
+) {
+    let rows = sums.len() / columns;
+    tile.check(area, (columns, rows), 2, 0);
+    for j in (0..rows).step_by(2) {
+        for i in 0..columns {
+            // SAFETY: `check` has seen that all rows and bytes that are read lie inside the area; the caller
+            // vouches for AVX2.
+            unsafe {
+                let start = area.pixels.as_ptr().add((j + tile.y) * area.stride + tile.x + i);
+                let row = |r: usize| _mm_loadu_si128(start.add(r * area.stride).cast());
+                let mut total = _mm256_setzero_si256();
+                for r in 0..TILE {
+                    let both =
+                        if r == 0 { _mm256_set_m128i(row(TILE), row(0)) } else { _mm256_broadcastsi128_si256(row(r)) };
+                    let both = if FULL { both } else { _mm256_and_si256(masks[r], both) };
+                    total = _mm256_add_epi32(total, differences::<SQUARED>(both, pixels[r]));
+                }
+                let halves = lane_sums::<SQUARED>(total);
+                sums[j * columns + i] += _mm256_extract_epi32::<0>(halves) as u32;
+                if let Some(below) = sums.get_mut((j + 1) * columns + i) {
+                    *below += _mm256_extract_epi32::<4>(halves) as u32;
+                }
+            }
+        }
+    }
+}
