@@ -8,14 +8,15 @@ use std::time::{Duration, Instant};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use motionscope::paint::Theme;
 use motionscope::session::Session;
 use motionscope::ui::app::App;
 use motionscope::ui::commands::{Command, Rungs};
 use motionscope::ui::model::document::Owner;
 use motionscope::ui::model::walker::Snapshot;
-use motionscope::ui::{self, Start};
+use motionscope::ui::{self, Start, heat_map};
+use motionscope_core::scene::Readout;
 use motionscope_core::{Cursor, Value};
 
 /// The window, and the waiting that a person does not notice.
@@ -98,6 +99,14 @@ impl Window {
 
     fn value(&self, name: &str) -> Value {
         self.app().document().estimator().get(name).expect("the parameter exists")
+    }
+
+    fn click_at(&mut self, place: Pos2) {
+        self.harness.hover_at(place);
+        self.harness.drag_at(place);
+        self.harness.step();
+        self.harness.drop_at(place);
+        self.settle();
     }
 
     fn drag(&mut self, from: Pos2, to: Pos2) {
@@ -508,6 +517,53 @@ fn panes_fold_away_and_come_back() {
     assert!(seen(&window, "Parameters") && seen(&window, "3-D"));
     window.click_role(Role::Tab, "Plot");
     assert!(window.harness.query_all_by_label_contains("Cost by candidate").next().is_some());
+}
+
+#[test]
+fn a_click_on_a_chart_goes_to_the_candidate() {
+    let mut window = Window::usual();
+    let surface = window.shown().step.readouts.iter().find_map(|readout| match readout {
+        Readout::Surface(surface) => Some(surface.clone()),
+        _ => None,
+    });
+    let surface = surface.expect("a block is being searched");
+    let map = window.harness.get_by_role_and_label(Role::Image, &heat_map::summary(&surface)).rect();
+    let cell = map.width() / surface.values.width() as f32;
+    window.click_at(map.min + vec2(4.5 * cell, 2.5 * cell));
+    assert_eq!(Some(window.cursor().event), surface.events[(4, 2)]);
+
+    let (unit, events) = (window.cursor().unit, window.shown().events);
+    window.key(Key::U);
+    window.click_role(Role::Tab, "Plot");
+    let plot = window
+        .harness
+        .query_all_by_role(Role::Image)
+        .find(|node| node.accesskit_node().label().is_some_and(|label| label.starts_with("Cost by candidate")));
+    let plot = plot.expect("the plot is shown").rect();
+    window.click_at(plot.center());
+    let cursor = window.cursor();
+    assert!(cursor.unit >= unit && cursor.event > 2 && cursor.event < events.max(window.shown().events), "{cursor}");
+}
+
+#[test]
+fn keys_zoom_the_picture_and_not_the_interface() {
+    let mut window = Window::usual();
+    let percent = |window: &Window| {
+        let told = window.harness.query_all_by_label_contains(" %").filter_map(|node| {
+            let node = node.accesskit_node();
+            node.value().or(node.label())?.strip_suffix(" %")?.parse::<f32>().ok()
+        });
+        told.last().expect("the zoom is told")
+    };
+    let whole = percent(&window);
+    window.key(Key::Plus);
+    window.key(Key::Plus);
+    assert!((percent(&window) / whole - 2.25).abs() < 0.05, "{} of {whole}", percent(&window));
+    window.key(Key::Minus);
+    assert!((percent(&window) / whole - 1.5).abs() < 0.05);
+    window.key(Key::Num0);
+    assert_eq!(percent(&window), whole);
+    assert_eq!(window.app().settings().zoom(), 1.0);
 }
 
 #[test]

@@ -300,6 +300,8 @@ pub struct Series {
     pub y_label: &'static str,
     /// How many steps there will be, so that the axis does not jump.
     pub x_max: usize,
+    /// The event at which each step came, from x = 1 on, counted from 1: where a click on it leads.
+    pub events: Vec<usize>,
     /// The lines: name, role, and `(x, y)` points.
     pub lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
 }
@@ -313,6 +315,8 @@ pub struct Surface {
     pub origin: [i32; 2],
     /// The costs; NaN where nothing was tested yet.
     pub values: Grid<f32>,
+    /// The event that tested each displacement, counted from 1: where a click on it leads.
+    pub events: Grid<Option<usize>>,
     /// The displacement under test, if any.
     pub probe: Option<[i32; 2]>,
     /// The best displacement so far, if any.

@@ -13,6 +13,9 @@ use super::model::document::Owner;
 use super::style::ZOOM;
 use crate::paint::{Theme, View as Pictures};
 
+/// How much larger the picture gets at each press of a key.
+const ZOOM_STEP: f32 = 1.5;
+
 impl App {
     /// Does what was asked for.
     pub(super) fn act(&mut self, action: Action) {
@@ -73,9 +76,8 @@ impl App {
             C::ExportSteps => self.save_as(Kind::Steps),
             C::ExportVectors => self.save_as(Kind::Vectors),
             C::Undo | C::Redo | C::ResetParameters => self.edit(command),
-            C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink | C::Fit | C::ActualSize => {
-                self.look_at(command);
-            }
+            C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => self.look_at(command),
+            C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => self.look_at(command),
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => self.restyle(command),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => self.restyle(command),
             C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::ResetLayout => self.arrange(command),
@@ -134,7 +136,10 @@ impl App {
 
     fn look_at(&mut self, command: Command) {
         let stage = &mut self.states.stage;
+        let at_hand = self.view.shown.as_ref().and_then(|shown| shown.reference());
         match command {
+            Command::ZoomIn => stage.magnify(ZOOM_STEP, at_hand),
+            Command::ZoomOut => stage.magnify(1.0 / ZOOM_STEP, at_hand),
             Command::FrameT => stage.view = Pictures::Current,
             Command::FrameNext => stage.view = Pictures::Next,
             Command::Difference => stage.view = Pictures::Difference,

@@ -49,6 +49,10 @@ commands! {
     Blend,
     /// One after the other.
     Blink,
+    /// The picture larger.
+    ZoomIn,
+    /// The picture smaller.
+    ZoomOut,
     /// The whole picture.
     Fit,
     /// One pixel of the picture to one of the screen.
@@ -278,6 +282,16 @@ impl Command {
                 "One frame after the other in one place: what moved jumps.",
                 const { &[key(Key::Num6)] },
             ),
+            C::ZoomIn => (
+                Menu::View,
+                Icon::ZoomIn,
+                "Zoom in",
+                "Show the picture larger, around the pointer or the block at hand; the wheel does the same.",
+                const { &[key(Key::Plus), key(Key::Equals)] },
+            ),
+            C::ZoomOut => {
+                (Menu::View, Icon::ZoomOut, "Zoom out", "Show the picture smaller.", const { &[key(Key::Minus)] })
+            }
             C::Fit => {
                 (Menu::View, Icon::Maximize, "Fit picture", "Show the whole picture.", const { &[key(Key::Num0)] })
             }
@@ -309,14 +323,14 @@ impl Command {
                 Icon::AArrowUp,
                 "Larger interface",
                 "Make everything larger.",
-                const { &[key(Key::Plus), key(Key::Equals), ctrl(Key::Plus), ctrl(Key::Equals)] },
+                const { &[ctrl(Key::Plus), ctrl(Key::Equals)] },
             ),
             C::SmallerInterface => (
                 Menu::View,
                 Icon::AArrowDown,
                 "Smaller interface",
                 "Make everything smaller.",
-                const { &[key(Key::Minus), ctrl(Key::Minus)] },
+                const { &[ctrl(Key::Minus)] },
             ),
             C::NormalInterface => (
                 Menu::View,
@@ -530,9 +544,8 @@ impl Command {
             C::NextFrame => now.has_clip && !now.at_last_frame,
             C::PreviousFrame => now.has_clip && !now.at_first_frame,
             C::SaveSession | C::ExportPicture | C::ExportSteps | C::ExportVectors => now.has_run,
-            C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink | C::Fit | C::ActualSize => {
-                now.has_run
-            }
+            C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => now.has_run,
+            C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
             C::Open | C::PastePath | C::Samples | C::Quit => true,
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => true,
@@ -557,6 +570,8 @@ impl Command {
                 | C::PreviousFrame
                 | C::Undo
                 | C::Redo
+                | C::ZoomIn
+                | C::ZoomOut
                 | C::LargerInterface
                 | C::SmallerInterface
         )

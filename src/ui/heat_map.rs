@@ -33,8 +33,8 @@ pub struct State {
 /// What the person did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Response {
-    /// The displacement that was clicked, in px.
-    pub clicked: Option<[i32; 2]>,
+    /// The event that tested the displacement that was clicked.
+    pub clicked: Option<usize>,
     /// The displacement under the pointer, in px.
     pub hovered: Option<[i32; 2]>,
 }
@@ -71,7 +71,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     }
     header(&painter, &map, area, input, hovered);
     color_bar(&painter, &map, input);
-    let clicked = if sensed.clicked() { hovered } else { None };
+    let clicked = hovered.filter(|_| sensed.clicked()).and_then(|at| event(surface, at));
     Response { clicked, hovered }
 }
 
@@ -120,11 +120,22 @@ impl Map {
     }
 }
 
-/// The cost at a displacement, if it was tested.
-pub fn cost(surface: &Surface, [u, v]: [i32; 2]) -> Option<f32> {
+/// The cell of a displacement.
+fn cell(surface: &Surface, [u, v]: [i32; 2]) -> Option<(usize, usize)> {
     let place = |c: i32, origin: i32| usize::try_from(c.checked_sub(origin)?).ok();
-    let (x, y) = (place(u, surface.origin[0])?, place(v, surface.origin[1])?);
+    Some((place(u, surface.origin[0])?, place(v, surface.origin[1])?))
+}
+
+/// The cost at a displacement, if it was tested.
+pub fn cost(surface: &Surface, at: [i32; 2]) -> Option<f32> {
+    let (x, y) = cell(surface, at)?;
     surface.values.get(x, y).copied().filter(|v| v.is_finite())
+}
+
+/// The event that tested a displacement, if one did.
+fn event(surface: &Surface, at: [i32; 2]) -> Option<usize> {
+    let (x, y) = cell(surface, at)?;
+    surface.events.get(x, y).copied().flatten()
 }
 
 /// A displacement as it is written.
@@ -277,7 +288,8 @@ mod tests {
 
     fn surface() -> Surface {
         let values = Grid::from_fn(33, 17, |x, y| if y < 9 { (x + 40 * y) as f32 } else { f32::NAN });
-        Surface { title: "SAD", origin: [-16, -8], values, probe: Some([0, 0]), best: Some([-16, -8]) }
+        let events = Grid::from_fn(33, 17, |x, y| (y < 9).then_some(2 + x + 33 * y));
+        Surface { title: "SAD", origin: [-16, -8], values, events, probe: Some([0, 0]), best: Some([-16, -8]) }
     }
 
     #[test]
@@ -298,6 +310,7 @@ mod tests {
     fn the_map_tells_itself_in_words() {
         assert_eq!(summary(&surface()), "SAD by displacement: 297 of 561 tested, smallest 0 at (−16, −8)");
         assert_eq!(cost(&surface(), [0, 8]), None);
+        assert_eq!((event(&surface(), [-15, -7]), event(&surface(), [0, 8])), (Some(36), None));
         assert_eq!(cost(&surface(), [-40, 0]), None);
     }
 

@@ -7,8 +7,8 @@ use eframe::egui::{
 use eframe::egui_wgpu::RenderState;
 use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 use lucide_icons::Icon;
-use motionscope_core::Error;
 use motionscope_core::scene::Readout;
+use motionscope_core::{Cursor, Error};
 
 use super::action::{Action, Actions, Side};
 use super::commands::Command;
@@ -181,22 +181,27 @@ impl Panes<'_> {
         };
         let (theme, colors) = (self.theme, self.document.look().colors);
         let states = &mut *self.states;
+        let mut clicked = None;
         for readout in &shown.step.readouts {
             match (pane, readout) {
                 (Pane::Surface, Readout::Surface(surface)) => {
-                    heat_map::show(ui, heat_map::Input { surface, colors, theme }, &mut states.heat_map);
+                    let input = heat_map::Input { surface, colors, theme };
+                    clicked = heat_map::show(ui, input, &mut states.heat_map).clicked;
                 }
                 (Pane::Surface3d, Readout::Surface(surface)) => {
                     let input = surface3d::Input { surface, colors, theme, gpu: self.gpu };
                     surface3d::show(ui, input, &mut states.surface3d);
                 }
                 (Pane::Plot, Readout::Series(series)) => {
-                    series::show(ui, series::Input { series, theme });
+                    clicked = series::show(ui, series::Input { series, theme }).clicked;
                 }
                 (Pane::Numbers, Readout::Tiles(tiles)) => {
                     tiles::show(ui, tiles::Input { tiles, theme }, &mut states.tiles);
                 }
                 _ => continue,
+            }
+            if let Some(event) = clicked {
+                self.actions.ask(Action::Seek(Cursor { event, ..shown.cursor }));
             }
             return;
         }

@@ -22,8 +22,8 @@ pub struct Input<'a> {
 /// What the person did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The step that was clicked.
-    pub clicked: Option<f32>,
+    /// The event of the step that was clicked.
+    pub clicked: Option<usize>,
 }
 
 /// Shows the lines in the whole of `ui`.
@@ -45,7 +45,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>) -> Response {
         painter.vline(plot.x.place(x), plot.rect.y_range(), stroke);
     }
     header(&painter, &plot, area, input, hovered);
-    Response { clicked: if sensed.clicked() { hovered.and_then(|x| nearest(series, x)) } else { None } }
+    let step = hovered.and_then(|x| nearest(series, x)).filter(|_| sensed.clicked());
+    Response { clicked: step.and_then(|x| series.events.get((x as usize).checked_sub(1)?).copied()) }
 }
 
 /// Where the lines are drawn.
@@ -208,7 +209,14 @@ mod tests {
         let tested = (1..=points).map(|i| [i as f32, 500.0 + (i * 37 % 400) as f32]).collect();
         let best = vec![[1.0, 537.0], [3.0, 511.0]];
         let lines = vec![("candidate", Role::Candidate, tested), ("best so far", Role::Best, best)];
-        Series { title: "Cost by candidate", x_label: "candidate", y_label: "SAD", x_max: 1089, lines }
+        Series {
+            title: "Cost by candidate",
+            x_label: "candidate",
+            y_label: "SAD",
+            x_max: 1089,
+            events: (1..=points).collect(),
+            lines,
+        }
     }
 
     fn plot(series: &Series) -> Plot {

@@ -202,7 +202,7 @@ fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
 fn section(command: Command) -> u8 {
     use Command as C;
     match command {
-        C::SaveSession | C::Fit | C::ActualSize | C::ResetParameters => 1,
+        C::SaveSession | C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize | C::ResetParameters => 1,
         C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => 2,
         C::LargerInterface | C::SmallerInterface | C::NormalInterface => 2,
         C::Quit | C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::FullScreen => 3,

@@ -101,6 +101,17 @@ impl Probe<'_> {
         scene.legend(Role::Window, "search window");
     }
 
+    /// The event that tested each displacement, counted from 1.
+    pub(super) fn tests(&self) -> Grid<Option<usize>> {
+        let mut tests = Grid::new(self.window.size.0, self.window.size.1, None);
+        for (i, event) in self.events.iter().enumerate() {
+            if let Event::Candidate { displacement, .. } = *event {
+                tests[self.window.place(displacement)] = Some(i + 1);
+            }
+        }
+        tests
+    }
+
     /// The costs known so far, by displacement; a candidate that was given up has none.
     pub(super) fn costs(&self) -> Grid<f32> {
         let mut costs = Grid::new(self.window.size.0, self.window.size.1, f32::NAN);

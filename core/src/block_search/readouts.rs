@@ -22,6 +22,7 @@ impl Probe<'_> {
             title: self.cost.label(),
             origin: self.window.min,
             values: self.costs(),
+            events: self.tests(),
             probe: self.candidate().filter(|_| !self.is_over()).map(|(candidate, _)| candidate.displacement),
             best: self.best().map(|best| best.displacement),
         }));
@@ -176,12 +177,13 @@ impl Probe<'_> {
     }
 
     fn series(&self) -> Series {
-        let (mut tested, mut best, mut number) = (Vec::new(), Vec::new(), 0.0);
-        for event in self.events {
+        let (mut tested, mut best, mut events, mut number) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
+        for (i, event) in self.events.iter().enumerate() {
             let last = tested.last().copied();
             match (*event, last) {
                 (Event::Candidate { sum, rows, .. }, _) => {
                     number += 1.0;
+                    events.push(i + 1);
                     if rows == self.block().height {
                         tested.push([number, self.cost.of(sum, self.block()) as f32]);
                     }
@@ -199,6 +201,7 @@ impl Probe<'_> {
             x_label: "candidate",
             y_label: self.cost.label(),
             x_max: self.window.count(),
+            events,
             lines: vec![("candidate", Role::Candidate, tested), ("best so far", Role::Best, best)],
         }
     }

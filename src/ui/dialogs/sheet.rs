@@ -19,12 +19,8 @@ pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             ui.columns(2, |columns| {
                 let (left, right) = columns.split_at_mut(1);
-                for menu in [Menu::Walk, Menu::Export, Menu::Help] {
-                    group(&mut left[0], menu, rungs, theme);
-                }
-                for menu in [Menu::File, Menu::Edit, Menu::View] {
-                    group(&mut right[0], menu, rungs, theme);
-                }
+                column(&mut left[0], &[Menu::Walk, Menu::Export, Menu::Help], rungs, theme);
+                column(&mut right[0], &[Menu::File, Menu::Edit, Menu::View], rungs, theme);
             });
         });
         ui.add_space(8.0);
@@ -33,10 +29,20 @@ pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {
     !modal.should_close()
 }
 
-fn group(ui: &mut Ui, menu: Menu, rungs: &Rungs, theme: Theme) {
-    widgets::heading(ui, menu.name());
-    ui.add_space(2.0);
-    Grid::new(menu.name()).num_columns(2).spacing([16.0, 4.0]).min_col_width(96.0).show(ui, |ui| {
+/// Groups below each other; their keys and names stand in line.
+fn column(ui: &mut Ui, menus: &[Menu], rungs: &Rungs, theme: Theme) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    for &menu in menus {
+        widgets::heading(ui, menu.name());
+        ui.add_space(2.0);
+        group(ui, menu, rungs, (theme, 11.5 * size));
+        ui.add_space(14.0);
+    }
+}
+
+/// The keys of a menu, in a column of a given width, and what they do.
+fn group(ui: &mut Ui, menu: Menu, rungs: &Rungs, (theme, keys): (Theme, f32)) {
+    Grid::new(menu.name()).num_columns(2).spacing([16.0, 4.0]).min_col_width(keys).show(ui, |ui| {
         for command in Command::ALL.iter().filter(|command| command.face().menu == menu) {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
@@ -49,7 +55,6 @@ fn group(ui: &mut Ui, menu: Menu, rungs: &Rungs, theme: Theme) {
             ui.end_row();
         }
     });
-    ui.add_space(14.0);
 }
 
 /// Shows what the program is; gives whether it is still open.

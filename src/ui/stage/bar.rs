@@ -243,6 +243,13 @@ impl Items {
     }
 }
 
+/// What one can do, in as many words as there is room for.
+const HINTS: [&str; 3] = [
+    "Point at a pixel to read it. Click a block for its result, Shift+click for its start. The wheel zooms.",
+    "Click a block for its result, Shift+click for its start. The wheel zooms.",
+    "Click a block for its result. The wheel zooms.",
+];
+
 /// The pixel pointed at, in numbers; what one can do, where none is.
 fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
     let height = line_height(input.theme);
@@ -253,8 +260,8 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
     let font = ink::font(Face::Sans, size);
     let painter = ui.painter_at(rect);
     let Some(pixel) = hovered else {
-        let hint =
-            "Point at a pixel to read it. Click a block for its result, Shift+click for its start. The wheel zooms.";
+        let width = |hint: &str| painter.layout_no_wrap(hint.into(), font.clone(), dim).size().x;
+        let hint = HINTS.into_iter().find(|hint| width(hint) <= rect.width()).unwrap_or(HINTS[HINTS.len() - 1]);
         ink::name(&response, || hint.into());
         ink::line(&painter, rect.left_center(), (hint, font, dim), rect.width());
         return;

@@ -109,6 +109,15 @@ impl State {
         }
     }
 
+    /// The picture `factor` times as large; the pixel pointed at stays where it is, or else the point `at_hand`.
+    pub fn magnify(&mut self, factor: f32, at_hand: Option<[f32; 2]>) {
+        if let Some(lens) = self.shown {
+            let held =
+                self.hovered.map(to_point).or(at_hand).filter(|&point| lens.pane.contains(lens.to_screen(point)));
+            self.zoom = lens.zoomed(held.map_or(lens.pane.center(), |point| lens.to_screen(point)), factor);
+        }
+    }
+
     /// The whole picture.
     pub fn fit(&mut self) {
         self.zoom = Zoom::Fit;

@@ -279,7 +279,8 @@ mod tests {
     #[test]
     fn without_a_card_the_nearest_triangle_comes_last() {
         let values = Grid::from_fn(5, 5, |x, y| (x + y) as f32);
-        let surface = Surface { title: "SAD", origin: [-2, -2], values, probe: None, best: None };
+        let surface =
+            Surface { title: "SAD", origin: [-2, -2], values, events: Grid::new(5, 5, None), probe: None, best: None };
         let relief = relief::relief(&surface, ColorMap::Viridis, Theme::Dark);
         let orbit = Orbit { yaw_rad: 0.0, ..Orbit::default() };
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(300.0, 200.0));

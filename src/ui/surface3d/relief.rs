@@ -217,7 +217,14 @@ mod tests {
 
     fn surface(known: impl Fn(usize, usize) -> bool) -> Surface {
         let cost = |x: usize, y: usize| if known(x, y) { (x * x + y) as f32 } else { f32::NAN };
-        Surface { title: "SAD", origin: [-4, -2], values: Grid::from_fn(9, 5, cost), probe: None, best: Some([-4, -2]) }
+        Surface {
+            title: "SAD",
+            origin: [-4, -2],
+            values: Grid::from_fn(9, 5, cost),
+            events: Grid::new(9, 5, None),
+            probe: None,
+            best: Some([-4, -2]),
+        }
     }
 
     fn triangles(surface: &Surface) -> usize {
