@@ -549,11 +549,11 @@ fn a_click_on_a_chart_goes_to_the_candidate() {
 fn keys_zoom_the_picture_and_not_the_interface() {
     let mut window = Window::usual();
     let percent = |window: &Window| {
-        let told = window.harness.query_all_by_label_contains(" %").filter_map(|node| {
+        let mut told = window.harness.query_all_by_label_contains(" %").filter_map(|node| {
             let node = node.accesskit_node();
             node.value().or(node.label())?.strip_suffix(" %")?.parse::<f32>().ok()
         });
-        told.last().expect("the zoom is told")
+        told.next_back().expect("the zoom is told")
     };
     let whole = percent(&window);
     window.key(Key::Plus);
