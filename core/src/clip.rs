@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::{Error, Gray, Grid};
+use crate::{Error, Gray, Grid, Stop};
 
 /// One picture of a clip: its gray values, and its colours if it has any.
 ///
@@ -111,11 +111,11 @@ pub trait Truth: Send + Sync {
 
 /// Where frames come from. Reading may take long: never call it on the window's thread.
 pub trait FrameSource: Send + Sync {
-    /// Frame `index`, all of the clip's size.
+    /// Frame `index`, all of the clip's size. Work that takes longer than a frame looks at `stop` now and then.
     ///
     /// # Errors
-    /// One sentence if the frame does not exist or is damaged.
-    fn frame(&self, index: usize) -> Result<Arc<Frame>, Error>;
+    /// One sentence if the frame does not exist, is damaged, or was given up because of `stop`.
+    fn frame(&self, index: usize, stop: &Stop) -> Result<Arc<Frame>, Error>;
 
     /// Frame `index` if it is at hand without any work.
     fn cached(&self, index: usize) -> Option<Arc<Frame>>;
@@ -148,6 +148,7 @@ pub struct Clip {
     info: Arc<ClipInfo>,
     frames: Arc<dyn FrameSource>,
     truth: Option<Arc<dyn Truth>>,
+    stop: Stop,
 }
 
 impl fmt::Debug for Clip {
@@ -159,7 +160,7 @@ impl fmt::Debug for Clip {
 impl Clip {
     /// A clip of frames that `frames` delivers.
     pub fn new(info: ClipInfo, frames: Arc<dyn FrameSource>) -> Self {
-        Self { info: Arc::new(info), frames, truth: None }
+        Self { info: Arc::new(info), frames, truth: None, stop: Stop::default() }
     }
 
     /// A clip of frames in memory.
@@ -200,6 +201,12 @@ impl Clip {
         self
     }
 
+    /// The same clip, whose frames are given up while `stop` is set; other copies of the clip do not notice.
+    pub fn until(mut self, stop: Stop) -> Self {
+        self.stop = stop;
+        self
+    }
+
     /// Facts about the clip.
     pub fn info(&self) -> &ClipInfo {
         &self.info
@@ -218,7 +225,7 @@ impl Clip {
     /// Frame `index`. May decode: never call it on the window's thread.
     ///
     /// # Errors
-    /// One sentence if the frame does not exist or is damaged.
+    /// One sentence if the frame does not exist, is damaged, or was given up (see [`Clip::until`]).
     pub fn frame(&self, index: usize) -> Result<Arc<Frame>, Error> {
         match self.info.frames {
             Some(n) if index >= n => Err(Error::new(format!(
@@ -226,7 +233,7 @@ impl Clip {
                 self.info.name,
                 if n == 1 { "" } else { "s" }
             ))),
-            _ => self.frames.frame(index),
+            _ => self.frames.frame(index, &self.stop),
         }
     }
 
@@ -260,7 +267,7 @@ impl Clip {
 struct InMemory(Vec<Arc<Frame>>);
 
 impl FrameSource for InMemory {
-    fn frame(&self, index: usize) -> Result<Arc<Frame>, Error> {
+    fn frame(&self, index: usize, _stop: &Stop) -> Result<Arc<Frame>, Error> {
         self.cached(index).ok_or_else(|| Error::new(format!("there is no frame {index}")))
     }
 

@@ -1,11 +1,16 @@
 //! The one frame cache: decodes on demand and remembers what it met, bounded in bytes.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::thread;
+use std::time::Duration;
 
-use motionscope_core::{ClipInfo, Error, Frame, FrameSource};
+use motionscope_core::{ClipInfo, Error, Frame, FrameSource, Stop};
 
 use super::{Decoder, contain};
+
+/// How often a thread that waits for the decoder asks whether it should stop.
+const POLL: Duration = Duration::from_millis(2);
 
 /// Frames that come from a decoder when they are wanted.
 ///
@@ -28,7 +33,19 @@ impl Lazy {
         }
     }
 
-    fn decode(&self, index: usize, decoder: &mut dyn Decoder) -> Result<Arc<Frame>, Error> {
+    /// The decoder, once no other thread is at it; `None` if `stop` comes first.
+    fn decoder(&self, stop: &Stop) -> Option<MutexGuard<'_, Box<dyn Decoder>>> {
+        loop {
+            match self.decoder.try_lock() {
+                Ok(decoder) => return Some(decoder),
+                Err(TryLockError::Poisoned(decoder)) => return Some(decoder.into_inner()),
+                Err(TryLockError::WouldBlock) if stop.is_set() => return None,
+                Err(TryLockError::WouldBlock) => thread::sleep(POLL),
+            }
+        }
+    }
+
+    fn decode(&self, index: usize, decoder: &mut dyn Decoder, stop: &Stop) -> Result<Arc<Frame>, Error> {
         let mut wanted = None;
         let mut misfit = None;
         let mut keep = |number: usize, frame: Frame| {
@@ -42,7 +59,7 @@ impl Lazy {
             }
             lock(&self.cache).insert(number, frame);
         };
-        let result = contain::contain(|| decoder.decode(index, &mut keep))
+        let result = contain::contain(|| decoder.decode(index, stop, &mut keep))
             .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged ({panic})"))));
         match (wanted, misfit, result) {
             (Some(frame), _, _) => Ok(frame),
@@ -50,9 +67,14 @@ impl Lazy {
                 let (width, height) = self.size;
                 Err(self.refuse(index, &format!("it is {w}×{h} px, but the clip is {width}×{height} px")))
             }
+            (None, _, Err(_)) if stop.is_set() => Err(self.given_up(index)),
             (None, _, Err(error)) => Err(self.refuse(index, &error.to_string())),
             (None, _, Ok(())) => Err(self.refuse(index, "the clip ends before it")),
         }
+    }
+
+    fn given_up(&self, index: usize) -> Error {
+        Error::new(format!("frame {index} of {} was given up; ask for it again", self.name))
     }
 
     fn refuse(&self, index: usize, why: &str) -> Error {
@@ -62,15 +84,15 @@ impl Lazy {
 }
 
 impl FrameSource for Lazy {
-    fn frame(&self, index: usize) -> Result<Arc<Frame>, Error> {
+    fn frame(&self, index: usize, stop: &Stop) -> Result<Arc<Frame>, Error> {
         if let Some(frame) = self.cached(index) {
             return Ok(frame);
         }
-        let mut decoder = lock(&self.decoder);
+        let Some(mut decoder) = self.decoder(stop) else { return Err(self.given_up(index)) };
         // Whoever held the decoder may have met the frame.
         match self.cached(index) {
             Some(frame) => Ok(frame),
-            None => self.decode(index, decoder.as_mut()),
+            None => self.decode(index, decoder.as_mut(), stop),
         }
     }
 
@@ -144,12 +166,13 @@ mod tests {
     }
 
     impl Decoder for Tens {
-        fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
+        fn decode(&mut self, index: usize, stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
             let key = index / 10 * 10;
             if index < self.next || key > self.next {
                 self.next = key;
             }
             while self.next <= index {
+                stop.check()?;
                 let number = self.next;
                 self.decoded.fetch_add(1, Ordering::Relaxed);
                 match number {
@@ -180,11 +203,15 @@ mod tests {
         (Lazy::new(&info, Box::new(decoder), cache_frames * 100), decoded)
     }
 
+    fn frame(clip: &Lazy, index: usize) -> Result<Arc<Frame>, Error> {
+        clip.frame(index, &Stop::default())
+    }
+
     #[test]
     fn frames_on_the_way_are_kept_and_nothing_is_decoded_twice() {
         let (clip, decoded) = tens(100);
         for index in [7, 6, 5, 0, 8, 9, 10, 18, 12, 9] {
-            assert_eq!(clip.frame(index).unwrap().luma()[(0, 0)], index as u8);
+            assert_eq!(frame(&clip, index).unwrap().luma()[(0, 0)], index as u8);
         }
         assert_eq!(decoded.load(Ordering::Relaxed), 19);
         assert!(clip.cached(11).is_some() && clip.cached(19).is_none());
@@ -193,15 +220,15 @@ mod tests {
     #[test]
     fn memory_is_bounded_and_the_oldest_goes_first() {
         let (clip, _) = tens(4);
-        clip.frame(9).unwrap();
+        frame(&clip, 9).unwrap();
         let kept: Vec<_> = (0..60).filter(|&i| clip.cached(i).is_some()).collect();
         assert_eq!(kept, [6, 7, 8, 9]);
         assert_eq!(lock(&clip.cache).bytes, 400);
-        clip.frame(6).unwrap();
-        clip.frame(10).unwrap();
+        frame(&clip, 6).unwrap();
+        frame(&clip, 10).unwrap();
         assert!(clip.cached(6).is_some() && clip.cached(7).is_none());
         let (tiny, _) = tens(0);
-        assert_eq!(tiny.frame(3).unwrap().luma()[(0, 0)], 3);
+        assert_eq!(frame(&tiny, 3).unwrap().luma()[(0, 0)], 3);
         assert!(tiny.cached(3).is_some() && tiny.cached(2).is_none());
     }
 
@@ -210,21 +237,61 @@ mod tests {
         let (clip, _) = tens(100);
         for (bad, why) in [(25, "bits are wrong"), (35, "out of bounds"), (45, "5×10")] {
             for _ in 0..2 {
-                let told = clip.frame(bad).unwrap_err().to_string();
+                let told = frame(&clip, bad).unwrap_err().to_string();
                 assert!(told.contains(&format!("frame {bad} of tens")) && told.contains(why), "{told}");
             }
-            assert!(clip.frame(bad - 1).is_ok() && clip.frame(bad + 5).is_ok());
+            assert!(frame(&clip, bad - 1).is_ok() && frame(&clip, bad + 5).is_ok());
         }
-        assert!(clip.frame(27).unwrap_err().to_string().contains("bits are wrong"));
+        assert!(frame(&clip, 27).unwrap_err().to_string().contains("bits are wrong"));
+    }
+
+    /// Asks for frame `index` on another thread, with a flag to stop it.
+    fn wait_for(clip: &Arc<Lazy>, index: usize) -> (Stop, thread::JoinHandle<Result<Arc<Frame>, Error>>) {
+        let (stop, clip) = (Stop::default(), Arc::clone(clip));
+        let theirs = stop.clone();
+        (stop, thread::spawn(move || clip.frame(index, &theirs)))
+    }
+
+    /// A decoder that would go on for ever, with a frame every millisecond.
+    struct Endless;
+
+    impl Decoder for Endless {
+        fn decode(&mut self, _: usize, stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
+            for number in 0.. {
+                stop.check()?;
+                keep(number % 9, Frame::gray(Grid::new(10, 10, 0)));
+                thread::sleep(Duration::from_millis(1));
+            }
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn whoever_stops_waits_no_longer_and_leaves_the_rest_usable() {
+        let (mut clip, _) = tens(100);
+        clip.decoder = Mutex::new(Box::new(Endless));
+        let clip = Arc::new(clip);
+        let (decodes, at_work) = wait_for(&clip, 50);
+        while clip.cached(0).is_none() {
+            thread::sleep(POLL);
+        }
+        let (waits, in_line) = wait_for(&clip, 51);
+        // Only the one that is stopped gives up.
+        waits.set(true);
+        assert!(in_line.join().unwrap().unwrap_err().to_string().contains("frame 51 of tens was given up"));
+        assert!(!at_work.is_finished());
+        decodes.set(true);
+        assert!(at_work.join().unwrap().unwrap_err().to_string().contains("frame 50 of tens was given up"));
+        assert!(frame(&clip, 0).is_ok());
     }
 
     #[test]
     fn looking_never_waits_for_decoding() {
         let (clip, _) = tens(100);
-        clip.frame(1).unwrap();
+        frame(&clip, 1).unwrap();
         let busy = clip.decoder.lock().unwrap();
         assert!(clip.cached(1).is_some() && clip.cached(2).is_none());
-        assert!(clip.frame(0).is_ok());
+        assert!(frame(&clip, 0).is_ok());
         drop(busy);
     }
 }

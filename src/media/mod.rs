@@ -21,7 +21,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::{Clip, ClipInfo, Error, Frame, Truth};
+use motionscope_core::{Clip, ClipInfo, Error, Frame, Stop, Truth};
 
 pub use info::Info;
 use input::Input;
@@ -79,11 +79,11 @@ pub(crate) trait Decoder: Send {
     /// Decodes frame `index` and gives `keep` every frame that is met on the way, by number; the wanted one comes last.
     ///
     /// Going on from the frame decoded last must be cheap where the format allows. After an error or a panic the next
-    /// call starts afresh.
+    /// call starts afresh. Whoever decodes more than one frame on the way looks at `stop` before each.
     ///
     /// # Errors
-    /// One sentence, without the file's name, if there is no such frame or it is damaged.
-    fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error>;
+    /// One sentence, without the file's name, if there is no such frame, it is damaged, or `stop` is set.
+    fn decode(&mut self, index: usize, stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error>;
 }
 
 /// What a format's reader makes of a file.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use motionscope_core::{ClipInfo, Error, Frame};
+use motionscope_core::{ClipInfo, Error, Frame, Stop};
 
 use super::names::file_name;
 use super::sequence::Sequence;
@@ -42,7 +42,7 @@ struct Stills {
 }
 
 impl Decoder for Stills {
-    fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
+    fn decode(&mut self, index: usize, _stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
         let Some(file) = self.files.get(index) else { return Ok(()) };
         let frame = self.read(file).map_err(|why| about(file, &why))?;
         keep(index, frame);

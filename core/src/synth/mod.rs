@@ -32,7 +32,7 @@ mod truth;
 
 use std::sync::Arc;
 
-use crate::{Clip, ClipInfo, Error, Frame, FrameSource};
+use crate::{Clip, ClipInfo, Error, Frame, FrameSource, Stop};
 use layer::{Layer, Stage, reach, scale};
 use recent::Recent;
 use truth::ExactTruth;
@@ -140,7 +140,7 @@ impl Studio {
 }
 
 impl FrameSource for Studio {
-    fn frame(&self, index: usize) -> Result<Arc<Frame>, Error> {
+    fn frame(&self, index: usize, _stop: &Stop) -> Result<Arc<Frame>, Error> {
         if index >= self.difficulty.frames {
             return Err(Error::new(format!("there is no frame {index}")));
         }

@@ -12,7 +12,7 @@ use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
 use image::codecs::webp::WebPDecoder;
 use image::{AnimationDecoder, Frames, ImageDecoder, ImageResult, RgbaImage};
-use motionscope_core::{ClipInfo, Error, Frame};
+use motionscope_core::{ClipInfo, Error, Frame, Stop};
 
 use self::scan::Scan;
 use super::{Decoder, Open, Source, cannot_read, check_size, contain, name_of, picture, stills};
@@ -126,13 +126,14 @@ impl Animation {
 }
 
 impl Decoder for Animation {
-    fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
+    fn decode(&mut self, index: usize, stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
         // Taken out, so that after an error the next call starts afresh.
         let mut stream = match self.stream.take() {
             Some(stream) if stream.next <= index => stream,
             _ => Stream::start(&self.path, self.format)?,
         };
         while stream.next <= index {
+            stop.check()?;
             let Ok(picture) = stream.pictures.recv() else { return Ok(()) };
             keep(stream.next, picture::frame(picture?.into())?);
             stream.next += 1;

@@ -191,7 +191,7 @@ mod tests {
         let mut source = video::open("test.avi".as_ref(), video::Format::Avi, input, &options)?;
         let mut frames = Vec::new();
         for index in (0..source.info.frames.unwrap()).rev() {
-            source.decoder.decode(index, &mut |at, frame| {
+            source.decoder.decode(index, &motionscope_core::Stop::default(), &mut |at, frame| {
                 assert_eq!(at, index);
                 frames.insert(0, frame);
             })?;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use motionscope_core::{Error, Frame};
+use motionscope_core::{Error, Frame, Stop};
 
 use super::color::Picture;
 use super::turn::Turn;
@@ -158,7 +158,7 @@ impl Coded {
     /// If it cannot be decoded.
     pub(crate) fn look(&mut self) -> Result<((usize, usize), Vec<String>), Error> {
         let mut size = None;
-        self.decode(0, &mut |_, frame| size = Some(frame.size()))?;
+        self.decode(0, &Stop::default(), &mut |_, frame| size = Some(frame.size()))?;
         let size = size.ok_or_else(|| Error::new("its first picture is missing"))?;
         Ok((size, self.codec.warnings()))
     }
@@ -209,6 +209,7 @@ impl Coded {
     fn pictures(
         &mut self,
         index: usize,
+        stop: &Stop,
         keep: &mut dyn FnMut(usize, Picture) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let Some(target) = self.track.order.get(index).map(|&s| s as usize) else { return Ok(()) };
@@ -220,6 +221,7 @@ impl Coded {
             if self.leads(number, start) {
                 continue;
             }
+            stop.check()?;
             let sample = self.sample(number)?;
             if number + RUN_UP_SAMPLES < target && self.codec.disposable(&sample) {
                 continue;
@@ -257,9 +259,9 @@ impl Coded {
 }
 
 impl Decoder for Coded {
-    fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
+    fn decode(&mut self, index: usize, stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
         let turn = self.track.turn;
-        self.pictures(index, &mut |place, picture| {
+        self.pictures(index, stop, &mut |place, picture| {
             keep(place, turn.apply(picture.into_frame()?));
             Ok(())
         })
@@ -303,7 +305,7 @@ mod tests {
 
     fn hash(clip: &mut Coded, index: usize) -> String {
         let mut found = None;
-        clip.pictures(index, &mut |at, picture| {
+        clip.pictures(index, &Stop::default(), &mut |at, picture| {
             if at == index {
                 found = Some(crc32(&picture));
             }
@@ -353,7 +355,12 @@ mod tests {
         clip.input = Input::memory("damaged".into(), bytes);
         for _ in 0..2 {
             let told: Vec<_> = (0..10)
-                .map(|i| clip.pictures(i, &mut |_, _| Ok(())).err().map(|error| error.to_string()).unwrap_or_default())
+                .map(|i| {
+                    clip.pictures(i, &Stop::default(), &mut |_, _| Ok(()))
+                        .err()
+                        .map(|error| error.to_string())
+                        .unwrap_or_default()
+                })
                 .collect();
             assert!((0..6).all(|i| told[i].is_empty()), "{told:?}");
             assert!(told[6].contains("a unit is cut off") && !told[6].contains("builds on"), "{told:?}");

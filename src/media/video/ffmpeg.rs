@@ -6,10 +6,11 @@ use std::ffi::OsString;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-use motionscope_core::{ClipInfo, Error, Frame, Grid};
+use motionscope_core::{ClipInfo, Error, Frame, Grid, Stop};
 use serde::Deserialize;
 
 use crate::media::{Decoder, Open, Source, check_size, name_of};
@@ -56,7 +57,7 @@ pub(crate) fn open(path: &Path, options: &Open, why: &Error) -> Result<Source, E
         first: None,
     };
     decoder.start(0)?;
-    let first = decoder.read()?.ok_or_else(|| {
+    let first = decoder.read(&|| options.report(0.0))?.ok_or_else(|| {
         Error::new(format!("{why}, and ffmpeg finds no picture in it either; copy it again from where it came"))
     })?;
     if probe.varies() {
@@ -272,7 +273,7 @@ struct Ffmpeg {
     path: std::path::PathBuf,
     old: bool,
     times: Option<Vec<f64>>,
-    running: Option<(Running, BufReader<ChildStdout>)>,
+    running: Option<(Running, Receiver<Result<Frame, Error>>)>,
     next: usize,
     first: Option<Frame>,
 }
@@ -296,22 +297,30 @@ impl Ffmpeg {
         let mut child =
             Running(command.spawn().map_err(|error| Error::new(format!("ffmpeg does not start ({error})")))?);
         let pipe = child.0.stdout.take().ok_or_else(|| Error::new("ffmpeg does not answer"))?;
-        self.running = Some((child, BufReader::with_capacity(1 << 20, pipe)));
+        self.running = Some((child, frames(BufReader::with_capacity(1 << 20, pipe))));
         self.next = index;
         Ok(())
     }
 
-    /// The next frame; `None` at the end.
-    fn read(&mut self) -> Result<Option<Frame>, Error> {
-        let Some((_, pipe)) = &mut self.running else { return Ok(None) };
-        let frame = read_pixmap(pipe)?;
+    /// The next frame; `None` at the end. An error of `go_on`, which is asked again and again, ends the process.
+    fn read(&mut self, go_on: &dyn Fn() -> Result<(), Error>) -> Result<Option<Frame>, Error> {
+        let Some((child, frames)) = self.running.take() else { return Ok(None) };
+        let frame = loop {
+            go_on()?;
+            match frames.recv_timeout(POLL) {
+                Ok(frame) => break frame?,
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return Ok(None),
+            }
+        };
         self.next += 1;
-        Ok(frame)
+        self.running = Some((child, frames));
+        Ok(Some(frame))
     }
 }
 
 impl Decoder for Ffmpeg {
-    fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
+    fn decode(&mut self, index: usize, stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
         if let Some(first) = self.first.take() {
             keep(0, first);
             if index == 0 {
@@ -324,10 +333,7 @@ impl Decoder for Ffmpeg {
         }
         while self.next <= index {
             let number = self.next;
-            let Some(frame) = self.read().inspect_err(|_| self.running = None)? else {
-                self.running = None;
-                return Ok(());
-            };
+            let Some(frame) = self.read(&|| stop.check())? else { return Ok(()) };
             keep(number, frame);
         }
         Ok(())
@@ -338,6 +344,20 @@ impl Decoder for Ffmpeg {
 fn between(times: &[f64], index: usize) -> Option<f64> {
     let before = index.checked_sub(1)?;
     Some(0.5 * (times.get(before)? + times.get(index)?))
+}
+
+/// The frames in `pipe`, read on a thread of its own, so that nobody has to wait for them. It ends with the process.
+fn frames(mut pipe: BufReader<ChildStdout>) -> Receiver<Result<Frame, Error>> {
+    let (sender, frames) = sync_channel(1);
+    thread::spawn(move || {
+        while let Some(frame) = read_pixmap(&mut pipe).transpose() {
+            let is_last = frame.is_err();
+            if sender.send(frame).is_err() || is_last {
+                break;
+            }
+        }
+    });
+    frames
 }
 
 /// One binary portable pixmap; `None` at the end.
@@ -385,6 +405,25 @@ mod tests {
         for bad in ["P6\n2 1\n255\nabc", "P6\n99999 99999\n255\n", "P6\n2 x\n255\n", "P6\n2", "P"] {
             assert!(read_pixmap(&mut bad.as_bytes()).is_err(), "{bad}");
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_process_that_nobody_waits_for_is_ended() {
+        let mut command = Command::new("sleep");
+        let mut child = Running(command.arg("600").stdout(Stdio::piped()).spawn().unwrap());
+        let process = std::path::PathBuf::from(format!("/proc/{}", child.0.id()));
+        let pipe = child.0.stdout.take().unwrap();
+        let running = Some((child, frames(BufReader::new(pipe))));
+        let mut silent = Ffmpeg { path: "clip".into(), old: false, times: None, running, next: 7, first: None };
+        let stop = Stop::default();
+        let asker = stop.clone();
+        let asked = thread::spawn(move || {
+            thread::sleep(3 * POLL);
+            asker.set(true);
+        });
+        assert!(silent.decode(7, &stop, &mut |_, _| {}).is_err());
+        assert!(asked.join().is_ok() && silent.running.is_none() && !process.exists());
     }
 
     #[test]

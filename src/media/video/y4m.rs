@@ -3,7 +3,7 @@
 //! Frame headers may have parameters of their own, so the file is walked once from header to header; after that any
 //! frame is one read away.
 
-use motionscope_core::{ClipInfo, Error, Frame};
+use motionscope_core::{ClipInfo, Error, Frame, Stop};
 
 use super::color::{Chroma, Colors, Matrix, Yuv};
 use crate::media::input::Input;
@@ -43,7 +43,7 @@ struct Y4m {
 }
 
 impl Decoder for Y4m {
-    fn decode(&mut self, index: usize, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
+    fn decode(&mut self, index: usize, _stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
         let Some(&offset) = self.offsets.get(index) else { return Ok(()) };
         let Header { width, height, chroma, depth, colors, .. } = self.header;
         let mut bytes = self.input.read(offset, self.header.frame_bytes())?;
@@ -234,7 +234,7 @@ mod tests {
         let mut frames = Vec::new();
         // Backwards: any frame must be one read away.
         for index in (0..count).rev() {
-            source.decoder.decode(index, &mut |at, frame| {
+            source.decoder.decode(index, &Stop::default(), &mut |at, frame| {
                 assert_eq!(at, index);
                 frames.push(frame);
             })?;

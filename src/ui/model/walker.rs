@@ -11,7 +11,9 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use motionscope_core::scene::{Fact, Readout};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Frame, Info, Move, Output, Role, Rung, Scene, Step, Walk};
+use motionscope_core::{
+    AnyEstimator, Clip, Cursor, Error, Frame, Info, Move, Output, Role, Rung, Scene, Step, Stop, Walk,
+};
 
 use crate::quality::Quality;
 use crate::ui::action::Side;
@@ -125,6 +127,8 @@ struct Shared {
     idle: Condvar,
     /// The move at work is to be given up.
     superseded: AtomicBool,
+    /// Frames need not be decoded any further: the run that wants them is not wanted itself.
+    stop: Stop,
     changed: Box<dyn Fn() + Send + Sync>,
 }
 
@@ -151,6 +155,7 @@ impl Walker {
             wake: Condvar::new(),
             idle: Condvar::new(),
             superseded: AtomicBool::new(false),
+            stop: Stop::default(),
             changed: Box::new(changed),
         });
         let worker = Arc::clone(&shared);
@@ -161,6 +166,7 @@ impl Walker {
     /// Starts another run; the picture of the old one stays until the new one has something to show.
     pub fn start(&self, job: Job) {
         self.ask(true, |desk| {
+            self.shared.stop.set(true);
             desk.requests.clear();
             desk.job = Some(job);
         });
@@ -244,7 +250,10 @@ impl Walker {
 
 impl Drop for Walker {
     fn drop(&mut self) {
-        self.ask(true, |desk| desk.quit = true);
+        self.ask(true, |desk| {
+            self.shared.stop.set(true);
+            desk.quit = true;
+        });
         if let Some(thread) = self.thread.take() {
             // A worker that panicked has nothing left to tell.
             let _ = thread.join();
@@ -296,6 +305,7 @@ impl<'a> Worker<'a> {
                 return None;
             }
             let job = desk.job.take().map(Task::Start);
+            self.shared.stop.set(false);
             if job.is_some() || !desk.requests.is_empty() {
                 self.shared.superseded.store(false, Ordering::Relaxed);
             }
@@ -320,6 +330,8 @@ impl<'a> Worker<'a> {
         match task {
             Task::Start(job) => match self.open(job) {
                 Ok(()) => self.publish(),
+                // Another job waits, or the end.
+                Err(_) if self.shared.stop.is_set() => {}
                 Err(error) => self.refuse(error),
             },
             Task::Request(Request::Go(to)) => self.go(to),
@@ -339,13 +351,14 @@ impl<'a> Worker<'a> {
     }
 
     fn open(&mut self, job: Job) -> Result<(), Error> {
-        let pair = job.clip.pair(job.frame)?;
-        let walk = job.estimator.walk(&job.clip, job.frame)?;
+        let clip = job.clip.until(self.shared.stop.clone());
+        let pair = clip.pair(job.frame)?;
+        let walk = job.estimator.walk(&clip, job.frame)?;
         let mut cursor = job.cursor;
         if let Some(unit) = job.near.and_then(|point| walk.unit_at(point)) {
             cursor.unit = unit;
         }
-        self.run = Some(Run { walk, clip: job.clip, pair, quality: OnceCell::new() });
+        self.run = Some(Run { walk, clip, pair, quality: OnceCell::new() });
         if cursor != Cursor::default() {
             self.travel(Move::To(cursor));
         }
@@ -453,7 +466,7 @@ fn panicked(panic: &(dyn std::any::Any + Send)) -> Error {
 mod tests {
     use std::sync::atomic::AtomicUsize;
 
-    use motionscope_core::{Frame, Grid, Way, estimator};
+    use motionscope_core::{Frame, FrameSource, Grid, Way, estimator};
 
     use super::*;
 
@@ -506,6 +519,44 @@ mod tests {
         walker.start(job());
         walker.wait();
         assert!(walker.view().refused.is_none());
+    }
+
+    /// Frames that take for ever, until nobody wants them.
+    struct Slow(Arc<AtomicBool>);
+
+    impl FrameSource for Slow {
+        fn frame(&self, _index: usize, stop: &Stop) -> Result<Arc<Frame>, Error> {
+            self.0.store(true, Ordering::SeqCst);
+            loop {
+                stop.check()?;
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
+
+        fn cached(&self, _index: usize) -> Option<Arc<Frame>> {
+            None
+        }
+    }
+
+    /// Has `walker` wait for a frame that never comes.
+    fn stuck(walker: &Walker) {
+        let asked = Arc::new(AtomicBool::new(false));
+        let clip = Clip::new(clip().info().clone(), Arc::new(Slow(Arc::clone(&asked))));
+        walker.start(Job { clip, ..job() });
+        while !asked.load(Ordering::SeqCst) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn nobody_waits_for_a_frame_that_is_not_wanted_any_more() {
+        let walker = Walker::new(|| {}).unwrap();
+        stuck(&walker);
+        walker.start(job());
+        walker.wait();
+        assert!(walker.view().shown.is_some() && walker.view().refused.is_none());
+        stuck(&walker);
+        drop(walker);
     }
 
     #[test]
