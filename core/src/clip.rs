@@ -119,6 +119,11 @@ pub trait FrameSource: Send + Sync {
 
     /// Frame `index` if it is at hand without any work.
     fn cached(&self, index: usize) -> Option<Arc<Frame>>;
+
+    /// What frame `index` is called by itself, if it is more than a number.
+    fn name(&self, _index: usize) -> Option<String> {
+        None
+    }
 }
 
 /// Facts about a clip that are known when it is opened.
@@ -240,6 +245,11 @@ impl Clip {
     /// Frame `index` if it is at hand without any work.
     pub fn cached(&self, index: usize) -> Option<Arc<Frame>> {
         self.frames.cached(index)
+    }
+
+    /// What frame `index` is called by itself, as a picture of a folder is; `None` if it is just a number.
+    pub fn frame_name(&self, index: usize) -> Option<String> {
+        self.frames.name(index)
     }
 
     /// Frames `t` and `t + 1`.

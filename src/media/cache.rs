@@ -1,13 +1,15 @@
 //! The one frame cache: decodes on demand and remembers what it met, bounded in bytes.
 
 use std::collections::{BTreeMap, HashMap};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread;
 use std::time::Duration;
 
-use motionscope_core::{ClipInfo, Error, Frame, FrameSource, Stop};
+use motionscope_core::{Error, Frame, FrameSource, Stop};
 
-use super::{Decoder, contain};
+use super::names::file_name;
+use super::{Decoder, Source, contain};
 
 /// How often a thread that waits for the decoder asks whether it should stop.
 const POLL: Duration = Duration::from_millis(2);
@@ -18,16 +20,19 @@ const POLL: Duration = Duration::from_millis(2);
 pub(crate) struct Lazy {
     name: String,
     size: (usize, usize),
+    files: Arc<[PathBuf]>,
     decoder: Mutex<Box<dyn Decoder>>,
     cache: Mutex<Cache>,
 }
 
 impl Lazy {
-    /// The clip told by `info`, whose cached frames take up to `cache_bytes`.
-    pub(crate) fn new(info: &ClipInfo, decoder: Box<dyn Decoder>, cache_bytes: usize) -> Self {
+    /// The clip in `source`, whose cached frames take up to `cache_bytes`.
+    pub(crate) fn new(source: Source, cache_bytes: usize) -> Self {
+        let Source { info, decoder, files } = source;
         Self {
-            name: info.name.clone(),
+            name: info.name,
             size: (info.width, info.height),
+            files,
             decoder: Mutex::new(decoder),
             cache: Mutex::new(Cache::new(cache_bytes)),
         }
@@ -99,6 +104,10 @@ impl FrameSource for Lazy {
     fn cached(&self, index: usize) -> Option<Arc<Frame>> {
         lock(&self.cache).get(index)
     }
+
+    fn name(&self, index: usize) -> Option<String> {
+        self.files.get(index).map(|file| file_name(file))
+    }
 }
 
 /// Locks also what a panicking thread held: the state under both locks stays whole.
@@ -155,7 +164,7 @@ impl Cache {
 mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    use motionscope_core::Grid;
+    use motionscope_core::{ClipInfo, Grid};
 
     use super::*;
 
@@ -200,7 +209,7 @@ mod tests {
             codec: "test".into(),
             warnings: vec![],
         };
-        (Lazy::new(&info, Box::new(decoder), cache_frames * 100), decoded)
+        (Lazy::new(Source::new(info, decoder), cache_frames * 100), decoded)
     }
 
     fn frame(clip: &Lazy, index: usize) -> Result<Arc<Frame>, Error> {

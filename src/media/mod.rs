@@ -92,6 +92,15 @@ pub(crate) struct Source {
     pub info: ClipInfo,
     /// Delivers the frames.
     pub decoder: Box<dyn Decoder>,
+    /// The file of each frame, where each has one of its own.
+    pub files: Arc<[PathBuf]>,
+}
+
+impl Source {
+    /// A source whose frames all lie in one file.
+    fn new(info: ClipInfo, decoder: impl Decoder + 'static) -> Self {
+        Self { info, decoder: Box::new(decoder), files: Arc::default() }
+    }
 }
 
 /// Largest width or height of a frame, in pixels.
@@ -126,9 +135,9 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
     let mut source = contain::contain(|| open_source(path, options))
         .unwrap_or_else(|panic| Err(Error::new(format!("it is damaged in a way that cannot be read ({panic})"))))
         .map_err(|error| about(path, &error))?;
-    let truth = find_truth(path, options, &mut source.info)?;
-    let frames = cache::Lazy::new(&source.info, source.decoder, options.cache_bytes);
-    let clip = Clip::new(source.info, Arc::new(frames));
+    let truth = find_truth(path, options, &mut source)?;
+    let info = source.info.clone();
+    let clip = Clip::new(info, Arc::new(cache::Lazy::new(source, options.cache_bytes)));
     Ok(match truth {
         Some(truth) => clip.with_truth(truth),
         None => clip,
@@ -140,7 +149,7 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
 /// # Errors
 /// One sentence if the truth cannot be read or does not fit the clip.
 pub fn with_truth(clip: Clip, path: &Path) -> Result<Clip, Error> {
-    let truth = truth::open(path, &truth::Subject::new(Path::new(&clip.info().name), clip.info()))?;
+    let truth = truth::open(path, &truth::Subject::new(Path::new(&clip.info().name), clip.info(), &[]))?;
     Ok(clip.with_truth(truth))
 }
 
@@ -162,14 +171,14 @@ fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
     Ok(source)
 }
 
-fn find_truth(path: &Path, options: &Open, info: &mut ClipInfo) -> Result<Option<Arc<dyn Truth>>, Error> {
-    let subject = truth::Subject::new(path, info);
+fn find_truth(path: &Path, options: &Open, source: &mut Source) -> Result<Option<Arc<dyn Truth>>, Error> {
+    let subject = truth::Subject::new(path, &source.info, &source.files);
     if let Some(given) = &options.truth {
         return truth::open(given, &subject).map(Some);
     }
     // What was not asked for must not stand in the way of the clip.
     let found = truth::beside(&subject);
-    info.warnings.extend(found.warnings);
+    source.info.warnings.extend(found.warnings);
     Ok(found.truth)
 }
 

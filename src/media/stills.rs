@@ -1,6 +1,7 @@
 //! Numbered pictures, folders of pictures, and a single picture.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use motionscope_core::{ClipInfo, Error, Frame, Stop};
 
@@ -27,8 +28,8 @@ pub(crate) fn open(path: &Path, _options: &Open) -> Result<Source, Error> {
         codec: picture.codec.into(),
         warnings,
     };
-    let size = picture.size;
-    Ok(Source { info, decoder: Box::new(Stills { files, size }) })
+    let (size, files) = (picture.size, Arc::from(files));
+    Ok(Source { info, decoder: Box::new(Stills { files: Arc::clone(&files), size }), files })
 }
 
 fn about(file: &Path, why: &Error) -> Error {
@@ -37,7 +38,7 @@ fn about(file: &Path, why: &Error) -> Error {
 
 /// One file per frame.
 struct Stills {
-    files: Vec<PathBuf>,
+    files: Arc<[PathBuf]>,
     size: (usize, usize),
 }
 
@@ -115,6 +116,19 @@ mod tests {
             let cells = frame.color().unwrap().cells();
             assert!(cells.iter().zip(wanted.as_chunks().0).all(|(a, b)| near(a, b)), "{extension}");
         }
+    }
+
+    #[test]
+    fn frames_are_called_as_their_files() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["f9.png", "f10.png", "f12.png"] {
+            fs::write(folder.path().join(name), encode(&picture(8, 1), ImageFormat::Png)).unwrap();
+        }
+        let clip = open(&folder.path().join("f10.png")).unwrap();
+        let names = [0, 1, 2].map(|index| clip.frame_name(index));
+        assert_eq!(names, [Some("f10.png".into()), Some("f12.png".into()), None]);
+        let made = Clip::from_frames("made", vec![clip.frame(0).unwrap().as_ref().clone()]).unwrap();
+        assert_eq!(made.frame_name(0), None);
     }
 
     #[test]

@@ -79,7 +79,7 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
         codec: codec.into(),
         warnings,
     };
-    Ok(Source { info, decoder: Box::new(animation) })
+    Ok(Source::new(info, animation))
 }
 
 /// How long browsers show a picture that asks for no time, in milliseconds.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use motionscope_core::ClipInfo;
 
 use crate::media::names::{file_name, stem};
-use crate::media::sequence::{Sequence, number, parent};
+use crate::media::sequence::{number, parent};
 
 /// The clip that truth is sought for.
 pub(crate) struct Subject {
@@ -23,12 +23,8 @@ pub(crate) struct Subject {
 }
 
 impl Subject {
-    /// The clip at `path` that `info` tells about.
-    pub(crate) fn new(path: &Path, info: &ClipInfo) -> Self {
-        let pictures = match info.container.as_str() {
-            "images" => Sequence::find(path).map(|sequence| sequence.files).unwrap_or_default(),
-            _ => Vec::new(),
-        };
+    /// The clip at `path` that `info` tells about; `pictures` are its files, if it is made of pictures.
+    pub(crate) fn new(path: &Path, info: &ClipInfo, pictures: &[PathBuf]) -> Self {
         let mut subject = Self {
             path: path.into(),
             size: (info.width, info.height),

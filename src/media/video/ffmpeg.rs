@@ -75,7 +75,7 @@ pub(crate) fn open(path: &Path, options: &Open, why: &Error) -> Result<Source, E
         codec: probe.stream.codec_name,
         warnings,
     };
-    Ok(Source { info, decoder: Box::new(decoder) })
+    Ok(Source::new(info, decoder))
 }
 
 #[derive(Deserialize)]

@@ -90,5 +90,5 @@ fn decode(input: Input, mut track: Track) -> Result<Source, Error> {
         .unwrap_or_else(|panic| Err(Error::new(format!("its first picture is damaged ({panic})"))))?;
     (info.width, info.height) = size;
     info.warnings.extend(warnings);
-    Ok(Source { info, decoder: Box::new(coded) })
+    Ok(Source::new(info, coded))
 }

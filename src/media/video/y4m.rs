@@ -32,7 +32,7 @@ pub(crate) fn open(mut input: Input, options: &Open) -> Result<Source, Error> {
         codec: header.chroma.name(header.depth),
         warnings,
     };
-    Ok(Source { info, decoder: Box::new(Y4m { input, header, offsets }) })
+    Ok(Source::new(info, Y4m { input, header, offsets }))
 }
 
 struct Y4m {
