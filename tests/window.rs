@@ -468,11 +468,11 @@ fn the_palette_runs_a_command() {
 }
 
 #[test]
-fn the_shortcut_sheet_lists_every_command() {
+fn the_shortcut_sheet_lists_every_command_with_a_key() {
     let mut window = Window::new(vec2(1600.0, 2400.0));
     window.key(Key::F1);
     let rungs = Rungs::new(window.shown().info.rungs);
-    for command in Command::ALL {
+    for command in Command::ALL.iter().filter(|command| !command.face().keys.is_empty()) {
         let text = command.text(&rungs);
         assert!(window.harness.query_all_by_label(&text).next().is_some(), "{text} is not on the sheet");
     }

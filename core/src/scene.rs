@@ -110,6 +110,17 @@ impl Shape {
         Shape::Rect { min, max: [min[0] + width as f32, min[1] + height as f32] }
     }
 
+    /// Whether it can be drawn: every number of its geometry is finite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            // There may be many, and they are asked often.
+            Shape::Arrows(arrows) => {
+                arrows.iter().all(|arrow| arrow.from.iter().chain(&arrow.to).all(|c| c.is_finite()))
+            }
+            other => other.coordinates().iter().all(|c| c.is_finite()),
+        }
+    }
+
     /// Every number of the shape that must be finite for it to be drawn.
     pub fn coordinates(&self) -> Vec<f32> {
         match self {

@@ -52,11 +52,12 @@ impl Sample {
     }
 }
 
-/// What `meanings` tells about the roles of `marks`, and how long displacements are drawn.
+/// What `meanings` tells about the roles of `marks`, and how displacements are drawn at `zoom` points per pixel.
 pub fn entries<'a>(
     meanings: &[(Role, &'static str)],
     marks: impl Iterator<Item = &'a Mark> + Clone,
     look: &Look,
+    zoom: f32,
 ) -> Vec<Entry> {
     let entry = |&(role, meaning): &(Role, &'static str)| {
         let sample = marks.clone().filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min()?;
@@ -66,7 +67,12 @@ pub fn entries<'a>(
             0.5 => ", drawn at half length".to_owned(),
             times => format!(", drawn ×{times}"),
         };
-        Some(Entry { role, sample, meaning: format!("{meaning}{long}") })
+        let is_thinned = marks.clone().any(|mark| match &mark.shape {
+            Shape::Arrows(arrows) => mark.role == role && marks::is_thinned(arrows, zoom),
+            _ => false,
+        });
+        let thinned = if is_thinned { ", not all drawn at this size" } else { "" };
+        Some(Entry { role, sample, meaning: format!("{meaning}{long}{thinned}") })
     };
     meanings.iter().filter_map(entry).collect()
 }

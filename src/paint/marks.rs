@@ -1,5 +1,6 @@
 //! Marks of a scene become primitives: the one place where roles turn into ink.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use motionscope_core::scene::{self, Mark, Shape};
@@ -9,6 +10,8 @@ use super::fonts::Face;
 use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Run, Stroke};
 use super::{ColorMap, Ink, PointShape, Theme};
 
+/// How near to each other displacements are drawn, in points; closer, they would hide the picture and each other.
+const CLOSEST: f32 = 5.0;
 /// Opacity of heat over footage.
 const HEAT_ALPHA: u8 = 0xb8;
 
@@ -79,7 +82,7 @@ pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place
     // What is under test is seen also where it lies on the best.
     let (under_test, others): (Vec<_>, Vec<_>) = marks.into_iter().partition(|mark| mark.role == Role::Candidate);
     for mark in others.into_iter().chain(under_test) {
-        if mark.shape.coordinates().iter().all(|c| c.is_finite()) {
+        if mark.shape.is_finite() {
             Painter { ink: look.theme.ink(mark.role), look, place, out: &mut primitives }.shape(mark.role, &mark.shape);
         }
     }
@@ -148,11 +151,11 @@ impl Painter<'_> {
             // One that points at a place is thin if it is short: it must not bury what it points at.
             [arrow] if !is_lengthened(role) => self.thin_out((0.3 * length(offset(arrow))).max(0.8)),
             // Where neighbours are close, arrows are thinner.
-            [_, _, ..] => self.thin_out((0.1 * spacing(arrows) * self.place.zoom).max(0.5)),
+            [_, _, ..] => self.thin_out((0.1 * cell(arrows, self.place.zoom) * self.place.zoom).max(0.5)),
             _ => {}
         }
         let Ink { color, halo, halo_width, width, .. } = self.ink;
-        for arrow in arrows {
+        for arrow in apart(arrows, self.place.zoom) {
             let from = self.place.at(arrow.from);
             let [x, y] = offset(arrow);
             let long = length([x, y]);
@@ -250,6 +253,28 @@ fn filled(out: &mut Vec<Primitive>, ink: &Ink, points: Vec<Point>) {
     out.push(Primitive::Polygon { points, color: ink.color });
 }
 
+/// Side of the cells, in px, of which each has room for one of `arrows` at `zoom`: a multiple of their spacing.
+fn cell(arrows: &[scene::Arrow], zoom: f32) -> f32 {
+    let spacing = spacing(arrows);
+    spacing * (CLOSEST / (spacing * zoom)).ceil().max(1.0)
+}
+
+/// Whether some of `arrows` are left out at `zoom`, since there is no room for all.
+pub(super) fn is_thinned(arrows: &[scene::Arrow], zoom: f32) -> bool {
+    arrows.len() > 1 && cell(arrows, zoom) > spacing(arrows)
+}
+
+/// Those of `arrows` that are drawn at `zoom`: the first in each cell, so that a regular field stays regular.
+fn apart(arrows: &[scene::Arrow], zoom: f32) -> impl Iterator<Item = &scene::Arrow> {
+    let thinned = is_thinned(arrows, zoom);
+    let side = cell(arrows, zoom);
+    let first = arrows.first().map_or([0.0; 2], |arrow| arrow.from);
+    let mut taken = HashSet::new();
+    // A quarter of a pixel keeps rounding from moving a place into the cell before.
+    let place = move |arrow: &scene::Arrow| [0, 1].map(|i| ((arrow.from[i] - first[i] + 0.25) / side).floor() as i32);
+    arrows.iter().filter(move |arrow| !thinned || taken.insert(place(arrow)))
+}
+
 /// Smallest and largest number of all heat in `scene`.
 fn heat_range(scene: &Scene) -> Option<[f32; 2]> {
     let heats = scene.marks.iter().filter_map(|mark| match &mark.shape {
@@ -313,11 +338,13 @@ fn length([x, y]: [f32; 2]) -> f32 {
     x.hypot(y)
 }
 
-/// Distance between neighbouring origins in px; 16 where there are no neighbours.
+/// Usual distance between neighbouring origins in px; 16 where there are no neighbours.
 fn spacing(arrows: &[scene::Arrow]) -> f32 {
     let gap = |pair: &[scene::Arrow]| length([0, 1].map(|i| pair[1].from[i] - pair[0].from[i]));
-    let gaps = arrows.windows(2).map(gap).filter(|gap| *gap > 0.0);
-    gaps.min_by(f32::total_cmp).unwrap_or(16.0)
+    // The first tell it: there may be very many.
+    let mut gaps: Vec<f32> = arrows.windows(2).take(64).map(gap).filter(|gap| *gap > 0.0).collect();
+    gaps.sort_by(f32::total_cmp);
+    gaps.get(gaps.len() / 2).copied().unwrap_or(16.0)
 }
 
 #[cfg(test)]
@@ -356,6 +383,18 @@ mod tests {
             Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto).lengthen
         };
         assert_eq!([factor(50, 1.0), factor(50, 40.0), factor(7, 1.0), factor(4, 4.0)], [1.0, 1.0, 2.0, 4.0]);
+    }
+
+    #[test]
+    fn displacements_that_are_too_close_are_thinned_out_evenly() {
+        let all = (0..40).flat_map(|y| (0..60).map(move |x| [1.5 + 4.0 * x as f32, 1.5 + 4.0 * y as f32]));
+        let arrows: Vec<_> = all.map(|from| scene::Arrow { from, to: [from[0] + 1.0, from[1]] }).collect();
+        assert_eq!(apart(&arrows, 1.3).count(), 60 * 40);
+        // At a third of the size every fourth place is left: 5.3 points apart.
+        let kept: Vec<_> = apart(&arrows, 1.0 / 3.0).map(|arrow| arrow.from).collect();
+        assert!(is_thinned(&arrows, 1.0 / 3.0) && !is_thinned(&arrows[..1], 0.01));
+        assert_eq!(kept.len(), 15 * 10);
+        assert!(kept.iter().all(|from| from.iter().all(|c| (c - 1.5) % 16.0 == 0.0)));
     }
 
     #[test]

@@ -210,7 +210,7 @@ impl Layout<'_> {
         let panels = self.options.view.panels();
         let marks = scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
         let look = Look { heat: self.look.heat.filter(|_| has_heat(marks.clone())), ..self.look };
-        let entries = legend::entries(&scene.legend, marks, &look);
+        let entries = legend::entries(&scene.legend, marks, &look, f32::from(self.options.zoom.max(1)));
         let place = ([self.margin, self.y + 2.0 * GAP], self.width);
         let (primitives, height) = legend::strip(&entries, &self.options.heat, &look, place);
         if height > 0.0 {

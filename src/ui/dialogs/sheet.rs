@@ -3,7 +3,7 @@
 use eframe::egui::{self, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use crate::paint::Theme;
-use crate::ui::commands::{Command, Menu, Rungs, key_text};
+use crate::ui::commands::{Command, Face, Menu, Rungs, key_text};
 use crate::ui::parts::widgets;
 use crate::ui::style;
 
@@ -35,7 +35,7 @@ fn column(ui: &mut Ui, menus: &[Menu], rungs: &Rungs, theme: Theme) {
     for &menu in menus {
         widgets::heading(ui, menu.name());
         ui.add_space(2.0);
-        group(ui, menu, rungs, (theme, 11.5 * size));
+        group(ui, menu, rungs, (theme, 9.0 * size));
         ui.add_space(14.0);
     }
 }
@@ -43,10 +43,10 @@ fn column(ui: &mut Ui, menus: &[Menu], rungs: &Rungs, theme: Theme) {
 /// The keys of a menu, in a column of a given width, and what they do.
 fn group(ui: &mut Ui, menu: Menu, rungs: &Rungs, (theme, keys): (Theme, f32)) {
     Grid::new(menu.name()).num_columns(2).spacing([16.0, 4.0]).min_col_width(keys).show(ui, |ui| {
-        for command in Command::ALL.iter().filter(|command| command.face().menu == menu) {
+        let here = Command::ALL.iter().map(|command| (command, command.face())).filter(|(_, face)| face.menu == menu);
+        for (command, Face { keys, .. }) in here.filter(|(_, face)| !face.keys.is_empty()) {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
-                let keys = command.face().keys;
                 for key in keys.iter().take(2) {
                     widgets::key_cap(ui, &key_text(*key), theme);
                 }

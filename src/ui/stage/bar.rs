@@ -101,7 +101,8 @@ pub fn height_below(ui: &Ui, input: &Input<'_>, state: &mut State) -> f32 {
     if state.legend {
         let width = ui.available_width();
         let look = state.marks.look(input);
-        let lines = legend_lines(input, &look, ui, width);
+        let now = legend_items(input, &look, ui, state).layout(width).1;
+        let lines = legend_lines(input, &look, ui, width).max(now);
         let known = &mut state.legend_height;
         if known.width != width || known.theme != input.theme {
             *known = Height { width, theme: input.theme, lines: 1 };
@@ -158,10 +159,11 @@ fn legend_lines(input: &Input<'_>, look: &Look, ui: &Ui, width: f32) -> usize {
 fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items {
     let panels = state.view.panels();
     let shown = input.scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
-    let is_close = state.shown.is_some_and(|lens| lens.scale >= pixels::NUMBERS);
+    let zoom = state.shown.map_or(1.0, |lens| lens.scale);
+    let is_close = zoom >= pixels::NUMBERS;
     let has_heat = !is_close && shown.clone().any(|mark| matches!(mark.shape, Shape::Heat { .. }));
     let width = |text: &str| text_width(ui, text, input.theme);
-    let entries = legend::entries(&input.scene.legend, shown, look);
+    let entries = legend::entries(&input.scene.legend, shown, look, zoom);
     let entries = entries.into_iter().map(|entry| {
         let width = ink::SWATCH.x + GAP + width(&entry.meaning);
         (entry, width)
