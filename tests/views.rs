@@ -53,6 +53,7 @@ impl Fixture {
         stage::Input {
             pair: &self.pair,
             frame: 12,
+            names: &[const { None }; 2],
             scene: &self.scene,
             theme: Theme::Dark,
             colors: ColorMap::Viridis,

@@ -520,6 +520,19 @@ fn panes_fold_away_and_come_back() {
 }
 
 #[test]
+fn pictures_of_a_folder_are_called_by_their_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["wave_07.png", "wave_08.png"] {
+        image::GrayImage::new(64, 48).save(folder.path().join(name)).expect("a picture");
+    }
+    let open = Some(folder.path().display().to_string());
+    let window = Window::with(vec2(1440.0, 900.0), Start { open });
+    for title in ["Stage: Frame t = 0 · wave_07.png", "Stage: Frame t+1 = 1 · wave_08.png"] {
+        assert!(window.harness.query_by_label(title).is_some(), "{title}");
+    }
+}
+
+#[test]
 fn a_click_on_a_chart_goes_to_the_candidate() {
     let mut window = Window::usual();
     let surface = window.shown().step.readouts.iter().find_map(|readout| match readout {

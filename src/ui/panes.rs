@@ -75,6 +75,7 @@ impl Panes<'_> {
         let input = stage::Input {
             pair: &shown.pair,
             frame: shown.frame,
+            names: &shown.names,
             scene: &shown.scene,
             theme: self.theme,
             colors: self.document.look().colors,

@@ -47,6 +47,8 @@ pub struct Snapshot {
     pub frame: usize,
     /// Frames t and t + 1.
     pub pair: [Arc<Frame>; 2],
+    /// What their files are called, where each is a file.
+    pub names: [Option<String>; 2],
     /// Where the run stands.
     pub cursor: Cursor,
     /// Events of the unit at hand.
@@ -420,6 +422,7 @@ impl Run {
             info: walk.info(),
             frame: walk.frame(),
             pair: self.pair.clone(),
+            names: [0, 1].map(|later| self.clip.frame_name(walk.frame() + later)),
             cursor: walk.cursor(),
             events: walk.events(),
             units: walk.units(),

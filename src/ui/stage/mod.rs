@@ -40,6 +40,8 @@ pub struct Input<'a> {
     pub pair: &'a [Arc<Frame>; 2],
     /// The number of frame t.
     pub frame: usize,
+    /// What the files of the two are called, where each is a file.
+    pub names: &'a [Option<String>; 2],
     /// The marks.
     pub scene: &'a Arc<Scene>,
     /// The look.
@@ -186,7 +188,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Respo
         let cursor = if sensed.dragged() { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
         let sensed = sensed.on_hover_and_drag_cursor(cursor);
         sensed.widget_info(|| {
-            let title = title(*panel, input.frame, 1);
+            let title = title(*panel, input, 1);
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}"))
         });
         if let Some(zoom) = looked(ui, &sensed, lens) {
@@ -258,7 +260,7 @@ fn paint(ui: &Ui, panel: Panel, lens: &Lens, input: &Input<'_>, state: &mut Stat
     if let Some(pixel) = state.hovered {
         pixels::cross_hair(&painter, lens, pixel);
     }
-    caption(ui.painter(), &title(panel, input.frame, gain), lens, input.theme);
+    caption(ui.painter(), &title(panel, input, gain), lens, input.theme);
 }
 
 /// The name of a picture, above it.
@@ -269,12 +271,14 @@ fn caption(painter: &egui::Painter, title: &str, lens: &Lens, theme: Theme) {
     painter.text(at, egui::Align2::LEFT_CENTER, title, font, ink::color(theme.chrome().dim));
 }
 
-/// What a picture is called: its place in the pair, and its number.
-fn title(panel: Panel, frame: usize, gain: u16) -> String {
+/// What a picture is called: its place in the pair, its number, and its file if it has one of its own.
+fn title(panel: Panel, input: &Input<'_>, gain: u16) -> String {
+    let [name, next] =
+        input.names.each_ref().map(|name| name.as_ref().map_or(String::new(), |name| format!(" · {name}")));
     match panel {
-        Panel::Current => format!("Frame t = {frame}"),
-        Panel::Next => format!("Frame t+1 = {}", frame.saturating_add(1)),
-        Panel::Difference | Panel::Blend => panel.title(Some(frame), gain),
+        Panel::Current => format!("Frame t = {}{name}", input.frame),
+        Panel::Next => format!("Frame t+1 = {}{next}", input.frame.saturating_add(1)),
+        Panel::Difference | Panel::Blend => panel.title(Some(input.frame), gain),
     }
 }
 
