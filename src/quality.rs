@@ -1,7 +1,7 @@
 //! How good an estimate is, for the command line and for the window.
 
 use motionscope_core::scene::Fact;
-use motionscope_core::{Clip, Error, Output, metrics, predict};
+use motionscope_core::{Clip, Error, Output, metrics};
 use serde::Serialize;
 
 /// An estimate in numbers.
@@ -36,7 +36,7 @@ impl Quality {
         let [current, next] = clip.pair(frame)?;
         let flow = output.flow();
         let Output::Blocks(field) = output;
-        let psnr = metrics::psnr_db(&predict(&flow, next.luma(), field.border), current.luma())?;
+        let psnr = metrics::psnr_db(&output.prediction(next.luma()), current.luma())?;
         let truth = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten();
         let error = truth.map(|truth| metrics::flow_error(&flow, &truth)).transpose()?.flatten();
         Ok(Self {

@@ -9,7 +9,7 @@ use motionscope_core::scene::Readout;
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Frame, Move, Scene, Spec, Step, Value, Walk, Way};
 
 use crate::media::{Progress, export};
-use crate::paint::{Caption, ColorMap, Lengthen, Plate, PlateOptions, Theme, View, export_png, export_svg};
+use crate::paint::{Caption, ColorMap, Lengthen, Pictures, Plate, PlateOptions, Theme, View, export_png, export_svg};
 
 /// How a step is looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,18 +42,26 @@ pub struct Moment<'a> {
     pub step: &'a Step,
     /// What it shows.
     pub scene: &'a Scene,
-    /// Frames t and t + 1.
-    pub frames: &'a Pair,
+    /// The frames, and at the end what the run has made of them.
+    pub pictures: &'a Pictures,
 }
 
-/// Frames t and t + 1.
-pub type Pair = [Arc<Frame>; 2];
+/// What can be looked at where `walk` stands, which runs on `pair`.
+pub fn pictures(walk: &dyn Walk, pair: &[Arc<Frame>; 2]) -> Pictures {
+    let prediction = walk.at_end().then(|| Arc::new(Frame::gray(walk.output().prediction(pair[1].luma()))));
+    Pictures { pair: pair.clone(), prediction }
+}
 
 impl<'a> Moment<'a> {
     /// Where `walk` stands; `told` is its step and scene.
-    pub fn of(walk: &dyn Walk, estimator: &'a dyn AnyEstimator, told: &'a (Step, Scene), frames: &'a Pair) -> Self {
+    pub fn of(
+        walk: &dyn Walk,
+        estimator: &'a dyn AnyEstimator,
+        told: &'a (Step, Scene),
+        pictures: &'a Pictures,
+    ) -> Self {
         let (step, scene) = told;
-        Self { estimator, frame: walk.frame(), cursor: walk.cursor(), at_end: walk.at_end(), step, scene, frames }
+        Self { estimator, frame: walk.frame(), cursor: walk.cursor(), at_end: walk.at_end(), step, scene, pictures }
     }
 
     /// The picture of this step.
@@ -65,7 +73,7 @@ impl<'a> Moment<'a> {
             _ => None,
         });
         let options = PlateOptions {
-            view: look.view.unwrap_or(fitting),
+            view: look.view.unwrap_or(fitting).or_current(self.pictures),
             theme: look.theme,
             colors: look.colors,
             lengthen: look.lengthen,
@@ -75,7 +83,7 @@ impl<'a> Moment<'a> {
             heat: heat.unwrap_or_default(),
             caption: look.caption.then(|| self.caption()),
         };
-        Plate::new(self.frames, self.scene, &options)
+        Plate::new(self.pictures, self.scene, &options)
     }
 
     fn caption(&self) -> Caption {
@@ -148,7 +156,7 @@ impl Steps {
                 return Err(Error::new(format!("writing was cancelled after {written} pictures")));
             }
             let told = (walk.step(None), walk.scene(None));
-            let plate = Moment::of(&*walk, estimator, &told, &frames).plate(&self.look);
+            let plate = Moment::of(&*walk, estimator, &told, &pictures(&*walk, &frames)).plate(&self.look);
             let name = format!("step_{written:05}.{}", self.format.extension());
             export::save(&folder.join(name), &self.format.encode(&plate, self.scale)?)?;
             written += 1;

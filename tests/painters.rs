@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use motionscope::paint::{
-    Caption, ColorMap, Face, Lengthen, Plate, PlateOptions, Primitive, Theme, View, export_png, export_svg, primitive,
+    Caption, ColorMap, Face, Lengthen, Pictures, Plate, PlateOptions, Primitive, Theme, View, export_png, export_svg,
+    primitive,
 };
 use motionscope_core::scene::{Arrow, Picture, Sentence, Shape};
 use motionscope_core::{Clip, Cursor, Frame, Grid, Move, Role, Scene, estimator};
@@ -145,7 +146,7 @@ fn specimen_plate(theme: Theme) -> Plate {
         caption: Some(caption),
         ..PlateOptions::default()
     };
-    Plate::new(&frames, &scene, &options)
+    Plate::new(&Pictures::of(frames.clone()), &scene, &options)
 }
 
 /// A textured picture that moves by (5, −3), on which full search is seen at `step`.
@@ -188,17 +189,17 @@ fn full_search_in_the_middle_of_a_block_looks_as_it_did() {
         caption: Some(Caption { title: "Full search".into(), ..Caption::default() }),
         ..PlateOptions::default()
     };
-    check_png("full-search.png", &Plate::new(&frames, &scene, &framed), 1);
-    check_svg("full-search.svg", &Plate::new(&frames, &scene, &framed));
+    check_png("full-search.png", &Plate::new(&Pictures::of(frames.clone()), &scene, &framed), 1);
+    check_svg("full-search.svg", &Plate::new(&Pictures::of(frames.clone()), &scene, &framed));
     let bare = PlateOptions { view: View::Blend, colors: ColorMap::Turbo, ..PlateOptions::default() };
-    check_png("full-search-bare.png", &Plate::new(&frames, &scene, &bare), 4);
+    check_png("full-search-bare.png", &Plate::new(&Pictures::of(frames.clone()), &scene, &bare), 4);
 }
 
 #[test]
 fn without_words_the_picture_is_the_frame() {
     let (frames, _) = search(Cursor::default());
     let options = PlateOptions { view: View::Next, ..PlateOptions::default() };
-    let plate = Plate::new(&frames, &Scene::default(), &options);
+    let plate = Plate::new(&Pictures::of(frames.clone()), &Scene::default(), &options);
     for scale in [1, 2, 8] {
         let picture = decode(&export_png(&plate, scale).expect("a PNG picture"));
         assert_eq!(picture.size, (112 * scale, 80 * scale));
@@ -252,7 +253,11 @@ fn rendered(svg: &str) -> Rgb {
 fn the_svg_shows_what_the_png_shows() {
     let (frames, scene) = search(MIDDLE);
     let side_by_side = PlateOptions { zoom: 2, legend: true, ..PlateOptions::default() };
-    let plates = Theme::ALL.map(specimen_plate).into_iter().chain([Plate::new(&frames, &scene, &side_by_side)]);
+    let plates = Theme::ALL.map(specimen_plate).into_iter().chain([Plate::new(
+        &Pictures::of(frames.clone()),
+        &scene,
+        &side_by_side,
+    )]);
     for (i, plate) in plates.enumerate() {
         let png = decode(&export_png(&plate, 1).expect("a PNG picture"));
         let svg = rendered(&export_svg(&plate).expect("an SVG picture"));

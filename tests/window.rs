@@ -17,7 +17,7 @@ use motionscope::ui::model::document::Owner;
 use motionscope::ui::model::walker::Snapshot;
 use motionscope::ui::{self, Start, heat_map};
 use motionscope_core::scene::Readout;
-use motionscope_core::{Cursor, Value};
+use motionscope_core::{Cursor, Value, metrics};
 
 /// The window, and the waiting that a person does not notice.
 struct Window {
@@ -220,12 +220,12 @@ fn choices_and_switches_are_clicked() {
 #[test]
 fn the_difficulty_of_a_sample_makes_another_clip() {
     let mut window = Window::usual();
-    let before = window.shown().pair[0].luma().clone();
+    let before = window.shown().pictures.pair[0].luma().clone();
     window.harness.get_by_role_and_label(Role::Slider, "Noise").set_value_accesskit(20.0);
     window.settle();
-    assert_ne!(*window.shown().pair[0].luma(), before);
+    assert_ne!(*window.shown().pictures.pair[0].luma(), before);
     window.command(Command::Undo);
-    assert_eq!(*window.shown().pair[0].luma(), before);
+    assert_eq!(*window.shown().pictures.pair[0].luma(), before);
 }
 
 #[test]
@@ -530,6 +530,25 @@ fn pictures_of_a_folder_are_called_by_their_files() {
     for title in ["Stage: Frame t = 0 · wave_07.png", "Stage: Frame t+1 = 1 · wave_08.png"] {
         assert!(window.harness.query_by_label(title).is_some(), "{title}");
     }
+}
+
+#[test]
+fn the_end_of_a_run_has_a_prediction_and_a_residual() {
+    let mut window = Window::usual();
+    let seen = |window: &Window, label: &str| window.harness.query_by_label_contains(label).is_some();
+    window.key(Key::Num7);
+    assert!(!seen(&window, "Prediction of frame t"), "there is none in the middle");
+    window.command(Command::End);
+    window.key(Key::Num7);
+    assert!(seen(&window, "Stage: Prediction of frame t = 0"));
+    let pictures = window.shown().pictures.clone();
+    let made = pictures.prediction.expect("the end has a prediction");
+    let psnr = metrics::psnr_db(made.luma(), pictures.pair[0].luma()).expect("one size");
+    assert!(seen(&window, &format!("{psnr:.2} dB")), "the quality told is that of the picture shown");
+    window.key(Key::Num8);
+    assert!(seen(&window, "Stage: |frame 0 − its prediction|"));
+    window.key(Key::ArrowLeft);
+    assert!(seen(&window, "Stage: Frame t = 0"), "before the end there is only the frame");
 }
 
 #[test]

@@ -16,6 +16,13 @@ impl Output {
             Output::Blocks(field) => field.flow(),
         }
     }
+
+    /// The motion-compensated prediction of frame t from `next`, frame t + 1.
+    pub fn prediction(&self, next: &Gray) -> Gray {
+        match self {
+            Output::Blocks(field) => predict(&field.flow(), next, field.border),
+        }
+    }
 }
 
 /// Where the blocks of a picture lie: `size` px a side, one every `step` px, clipped at the right and bottom edge.

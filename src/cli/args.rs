@@ -109,7 +109,7 @@ pub struct LookArgs {
     /// Pixels of the picture for each pixel of the clip.
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub scale: u32,
-    /// current, next, side-by-side, difference, blend or blink; as suits the step unless given.
+    /// current, next, side-by-side, difference, blend or blink, at the end of a run also prediction or residual; as suits the step unless given.
     #[arg(long, value_parser = view)]
     pub view: Option<View>,
     /// dark, light or projector.

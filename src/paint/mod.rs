@@ -22,7 +22,7 @@ pub use color::Color;
 pub use color_map::ColorMap;
 pub use fonts::Face;
 pub use marks::{Lengthen, Look, Placement, is_lengthened, resolve};
-pub use panel::{Panel, View};
+pub use panel::{Panel, Pictures, View};
 pub use plate::{Caption, Layer, Plate, PlateOptions};
 pub use png::export_png;
 pub use primitive::Primitive;

@@ -5,6 +5,22 @@ use std::sync::Arc;
 use motionscope_core::scene::Picture;
 use motionscope_core::{Frame, Grid};
 
+/// What can be looked at: the frames, and what a run has made of them.
+#[derive(Clone, Debug)]
+pub struct Pictures {
+    /// Frames t and t + 1.
+    pub pair: [Arc<Frame>; 2],
+    /// The motion-compensated prediction of frame t, at the end of a run.
+    pub prediction: Option<Arc<Frame>>,
+}
+
+impl Pictures {
+    /// Two frames of which nothing has been made yet.
+    pub fn of(pair: [Arc<Frame>; 2]) -> Self {
+        Self { pair, prediction: None }
+    }
+}
+
 /// How the pair of frames is looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum View {
@@ -21,12 +37,24 @@ pub enum View {
     Blend,
     /// Both in turn. A picture cannot blink, so it shows them side by side.
     Blink,
+    /// Frame t put together from where its pixels went in frame t + 1.
+    Prediction,
+    /// What the prediction lacks.
+    Residual,
 }
 
 impl View {
     /// Every view.
-    pub const ALL: [View; 6] =
-        [View::Current, View::Next, View::SideBySide, View::Difference, View::Blend, View::Blink];
+    pub const ALL: [View; 8] = [
+        View::Current,
+        View::Next,
+        View::SideBySide,
+        View::Difference,
+        View::Blend,
+        View::Blink,
+        View::Prediction,
+        View::Residual,
+    ];
 
     /// Stable name, for sessions and the command line.
     pub fn id(self) -> &'static str {
@@ -37,6 +65,8 @@ impl View {
             View::Difference => "difference",
             View::Blend => "blend",
             View::Blink => "blink",
+            View::Prediction => "prediction",
+            View::Residual => "residual",
         }
     }
 
@@ -49,6 +79,8 @@ impl View {
             View::Difference => "Difference",
             View::Blend => "Blend",
             View::Blink => "Blink",
+            View::Prediction => "Prediction",
+            View::Residual => "Residual",
         }
     }
 
@@ -60,7 +92,19 @@ impl View {
             View::SideBySide | View::Blink => &[Panel::Current, Panel::Next],
             View::Difference => &[Panel::Difference],
             View::Blend => &[Panel::Blend],
+            View::Prediction => &[Panel::Prediction],
+            View::Residual => &[Panel::Residual],
         }
+    }
+
+    /// Whether it shows what only the end of a run has.
+    pub fn is_of_the_end(self) -> bool {
+        matches!(self, View::Prediction | View::Residual)
+    }
+
+    /// The view itself, or frame t where what it shows has not been made yet.
+    pub fn or_current(self, pictures: &Pictures) -> View {
+        if self.is_of_the_end() && pictures.prediction.is_none() { View::Current } else { self }
     }
 }
 
@@ -75,6 +119,10 @@ pub enum Panel {
     Difference,
     /// The mean of both frames.
     Blend,
+    /// The motion-compensated prediction of frame t.
+    Prediction,
+    /// |frame t − prediction| in gray, brightened like a difference.
+    Residual,
 }
 
 impl Panel {
@@ -84,17 +132,30 @@ impl Panel {
             Panel::Current => picture == Picture::Current,
             Panel::Next => picture == Picture::Next,
             Panel::Difference | Panel::Blend => true,
+            Panel::Prediction | Panel::Residual => picture == Picture::Current,
+        }
+    }
+
+    /// The two frames that it is made of: the one shown, and the one that it is compared or mixed with.
+    pub fn frames(self, pictures: &Pictures) -> [&Arc<Frame>; 2] {
+        let [t, next] = &pictures.pair;
+        let prediction = pictures.prediction.as_ref().unwrap_or(t);
+        match self {
+            Panel::Current | Panel::Difference | Panel::Blend => [t, next],
+            Panel::Next => [next, t],
+            Panel::Prediction => [prediction, t],
+            Panel::Residual => [t, prediction],
         }
     }
 
     /// Its pixels, opaque, and how many times brighter than the numbers say they are.
-    pub fn pixels(self, frames: &[Arc<Frame>; 2]) -> (Grid<[u8; 4]>, u16) {
+    pub fn pixels(self, pictures: &Pictures) -> (Grid<[u8; 4]>, u16) {
+        let [frame, other] = self.frames(pictures);
         match self {
-            Panel::Current => (colors(&frames[0]), 1),
-            Panel::Next => (colors(&frames[1]), 1),
-            Panel::Difference => difference(frames),
+            Panel::Current | Panel::Next | Panel::Prediction => (colors(frame), 1),
+            Panel::Difference | Panel::Residual => difference([frame, other]),
             Panel::Blend => {
-                let (a, b) = (colors(&frames[0]), colors(&frames[1]));
+                let (a, b) = (colors(frame), colors(other));
                 let mean = |p: [u8; 4], q: [u8; 4]| {
                     std::array::from_fn(|i| (u16::from(p[i]) + u16::from(q[i])).div_ceil(2) as u8)
                 };
@@ -115,6 +176,9 @@ impl Panel {
             Panel::Difference if gain > 1 => format!("|frame {next} − frame {t}| × {gain}"),
             Panel::Difference => format!("|frame {next} − frame {t}|"),
             Panel::Blend => format!("mean of frames {t} and {next}"),
+            Panel::Prediction => format!("prediction of frame {t}"),
+            Panel::Residual if gain > 1 => format!("|frame {t} − its prediction| × {gain}"),
+            Panel::Residual => format!("|frame {t} − its prediction|"),
         }
     }
 }
@@ -132,7 +196,7 @@ fn both<T: Copy, U>(a: &Grid<T>, b: &Grid<T>, f: impl Fn(T, T) -> U) -> Grid<U> 
 }
 
 /// The absolute difference of the gray values, times the power of two that brings all but one in a hundred to at most white.
-fn difference(frames: &[Arc<Frame>; 2]) -> (Grid<[u8; 4]>, u16) {
+fn difference(frames: [&Arc<Frame>; 2]) -> (Grid<[u8; 4]>, u16) {
     let plain = both(frames[0].luma(), frames[1].luma(), u8::abs_diff);
     let mut counts = [0usize; 256];
     for &v in plain.cells() {
@@ -162,18 +226,30 @@ mod tests {
 
     #[test]
     fn a_difference_is_brightened_until_it_can_be_seen() {
-        let gain =
-            |change: u8| Panel::Difference.pixels(&[frame(|_| 0), frame(|x| if x < 100 { change } else { 0 })]).1;
+        let shown = |pair| Panel::Difference.pixels(&Pictures::of(pair));
+        let gain = |change: u8| shown([frame(|_| 0), frame(|x| if x < 100 { change } else { 0 })]).1;
         assert_eq!([gain(3), gain(40), gain(100), gain(200)], [8, 4, 2, 1]);
-        let (pixels, gain) = Panel::Difference.pixels(&[frame(|_| 9), frame(|x| if x == 0 { 250 } else { 19 })]);
+        let (pixels, gain) = shown([frame(|_| 9), frame(|x| if x == 0 { 250 } else { 19 })]);
         assert_eq!((gain, pixels[(1, 0)][0], pixels[(0, 0)][0]), (8, 80, 255));
         assert_eq!(Panel::Difference.title(Some(12), 8), "|frame 13 − frame 12| × 8");
     }
 
     #[test]
     fn a_blend_is_the_mean() {
-        let (pixels, _) = Panel::Blend.pixels(&[frame(|_| 10), frame(|_| 20)]);
+        let (pixels, _) = Panel::Blend.pixels(&Pictures::of([frame(|_| 10), frame(|_| 20)]));
         assert_eq!(pixels[(0, 0)], [15, 15, 15, 255]);
+    }
+
+    #[test]
+    fn a_residual_is_what_the_prediction_lacks() {
+        let pair = [frame(|_| 100), frame(|_| 7)];
+        let without = Pictures::of(pair);
+        assert_eq!(View::Residual.or_current(&without), View::Current);
+        let pictures = Pictures { prediction: Some(frame(|_| 90)), ..without };
+        assert_eq!(View::Residual.or_current(&pictures), View::Residual);
+        assert_eq!(Panel::Prediction.pixels(&pictures).0[(3, 0)][0], 90);
+        let (pixels, gain) = Panel::Residual.pixels(&pictures);
+        assert_eq!((pixels[(3, 0)][0], gain), (80, 8));
     }
 
     #[test]

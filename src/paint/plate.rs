@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use motionscope_core::scene::{Mark, Sentence, Shape};
-use motionscope_core::{Frame, Grid, Scene};
+use motionscope_core::{Grid, Scene};
 
 use super::legend::{self, line_height};
 use super::primitive::{Anchor, Line, Primitive, Rect, Run, Stroke};
 use super::wrap::{inked, wrap};
-use super::{Color, ColorMap, Face, Lengthen, Look, Panel, Placement, Theme, TypeSizes, View, fonts, marks};
+use super::{Color, ColorMap, Face, Lengthen, Look, Panel, Pictures, Placement, Theme, TypeSizes, View, fonts, marks};
 
 /// Space around everything.
 const MARGIN: f32 = 16.0;
@@ -82,8 +82,8 @@ pub struct Plate {
 }
 
 impl Plate {
-    /// Lays out `scene` over `frames`, t and t + 1.
-    pub fn new(frames: &[Arc<Frame>; 2], scene: &Scene, options: &PlateOptions) -> Self {
+    /// Lays out `scene` over `pictures`.
+    pub fn new(pictures: &Pictures, scene: &Scene, options: &PlateOptions) -> Self {
         let look = Look::new(scene, options.theme, options.colors, options.lengthen);
         let is_framed = options.legend || options.caption.is_some();
         let mut layout = Layout {
@@ -97,7 +97,7 @@ impl Plate {
             pictures: Vec::new(),
             panels: Vec::new(),
         };
-        layout.lay_out(frames, scene, is_framed);
+        layout.lay_out(pictures, scene, is_framed);
         let Layout { margin, width, y, words, mut pictures, panels, .. } = layout;
         pictures.push(Layer { clip: None, primitives: words });
         Self {
@@ -138,9 +138,9 @@ struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    fn lay_out(&mut self, frames: &[Arc<Frame>; 2], scene: &Scene, is_framed: bool) {
+    fn lay_out(&mut self, of: &Pictures, scene: &Scene, is_framed: bool) {
         let zoom = f32::from(self.options.zoom.max(1));
-        let pictures: Vec<_> = self.options.view.panels().iter().map(|panel| (*panel, panel.pixels(frames))).collect();
+        let pictures: Vec<_> = self.options.view.panels().iter().map(|panel| (*panel, panel.pixels(of))).collect();
         let widths = pictures.iter().map(|(_, (pixels, _))| pixels.width() as f32 * zoom);
         let total = widths.sum::<f32>() + GAP * (pictures.len() - 1) as f32;
         self.width = if is_framed { on_grid(total.max(LEAST_WIDTH * self.sizes.body)) } else { total };

@@ -49,6 +49,10 @@ commands! {
     Blend,
     /// One after the other.
     Blink,
+    /// What the run makes of the second frame.
+    Prediction,
+    /// What that lacks.
+    Residual,
     /// The picture larger.
     ZoomIn,
     /// The picture smaller.
@@ -281,6 +285,20 @@ impl Command {
                 "Blink",
                 "One frame after the other in one place: what moved jumps.",
                 const { &[key(Key::Num6)] },
+            ),
+            C::Prediction => (
+                Menu::View,
+                Icon::Puzzle,
+                "Prediction",
+                "Frame t put together from where its pixels went in frame t+1; there is one at the end of a run.",
+                const { &[key(Key::Num7)] },
+            ),
+            C::Residual => (
+                Menu::View,
+                Icon::Eraser,
+                "Residual",
+                "What the prediction of frame t lacks: black where it is right; there is one at the end of a run.",
+                const { &[key(Key::Num8)] },
             ),
             C::ZoomIn => (
                 Menu::View,
@@ -545,6 +563,7 @@ impl Command {
             C::PreviousFrame => now.has_clip && !now.at_first_frame,
             C::SaveSession | C::ExportPicture | C::ExportSteps | C::ExportVectors => now.has_run,
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => now.has_run,
+            C::Prediction | C::Residual => now.has_run && now.at_end,
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
             C::Open | C::PastePath | C::Samples | C::Quit => true,
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,

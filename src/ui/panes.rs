@@ -73,7 +73,7 @@ impl Panes<'_> {
             _ => None,
         });
         let input = stage::Input {
-            pair: &shown.pair,
+            pictures: &shown.pictures,
             frame: shown.frame,
             names: &shown.names,
             scene: &shown.scene,

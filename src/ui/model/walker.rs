@@ -15,7 +15,9 @@ use motionscope_core::{
     AnyEstimator, Clip, Cursor, Error, Frame, Info, Move, Output, Role, Rung, Scene, Step, Stop, Walk,
 };
 
+use crate::paint::Pictures;
 use crate::quality::Quality;
+use crate::shot::pictures;
 use crate::ui::action::Side;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
@@ -45,8 +47,8 @@ pub struct Snapshot {
     pub info: &'static Info,
     /// The frame that the run started on.
     pub frame: usize,
-    /// Frames t and t + 1.
-    pub pair: [Arc<Frame>; 2],
+    /// Frames t and t + 1, and at the end what the run has made of them.
+    pub pictures: Pictures,
     /// What their files are called, where each is a file.
     pub names: [Option<String>; 2],
     /// Where the run stands.
@@ -268,8 +270,14 @@ struct Run {
     walk: Box<dyn Walk>,
     clip: Clip,
     pair: [Arc<Frame>; 2],
-    /// How good the whole estimate is, once it was asked for.
-    quality: OnceCell<Vec<Fact>>,
+    /// What the whole run amounts to, once its end was reached.
+    end: OnceCell<End>,
+}
+
+/// What the end of a run shows beside its last step.
+struct End {
+    pictures: Pictures,
+    quality: Vec<Fact>,
 }
 
 enum Task {
@@ -360,7 +368,7 @@ impl<'a> Worker<'a> {
         if let Some(unit) = job.near.and_then(|point| walk.unit_at(point)) {
             cursor.unit = unit;
         }
-        self.run = Some(Run { walk, clip, pair, quality: OnceCell::new() });
+        self.run = Some(Run { walk, clip, pair, end: OnceCell::new() });
         if cursor != Cursor::default() {
             self.travel(Move::To(cursor));
         }
@@ -421,7 +429,7 @@ impl Run {
         Snapshot {
             info: walk.info(),
             frame: walk.frame(),
-            pair: self.pair.clone(),
+            pictures: self.pictures(),
             names: [0, 1].map(|later| self.clip.frame_name(walk.frame() + later)),
             cursor: walk.cursor(),
             events: walk.events(),
@@ -441,7 +449,7 @@ impl Run {
     fn step(&self, focus: Option<[f32; 2]>) -> Step {
         let mut step = self.walk.step(focus);
         if self.walk.at_end() {
-            let quality = self.quality.get_or_init(|| self.judge()).iter().cloned();
+            let quality = self.end().quality.iter().cloned();
             match step.readouts.iter_mut().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None })
             {
                 Some(facts) => facts.extend(quality),
@@ -451,9 +459,18 @@ impl Run {
         step
     }
 
-    fn judge(&self) -> Vec<Fact> {
-        let quality = Quality::of(&self.clip, self.walk.frame(), &self.walk.output());
-        quality.map_or_else(|_| Vec::new(), |quality| quality.facts())
+    fn pictures(&self) -> Pictures {
+        if self.walk.at_end() { self.end().pictures.clone() } else { Pictures::of(self.pair.clone()) }
+    }
+
+    fn end(&self) -> &End {
+        self.end.get_or_init(|| {
+            let quality = Quality::of(&self.clip, self.walk.frame(), &self.walk.output());
+            End {
+                pictures: pictures(&*self.walk, &self.pair),
+                quality: quality.map_or_else(|_| Vec::new(), |quality| quality.facts()),
+            }
+        })
     }
 }
 

@@ -141,7 +141,7 @@ pub fn picture(order: &Order, subject: &Subject) -> Result<String, Error> {
         at_end: shown.at_end,
         step: &shown.step,
         scene: &shown.scene,
-        frames: &shown.pair,
+        pictures: &shown.pictures,
     };
     export::save(&order.path, &format.encode(&moment.plate(&order.look), order.scale)?)?;
     Ok(format!("Wrote {}.", order.path.display()))

@@ -1,6 +1,6 @@
 //! Around the pictures: what to look at, what the marks mean, and the numbers of the pixel pointed at.
 
-use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, pos2, vec2};
+use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
 use motionscope_core::scene::Shape;
 use motionscope_core::{Frame, Role};
 
@@ -21,7 +21,7 @@ pub struct Height {
 pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
     ui.horizontal(|ui| {
         let right = right_width(ui, input.theme);
-        choice(ui, ui.available_width() - right, state);
+        choice(ui, ui.available_width() - right, input.pictures.prediction.is_some(), state);
         if state.view == View::Blend {
             let slider = Slider::new(&mut state.blend, 0.0..=1.0).show_value(false);
             let name = "Share of frame t+1 in the blend";
@@ -37,20 +37,24 @@ fn right_width(ui: &Ui, theme: Theme) -> f32 {
     letters * 0.6 * theme.sizes().body + 8.0 * ui.spacing().button_padding.x
 }
 
-/// The views in a row, or in a list where there is no room for a row.
-fn choice(ui: &mut Ui, room: f32, state: &mut State) {
+/// The views in a row, or in a list where there is no room for a row; those of the end only where it is reached.
+fn choice(ui: &mut Ui, room: f32, at_end: bool, state: &mut State) {
     let font = egui::TextStyle::Button.resolve(ui.style());
     let padding = 2.0 * ui.spacing().button_padding.x + 2.0;
     let width = |view: &View| {
-        ui.painter().layout_no_wrap(view.name().into(), font.clone(), egui::Color32::PLACEHOLDER).size().x + padding
+        ui.painter().layout_no_wrap(short(*view).into(), font.clone(), egui::Color32::PLACEHOLDER).size().x + padding
     };
     let slider = if state.view == View::Blend { ui.spacing().slider_width + 8.0 } else { 0.0 };
     if View::ALL.iter().map(width).sum::<f32>() + slider <= room {
         ui.scope(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             for view in View::ALL {
-                let button = Button::selectable(state.view == view, view.name());
-                if ui.add(button).on_hover_text(tip(view)).clicked() {
+                let button = Button::selectable(state.view == view, short(view));
+                let enabled = at_end || !view.is_of_the_end();
+                let response = ui.add_enabled(enabled, button);
+                let selected = state.view == view;
+                response.widget_info(|| WidgetInfo::selected(egui::Role::Button, enabled, selected, view.name()));
+                if response.on_hover_text(tip(view)).on_disabled_hover_text(tip(view)).clicked() {
                     state.view = view;
                 }
             }
@@ -60,20 +64,35 @@ fn choice(ui: &mut Ui, room: f32, state: &mut State) {
     let list = egui::ComboBox::from_id_salt("view").selected_text(state.view.name());
     let shown = list.show_ui(ui, |ui| {
         for view in View::ALL {
-            ui.selectable_value(&mut state.view, view, view.name()).on_hover_text(tip(view));
+            ui.add_enabled_ui(at_end || !view.is_of_the_end(), |ui| {
+                let response = ui.selectable_value(&mut state.view, view, view.name());
+                response.on_hover_text(tip(view)).on_disabled_hover_text(tip(view));
+            });
         }
     });
     shown.response.accessible_name("View");
 }
 
+/// The name of a view where eight of them stand in a row.
+fn short(view: View) -> &'static str {
+    match view {
+        View::Current => "t",
+        View::Next => "t+1",
+        View::SideBySide => "Both",
+        _ => view.name(),
+    }
+}
+
 fn tip(view: View) -> &'static str {
     match view {
-        View::Current => "The frame whose blocks are matched.",
-        View::Next => "The frame that is searched.",
+        View::Current => "Frame t, whose blocks are matched.",
+        View::Next => "Frame t+1, which is searched.",
         View::SideBySide => "Both frames; the pointer is at the same pixel in both.",
         View::Difference => "How much each pixel changes, brightened where it changes little.",
         View::Blend => "One frame over the other: what moves is seen twice.",
         View::Blink => "Both frames in turn: what moves jumps.",
+        View::Prediction => "Frame t put together from where its pixels went, at the end of the run.",
+        View::Residual => "What the prediction of frame t lacks, at the end of the run.",
     }
 }
 
@@ -268,7 +287,7 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
         ink::line(&painter, rect.left_center(), (hint, font, dim), rect.width());
         return;
     };
-    let columns = columns(input.pair, pixel);
+    let columns = columns(&input.pictures.pair, pixel);
     ink::name(&response, || columns.iter().map(|c| format!("{} {}", c.label, c.value)).collect::<Vec<_>>().join(", "));
     let mut at = rect.left_center();
     for column in &columns {

@@ -14,14 +14,14 @@ use std::sync::Arc;
 
 use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
-use motionscope_core::{Frame, Scene};
+use motionscope_core::Scene;
 use serde::{Deserialize, Serialize};
 
 pub use lens::{Lens, Zoom};
 pub(crate) use pixels::on_gray;
 
 use super::ink;
-use crate::paint::{ColorMap, Face, Lengthen, Panel, Theme, View};
+use crate::paint::{self, ColorMap, Face, Lengthen, Panel, Theme, View};
 use glide::Glide;
 use marks::Marks;
 use pictures::Pictures;
@@ -36,8 +36,8 @@ const BLINK_SECS: f64 = 0.6;
 /// What the stage shows.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
-    /// Frames t and t + 1.
-    pub pair: &'a [Arc<Frame>; 2],
+    /// The frames, and at the end what the run has made of them.
+    pub pictures: &'a paint::Pictures,
     /// The number of frame t.
     pub frame: usize,
     /// What the files of the two are called, where each is a file.
@@ -157,13 +157,13 @@ fn panels(view: View, time: f64) -> &'static [Panel] {
 }
 
 fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Response {
-    let size = input.pair[0].size();
+    let size = input.pictures.pair[0].size();
     let time = ui.input(|i| i.time);
     if state.view == View::Blink {
         let rest = BLINK_SECS - time.rem_euclid(BLINK_SECS);
         ui.ctx().request_repaint_after_secs(rest as f32 + 0.005);
     }
-    let panels = panels(state.view, time);
+    let panels = panels(state.view.or_current(input.pictures), time);
     ui.painter().rect_filled(area, 0.0, ink::color(input.theme.chrome().background));
     let mut response = Response::default();
     let mut hovered = None;
@@ -249,9 +249,9 @@ fn looked(ui: &Ui, sensed: &egui::Response, lens: &Lens) -> Option<Zoom> {
 fn paint(ui: &Ui, panel: Panel, lens: &Lens, input: &Input<'_>, state: &mut State) {
     let painter = ui.painter_at(lens.pane);
     let share = (panel == Panel::Blend).then_some(state.blend);
-    let gain = state.pictures.paint(&painter, panel, share, lens, input.pair);
+    let gain = state.pictures.paint(&painter, panel, share, lens, input.pictures);
     pixels::grid(&painter, lens);
-    pixels::numbers(&painter, (panel, state.blend), lens, input.pair);
+    pixels::numbers(&painter, (panel, state.blend), lens, input.pictures);
     let time = ui.input(|i| i.time);
     let moving = state.glide.marks(time);
     // A frame at the edge of the picture stays whole, all else ends with the picture.
@@ -278,7 +278,8 @@ fn title(panel: Panel, input: &Input<'_>, gain: u16) -> String {
     match panel {
         Panel::Current => format!("Frame t = {}{name}", input.frame),
         Panel::Next => format!("Frame t+1 = {}{next}", input.frame.saturating_add(1)),
-        Panel::Difference | Panel::Blend => panel.title(Some(input.frame), gain),
+        Panel::Prediction => format!("Prediction of frame t = {}{name}", input.frame),
+        Panel::Difference | Panel::Blend | Panel::Residual => panel.title(Some(input.frame), gain),
     }
 }
 

@@ -7,7 +7,7 @@ use eframe::egui::{TextureFilter, TextureWrapMode};
 use motionscope_core::{Frame, Grid};
 
 use super::Lens;
-use crate::paint::Panel;
+use crate::paint::{self, Panel};
 
 /// Pictures kept, so that going back and forth uploads nothing.
 const KEPT: usize = 6;
@@ -50,8 +50,8 @@ impl Source {
 
     fn pixels(&self) -> (Grid<[u8; 4]>, u16) {
         match self {
-            Source::Frame(frame) => Panel::Current.pixels(&[frame.clone(), frame.clone()]),
-            Source::Difference(pair) => Panel::Difference.pixels(pair),
+            Source::Frame(frame) => Panel::Current.pixels(&paint::Pictures::of([frame.clone(), frame.clone()])),
+            Source::Difference(pair) => Panel::Difference.pixels(&paint::Pictures::of(pair.clone())),
         }
     }
 }
@@ -64,16 +64,16 @@ impl Pictures {
         panel: Panel,
         share: Option<f32>,
         lens: &Lens,
-        pair: &[Arc<Frame>; 2],
+        pictures: &paint::Pictures,
     ) -> u16 {
+        let [frame, other] = panel.frames(pictures).map(Arc::clone);
         let first = match panel {
-            Panel::Current | Panel::Blend => Source::Frame(pair[0].clone()),
-            Panel::Next => Source::Frame(pair[1].clone()),
-            Panel::Difference => Source::Difference(pair.clone()),
+            Panel::Difference | Panel::Residual => Source::Difference([frame, other.clone()]),
+            _ => Source::Frame(frame),
         };
         let gain = self.layer(painter, first, 1.0, lens);
         if let Some(share) = share {
-            self.layer(painter, Source::Frame(pair[1].clone()), share.clamp(0.0, 1.0), lens);
+            self.layer(painter, Source::Frame(other), share.clamp(0.0, 1.0), lens);
         }
         gain
     }

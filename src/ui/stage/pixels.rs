@@ -1,12 +1,10 @@
 //! What is seen from close up: the grid of pixels, their numbers, and the same pixel in every picture.
 
-use std::sync::Arc;
-
 use eframe::egui::{self, Align2, Color32, Painter, Rect, Stroke, StrokeKind};
 use motionscope_core::{Frame, Gray};
 
 use super::Lens;
-use crate::paint::{Face, Panel};
+use crate::paint::{Face, Panel, Pictures};
 use crate::ui::ink;
 
 /// Points per pixel from which the grid is drawn.
@@ -33,7 +31,7 @@ pub fn grid(painter: &Painter, lens: &Lens) {
 }
 
 /// The gray value in each pixel; a blend has this share of frame t + 1.
-pub fn numbers(painter: &Painter, panel: (Panel, f32), lens: &Lens, pair: &[Arc<Frame>; 2]) {
+pub fn numbers(painter: &Painter, panel: (Panel, f32), lens: &Lens, pictures: &Pictures) {
     let Some([[left, right], [top, bottom]]) = lens.visible().filter(|_| lens.scale >= NUMBERS) else { return };
     if (right - left + 1) * (bottom - top + 1) > MOST_NUMBERS {
         return;
@@ -41,7 +39,7 @@ pub fn numbers(painter: &Painter, panel: (Panel, f32), lens: &Lens, pair: &[Arc<
     let font = ink::font(Face::Sans, (0.36 * lens.scale).clamp(9.0, 18.0));
     for y in top..=bottom {
         for x in left..=right {
-            let Some((value, shade)) = value(panel, pair, x, y) else { continue };
+            let Some((value, shade)) = value(panel, pictures, x, y) else { continue };
             let at = lens.to_screen([x as f32, y as f32]);
             painter.text(at, Align2::CENTER_CENTER, value.to_string(), font.clone(), on_gray(shade));
         }
@@ -49,13 +47,13 @@ pub fn numbers(painter: &Painter, panel: (Panel, f32), lens: &Lens, pair: &[Arc<
 }
 
 /// The number in a pixel of `panel`, and how bright the pixel is.
-fn value((panel, share): (Panel, f32), pair: &[Arc<Frame>; 2], x: usize, y: usize) -> Option<(u8, u8)> {
-    let gray = |i: usize| pair[i].luma().get(x, y).copied();
+fn value((panel, share): (Panel, f32), pictures: &Pictures, x: usize, y: usize) -> Option<(u8, u8)> {
+    let frames = panel.frames(pictures);
+    let gray = |i: usize| frames[i].luma().get(x, y).copied();
     match panel {
-        Panel::Current => gray(0).map(|v| (v, v)),
-        Panel::Next => gray(1).map(|v| (v, v)),
+        Panel::Current | Panel::Next | Panel::Prediction => gray(0).map(|v| (v, v)),
         // Differences are shown brighter than they are.
-        Panel::Difference => Some(gray(0)?.abs_diff(gray(1)?)).map(|v| (v, v.saturating_mul(4))),
+        Panel::Difference | Panel::Residual => Some(gray(0)?.abs_diff(gray(1)?)).map(|v| (v, v.saturating_mul(4))),
         Panel::Blend => {
             let v = egui::lerp(f32::from(gray(0)?)..=f32::from(gray(1)?), share.clamp(0.0, 1.0)).round() as u8;
             Some((v, v))
@@ -107,17 +105,19 @@ pub fn patch(painter: &Painter, rect: Rect, [r, g, b]: [u8; 3]) {
 mod tests {
     use super::*;
     use motionscope_core::Grid;
+    use std::sync::Arc;
 
     #[test]
     fn a_pixel_tells_the_number_that_it_shows() {
         let frame = |v| Arc::new(Frame::gray(Grid::new(3, 2, v)));
-        let pair = [frame(10), frame(250)];
+        let pair = Pictures::of([frame(10), frame(250)]);
         let shown = (Panel::Difference, 0.0);
         assert_eq!(value((Panel::Next, 0.0), &pair, 2, 1), Some((250, 250)));
         assert_eq!(value(shown, &pair, 0, 0), Some((240, 255)));
         assert_eq!(value((Panel::Current, 0.0), &pair, 3, 0), None);
         assert_eq!(value((Panel::Blend, 0.25), &pair, 0, 0), Some((70, 70)));
-        assert_eq!((gray_at(pair[0].luma(), [1, 1]), gray_at(pair[0].luma(), [9, 9])), ("10".into(), "–".into()));
+        let first = pair.pair[0].luma();
+        assert_eq!((gray_at(first, [1, 1]), gray_at(first, [9, 9])), ("10".into(), "–".into()));
     }
 
     #[test]

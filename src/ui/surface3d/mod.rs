@@ -7,9 +7,10 @@ mod gpu;
 mod orbit;
 mod relief;
 
+use std::cell::RefCell;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use eframe::egui::{self, Align2, Color32, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use eframe::egui::{self, Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use glam::Vec3;
 use motionscope_core::scene::Surface;
@@ -62,7 +63,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let screen = Screen::new(rect, &state.orbit, vec2(4.5, 1.8) * input.theme.sizes().small);
     let painter = ui.painter_at(rect);
     let bench = Bench::new(input.surface);
-    let stand = Stand { painter: &painter, screen, bench, eye: state.orbit.eye(), theme: input.theme };
+    let (eye, theme, taken) = (state.orbit.eye(), input.theme, RefCell::default());
+    let stand = Stand { painter: &painter, screen, bench, eye, theme, taken };
     stand.ground();
     stand.costs(input.surface);
     paint_surface(&painter, &screen, input, state);
@@ -150,6 +152,8 @@ struct Stand<'a> {
     bench: Bench,
     eye: Vec3,
     theme: Theme,
+    /// Where numbers stand: where two axes meet, the second would lie on the first.
+    taken: RefCell<Vec<Rect>>,
 }
 
 impl Stand<'_> {
@@ -171,7 +175,18 @@ impl Stand<'_> {
         let at = self.at(place);
         // Words are wider than high: they need more room sideways.
         let out = (at - self.at(Vec3::ZERO)).normalized() * vec2(1.5, 1.0) * lines * font.size;
-        self.painter.text(at + out, Align2::CENTER_CENTER, text, font, color);
+        self.write(at + out, Align2::CENTER_CENTER, text, (font, color));
+    }
+
+    /// Writes a word unless it would lie on another.
+    fn write(&self, at: Pos2, align: Align2, text: &str, (font, color): (FontId, Color32)) {
+        let galley = self.painter.layout_no_wrap(text.into(), font, color);
+        let rect = align.anchor_size(at, galley.size());
+        let mut taken = self.taken.borrow_mut();
+        if !taken.iter().any(|other| other.intersects(rect)) {
+            taken.push(rect);
+            self.painter.galley(rect.min, galley, color);
+        }
     }
 
     /// The values along u or v as an axis of the world.
@@ -226,7 +241,7 @@ impl Stand<'_> {
                 let at = self.at(foot + Vec3::Y * self.bench.height(tick));
                 self.painter.hline(at.x - 4.0..=at.x, at.y, Stroke::new(1.0, dim));
                 let text = axis::number(tick);
-                self.painter.text(at - vec2(7.0, 0.0), Align2::RIGHT_CENTER, text, font.clone(), dim);
+                self.write(at - vec2(7.0, 0.0), Align2::RIGHT_CENTER, &text, (font.clone(), dim));
             }
         }
         let name = self.at(top) - vec2(0.0, 0.9 * small);
