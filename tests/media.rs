@@ -248,6 +248,28 @@ fn a_cut_file_keeps_the_frames_before_the_cut() {
     }
 }
 
+#[test]
+fn matroska_that_is_cut_anywhere_keeps_what_is_whole_or_says_so() {
+    for name in ["vp9.webm", "h264.mkv"] {
+        let bytes = fs::read(fixture(name)).unwrap();
+        let mut found = 0;
+        // Headers byte by byte.
+        for cut in (4..700).chain((700..=bytes.len()).step_by(29)) {
+            match survive(&bytes[..cut]) {
+                Ok(shown) => {
+                    assert!(shown >= found.max(1), "{name} cut at {cut}: {shown} frames");
+                    found = shown;
+                }
+                Err(error) => {
+                    let told = error.to_string();
+                    assert!(found == 0 && told.contains("cut off") && told.contains("copy"), "{cut}: {told}");
+                }
+            }
+        }
+        assert_eq!(found, own(name).info().frames.unwrap(), "{name}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(250))]
 

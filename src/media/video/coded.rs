@@ -74,7 +74,9 @@ impl Track {
             samples.get(s as usize).is_some_and(|s| s.size > 0 && s.offset.saturating_add(u64::from(s.size)) <= len)
         });
         if self.order.is_empty() {
-            return Err(Error::new("it holds no complete frame; copy it again from where it came"));
+            return Err(Error::new(
+                "it is cut off or damaged before its first complete frame; copy it again from where it came",
+            ));
         }
         if self.order.len() < all {
             let lost = all - self.order.len();

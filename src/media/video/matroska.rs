@@ -41,7 +41,7 @@ const REFERENCE_BLOCK: u32 = 0xFB;
 /// # Errors
 /// One sentence, without the file's name.
 pub(crate) fn open(input: &mut Input, options: &Open) -> Result<Track, Error> {
-    let mut walk = Walk { scale_ns: 1_000_000, ..Walk::default() };
+    let mut walk = Walk { scale_ns: 1_000_000, end: u64::MAX, ..Walk::default() };
     let mut at = 0;
     let mut steps = 0_u32;
     while at < input.len() {
@@ -58,9 +58,16 @@ pub(crate) fn open(input: &mut Input, options: &Open) -> Result<Track, Error> {
         at += (head.len() - bytes.0.len()) as u64;
         match (id, size) {
             // Their elements are met one by one: they may be without an end.
-            (SEGMENT | CLUSTER | BLOCK_GROUP, _) => {}
+            (SEGMENT, size) => walk.end = at.saturating_add(size.unwrap_or(0)),
+            (CLUSTER | BLOCK_GROUP, _) => {}
             (_, Some(size)) => {
-                walk.meet(input, id, at, size)?;
+                let met = walk.meet(input, id, at, size);
+                if met.is_err() && walk.track.is_some() {
+                    // What was found before it can be used.
+                    walk.damaged = true;
+                    break;
+                }
+                met?;
                 at = at.saturating_add(size);
             }
             (_, None) => {
@@ -129,6 +136,8 @@ struct Walk {
     /// Whether the last block was one of ours.
     ours: bool,
     damaged: bool,
+    /// Where the file should end at least, once that is known.
+    end: u64,
 }
 
 impl Walk {
@@ -217,9 +226,9 @@ impl Walk {
 
     fn finish(self, input: &Input) -> Result<Track, Error> {
         let Some((_, mut track)) = self.track else {
-            return Err(Error::new(match (self.sound, self.damaged) {
+            return Err(Error::new(match (self.sound, self.damaged || self.end > input.len()) {
                 (true, _) => "it holds sound but no video; open a clip with pictures",
-                (false, true) => "its beginning is damaged; copy it again from where it came",
+                (false, true) => "it is cut off or damaged before its first frame; copy it again from where it came",
                 (false, false) => "it holds no video track; open a clip with pictures",
             }));
         };
