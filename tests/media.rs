@@ -146,7 +146,9 @@ fn what_cannot_be_opened_says_why_and_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     for (bytes, words) in [
         (b"".as_slice(), ["empty", "copy"]),
-        (b"Dear student, this is no video at all.", ["format is not known", "convert"]),
+        (b"\x01\x02 this is no video at all", ["format is not known", "convert"]),
+        (b"Dear student, this is no video at all.", ["it is text", "open a video"]),
+        (b"1,1,10,20,30,40,1,1,1\n", ["MOTChallenge", "--truth"]),
         (b"\0\0\0\x08ftyp", ["index", "copy"]),
         (b"\0\0\0\x08ftyp\0\0\0\x08moov", ["no video track", "open"]),
         (b"\x1A\x45\xDF\xA3\x80\x18\x53\x80\x67\x80", ["no video track", "open"]),
@@ -172,6 +174,20 @@ fn other_codecs_open_by_ffmpeg_or_say_so() {
             }
             Err(error) => assert!(error.to_string().contains("install ffmpeg"), "{error}"),
         }
+    }
+}
+
+#[test]
+fn no_video_is_made_of_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: String = (1..3000).map(|t| format!("{t},1,10,20,30,40,1,1,1\n")).collect();
+    // Colours and shades of gray for an old terminal, which are not UTF-8.
+    let shades = [b"\x1B[1;31m\xB0\xB1\xB2\xDB\xDB\xDB\xDB\xDB\xDB\xDB\r\n".repeat(2000), vec![0x1A]].concat();
+    for (name, bytes) in [("gt.txt", rows.as_bytes()), ("big.nfo", rows.as_bytes()), ("art.ans", &shades)] {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        let told = open(&path, &Open::default()).expect_err("it is no clip").to_string();
+        assert!(told.contains(name) && ["--truth", "convert"].iter().any(|word| told.contains(word)), "{told}");
     }
 }
 

@@ -7,6 +7,7 @@ mod animation;
 mod cache;
 mod contain;
 pub mod export;
+mod foreign;
 mod info;
 mod input;
 mod names;

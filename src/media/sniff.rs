@@ -4,6 +4,7 @@ use std::path::Path;
 
 use motionscope_core::Error;
 
+use super::foreign;
 use super::input::Input;
 use super::video::Format;
 
@@ -39,12 +40,16 @@ const HEAD_BYTES: u64 = 64 << 10;
 /// What `input` holds.
 ///
 /// # Errors
-/// A sentence, without the file's name, if it cannot be read or is empty.
+/// A sentence, without the file's name, if it cannot be read, is empty, or is known to be no clip.
 pub(crate) fn kind(input: &mut Input) -> Result<Kind, Error> {
     if input.len() == 0 {
         return Err(Error::new("the file is empty; copy it again from where it came"));
     }
-    Ok(kind_of(&input.read_up_to(0, HEAD_BYTES)?))
+    let head = input.read_up_to(0, HEAD_BYTES)?;
+    match (kind_of(&head), foreign::refusal(&head)) {
+        (Kind::Video(Format::Other), Some(refusal)) => Err(refusal),
+        (kind, _) => Ok(kind),
+    }
 }
 
 /// What a file holds that begins with `head`.

@@ -23,6 +23,8 @@ const PATIENCE_FRAMES: usize = 250;
 const MARGIN_FRAMES: usize = 32;
 /// How often a waiting thread asks whether it should stop.
 const POLL: Duration = Duration::from_millis(10);
+/// Formats of text in colours, of which ffmpeg makes the screen of an old terminal.
+const SCREENS: [&str; 5] = ["tty", "bin", "xbin", "adf", "idf"];
 /// Containers without an index, where packets are no frames.
 const STREAMS: [&str; 4] = ["mpegts", "mpeg", "mpegvideo", "h264"];
 
@@ -152,6 +154,7 @@ impl Probe {
         let answer = ask(path, &what, options).map_err(|failed| failed.told(why))?;
         let version = answer.program_version.map(|version| version.version).unwrap_or_default();
         match (answer.streams.into_iter().next(), answer.format) {
+            (_, Some(format)) if SCREENS.contains(&format.format_name.as_str()) => Err(Failed::Refused.told(why)),
             (Some(stream), Some(format)) => Ok(Self { stream, format, version }),
             _ => Err(Error::new("it holds no video; open a clip with pictures")),
         }
