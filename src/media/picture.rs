@@ -20,6 +20,9 @@ pub(crate) struct Picture<D> {
     pub size: (usize, usize),
 }
 
+/// How a JPEG begins.
+const JPEG: &[u8] = &[0xFF, 0xD8, 0xFF];
+
 /// Reads the header of the picture at `path`.
 ///
 /// # Errors
@@ -32,12 +35,26 @@ pub(crate) fn open(path: &Path) -> Result<Picture<impl ImageDecoder + use<>>, Er
     read(BufReader::new(file))
 }
 
+/// Width and height in pixels of the picture at `path` as a person sees it, as far as its header tells.
+pub(crate) fn size(path: &Path) -> Option<(usize, usize)> {
+    /// A JPEG's decoder reads all it is given, so it is given no more than headers take.
+    const HEAD_BYTES: u64 = 64 << 10;
+    let mut file = File::open(path).ok()?;
+    let mut head = Vec::new();
+    file.by_ref().take(HEAD_BYTES).read_to_end(&mut head).ok()?;
+    if head.starts_with(JPEG) {
+        return read(io::Cursor::new(head)).ok().map(|picture| picture.size);
+    }
+    file.rewind().ok()?;
+    read(BufReader::new(file)).ok().map(|picture| picture.size)
+}
+
 /// Whether `file` is a JPEG without an end mark. Its decoder would make up what is missing.
 fn is_cut_jpeg(file: &mut File) -> io::Result<bool> {
     /// Some programs append to the picture.
     const TAIL_BYTES: u64 = 64 << 10;
     let mut head = [0; 3];
-    let is_jpeg = file.read(&mut head)? == 3 && head == [0xFF, 0xD8, 0xFF];
+    let is_jpeg = file.read(&mut head)? == 3 && head == JPEG;
     let mut tail = Vec::new();
     if is_jpeg {
         file.seek(SeekFrom::Start(file.metadata()?.len().saturating_sub(TAIL_BYTES)))?;

@@ -13,11 +13,12 @@ use super::{Decoder, Open, Source, name_of, picture};
 ///
 /// # Errors
 /// One sentence, without the file's name.
-pub(crate) fn open(path: &Path, _options: &Open) -> Result<Source, Error> {
+pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     let Sequence { files, mut warnings } = Sequence::find(path)?;
     let Some(first) = files.first() else { return Err(Error::new("it holds no pictures")) };
     let picture = picture::open(first).map_err(|why| if first == path { why } else { about(first, &why) })?;
     warnings.extend(picture.warnings());
+    warnings.extend(misfits(&files, picture.size, options)?);
     let info = ClipInfo {
         name: name_of(path),
         width: picture.size.0,
@@ -30,6 +31,31 @@ pub(crate) fn open(path: &Path, _options: &Open) -> Result<Source, Error> {
     };
     let (size, files) = (picture.size, Arc::from(files));
     Ok(Source { info, decoder: Box::new(Stills { files: Arc::clone(&files), size }), files })
+}
+
+/// Most headers that are read when a folder is opened; the other pictures are measured when they are shown.
+const MOST_HEADERS: usize = 2000;
+
+/// Tells of pictures that are not of the first one's `size`, going by their headers.
+fn misfits(files: &[PathBuf], size: (usize, usize), options: &Open) -> Result<Option<String>, Error> {
+    let mut odd = None;
+    let mut count = 0;
+    for (done, file) in files.iter().enumerate().take(MOST_HEADERS).skip(1) {
+        options.report(done as f32 / files.len() as f32)?;
+        // What is damaged is told when it is shown.
+        if let Some(other) = picture::size(file).filter(|other| *other != size) {
+            odd.get_or_insert((file, other));
+            count += 1;
+        }
+    }
+    Ok(odd.map(|(file, (w, h))| {
+        let others = match count - 1 {
+            0 => String::new(),
+            n => format!(", and {n} more are not either"),
+        };
+        let (name, (width, height)) = (file_name(file), size);
+        format!("{name} cannot be shown: it is {w}×{h} px, not {width}×{height} px as the first picture{others}")
+    }))
 }
 
 fn about(file: &Path, why: &Error) -> Error {
@@ -172,10 +198,31 @@ mod tests {
             fs::write(folder.path().join(name), bytes).unwrap();
         }
         let clip = open(folder.path()).unwrap();
+        let told = "f2.png cannot be shown: it is 9×6 px, not 8×6 px as the first picture";
+        assert_eq!(clip.info().warnings, [told]);
         assert!(clip.frame(0).is_ok() && clip.frame(3).is_ok());
         assert!(clip.frame(1).unwrap_err().to_string().contains("f1.png"));
         let told = clip.frame(2).unwrap_err().to_string();
         assert!(told.contains("f2.png") && told.contains("9×6") && told.contains("8×6"), "{told}");
+    }
+
+    #[test]
+    fn pictures_of_another_size_are_told_in_every_format() {
+        for (extension, format) in FORMATS {
+            let folder = tempfile::tempdir().unwrap();
+            for (t, width) in [8, 8, 9, 8, 7, 9].into_iter().enumerate() {
+                let path = folder.path().join(format!("f{t}.{extension}"));
+                fs::write(path, encode(&picture(width, 1), format)).unwrap();
+            }
+            let clip = open(folder.path()).unwrap();
+            let told = format!("f2.{extension} cannot be shown: it is 9×6 px");
+            let warnings = &clip.info().warnings;
+            assert!(
+                warnings[0].starts_with(&told) && warnings[0].ends_with("and 2 more are not either"),
+                "{warnings:?}"
+            );
+            assert!((0..6).all(|t| clip.frame(t).is_ok() == [0, 1, 3].contains(&t)), "{extension}");
+        }
     }
 
     #[test]
