@@ -68,7 +68,7 @@ fn names_in(folder: &Path, fits: impl Fn(&str) -> bool) -> Result<Vec<String>, E
     Ok(names)
 }
 
-/// Pictures of the most common kind; of these the numbered ones alone if they are most.
+/// Pictures of the most common kind; of these the numbered ones alone if they are most, or one of several series.
 fn folder(path: &Path) -> Result<Sequence, Error> {
     let mut names = names_in(path, |name| kind(name).is_some())?;
     let all = names.len();
@@ -78,6 +78,8 @@ fn folder(path: &Path) -> Result<Sequence, Error> {
         let fits = |name: &String| shape(name).as_ref() == Some(&pattern);
         if names.iter().filter(|name| fits(name)).count() * 2 > names.len() {
             names.retain(fits);
+        } else if let Some(series) = one_of_several(&names) {
+            names.retain(|name| series_of(name).as_ref() == Some(&series));
         }
     }
     let Some(first) = names.first() else {
@@ -109,6 +111,30 @@ fn shape(name: &str) -> Option<(String, String, String)> {
     let stem = stem(path);
     let number = Numbered::parse(&stem)?;
     Some((number.prefix.into(), number.suffix.into(), extension(path)))
+}
+
+/// All of a numbered name but its numbers: `000003_10.png` and `000004_11.png` are of one series.
+fn series_of(name: &str) -> Option<String> {
+    let (prefix, suffix, extension) = shape(name)?;
+    let prefix: String = prefix.chars().filter(|c| !c.is_ascii_digit()).collect();
+    Some(format!("{prefix}0{suffix}.{extension}"))
+}
+
+/// What the pictures of truth are called in benchmarks, which keep them beside those of the clip.
+const TRUTH: [&str; 6] = ["disp", "flow", "occ", "mask", "depth", "gt"];
+
+/// The series with the most pictures, if there are several; of equals one that is not called like truth.
+fn one_of_several(names: &[String]) -> Option<String> {
+    let mut counts = BTreeMap::new();
+    for series in names.iter().filter_map(|name| series_of(name)) {
+        *counts.entry(series).or_insert(0_usize) += 1;
+    }
+    counts.retain(|_, count| *count > 1);
+    let is_truth = |series: &str| TRUTH.iter().any(|truth| series.to_ascii_lowercase().starts_with(truth));
+    let several = counts.len() > 1;
+    // Reversed, because the last of several equals is taken.
+    let best = counts.into_iter().rev().max_by_key(|(series, count)| (*count, !is_truth(series)));
+    best.map(|(series, _)| series).filter(|_| several)
 }
 
 /// The picture at `path` and those whose number comes after its.
@@ -229,6 +255,20 @@ mod tests {
         let holiday = with_files(&["zoo.JPG", "beach.jpeg", "IMG_7.jpg"]);
         assert_eq!(found(holiday.path(), "").0, ["IMG_7.jpg", "beach.jpeg", "zoo.JPG"]);
         assert!(Sequence::find(with_files(&["a.txt"]).path()).unwrap_err().to_string().contains("no pictures"));
+    }
+
+    #[test]
+    fn of_two_series_one_is_opened() {
+        let stereo = with_files(&["disp2.png", "disp6.png", "im2.png", "im6.png"]);
+        let (names, warnings) = found(stereo.path(), "");
+        assert_eq!(names, ["im2.png", "im6.png"]);
+        assert_eq!(warnings[0], "2 pictures of the folder are left out, because they are not named like im2.png");
+        let (names, _) = found(with_files(&["b1.png", "b2.png", "b3.png", "a1.png", "a2.png", "x.png"]).path(), "");
+        assert_eq!(names, ["b1.png", "b2.png", "b3.png"]);
+        // One series whose clips are numbered too, and pictures of a holiday.
+        for all in [["000_10.png", "000_11.png", "001_10.png", "001_11.png"], ["a.png", "b.png", "p1.png", "p2.png"]] {
+            assert_eq!(found(with_files(&all).path(), ""), (all.map(String::from).to_vec(), vec![]));
+        }
     }
 
     #[test]
