@@ -6,6 +6,7 @@
 pub mod block_matching;
 mod block_search;
 mod clip;
+mod coding;
 mod cost;
 mod error;
 mod estimator;
@@ -21,6 +22,7 @@ mod threads;
 mod timeline;
 
 pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
+pub use coding::Coding;
 pub use error::Error;
 pub use estimator::{AnyEstimator, Count, Estimator, Extent, Info, Observer, Progress, Rung, Seen, run_observed};
 pub use grid::{Border, Gray, Grid};

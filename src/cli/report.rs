@@ -75,6 +75,7 @@ impl Report {
             Some(psnr) => format!("prediction  {psnr:.2} dB PSNR\n"),
             None => "prediction  perfect\n".into(),
         };
+        text += &format!("entropy     {} (residual + vectors)\n", metrics.coding());
         text += &match &metrics.truth {
             Some(AgainstTruth { epe_px, aae_deg, known }) => {
                 format!("error       {epe_px:.3} px endpoint, {aae_deg:.2}° angular, over {known} px of known motion\n")

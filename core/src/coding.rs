@@ -1,0 +1,87 @@
+//! What compression gains by motion: the bits of a residual and of vectors, against those of the frame itself.
+
+use std::collections::BTreeMap;
+
+use crate::{Error, Gray, Output};
+
+/// Bits to send frame t, by zero-order entropy (C. E. Shannon, A Mathematical Theory of Communication, 1948).
+///
+/// No coder is this simple: each number is taken by itself, without its neighbours. It is a common yardstick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coding {
+    /// The frame anew, without motion.
+    pub frame_bits: f64,
+    /// The residual: frame t less its prediction.
+    pub residual_bits: f64,
+    /// The displacements, each block's as one symbol.
+    pub vector_bits: f64,
+}
+
+impl Coding {
+    /// The bits for `frame`, of which `prediction` was made from `output`.
+    ///
+    /// # Errors
+    /// If the sizes differ.
+    pub fn of(output: &Output, frame: &Gray, prediction: &Gray) -> Result<Self, Error> {
+        if prediction.size() != frame.size() {
+            return Err(Error::new("a prediction must have the size of its picture"));
+        }
+        let pairs = frame.cells().iter().zip(prediction.cells());
+        let Output::Blocks(field) = output;
+        // Displacements are multiples of a quarter of a pixel, or finer by a fit: a hundredth tells them apart.
+        let symbol = |c: f32| (c * 100.0).round() as i32;
+        let vectors = field.vectors.iter().flatten().map(|vector| vector.displacement.map(symbol));
+        Ok(Self {
+            frame_bits: bits(frame.cells().iter().copied()),
+            residual_bits: bits(pairs.map(|(&a, &b)| i16::from(a) - i16::from(b))),
+            vector_bits: bits(vectors),
+        })
+    }
+
+    /// Bits with motion as a share of those without; below 1, motion pays.
+    pub fn share(&self) -> f64 {
+        (self.residual_bits + self.vector_bits) / self.frame_bits
+    }
+}
+
+/// Bits of all symbols at −log₂ p each, where p is how often a symbol comes among them.
+fn bits<T: Ord>(symbols: impl Iterator<Item = T>) -> f64 {
+    let mut counts = BTreeMap::new();
+    for symbol in symbols {
+        *counts.entry(symbol).or_insert(0u64) += 1;
+    }
+    let all = counts.values().sum::<u64>() as f64;
+    counts.values().map(|&count| count as f64 * (all / count as f64).log2()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BlockField, BlockGrid, BlockVector, Border, Grid};
+
+    #[test]
+    fn bits_are_those_of_the_textbook() {
+        assert_eq!(bits([7; 9].into_iter()), 0.0);
+        assert_eq!(bits(0..8), 24.0);
+        // Half, a quarter, and two eighths: 1.75 bits a symbol.
+        assert_eq!(bits([1, 1, 1, 1, 2, 2, 3, 4].into_iter()), 14.0);
+    }
+
+    #[test]
+    fn a_perfect_prediction_leaves_only_the_vectors() {
+        let blocks = BlockGrid { picture: (16, 8), size: 8, step: 8 };
+        let vectors = [[0.0, 1.0], [0.25, 1.0]].map(|displacement| Some(BlockVector { displacement, cost: 0.0 }));
+        let output = Output::Blocks(BlockField {
+            blocks,
+            vectors: vectors.to_vec(),
+            cost: "SAD",
+            candidates: 2,
+            border: Border::Replicate,
+        });
+        let frame = Grid::from_fn(16, 8, |x, _| x as u8);
+        let coding = Coding::of(&output, &frame, &frame).unwrap();
+        assert_eq!(coding, Coding { frame_bits: 512.0, residual_bits: 0.0, vector_bits: 2.0 });
+        assert_eq!(coding.share(), 2.0 / 512.0);
+        assert!(Coding::of(&output, &frame, &Grid::new(3, 3, 0)).is_err());
+    }
+}
