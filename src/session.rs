@@ -21,7 +21,7 @@ use std::path::{Component, Path, PathBuf};
 use motionscope_core::{AnyEstimator, Cursor, Error, Value, estimator};
 use serde::{Deserialize, Serialize};
 
-use crate::media::export;
+use crate::media::{self, export};
 use crate::paint::{ColorMap, Lengthen, Theme, View};
 use crate::shot::Look;
 use crate::source::Source;
@@ -113,7 +113,7 @@ impl Session {
     /// One sentence that names the file, tells what is wrong and what to do.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let about = |error: String| Error::new(format!("cannot open the session {}: {error}", path.display()));
-        let text = fs::read_to_string(path).map_err(|error| about(error.to_string()))?;
+        let text = fs::read_to_string(path).map_err(|error| about(media::cannot_read(&error).to_string()))?;
         Self::parse(&text, folder_of(path)).map_err(|error| about(error.to_string()))
     }
 
@@ -157,17 +157,17 @@ impl Session {
     /// The text of a session file in `folder`.
     ///
     /// # Errors
-    /// If it cannot be told as TOML.
+    /// If it cannot be told as TOML, or the name of the clip or its truth is no Unicode.
     pub fn text(&self, folder: &Path) -> Result<String, Error> {
         let beside = |path: &Path| relative(path, folder);
         let set = self.estimator.values().into_iter().map(|(name, value)| (name.to_string(), told(value))).collect();
         let text = Text {
             motionscope: VERSION,
             clip: match self.source.clone().map_path(beside) {
-                Source::File(path) => slashed(&path),
+                Source::File(path) => slashed(&path)?,
                 synth => synth.to_string(),
             },
-            truth: self.truth.as_deref().map(|path| slashed(&relative(path, folder))),
+            truth: self.truth.as_deref().map(|path| slashed(&relative(path, folder))).transpose()?,
             estimator: self.estimator.info().id.into(),
             frame: self.frame,
             step: self.cursor.map(|cursor| cursor.to_string()),
@@ -270,9 +270,11 @@ fn relative(path: &Path, folder: &Path) -> PathBuf {
 }
 
 /// Written alike on every system.
-fn slashed(path: &Path) -> String {
-    let path = path.display().to_string();
-    if std::path::MAIN_SEPARATOR == '\\' { path.replace('\\', "/") } else { path }
+fn slashed(path: &Path) -> Result<String, Error> {
+    let text = path.to_str().ok_or_else(|| {
+        Error::new(format!("a session cannot name {}, which is no Unicode; rename the file", path.display()))
+    })?;
+    Ok(if std::path::MAIN_SEPARATOR == '\\' { text.replace('\\', "/") } else { text.into() })
 }
 
 fn told(value: Value) -> toml::Value {
@@ -344,9 +346,21 @@ mod tests {
             (here.join("deep").join(".."), "a.mp4"),
             (here.join("deep").join("..").join(".."), "here/a.mp4"),
         ] {
-            assert_eq!(slashed(&relative(&clip, &folder)), told, "{}", folder.display());
+            assert_eq!(slashed(&relative(&clip, &folder)).unwrap(), told, "{}", folder.display());
         }
         assert_eq!(folder_of(Path::new("one.motionscope")), Path::new("."));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_cannot_be_written_down_is_told() {
+        use std::os::unix::ffi::OsStrExt;
+        let clip = Path::new(std::ffi::OsStr::from_bytes(b"caf\xE9.mp4"));
+        let saved = Session { truth: Some(clip.into()), ..session(Source::parse("synth:pillar").unwrap()) };
+        for session in [session(Source::parse(clip).unwrap()), saved] {
+            let told = session.text(Path::new(".")).unwrap_err().to_string();
+            assert!(told.contains("caf\u{FFFD}.mp4") && told.contains("rename"), "{told}");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What a clip is called: a file, or a synthetic scene with its sliders.
 
+use std::ffi::OsStr;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -30,8 +31,9 @@ impl Source {
     ///
     /// # Errors
     /// If there is no such scene or slider, or a value is out of range.
-    pub fn parse(name: &str) -> Result<Self, Error> {
-        let Some(scene) = name.strip_prefix(SYNTH) else {
+    pub fn parse(name: impl AsRef<OsStr>) -> Result<Self, Error> {
+        let name = name.as_ref();
+        let Some(scene) = name.to_str().and_then(|name| name.strip_prefix(SYNTH)) else {
             return Ok(Self::File(name.into()));
         };
         let mut parts = scene.split(',');

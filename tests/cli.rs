@@ -219,6 +219,34 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
     }
 }
 
+/// macOS and Windows have no such names.
+#[cfg(target_os = "linux")]
+#[test]
+fn names_that_are_no_unicode_open_all_the_same() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    stdout(here, "synth translation --out clip --set width=64 --set height=48 --set frames=3");
+    let pictures = here.join(OsStr::from_bytes(b"\xFCbung"));
+    fs::create_dir(&pictures).unwrap();
+    for t in 0..3 {
+        let name = [b"h\xF6he".as_slice(), &[b'0' + t], b".png"].concat();
+        fs::copy(here.join(format!("clip/frame_000{t}.png")), pictures.join(OsStr::from_bytes(&name))).unwrap();
+    }
+    fs::copy(here.join("clip/flow/frame_0000.flo"), here.join(OsStr::from_bytes(b"\xFCbung.flo"))).unwrap();
+    for clip in [&pictures, &pictures.join(OsStr::from_bytes(b"h\xF6he0.png"))] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+        let run = command.arg("run").arg(clip).args(["--estimator", "full-search", "--frame", "1", "--json"]);
+        let run = run.output().expect("the program starts");
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        let info = Command::new(env!("CARGO_BIN_EXE_motionscope")).arg("info").arg(clip).arg("--json").output();
+        let info: Value = serde_json::from_slice(&info.expect("the program starts").stdout).expect("JSON");
+        assert_eq!(info["frames"], 3);
+        assert_eq!(info["truth"].as_array().map(Vec::len), Some(usize::from(clip.is_dir())));
+    }
+}
+
 #[test]
 fn help_has_examples() {
     let folder = tempfile::tempdir().unwrap();

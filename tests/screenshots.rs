@@ -55,7 +55,7 @@ const SCENES: [Scene; 4] = [
 ];
 
 fn picture(scene: &Scene, renderer: WgpuTestRenderer) -> RgbImage {
-    let start = Start { open: (!scene.open.is_empty()).then(|| scene.open.to_owned()) };
+    let start = Start { open: (!scene.open.is_empty()).then(|| scene.open.into()) };
     let builder = Harness::builder().with_size(scene.size).with_max_steps(80).with_render_cursor(false);
     let mut harness = builder.renderer(renderer).build_eframe(|cc| {
         let mut app = App::new(&cc.egui_ctx, None).expect("a thread");

@@ -348,7 +348,7 @@ fn a_session_reopens_exactly() {
     write_to(&mut window, &file);
     let before = window.told();
 
-    let again = Window::with(vec2(1280.0, 720.0), Start { open: Some(file.display().to_string()) });
+    let again = Window::with(vec2(1280.0, 720.0), Start { open: Some(file.clone().into()) });
     assert!(again.told() == before, "the session does not show the same step");
     assert_eq!(again.app().settings().theme(), window.app().settings().theme());
     assert_eq!(again.app().settings().recent.len(), 1);
@@ -363,7 +363,7 @@ fn a_session_keeps_truth_and_look_and_the_command_line_paints_the_same() {
                 step = \"30.200\"\n[picture]\nview = \"side-by-side\"\ntheme = \"light\"\ncolors = \"turbo\"\narrows = 2.5\n\
                 legend = false\ncaption = true\n";
     fs::write(&first, text).expect("the session");
-    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(first.display().to_string()) });
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(first.clone().into()) });
     window.press(Modifiers::COMMAND, Key::S);
     write_to(&mut window, &second);
     let (before, after) = (Session::load(&first).expect("read"), Session::load(&second).expect("written"));
@@ -525,7 +525,7 @@ fn pictures_of_a_folder_are_called_by_their_files() {
     for name in ["wave_07.png", "wave_08.png"] {
         image::GrayImage::new(64, 48).save(folder.path().join(name)).expect("a picture");
     }
-    let open = Some(folder.path().display().to_string());
+    let open = Some(folder.path().into());
     let window = Window::with(vec2(1440.0, 900.0), Start { open });
     for title in ["Stage: Frame t = 0 · wave_07.png", "Stage: Frame t+1 = 1 · wave_08.png"] {
         assert!(window.harness.query_by_label(title).is_some(), "{title}");

@@ -1,5 +1,6 @@
 //! What can be asked for, as clap reads it. Names are stable: scripts depend on them.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args as Group, Parser, Subcommand};
@@ -26,7 +27,7 @@ synth:NAME[,SLIDER=VALUE]... for a synthetic clip; `motionscope synth --list` na
 #[command(name = "motionscope", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 pub struct Args {
     /// What to open in the window: a clip or a session; without it, a bundled clip.
-    pub clip: Option<String>,
+    pub clip: Option<OsString>,
     #[command(subcommand)]
     pub command: Option<Command>,
 }
@@ -42,7 +43,7 @@ pub enum Command {
     /// What a clip is: size, frames, rate, codec, truth.
     Info {
         /// The clip.
-        clip: String,
+        clip: OsString,
         /// As JSON.
         #[arg(long)]
         json: bool,
@@ -88,7 +89,7 @@ Examples:
 #[derive(Group)]
 pub struct TaskArgs {
     /// The clip or session.
-    pub clip: String,
+    pub clip: OsString,
     /// The estimator's id; `motionscope list` names them. A session brings its own.
     #[arg(long, value_name = "ID")]
     pub estimator: Option<String>,

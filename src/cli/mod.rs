@@ -69,12 +69,12 @@ fn run(args: Args) -> Result<(), Error> {
     }
 }
 
-fn window(clip: Option<String>) -> Result<(), Error> {
+fn window(clip: Option<OsString>) -> Result<(), Error> {
     ui::run(ui::Start { open: clip })
 }
 
 fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {
-    let mut source = Source::parse(&format!("synth:{}", name.trim_start_matches("synth:")))?;
+    let mut source = Source::parse(format!("synth:{}", name.trim_start_matches("synth:")))?;
     settings.iter().try_for_each(|setting| source.set(setting))?;
     let clip = source.open(&media::Open::default())?;
     media::export::clip(&clip, out, None)?;

@@ -1,5 +1,6 @@
 //! What is estimated: a clip, a pair of its frames, and an estimator with its parameters.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, estimator};
@@ -26,7 +27,7 @@ impl Named {
     ///
     /// # Errors
     /// If it is a session that cannot be read, or a scene that does not exist.
-    pub fn find(name: &str, truth: Option<PathBuf>) -> Result<Self, Error> {
+    pub fn find(name: &OsStr, truth: Option<PathBuf>) -> Result<Self, Error> {
         if !Session::is_named(Path::new(name)) {
             return Ok(Self { source: Source::parse(name)?, truth, session: None });
         }

@@ -33,10 +33,9 @@ impl Sequence {
         }
     }
 
-    fn of_names(folder: &Path, names: Vec<String>, warnings: Vec<String>) -> Self {
-        let mut sequence = Self { files: names.iter().map(|name| folder.join(name)).collect(), warnings };
-        sequence.warnings.extend(gap_warning(&names));
-        sequence
+    fn of_pictures(pictures: Vec<Picture>, mut warnings: Vec<String>) -> Self {
+        warnings.extend(gap_warning(&pictures));
+        Self { files: pictures.into_iter().map(|picture| picture.file).collect(), warnings }
     }
 }
 
@@ -54,45 +53,51 @@ fn kind(name: &str) -> Option<usize> {
     KINDS.iter().position(|kind| kind.contains(&extension.as_str()))
 }
 
-/// The names of the files in `folder` that `fit` and are not hidden, in natural order.
-fn names_in(folder: &Path, fits: impl Fn(&str) -> bool) -> Result<Vec<String>, Error> {
-    let mut names = Vec::new();
+/// A file with its name as text, of which something may be lost where the file's own is no Unicode.
+struct Picture {
+    name: String,
+    file: PathBuf,
+}
+
+/// The files in `folder` whose names `fit` and are not hidden, in natural order.
+fn pictures_in(folder: &Path, fits: impl Fn(&str) -> bool) -> Result<Vec<Picture>, Error> {
+    let mut pictures = Vec::new();
     for entry in fs::read_dir(folder).map_err(|e| cannot_read(&e))? {
         let entry = entry.map_err(|e| cannot_read(&e))?;
         let name = entry.file_name().to_string_lossy().into_owned();
         if !name.starts_with('.') && fits(&name) && entry.path().is_file() {
-            names.push(name);
+            pictures.push(Picture { name, file: folder.join(entry.file_name()) });
         }
     }
-    names.sort_by(|a, b| natural_order(a, b));
-    Ok(names)
+    pictures.sort_by(|a, b| natural_order(&a.name, &b.name).then_with(|| a.file.cmp(&b.file)));
+    Ok(pictures)
 }
 
 /// Pictures of the most common kind; of these the numbered ones alone if they are most, or one of several series.
 fn folder(path: &Path) -> Result<Sequence, Error> {
-    let mut names = names_in(path, |name| kind(name).is_some())?;
-    let all = names.len();
-    let common = most(names.iter().filter_map(|name| kind(name)));
-    names.retain(|name| kind(name) == common);
-    if let Some(pattern) = most(names.iter().filter_map(|name| shape(name))) {
-        let fits = |name: &String| shape(name).as_ref() == Some(&pattern);
-        if names.iter().filter(|name| fits(name)).count() * 2 > names.len() {
-            names.retain(fits);
-        } else if let Some(series) = one_of_several(&names) {
-            names.retain(|name| series_of(name).as_ref() == Some(&series));
+    let mut pictures = pictures_in(path, |name| kind(name).is_some())?;
+    let all = pictures.len();
+    let common = most(pictures.iter().filter_map(|picture| kind(&picture.name)));
+    pictures.retain(|picture| kind(&picture.name) == common);
+    if let Some(pattern) = most(pictures.iter().filter_map(|picture| shape(&picture.name))) {
+        let fits = |picture: &Picture| shape(&picture.name).as_ref() == Some(&pattern);
+        if pictures.iter().filter(|picture| fits(picture)).count() * 2 > pictures.len() {
+            pictures.retain(fits);
+        } else if let Some(series) = one_of_several(&pictures) {
+            pictures.retain(|picture| series_of(&picture.name).as_ref() == Some(&series));
         }
     }
-    let Some(first) = names.first() else {
+    let Some(Picture { name: first, .. }) = pictures.first() else {
         return Err(Error::new(
             "the folder holds no pictures; choose one with PNG, JPEG, TIFF, BMP, PNM or WebP files, or a video file",
         ));
     };
-    let warning = match all - names.len() {
+    let warning = match all - pictures.len() {
         0 => None,
         1 => Some(format!("1 picture of the folder is left out, because it is not named like {first}")),
         n => Some(format!("{n} pictures of the folder are left out, because they are not named like {first}")),
     };
-    Ok(Sequence::of_names(path, names, warning.into_iter().collect()))
+    Ok(Sequence::of_pictures(pictures, warning.into_iter().collect()))
 }
 
 /// The value that comes most often; of several the least.
@@ -124,9 +129,9 @@ fn series_of(name: &str) -> Option<String> {
 const TRUTH: [&str; 6] = ["disp", "flow", "occ", "mask", "depth", "gt"];
 
 /// The series with the most pictures, if there are several; of equals one that is not called like truth.
-fn one_of_several(names: &[String]) -> Option<String> {
+fn one_of_several(pictures: &[Picture]) -> Option<String> {
     let mut counts = BTreeMap::new();
-    for series in names.iter().filter_map(|name| series_of(name)) {
+    for series in pictures.iter().filter_map(|picture| series_of(&picture.name)) {
         *counts.entry(series).or_insert(0_usize) += 1;
     }
     counts.retain(|_, count| *count > 1);
@@ -144,15 +149,15 @@ fn numbered(path: &Path) -> Result<Sequence, Error> {
         return Ok(Sequence { files: vec![path.into()], warnings: vec![] });
     };
     let folder = parent(path);
-    let mut names = names_in(folder, |other| shape(other).as_ref() == Some(&wanted))?;
-    let Some(start) = names.iter().position(|other| *other == name) else {
+    let mut pictures = pictures_in(folder, |other| shape(other).as_ref() == Some(&wanted))?;
+    let Some(start) = pictures.iter().position(|other| other.file.file_name() == path.file_name()) else {
         return Ok(Sequence { files: vec![path.into()], warnings: vec![] });
     };
     let warning = match start {
         0 => None,
-        n => Some(format!("the clip starts at {name}; open {} to have the {n} before it too", names[0])),
+        n => Some(format!("the clip starts at {name}; open {} to have the {n} before it too", pictures[0].name)),
     };
-    Ok(Sequence::of_names(folder, names.split_off(start), warning.into_iter().collect()))
+    Ok(Sequence::of_pictures(pictures.split_off(start), warning.into_iter().collect()))
 }
 
 /// The folder that holds `path`, never empty.
@@ -188,29 +193,29 @@ impl Pattern {
 
     fn sequence(&self, path: &Path) -> Result<Sequence, Error> {
         let folder = parent(path);
-        let names = names_in(folder, |name| self.fits(name))?;
-        if names.is_empty() {
+        let pictures = pictures_in(folder, |name| self.fits(name))?;
+        if pictures.is_empty() {
             return Err(Error::new("no file fits this pattern; check the folder and the number of digits"));
         }
-        Ok(Sequence::of_names(folder, names, vec![]))
+        Ok(Sequence::of_pictures(pictures, vec![]))
     }
 }
 
 /// Tells of numbers that are missing between the pictures.
-fn gap_warning(names: &[String]) -> Option<String> {
-    let shapes: Vec<_> = names.iter().map(|name| shape(name)).collect();
+fn gap_warning(pictures: &[Picture]) -> Option<String> {
+    let shapes: Vec<_> = pictures.iter().map(|picture| shape(&picture.name)).collect();
     if shapes.windows(2).any(|pair| pair[0].is_none() || pair[0] != pair[1]) {
         return None;
     }
-    let gap = |pair: &&[String]| number(&pair[1]) > number(&pair[0]).map(|n| n.saturating_add(1));
-    let gaps = names.windows(2).filter(gap).count();
-    let first = names.windows(2).find(gap)?;
+    let gap = |pair: &&[Picture]| number(&pair[1].name) > number(&pair[0].name).map(|n| n.saturating_add(1));
+    let gaps = pictures.windows(2).filter(gap).count();
+    let first = pictures.windows(2).find(gap)?;
     let others = match gaps - 1 {
         0 => String::new(),
         1 => " and in 1 more place".into(),
         n => format!(" and in {n} more places"),
     };
-    let [before, after] = [&first[0], &first[1]];
+    let [before, after] = [&first[0].name, &first[1].name];
     Some(format!("numbers are missing between {before} and {after}{others}; the pictures are taken as consecutive"))
 }
 

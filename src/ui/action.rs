@@ -1,5 +1,7 @@
 //! What the parts of the window ask for while they are drawn; it is done after the frame.
 
+use std::ffi::OsString;
+
 use motionscope_core::synth::Sample;
 use motionscope_core::{Cursor, Value};
 
@@ -35,7 +37,7 @@ pub enum Action {
     /// A command.
     Command(Command),
     /// Open a clip or a session by its path, or a scene as `synth:pillar,noise=5`.
-    Open(String),
+    Open(OsString),
     /// Open a bundled sample.
     OpenSample(&'static Sample),
     /// Give up opening a clip.

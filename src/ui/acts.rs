@@ -21,7 +21,7 @@ impl App {
     pub(super) fn act(&mut self, action: Action) {
         match action {
             Action::Command(command) => self.command(command),
-            Action::Open(name) => self.open(&name),
+            Action::Open(name) => self.open(name),
             Action::OpenSample(sample) => self.open_sample(sample),
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),

@@ -1,5 +1,6 @@
 //! What the window does with files: opening, browsing, writing.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{TryRecvError, channel};
 use std::time::Instant;
@@ -31,7 +32,7 @@ impl App {
     pub(super) fn receive(&mut self) {
         self.view = self.walker.view();
         if let Some(outcome) = self.loading.as_ref().and_then(Loading::take) {
-            let name = self.loading.take().map_or_else(String::new, |loading| loading.name.clone());
+            let name = self.loading.take().map(|loading| loading.name.clone()).unwrap_or_default();
             match outcome {
                 Ok(opened) => self.opened(opened, Path::new(&name)),
                 Err(error) => self.not_opened(Path::new(&name), error),
@@ -57,7 +58,7 @@ impl App {
         self.browsing = None;
         let opens = matches!(wanted, Browse::File | Browse::Folder);
         match (path, &mut self.overlay) {
-            (Ok(Some(path)), _) if opens => self.open(&path.display().to_string()),
+            (Ok(Some(path)), _) if opens => self.open(path),
             (Ok(Some(path)), Overlay::Save(state)) => state.path = path.display().to_string(),
             (Ok(_), _) => {}
             (Err(_), _) => {
@@ -70,11 +71,11 @@ impl App {
     }
 
     /// Opens a file, a folder, a session or `synth:` and a scene, on another thread.
-    pub fn open(&mut self, name: &str) {
+    pub fn open(&mut self, name: impl Into<OsString>) {
         self.player.pause();
         self.error = None;
         let ctx = self.ctx.clone();
-        self.loading = Some(Loading::new(name, move || ctx.request_repaint()));
+        self.loading = Some(Loading::new(name.into(), move || ctx.request_repaint()));
     }
 
     /// Opens a bundled sample in the middle of a search, so that there is something to see.

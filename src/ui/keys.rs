@@ -10,9 +10,9 @@ use super::dialogs::open as open_dialog;
 ///
 /// Keys win over the widget in focus unless text is being typed or something lies over the panes.
 pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actions: &mut Actions) {
-    let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|file| file.path().display().to_string()));
+    let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|file| file.path().to_owned()));
     if let Some(path) = dropped {
-        actions.ask(Action::Open(path));
+        actions.ask(Action::Open(path.into()));
     }
     if overlaid || ctx.text_edit_focused() {
         return;
@@ -40,7 +40,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actio
             }
             Event::Paste(text) => {
                 if let Some(path) = open_dialog::parse(text) {
-                    actions.ask(Action::Open(path));
+                    actions.ask(Action::Open(path.into()));
                 }
                 false
             }

@@ -31,13 +31,15 @@ pub mod topbar;
 pub mod transport;
 pub mod why;
 
+use std::ffi::OsString;
+
 use motionscope_core::{Error, synth};
 
 /// What the window opens with.
 #[derive(Clone, Debug, Default)]
 pub struct Start {
     /// A clip, a session or `synth:` and a scene; a bundled sample if there is none.
-    pub open: Option<String>,
+    pub open: Option<OsString>,
 }
 
 /// The sample of the first start.

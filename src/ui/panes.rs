@@ -128,7 +128,7 @@ impl Panes<'_> {
     fn opening(&mut self, ui: &mut Ui, loading: &Loading) {
         ui.horizontal(|ui| {
             ui.spinner();
-            ui.label(format!("Opening {}…", widgets::elide(&loading.name, 64)));
+            ui.label(format!("Opening {}…", widgets::elide(&loading.name.to_string_lossy(), 64)));
             let done = loading.fraction();
             if done > 0.0 {
                 ui.add(egui::ProgressBar::new(done).desired_width(160.0).show_percentage());

@@ -135,7 +135,9 @@ fn flows_in(folder: &Path, subject: &Subject) -> BTreeMap<usize, PathBuf> {
 /// The flow that is called as the clip.
 fn own_flow(subject: &Subject) -> Option<PathBuf> {
     let own = if subject.path.is_dir() {
-        subject.path.with_file_name(format!("{}.flo", subject.path.file_name()?.display()))
+        let mut name = subject.path.file_name()?.to_owned();
+        name.push(".flo");
+        subject.path.with_file_name(name)
     } else {
         subject.path.with_extension("flo")
     };

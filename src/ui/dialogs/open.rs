@@ -82,7 +82,7 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
         let wanted = parse(&state.path);
         let clicked = ui.add_enabled(wanted.is_some(), egui::Button::new("Open")).clicked();
         if let Some(path) = wanted.filter(|_| entered || clicked) {
-            actions.ask(Action::Open(path));
+            actions.ask(Action::Open(path.into()));
             done = true;
         }
     });
@@ -96,7 +96,7 @@ pub fn recents(ui: &mut Ui, recent: &[PathBuf], actions: &mut Actions) -> bool {
         let text = widgets::elide(&path.display().to_string(), 64);
         let row = ui.add(egui::Button::new((widgets::icon(ui, Icon::History), text)).frame_when_inactive(false));
         if row.clicked() {
-            actions.ask(Action::Open(path.display().to_string()));
+            actions.ask(Action::Open(path.into()));
             done = true;
         }
     }

@@ -149,7 +149,7 @@ fn entries(input: &Input) -> Vec<Entry> {
     });
     let recent = input.recent.iter().map(|path| {
         let text = format!("Open {}", widgets::elide(&path.display().to_string(), 56));
-        let action = Action::Open(path.display().to_string());
+        let action = Action::Open(path.into());
         Entry { icon: Icon::History, text, tip: String::new(), keys: String::new(), action }
     });
     commands.chain(estimators).chain(samples).chain(recent).collect()

@@ -1,5 +1,6 @@
 //! Opens a clip or a session on a thread of its own, with progress and cancel.
 
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -23,7 +24,7 @@ pub struct Opened {
 /// A clip that is being opened.
 pub struct Loading {
     /// What was asked for: a file, a folder, a session, or `synth:` and a scene.
-    pub name: String,
+    pub name: OsString,
     shared: Arc<Shared>,
 }
 
@@ -52,19 +53,19 @@ impl Progress for Shared {
 
 impl Loading {
     /// Begins to open `name`; `changed` is called from another thread whenever there is news.
-    pub fn new(name: &str, changed: impl Fn() + Send + Sync + 'static) -> Self {
+    pub fn new(name: OsString, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let shared = Arc::new(Shared {
             fraction: AtomicU32::new(0),
             cancelled: AtomicBool::new(false),
             outcome: Mutex::default(),
             changed: Box::new(changed),
         });
-        let (worker, wanted) = (Arc::clone(&shared), name.to_owned());
+        let (worker, wanted) = (Arc::clone(&shared), name.clone());
         let work = move || worker.deliver(open(&wanted, Arc::clone(&worker) as Arc<dyn Progress>));
         if let Err(error) = std::thread::Builder::new().name("loader".into()).spawn(work) {
             shared.deliver(Err(Error::new(format!("no thread could be started to open the clip: {error}"))));
         }
-        Self { name: name.to_owned(), shared }
+        Self { name, shared }
     }
 
     /// The clip or why there is none, once.
@@ -91,7 +92,7 @@ impl Shared {
     }
 }
 
-fn open(name: &str, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
+fn open(name: &OsStr, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
     let session = Session::is_named(Path::new(name)).then(|| Session::load(Path::new(name))).transpose()?;
     let source = match &session {
         Some(session) => session.source.clone(),
@@ -108,17 +109,30 @@ mod tests {
 
     use super::*;
 
-    #[test]
-    fn a_file_that_is_not_there_is_told() {
-        let loading = Loading::new("no/such/clip.png", || {});
+    fn outcome(name: OsString) -> Result<Opened, Error> {
+        let loading = Loading::new(name, || {});
         let begun = Instant::now();
-        let outcome = loop {
+        loop {
             match loading.take() {
-                Some(outcome) => break outcome,
+                Some(outcome) => return outcome,
                 None => assert!(begun.elapsed() < Duration::from_secs(20)),
             }
             std::thread::sleep(Duration::from_millis(1));
-        };
-        assert!(outcome.is_err_and(|error| error.to_string().contains("clip.png")));
+        }
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_told() {
+        assert!(outcome("no/such/clip.png".into()).is_err_and(|error| error.to_string().contains("clip.png")));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_name_that_is_no_unicode_is_opened() {
+        use std::os::unix::ffi::OsStrExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(OsStr::from_bytes(b"caf\xE9.y4m"));
+        std::fs::write(&path, b"YUV4MPEG2 W1 H1 Cmono\nFRAME\n\x10").unwrap();
+        assert!(outcome(path.into()).is_ok_and(|opened| opened.clip.info().frames == Some(1)));
     }
 }

@@ -138,8 +138,11 @@ impl Settings {
         Look { theme: self.theme(), zoom: self.zoom, reduced_motion: self.reduced_motion }
     }
 
-    /// Puts a clip at the front of those that were open lately.
+    /// Puts a clip at the front of those that were open lately, unless its name is no Unicode: what is remembered is text.
     pub fn remember(&mut self, path: &Path) {
+        if path.to_str().is_none() {
+            return;
+        }
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.recent.retain(|other| *other != path);
         self.recent.insert(0, path);
@@ -163,6 +166,8 @@ mod tests {
         settings.set_zoom(99.0);
         settings.remember(Path::new("/a.mp4"));
         settings.remember(Path::new("/b.mp4"));
+        #[cfg(unix)]
+        settings.remember(Path::new(<std::ffi::OsStr as std::os::unix::ffi::OsStrExt>::from_bytes(b"/caf\xE9.mp4")));
         settings.remember(Path::new("/a.mp4"));
         let text = serde_json::to_string(&settings).unwrap();
         let back: Settings = serde_json::from_str(&text).unwrap();
