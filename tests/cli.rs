@@ -185,6 +185,8 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
     fs::write(here.join("text.png"), "no picture").unwrap();
     fs::write(here.join("bad.motionscope"), "motionscope = 1").unwrap();
     fs::create_dir(here.join("nothing")).unwrap();
+    fs::create_dir(here.join("mine")).unwrap();
+    fs::write(here.join("mine/gt.txt"), "by hand").unwrap();
     let run = |clip: &str, more: &str| format!("run {clip} --estimator full-search --overlay out.png {more}");
     for (line, told) in [
         (run("gone.mp4", ""), "gone.mp4"),
@@ -210,6 +212,7 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (format!("export {SMALL} --estimator full-search --steps 5..2 --out o"), "forwards"),
         (format!("export {SMALL} --estimator full-search --steps 99..100 --out o"), "ends"),
         ("synth nowhere --out o".into(), "translation"),
+        ("synth translation --out mine".into(), "already holds gt.txt"),
         ("frobnicate --hard".into(), "--help"),
     ] {
         let refusal = refusal(here, &line);
@@ -217,6 +220,8 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         let left = |name: &str| here.join(name).exists();
         assert!(!left("out.png") && !left("out.txt"), "{line} left a file behind");
     }
+    assert_eq!(fs::read_dir(here.join("mine")).unwrap().count(), 1);
+    assert_eq!(fs::read_to_string(here.join("mine/gt.txt")).unwrap(), "by hand");
 }
 
 /// macOS and Windows have no such names.

@@ -59,7 +59,7 @@ pub enum Command {
         /// The scene; --list names them.
         #[arg(required_unless_present = "list")]
         name: Option<String>,
-        /// Folder to write to.
+        /// Folder to write to; of what is in it, only a synthetic clip written earlier is replaced.
         #[arg(long, value_name = "DIR", required_unless_present = "list")]
         out: Option<PathBuf>,
         /// Sets a slider, e.g. noise=5; may be repeated.

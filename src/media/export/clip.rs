@@ -5,17 +5,19 @@ use std::{fs, io};
 
 use motionscope_core::{Clip, Error, Frame, Grid, Truth};
 
+use super::ledger::Ledger;
 use super::{Pixels, flo, mot, png, save};
 use crate::media::Progress;
 use crate::media::names::file_name;
 use crate::media::sequence::{Sequence, number};
 
 /// Writes `clip` into `folder`: `frame_0000.png` …, and what is known about it as `flow/frame_0000.flo` …,
-/// `occ/frame_0000.png` … and `gt.txt`, so that opening the folder finds all of it again. Of an earlier clip in the folder
-/// these files are replaced, or removed where nothing is known of this clip; nothing else is touched.
+/// `occ/frame_0000.png` … and `gt.txt`, so that opening the folder finds all of it again. A clip that was written there
+/// earlier is replaced, once all of this one is made; what anybody else wrote or changed is not touched.
 ///
 /// # Errors
-/// If a frame cannot be decoded, a file cannot be written or removed, the folder holds other pictures, or the work was cancelled.
+/// If a frame cannot be decoded, a file cannot be written, the folder holds other pictures or files by these names, or
+/// the work was cancelled. The folder is then as it was, unless the disk failed while files were moved into place.
 pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Result<(), Error> {
     let name = &clip.info().name;
     let Some(frames) = clip.info().frames else {
@@ -23,6 +25,9 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
     };
     make(folder)?;
     refuse_other_pictures(folder, frames)?;
+    let before = Ledger::read(folder);
+    refuse_foreign(folder, &before, frames)?;
+    let mut draft = Draft::new(folder)?;
     for t in 0..frames {
         if let Some(progress) = progress {
             if progress.cancelled() {
@@ -30,19 +35,66 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
             }
             progress.report(t as f32 / frames as f32);
         }
-        save(&folder.join(format!("frame_{t:04}.png")), &frame(&*clip.frame(t)?)?)?;
-        let [flow, mask] = match clip.truth() {
-            Some(truth) => fields(truth.as_ref(), t)?,
-            None => [None, None],
-        };
-        put(&folder.join("flow"), &format!("frame_{t:04}.flo"), flow)?;
-        put(&folder.join("occ"), &format!("frame_{t:04}.png"), mask)?;
+        let [picture, flow, mask] = names(t);
+        draft.put(&picture, &frame(&*clip.frame(t)?)?)?;
+        if let Some(truth) = clip.truth() {
+            let [known_flow, known_mask] = fields(truth.as_ref(), t)?;
+            known_flow.map_or(Ok(()), |bytes| draft.put(&flow, &bytes))?;
+            known_mask.map_or(Ok(()), |bytes| draft.put(&mask, &bytes))?;
+        }
     }
-    let rows = match clip.truth() {
-        Some(truth) => tracks(truth.as_ref(), frames)?,
-        None => None,
-    };
-    put(folder, "gt.txt", rows.map(String::into_bytes))
+    if let Some(truth) = clip.truth() {
+        tracks(truth.as_ref(), frames)?.map_or(Ok(()), |rows| draft.put(TRACKS, rows.as_bytes()))?;
+    }
+    draft.settle(folder, &before)
+}
+
+/// The file of all objects.
+const TRACKS: &str = "gt.txt";
+
+/// The files of frame `t`: its picture, its flow and its mask of occlusion.
+fn names(t: usize) -> [String; 3] {
+    [format!("frame_{t:04}.png"), format!("flow/frame_{t:04}.flo"), format!("occ/frame_{t:04}.png")]
+}
+
+/// A clip in a folder of its own beside the place where it goes; gone if it does not get there.
+struct Draft {
+    folder: tempfile::TempDir,
+    written: Ledger,
+}
+
+impl Draft {
+    fn new(folder: &Path) -> Result<Self, Error> {
+        let made = tempfile::Builder::new().prefix(".motionscope-").tempdir_in(folder);
+        Ok(Self { folder: made.map_err(|e| not_made(folder, &e))?, written: Ledger::default() })
+    }
+
+    fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {
+        let path = self.folder.path().join(name);
+        path.parent().map_or(Ok(()), make)?;
+        save(&path, bytes)?;
+        self.written.note(name, bytes);
+        Ok(())
+    }
+
+    /// Takes the place of the clip `before` in `folder`.
+    fn settle(self, folder: &Path, before: &Ledger) -> Result<(), Error> {
+        let places = || self.written.names().map(|name| (name, folder.join(name)));
+        // Where a folder cannot be made, nothing is lost yet.
+        places().try_for_each(|(_, path)| path.parent().map_or(Ok(()), make))?;
+        // Truth of an earlier clip would be read as the truth of this one.
+        let old = before.names().filter(|name| !self.written.contains(name) && !before.is_foreign(folder, name));
+        for name in old {
+            // It may be gone already.
+            _ = fs::remove_file(folder.join(name));
+        }
+        for (name, path) in places() {
+            fs::rename(self.folder.path().join(name), &path).map_err(|e| {
+                Error::new(format!("{} cannot be written ({e}); choose an empty folder", path.display()))
+            })?;
+        }
+        self.written.save(folder)
+    }
 }
 
 /// `frame` as a PNG: in colour where it has any, gray otherwise.
@@ -59,8 +111,23 @@ pub fn frame(frame: &Frame) -> Result<Vec<u8>, Error> {
 }
 
 fn make(folder: &Path) -> Result<(), Error> {
-    fs::create_dir_all(folder)
-        .map_err(|e| Error::new(format!("the folder {} cannot be made ({e}); choose another one", folder.display())))
+    fs::create_dir_all(folder).map_err(|e| not_made(folder, &e))
+}
+
+fn not_made(folder: &Path, error: &io::Error) -> Error {
+    Error::new(format!("the folder {} cannot be made ({error}); choose another one", folder.display()))
+}
+
+/// What is there by the names of this clip's files, and is not of the clip `before`, would be lost.
+fn refuse_foreign(folder: &Path, before: &Ledger, frames: usize) -> Result<(), Error> {
+    let mut names = (0..frames).flat_map(names).chain([TRACKS.to_owned()]);
+    match names.find(|name| before.is_foreign(folder, name)) {
+        Some(name) => Err(Error::new(format!(
+            "{} already holds {name}, which Motionscope did not write so; choose an empty folder",
+            folder.display()
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Pictures of a longer clip would become part of this one.
@@ -76,21 +143,6 @@ fn refuse_other_pictures(folder: &Path, frames: usize) -> Result<(), Error> {
             folder.display()
         ))),
         None => Ok(()),
-    }
-}
-
-/// Writes the file called `name`, or removes that of an earlier clip, which would be read as the truth of this one.
-fn put(folder: &Path, name: &str, bytes: Option<Vec<u8>>) -> Result<(), Error> {
-    let path = folder.join(name);
-    if let Some(bytes) = bytes {
-        make(folder)?;
-        return save(&path, &bytes);
-    }
-    match fs::remove_file(&path) {
-        Err(e) if !matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => Err(Error::new(
-            format!("{} of an earlier clip cannot be removed ({e}); choose an empty folder", path.display()),
-        )),
-        _ => Ok(()),
     }
 }
 
@@ -114,6 +166,10 @@ fn tracks(truth: &dyn Truth, frames: usize) -> Result<Option<String>, Error> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+    use std::path::PathBuf;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use motionscope_core::synth;
 
     use super::*;
@@ -179,6 +235,57 @@ mod tests {
         for other in others {
             assert_eq!(fs::read_to_string(folder.path().join(other)).unwrap(), other);
         }
+    }
+
+    /// Every file below `folder`, with its bytes.
+    fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let files = entries.flat_map(|path| match path.is_dir() {
+            true => contents(&path),
+            false => BTreeMap::from([(path.clone(), fs::read(&path).unwrap())]),
+        });
+        files.collect()
+    }
+
+    #[test]
+    fn what_others_wrote_is_refused_and_kept() {
+        for name in ["gt.txt", "frame_0001.png", "flow/frame_0002.flo", "occ/frame_0003.png"] {
+            // Made by hand in a new folder, and changed by hand in an earlier clip's.
+            for earlier in [false, true] {
+                let folder = tempfile::tempdir().unwrap();
+                if earlier {
+                    clip(&made(4), folder.path(), None).unwrap();
+                }
+                fs::create_dir_all(folder.path().join(name).parent().unwrap()).unwrap();
+                fs::write(folder.path().join(name), "by hand").unwrap();
+                let before = contents(folder.path());
+                let told = clip(&made(4), folder.path(), None).unwrap_err().to_string();
+                assert!(told.contains(name) && told.contains("empty folder"), "{told}");
+                assert_eq!(contents(folder.path()), before);
+            }
+        }
+    }
+
+    #[test]
+    fn a_clip_that_is_not_finished_leaves_the_earlier_one() {
+        struct Late(AtomicUsize);
+        impl Progress for Late {
+            fn report(&self, _fraction: f32) {
+                self.0.fetch_add(1, Ordering::Relaxed);
+            }
+            fn cancelled(&self) -> bool {
+                self.0.load(Ordering::Relaxed) == 3
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        clip(&made(4), folder.path(), None).unwrap();
+        let before = contents(folder.path());
+        let mut other = synth::SCENES[0].difficulty();
+        (other.frames, other.width, other.height) = (4, 96, 64);
+        let other = synth::SCENES[0].clip(&other).unwrap();
+        let told = clip(&other, folder.path(), Some(&Late(AtomicUsize::new(0)))).unwrap_err().to_string();
+        assert!(told.contains("cancelled after 3"), "{told}");
+        assert_eq!(contents(folder.path()), before);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod clip;
 mod flo;
 mod kitti;
+mod ledger;
 mod mot;
 mod npy;
 mod picture;
