@@ -11,10 +11,12 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use motionscope::paint::Theme;
 use motionscope::session::Session;
+use motionscope::shot::{Format, Look};
 use motionscope::ui::app::App;
 use motionscope::ui::commands::{Command, Rungs};
 use motionscope::ui::model::document::Owner;
 use motionscope::ui::model::walker::Snapshot;
+use motionscope::ui::model::writer::{Order, What};
 use motionscope::ui::{self, Start, heat_map};
 use motionscope_core::scene::Readout;
 use motionscope_core::{Cursor, Value, metrics};
@@ -282,9 +284,9 @@ fn another_pair_of_frames_is_run_on() {
     let mut window = Window::usual();
     let unit = window.cursor().unit;
     window.key(Key::Period);
-    assert_eq!((window.shown().frame, window.cursor().unit), (1, unit));
+    assert_eq!((window.shown().subject.frame, window.cursor().unit), (1, unit));
     window.key(Key::Comma);
-    assert_eq!(window.shown().frame, 0);
+    assert_eq!(window.shown().subject.frame, 0);
 }
 
 #[test]
@@ -308,7 +310,7 @@ fn the_step_is_exported_as_it_is_shown() {
     window.command(Command::ExportPicture);
     write_to(&mut window, &folder.path().join("no/such/folder/step.png"));
     let message = window.app().message().unwrap_or_default().to_owned();
-    assert!(message.contains("Nothing was written"), "{message}");
+    assert!(message.contains("Not written"), "{message}");
 }
 
 #[test]
@@ -530,6 +532,55 @@ fn pictures_of_a_folder_are_called_by_their_files() {
     for title in ["Stage: Frame t = 0 · wave_07.png", "Stage: Frame t+1 = 1 · wave_08.png"] {
         assert!(window.harness.query_by_label(title).is_some(), "{title}");
     }
+}
+
+#[test]
+fn the_end_stays_the_end_while_parameters_change() {
+    let mut window = Window::usual();
+    window.command(Command::End);
+    for block in [64.0, 48.0, 20.0, 4.0, 16.0] {
+        window.harness.get_by_role_and_label(Role::Slider, "Block").set_value_accesskit(block);
+        // Without waiting for the run: the next change comes while it is on its way.
+        window.harness.run_steps(2);
+    }
+    window.settle();
+    assert!(window.shown().at_end && window.value("block") == Value::Int(16));
+}
+
+#[test]
+fn a_clip_without_a_pair_takes_nothing_from_the_one_before() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("only.png");
+    image::GrayImage::new(64, 48).save(&picture).expect("a picture");
+    let mut window = Window::usual();
+    window.harness.state_mut().open(&picture);
+    window.settle();
+    for _ in 0..2 {
+        assert!(window.harness.query_by_role(Role::Alert).is_some(), "why is still told");
+        assert!(window.app().view().shown.is_none(), "the clip before is gone");
+        window.harness.hover_at(Pos2::new(600.0, 300.0));
+        window.key(Key::ArrowRight);
+    }
+    window.press(Modifiers::COMMAND, Key::S);
+    assert!(window.harness.query_by_label_contains("Save session").is_none(), "there is nothing to save");
+}
+
+#[test]
+fn what_is_still_being_written_is_not_cut_short_by_the_next() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let order = |what, name: &str| {
+        let path = folder.path().join(name);
+        Order { what, path, scale: 2, look: Look::default() }
+    };
+    let mut window = Window::usual();
+    let (from, to) = (Cursor { unit: 0, event: 1 }, Cursor { unit: 0, event: 12 });
+    let steps = What::Steps { from, to, rung: 2, format: Format::Png };
+    window.harness.state_mut().write(order(steps, "steps"));
+    window.harness.state_mut().write(order(What::Picture, "one.png"));
+    assert!(window.app().message().is_some_and(|text| text.contains("still being written")));
+    window.settle();
+    assert_eq!(fs::read_dir(folder.path().join("steps")).expect("the folder").count(), 12);
+    assert!(!folder.path().join("one.png").exists());
 }
 
 #[test]

@@ -121,6 +121,17 @@ impl Shape {
         }
     }
 
+    /// As [`Scene::same`].
+    fn same(&self, other: &Shape) -> bool {
+        match (self, other) {
+            (Shape::Heat { origin, values }, Shape::Heat { origin: place, values: others }) => {
+                let bits = |grid: &'_ Grid<f32>| -> Vec<u32> { grid.cells().iter().map(|v| v.to_bits()).collect() };
+                origin == place && values.size() == others.size() && bits(values) == bits(others)
+            }
+            _ => self == other,
+        }
+    }
+
     /// Every number of the shape that must be finite for it to be drawn.
     pub fn coordinates(&self) -> Vec<f32> {
         match self {
@@ -166,6 +177,14 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Whether both look the same. Values that are not known yet are NaN, and the same as such.
+    pub fn same(&self, other: &Scene) -> bool {
+        let same = |(a, b): (&Mark, &Mark)| a.on == b.on && a.role == b.role && a.shape.same(&b.shape);
+        self.legend == other.legend
+            && self.marks.len() == other.marks.len()
+            && self.marks.iter().zip(&other.marks).all(same)
+    }
+
     /// Adds a mark on top of the others.
     pub fn mark(&mut self, on: Picture, role: Role, shape: Shape) {
         self.marks.push(Mark { on, role, shape });

@@ -313,6 +313,8 @@ impl<E: Estimator> Timeline<E> {
                 None
             }
             Move::Rung(_, Way::Forward) if self.at_end() => None,
+            // The group of the outermost rung is the whole run, whose length may be known.
+            Move::Rung(0, Way::Forward) => Some(Goal::end_of(usize::MAX)),
             Move::Rung(rung, Way::Forward) if rung == innermost => {
                 Some(Goal::Cursor(Cursor { unit: unit + 1, event: 1 }))
             }

@@ -149,6 +149,13 @@ fn sliced_seeking_arrives_at_the_same_place() {
         }
         assert!(slices > 10, "one unit a slice");
         assert!(View::of(&*direct).same(&View::of(&*sliced)));
+        // To the end of the run, however it is asked for, it is known how far that is.
+        for to in [Move::End, Move::Rung(0, Way::Forward)] {
+            sliced.jump(Move::To(Cursor::default()));
+            sliced.go(to);
+            assert!(!sliced.work(&mut || false));
+            assert_eq!(sliced.progress().map(|(_, of)| of + 1), sliced.units());
+        }
     });
 }
 

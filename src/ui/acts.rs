@@ -10,6 +10,7 @@ use super::dialogs::save::Kind;
 use super::dialogs::{open as open_dialog, palette};
 use super::layout;
 use super::model::document::Owner;
+use super::model::writer::Writing;
 use super::style::ZOOM;
 use crate::paint::{Theme, View as Pictures};
 
@@ -26,7 +27,7 @@ impl App {
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),
             Action::Write(order) => self.write(*order),
-            Action::CancelWriting => self.writing = None,
+            Action::CancelWriting => self.writing.iter().for_each(Writing::cancel),
             Action::Choose(id) => self.choose(id),
             Action::Set(owner, index, value) => {
                 if let Err(error) = self.document.set(owner, index, value) {

@@ -136,7 +136,7 @@ impl App {
             self.receive();
         }
         self.walker.wait();
-        self.view = self.walker.view();
+        self.receive();
     }
 
     /// Whether everything that was asked for is there and shown.
@@ -164,16 +164,21 @@ impl App {
         Rungs::new(self.document.estimator().info().rungs)
     }
 
+    /// Why there is no run of what is set now, if there is none.
+    fn refused(&self) -> Option<&Error> {
+        self.view.refused.as_ref().or(self.document.refused())
+    }
+
     /// What is the case just now.
     pub(super) fn now(&self) -> Now {
         let shown = self.view.shown.as_deref();
         let last = self.document.last_frame();
         Now {
             has_clip: self.document.clip().is_some(),
-            has_run: shown.is_some() && self.document.clip().is_some(),
+            has_run: shown.is_some() && self.refused().is_none(),
             at_start: shown.is_none_or(|shown| shown.cursor == motionscope_core::Cursor::default()),
             at_end: shown.is_some_and(|shown| shown.at_end),
-            busy: self.view.progress.is_some(),
+            busy: self.view.busy,
             playing: self.player.is_playing(),
             can_undo: self.document.can_undo(),
             can_redo: self.document.can_redo(),
@@ -192,12 +197,16 @@ impl App {
             self.player.pause();
             return;
         }
+        self.player.pass(seconds);
         if !self.view.busy
-            && let Some(to) = self.player.pass(seconds, shown.cursor, shown.events)
+            && let Some(to) = self.player.due(shown.cursor, shown.events)
         {
             self.walker.go(to);
         }
-        ctx.request_repaint_after_secs(self.player.wait_secs() as f32);
+        // The walker wakes the window when it is done.
+        if !self.view.busy {
+            ctx.request_repaint_after_secs(self.player.wait_secs() as f32);
+        }
     }
 
     fn panels(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {

@@ -14,8 +14,8 @@ use super::app::{App, Overlay, title};
 use super::dialogs::open as open_dialog;
 use super::dialogs::save::{self, Kind};
 use super::model::loader::{Loading, Opened};
-use super::model::walker;
-use super::model::writer::{self, Order, Subject, What, Writing};
+use super::model::walker::{Place, Snapshot, Subject};
+use super::model::writer::{self, Order, What, Writing};
 use super::stage::Zoom;
 use crate::media::Open;
 use crate::session::{Session, Sight};
@@ -31,6 +31,10 @@ impl App {
     /// Takes in what other threads have done.
     pub(super) fn receive(&mut self) {
         self.view = self.walker.view();
+        // A clip that no run can be made of is not shown under another's name.
+        if self.view.refused.is_some() {
+            self.view.shown = self.view.shown.take().filter(|shown| self.document.is_of_clip(shown));
+        }
         if let Some(outcome) = self.loading.as_ref().and_then(Loading::take) {
             let name = self.loading.take().map(|loading| loading.name.clone()).unwrap_or_default();
             match outcome {
@@ -42,7 +46,7 @@ impl App {
             self.writing = None;
             match outcome {
                 Ok(text) => self.toasts.tell(text),
-                Err(error) => self.toasts.fail(format!("Nothing was written: {error}.")),
+                Err(error) => self.toasts.fail(format!("Not written: {error}.")),
             }
         }
         self.browsed();
@@ -93,10 +97,8 @@ impl App {
         let (width, height) = clip.size();
         self.document.open(clip, source, None);
         self.begin();
-        self.walk_from(
-            Cursor { unit: 0, event: FIRST_LOOK },
-            Some([width as f32 * FIRST_PLACE[0], height as f32 * FIRST_PLACE[1]]),
-        );
+        let near = Some([width as f32 * FIRST_PLACE[0], height as f32 * FIRST_PLACE[1]]);
+        self.walk_from(Place { cursor: Cursor { unit: 0, event: FIRST_LOOK }, near });
     }
 
     fn opened(&mut self, opened: Opened, path: &Path) {
@@ -108,7 +110,7 @@ impl App {
         self.document.open(clip, source, truth);
         self.begin();
         let Some(session) = session else {
-            self.walk_from(Cursor::default(), None);
+            self.walk_from(Place::default());
             return;
         };
         let Session { estimator, frame, cursor, look, sight, .. } = session;
@@ -119,13 +121,12 @@ impl App {
         if let Some(Sight { center, zoom }) = sight {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }
-        let end = Cursor { unit: usize::MAX, event: usize::MAX };
-        self.walk_from(cursor.unwrap_or(end), None);
+        self.walk_from(cursor.map_or(Place::END, |cursor| Place { cursor, near: None }));
     }
 
-    fn walk_from(&mut self, cursor: Cursor, near: Option<[f32; 2]>) {
-        if let Some(job) = self.document.job(None) {
-            self.walker.start(walker::Job { cursor, near, ..job });
+    fn walk_from(&mut self, place: Place) {
+        if let Some(job) = self.document.job_at(place) {
+            self.walker.start(job);
         }
     }
 
@@ -166,6 +167,8 @@ impl App {
 
     /// Opens the dialog that writes `kind`.
     pub(super) fn save_as(&mut self, kind: Kind) {
+        // What is written is what is shown: it stays as long as the dialog asks.
+        self.player.pause();
         let Some(shown) = self.view.shown.as_deref() else { return };
         let name = self.document.clip().map_or_else(String::new, |clip| clip.info().name.clone());
         let beside = match self.document.source() {
@@ -186,47 +189,49 @@ impl App {
 
     /// Writes on another thread; a message tells the outcome.
     pub fn write(&mut self, order: Order) {
-        let (Some(clip), Some(shown)) = (self.document.clip().cloned(), self.view.shown.clone()) else { return };
+        let Some(shown) = self.view.shown.clone() else { return };
+        if self.writing.is_some() {
+            self.toasts.fail("Something else is still being written. Wait for it or cancel it, then write this again.");
+            return;
+        }
         self.folder = order.path.parent().map(Path::to_owned);
         let ctx = self.ctx.clone();
         let changed = move || ctx.request_repaint();
-        let subject = Subject { clip, estimator: self.document.estimator().boxed_clone(), shown };
         self.writing = Some(match order.what {
-            What::Picture => Writing::new(changed, move |_| writer::picture(&order, &subject)),
-            What::Steps { .. } => Writing::new(changed, move |progress| writer::steps(&order, &subject, progress)),
+            What::Picture => Writing::new(changed, move |_| writer::picture(&order, &shown)),
+            What::Steps { .. } => Writing::new(changed, move |progress| writer::steps(&order, &shown, progress)),
             What::Session => {
-                let session = self.session(&subject);
-                Writing::new(changed, move |_| save_session(session, &order.path))
+                let session = self.session(&shown);
+                Writing::new(changed, move |_| save_session(&session, &order.path))
             }
             What::Vectors => {
-                let (writing, deliver) = Writing::later(changed);
-                self.walker.output(move |output| deliver(writer::vectors(&order.path, &output)));
-                writing
+                let output = self.walker.output(&shown);
+                Writing::new(changed, move |progress| writer::vectors(&order.path, &output, progress))
             }
         });
     }
 
-    fn session(&self, subject: &Subject) -> Option<Session> {
+    fn session(&self, shown: &Snapshot) -> Session {
         let stage = &self.states.stage;
         let sight = match stage.zoom {
             Zoom::Fit => None,
             Zoom::At { center, scale } => Some(Sight { center, zoom: scale }),
         };
         let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
-        Some(Session {
-            source: self.document.source()?.map_path(whole),
-            truth: self.document.truth().map(whole),
-            estimator: subject.estimator.boxed_clone(),
-            frame: subject.shown.frame,
-            cursor: Some(subject.shown.cursor),
+        let Subject { source, truth, estimator, frame, .. } = &*shown.subject;
+        Session {
+            source: source.clone().map_path(whole),
+            truth: truth.as_deref().map(whole),
+            estimator: estimator.boxed_clone(),
+            frame: *frame,
+            cursor: Some(shown.cursor),
             look: self.look(),
             sight,
-        })
+        }
     }
 }
 
-fn save_session(session: Option<Session>, path: &Path) -> Result<String, Error> {
-    let session = session.ok_or_else(|| Error::new("no clip is open"))?;
+fn save_session(session: &Session, path: &Path) -> Result<String, Error> {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     session.save(&path)?;
     Ok(format!("Wrote {}.", path.display()))

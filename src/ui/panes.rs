@@ -74,7 +74,7 @@ impl Panes<'_> {
         });
         let input = stage::Input {
             pictures: &shown.pictures,
-            frame: shown.frame,
+            frame: shown.subject.frame,
             names: &shown.names,
             scene: &shown.scene,
             theme: self.theme,

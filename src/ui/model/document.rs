@@ -1,13 +1,13 @@
 //! What is open and how it is set: the clip, the estimator, the frame, and the past of all parameters.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use motionscope_core::synth::{self, Difficulty, Sample};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Params, Value, estimators};
+use motionscope_core::{AnyEstimator, Clip, Error, Params, Value, estimators};
 
 use super::history::History;
-use super::walker::{Job, Snapshot};
-use crate::media::Open;
+use super::walker::{Job, Place, Snapshot, Subject};
 use crate::shot::Look;
 use crate::source::Source;
 
@@ -60,15 +60,30 @@ pub struct Document {
     truth: Option<PathBuf>,
     /// How a session wants its pictures; view, theme and legend are the window's own.
     look: Look,
+    /// The sliders that the clip was made with, if it is synthetic.
+    made: Option<Difficulty>,
     /// Why the clip could not be made with these sliders.
     refused: Option<Error>,
+    /// What was run last, and where that run is to stand.
+    run: Option<Arc<Subject>>,
+    place: Place,
 }
 
 impl Default for Document {
     fn default() -> Self {
         let estimator = estimators().swap_remove(0);
         let setup = History::new(Setup { estimator, difficulty: None });
-        Self { clip: None, setup, frame: 0, truth: None, look: Look::default(), refused: None }
+        Self {
+            clip: None,
+            setup,
+            frame: 0,
+            truth: None,
+            look: Look::default(),
+            made: None,
+            refused: None,
+            run: None,
+            place: Place::default(),
+        }
     }
 }
 
@@ -153,6 +168,7 @@ impl Document {
         self.clip = Some((clip, origin));
         self.frame = 0;
         (self.truth, self.look, self.refused) = (truth, Look::default(), None);
+        self.made = difficulty.clone();
         let estimator = self.estimator().boxed_clone();
         self.setup = History::new(Setup { estimator, difficulty });
     }
@@ -258,36 +274,66 @@ impl Document {
         std::mem::replace(&mut self.frame, frame) != frame
     }
 
-    /// The run to start, at the place that `shown` stands at if there is one.
-    pub fn job(&self, shown: Option<&Snapshot>) -> Option<Job> {
-        let clip = self.clip()?.clone();
-        let cursor = shown.map_or(Cursor::default(), stay);
-        let near = shown.and_then(Snapshot::reference);
-        Some(Job { estimator: self.estimator().boxed_clone(), clip, frame: self.frame, cursor, near })
+    /// The run of what is set now, from `place` on.
+    pub fn job_at(&mut self, place: Place) -> Option<Job> {
+        let subject = Arc::new(Subject {
+            clip: self.clip()?.clone(),
+            source: self.source()?,
+            truth: self.truth.clone(),
+            estimator: self.estimator().boxed_clone(),
+            frame: self.frame,
+        });
+        (self.run, self.place) = (Some(Arc::clone(&subject)), place);
+        Some(Job { subject, place })
     }
 
-    /// Makes a synthetic clip again after its sliders moved.
+    /// The run of what is set now, from where the last one stands: as `shown` shows it, or on its way there.
+    pub fn job(&mut self, shown: Option<&Snapshot>) -> Option<Job> {
+        self.job_at(shown.filter(|shown| self.is_run(shown)).map_or(self.place, Place::of))
+    }
+
+    /// Whether `shown` is of the run that was started last.
+    fn is_run(&self, shown: &Snapshot) -> bool {
+        self.run.as_ref().is_some_and(|run| Arc::ptr_eq(run, &shown.subject))
+    }
+
+    /// Whether `shown` is of this clip, if maybe with other parameters.
+    pub fn is_of_clip(&self, shown: &Snapshot) -> bool {
+        match (&shown.subject.source, self.source()) {
+            (Source::Synth { id, .. }, Some(Source::Synth { id: now, .. })) => *id == now,
+            (source, now) => now.as_ref() == Some(source),
+        }
+    }
+
+    /// Makes a synthetic clip again after its sliders moved. The truth that was given for it is read only once.
     fn remake(&mut self) {
-        let Some(source) = self.source().filter(|_| self.sample().is_some()) else { return };
-        let made = source.open(&Open { truth: self.truth.clone(), ..Open::default() });
+        let (Some(sample), Some(difficulty)) = (self.sample(), self.setup.now().difficulty.clone()) else { return };
         let Some((clip, _)) = &mut self.clip else { return };
-        match made {
-            Ok(made) => (*clip, self.refused) = (made, None),
+        if self.made.as_ref() == Some(&difficulty) {
+            self.refused = None;
+            return;
+        }
+        let given = self.truth.is_some().then(|| clip.truth().cloned()).flatten();
+        match synth::make(sample.id, &difficulty) {
+            Ok(made) if given.is_some() && made.size() != clip.size() => {
+                let (width, height) = clip.size();
+                let error = format!("the truth given for this clip is for {width}×{height} px; set that size again");
+                self.refused = Some(Error::new(error));
+            }
+            Ok(made) => {
+                *clip = given.map_or_else(|| made.clone(), |truth| made.clone().with_truth(truth));
+                (self.refused, self.made) = (None, Some(difficulty));
+            }
             Err(error) => self.refused = Some(error),
         }
         self.frame = self.frame.min(self.last_frame().unwrap_or(usize::MAX));
     }
 }
 
-/// The cursor that shows the same after a parameter changed: the end of a unit stays its end.
-fn stay(shown: &Snapshot) -> Cursor {
-    let Cursor { unit, event } = shown.cursor;
-    if event > 0 && event == shown.events { Cursor { unit, event: usize::MAX } } else { Cursor { unit, event } }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::media::Open;
 
     fn document() -> Document {
         let mut document = Document::default();
@@ -319,6 +365,15 @@ mod tests {
         let noise = specs.iter().position(|spec| spec.name == "noise").unwrap();
         document.set(Owner::Difficulty, noise, Value::Real(7.5)).unwrap();
         assert!(document.source().unwrap().to_string().ends_with("noise=7.5"));
+    }
+
+    #[test]
+    fn a_parameter_of_the_estimator_leaves_the_clip() {
+        let mut document = document();
+        let first = |d: &Document| d.clip().unwrap().frame(0).unwrap();
+        let before = first(&document);
+        document.set(Owner::Estimator, 0, Value::Int(20)).unwrap();
+        assert!(Arc::ptr_eq(&before, &first(&document)));
     }
 
     #[test]

@@ -100,18 +100,23 @@ impl Player {
         self.speed = next.min(SPEEDS.len() - 1);
     }
 
-    /// Lets `seconds` pass at `cursor` in a unit of `events` events; gives the move that is due.
-    pub fn pass(&mut self, seconds: f64, cursor: Cursor, events: usize) -> Option<Move> {
+    /// Lets `seconds` pass.
+    pub fn pass(&mut self, seconds: f64) {
+        if self.playing {
+            let rate = f64::from(self.speed().per_second);
+            // What a slow machine cannot do in time is left out, not caught up with.
+            self.due = (self.due + seconds * rate).min(rate.max(1.0) / 4.0 + 1.0);
+        }
+    }
+
+    /// The move that is due at `cursor` in a unit of `events` events.
+    pub fn due(&mut self, cursor: Cursor, events: usize) -> Option<Move> {
         if !self.playing {
             return None;
         }
-        let Speed { pace, per_second } = self.speed();
-        let rate = f64::from(per_second);
-        // What a slow machine cannot do in time is left out, not caught up with.
-        self.due = (self.due + seconds * rate).min(rate.max(1.0) / 4.0 + 1.0);
         let steps = self.due as usize;
         self.due -= steps as f64;
-        (steps > 0).then(|| Move::To(ahead(pace, cursor, events, steps)))
+        (steps > 0).then(|| Move::To(ahead(self.speed().pace, cursor, events, steps)))
     }
 
     /// Seconds until the next step is due.
@@ -141,16 +146,20 @@ mod tests {
     fn steps_are_seen_one_after_the_other() {
         let mut player = Player { speed: 2, ..Player::default() };
         let at = |unit, event| Cursor { unit, event };
-        assert_eq!(player.pass(1.0, at(0, 0), 50), None);
+        let pass = |player: &mut Player, seconds, cursor, events| {
+            player.pass(seconds);
+            player.due(cursor, events)
+        };
+        assert_eq!(pass(&mut player, 1.0, at(0, 0), 50), None);
         player.play();
-        assert_eq!(player.pass(0.0, at(0, 0), 50), Some(Move::To(at(0, 1))));
-        assert_eq!(player.pass(0.05, at(0, 1), 50), None);
+        assert_eq!(pass(&mut player, 0.0, at(0, 0), 50), Some(Move::To(at(0, 1))));
+        assert_eq!(pass(&mut player, 0.05, at(0, 1), 50), None);
         assert!((player.wait_secs() - 0.05).abs() < 1e-9);
-        assert_eq!(player.pass(0.05, at(0, 1), 50), Some(Move::To(at(0, 2))));
-        assert_eq!(player.pass(0.2, at(0, 49), 50), Some(Move::To(at(0, 50))), "the end of a unit is seen");
-        assert_eq!(player.pass(0.1, at(0, 50), 50), Some(Move::To(at(1, 1))));
+        assert_eq!(pass(&mut player, 0.05, at(0, 1), 50), Some(Move::To(at(0, 2))));
+        assert_eq!(pass(&mut player, 0.2, at(0, 49), 50), Some(Move::To(at(0, 50))), "the end of a unit is seen");
+        assert_eq!(pass(&mut player, 0.1, at(0, 50), 50), Some(Move::To(at(1, 1))));
         player.pause();
-        assert_eq!(player.pass(9.0, at(0, 50), 50), None);
+        assert_eq!(pass(&mut player, 9.0, at(0, 50), 50), None);
     }
 
     #[test]
@@ -164,7 +173,8 @@ mod tests {
     fn time_lost_is_not_caught_up_with() {
         let mut player = Player { speed: 6, ..Player::default() };
         player.play();
-        let Some(Move::To(cursor)) = player.pass(60.0, Cursor::default(), 100_000) else { panic!("nothing is due") };
+        player.pass(60.0);
+        let Some(Move::To(cursor)) = player.due(Cursor::default(), 100_000) else { panic!("nothing is due") };
         assert!(cursor.event <= 252, "{cursor}");
     }
 

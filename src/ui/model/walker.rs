@@ -5,7 +5,9 @@
 use std::cell::OnceCell;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -18,6 +20,7 @@ use motionscope_core::{
 use crate::paint::Pictures;
 use crate::quality::Quality;
 use crate::shot::pictures;
+use crate::source::Source;
 use crate::ui::action::Side;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
@@ -27,26 +30,58 @@ const NEWS: Duration = Duration::from_millis(60);
 /// Small moves that may wait: more would make a held key run on after it is let go.
 const QUEUE: usize = 4;
 
-/// What to walk through, and where to begin.
-pub struct Job {
-    /// The estimator with its parameters.
-    pub estimator: Box<dyn AnyEstimator>,
+/// What is run. A run never changes it: whoever has a picture of the run knows what it is a picture of.
+pub struct Subject {
     /// The clip.
     pub clip: Clip,
+    /// Where the clip comes from.
+    pub source: Source,
+    /// Truth that was given for it by hand.
+    pub truth: Option<PathBuf>,
+    /// The estimator with its parameters.
+    pub estimator: Box<dyn AnyEstimator>,
     /// The frame that the run starts on.
     pub frame: usize,
-    /// Where to go at once.
+}
+
+/// A place in a run that is there in runs with other parameters as well.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Where to go.
     pub cursor: Cursor,
     /// The pixel whose unit is meant, if that is known better than its number.
     pub near: Option<[f32; 2]>,
 }
 
+impl Place {
+    /// The end of the run.
+    pub const END: Self = Self { cursor: Cursor { unit: usize::MAX, event: usize::MAX }, near: None };
+
+    /// Where `shown` stands: the end of the run or of a unit stays one.
+    pub fn of(shown: &Snapshot) -> Self {
+        let Cursor { unit, event } = shown.cursor;
+        if shown.at_end {
+            return Self::END;
+        }
+        let event = if event > 0 && event == shown.events { usize::MAX } else { event };
+        Self { cursor: Cursor { unit, event }, near: shown.reference() }
+    }
+}
+
+/// What to walk through, and where to begin.
+pub struct Job {
+    /// What is run.
+    pub subject: Arc<Subject>,
+    /// Where to go at once.
+    pub place: Place,
+}
+
 /// Everything there is to see at one cursor.
 pub struct Snapshot {
+    /// What is run.
+    pub subject: Arc<Subject>,
     /// What there is to say about the estimator.
     pub info: &'static Info,
-    /// The frame that the run started on.
-    pub frame: usize,
     /// Frames t and t + 1, and at the end what the run has made of them.
     pub pictures: Pictures,
     /// What their files are called, where each is a file.
@@ -104,12 +139,14 @@ pub struct View {
     pub progress: Option<(usize, usize)>,
 }
 
-type Visit = Box<dyn FnOnce(&dyn Walk) + Send>;
+type Visit = Box<dyn FnOnce(&Arc<Subject>, &dyn Walk) + Send>;
 
 enum Request {
     Go(Move),
     /// To the end or the start of the unit whose result lies at a pixel.
     GoAt([f32; 2], Side),
+    /// To where the run stands, whatever it was on its way to.
+    Stay,
     Visit(Visit),
 }
 
@@ -117,6 +154,8 @@ enum Request {
 #[derive(Default)]
 struct Desk {
     job: Option<Job>,
+    /// A job is on the desk or in hand: small moves wait until it stands at its place.
+    starting: bool,
     requests: VecDeque<Request>,
     focus: Option<[f32; 2]>,
     focus_moved: bool,
@@ -172,14 +211,16 @@ impl Walker {
         self.ask(true, |desk| {
             self.shared.stop.set(true);
             desk.requests.clear();
+            desk.starting = true;
             desk.job = Some(job);
         });
     }
 
-    /// Asks for a move. One to a place replaces all others; small moves queue up unless one takes long.
+    /// Asks for a move. One to a place replaces all others; small moves queue up unless one takes long. A run that
+    /// starts comes to its place before a small move goes on from there.
     pub fn go(&self, to: Move) {
         let mut desk = self.shared.desk();
-        let slow = desk.since.is_some_and(|since| since.elapsed() > PATIENCE);
+        let slow = !desk.starting && desk.since.is_some_and(|since| since.elapsed() > PATIENCE);
         let replaces = slow || !matches!(to, Move::Rung(..));
         if !replaces && desk.requests.len() >= QUEUE {
             return;
@@ -196,12 +237,15 @@ impl Walker {
         self.ask(true, |desk| desk.requests.push_back(Request::GoAt(point, side)));
     }
 
-    /// Gives up the move at work; the run stays where it is shown.
+    /// Gives up the move at work; the run stays where it stands, a new one at its start.
     pub fn stop(&self) {
-        let cursor = self.view().shown.map(|shown| shown.cursor);
-        if let Some(cursor) = cursor {
-            self.go(Move::To(cursor));
-        }
+        self.ask(true, |desk| {
+            desk.requests.retain(|request| matches!(request, Request::Visit(_)));
+            desk.requests.push_front(Request::Stay);
+            if let Some(job) = &mut desk.job {
+                job.place = Place::default();
+            }
+        });
     }
 
     /// Explains the pixel `focus` from now on.
@@ -215,13 +259,21 @@ impl Walker {
     }
 
     /// Has `visit` look at the run, on the walker's thread, after what was asked for before.
-    pub fn visit(&self, visit: impl FnOnce(&dyn Walk) + Send + 'static) {
+    pub fn visit(&self, visit: impl FnOnce(&Arc<Subject>, &dyn Walk) + Send + 'static) {
         self.ask(false, |desk| desk.requests.push_back(Request::Visit(Box::new(visit))));
     }
 
-    /// What the run amounts to where it stands, delivered to `take` on the walker's thread.
-    pub fn output(&self, take: impl FnOnce(Output) + Send + 'static) {
-        self.visit(|walk| take(walk.output()));
+    /// What the run amounts to where `shown` shows it; nothing comes if it has moved on or was replaced.
+    pub fn output(&self, shown: &Snapshot) -> Receiver<Output> {
+        let (sender, receiver) = channel();
+        let (wanted, cursor) = (Arc::clone(&shown.subject), shown.cursor);
+        self.visit(move |subject, walk| {
+            if Arc::ptr_eq(subject, &wanted) && walk.cursor() == cursor {
+                // Whoever asked may have gone.
+                sender.send(walk.output()).ok();
+            }
+        });
+        receiver
     }
 
     /// What there is to show just now.
@@ -267,6 +319,7 @@ impl Drop for Walker {
 
 /// A run at work.
 struct Run {
+    subject: Arc<Subject>,
     walk: Box<dyn Walk>,
     clip: Clip,
     pair: [Arc<Frame>; 2],
@@ -338,12 +391,19 @@ impl<'a> Worker<'a> {
 
     fn serve(&mut self, task: Task) {
         match task {
-            Task::Start(job) => match self.open(job) {
-                Ok(()) => self.publish(),
-                // Another job waits, or the end.
-                Err(_) if self.shared.stop.is_set() => {}
-                Err(error) => self.refuse(error),
-            },
+            Task::Start(job) => {
+                let opened = self.open(job);
+                let mut desk = self.shared.desk();
+                desk.starting = desk.job.is_some();
+                drop(desk);
+                match opened {
+                    Ok(true) => self.publish(),
+                    // It is on its way to another place, another job waits, or the end.
+                    Ok(false) => {}
+                    Err(_) if self.shared.stop.is_set() => {}
+                    Err(error) => self.refuse(error),
+                }
+            }
             Task::Request(Request::Go(to)) => self.go(to),
             Task::Request(Request::GoAt(point, side)) => {
                 if let Some(unit) = self.run.as_ref().and_then(|run| run.walk.unit_at(point)) {
@@ -351,28 +411,32 @@ impl<'a> Worker<'a> {
                     self.go(Move::To(Cursor { unit, event }));
                 }
             }
+            Task::Request(Request::Stay) => {
+                if let Some(cursor) = self.run.as_ref().map(|run| run.walk.cursor()) {
+                    self.go(Move::To(cursor));
+                }
+            }
             Task::Request(Request::Visit(visit)) => {
                 if let Some(run) = &self.run {
-                    visit(run.walk.as_ref());
+                    visit(&run.subject, run.walk.as_ref());
                 }
             }
             Task::Focus => self.publish(),
         }
     }
 
-    fn open(&mut self, job: Job) -> Result<(), Error> {
-        let clip = job.clip.until(self.shared.stop.clone());
-        let pair = clip.pair(job.frame)?;
-        let walk = job.estimator.walk(&clip, job.frame)?;
-        let mut cursor = job.cursor;
-        if let Some(unit) = job.near.and_then(|point| walk.unit_at(point)) {
+    /// Starts a run; gives whether it stands at its place. The old one is gone, whatever comes of the new one.
+    fn open(&mut self, Job { subject, place }: Job) -> Result<bool, Error> {
+        self.run = None;
+        let clip = subject.clip.clone().until(self.shared.stop.clone());
+        let pair = clip.pair(subject.frame)?;
+        let walk = subject.estimator.walk(&clip, subject.frame)?;
+        let Place { mut cursor, near } = place;
+        if let Some(unit) = near.and_then(|point| walk.unit_at(point)) {
             cursor.unit = unit;
         }
-        self.run = Some(Run { walk, clip, pair, end: OnceCell::new() });
-        if cursor != Cursor::default() {
-            self.travel(Move::To(cursor));
-        }
-        Ok(())
+        self.run = Some(Run { subject, walk, clip, pair, end: OnceCell::new() });
+        Ok(cursor == Cursor::default() || self.travel(Move::To(cursor)))
     }
 
     fn go(&mut self, to: Move) {
@@ -408,9 +472,14 @@ impl<'a> Worker<'a> {
             desk.focus_moved = false;
             desk.focus
         };
-        let shown = Arc::new(run.snapshot(focus));
+        let mut shown = run.snapshot(focus);
+        let before = self.shared.desk().view.shown.clone();
+        // What looks the same is the same, so that nobody paints it anew.
+        if let Some(before) = before.filter(|before| before.scene.same(&shown.scene)) {
+            shown.scene = Arc::clone(&before.scene);
+        }
         let mut desk = self.shared.desk();
-        desk.view.shown = Some(shown);
+        desk.view.shown = Some(Arc::new(shown));
         desk.view.refused = None;
         desk.view.progress = None;
         drop(desk);
@@ -427,8 +496,8 @@ impl Run {
     fn snapshot(&self, focus: Option<[f32; 2]>) -> Snapshot {
         let walk = &self.walk;
         Snapshot {
+            subject: Arc::clone(&self.subject),
             info: walk.info(),
-            frame: walk.frame(),
             pictures: self.pictures(),
             names: [0, 1].map(|later| self.clip.frame_name(walk.frame() + later)),
             cursor: walk.cursor(),
@@ -496,10 +565,26 @@ mod tests {
         Clip::from_frames("shift", vec![frame(0), frame(2)]).unwrap()
     }
 
-    fn job() -> Job {
+    fn subject() -> Subject {
         let mut estimator = estimator("full-search").unwrap();
         estimator.set("range", "4").unwrap();
-        Job { estimator, clip: clip(), frame: 0, cursor: Cursor::default(), near: None }
+        Subject { clip: clip(), source: Source::File("shift".into()), truth: None, estimator, frame: 0 }
+    }
+
+    fn job() -> Job {
+        Job { subject: Arc::new(subject()), place: Place::default() }
+    }
+
+    /// A run that takes a second or so, to be begun at its end.
+    fn long() -> Job {
+        let mut subject = subject();
+        let frame =
+            |t: usize| Frame::gray(Grid::from_fn(800, 600, |x, y| (x * 31 + y * 57 + x * y % 7 * 20 + t) as u8));
+        subject.clip = Clip::from_frames("long", vec![frame(0), frame(2)]).unwrap();
+        for (name, value) in [("block", "8"), ("step", "2"), ("range", "16")] {
+            subject.estimator.set(name, value).unwrap();
+        }
+        Job { subject: Arc::new(subject), place: Place::END }
     }
 
     fn started() -> Walker {
@@ -532,10 +617,15 @@ mod tests {
     #[test]
     fn a_refused_run_leaves_the_last_picture() {
         let walker = started();
-        walker.start(Job { frame: 9, ..job() });
+        walker.start(Job { subject: Arc::new(Subject { frame: 9, ..subject() }), place: Place::default() });
         walker.wait();
         let view = walker.view();
         assert!(view.shown.is_some() && view.refused.is_some_and(|error| error.to_string().contains("frame")));
+        let before = cursor(&walker);
+        walker.focus(Some([3.0, 3.0]));
+        walker.go(Move::Rung(2, Way::Forward));
+        walker.wait();
+        assert!(walker.view().refused.is_some() && cursor(&walker) == before, "the old run is no more");
         walker.start(job());
         walker.wait();
         assert!(walker.view().refused.is_none());
@@ -562,7 +652,7 @@ mod tests {
     fn stuck(walker: &Walker) {
         let asked = Arc::new(AtomicBool::new(false));
         let clip = Clip::new(clip().info().clone(), Arc::new(Slow(Arc::clone(&asked))));
-        walker.start(Job { clip, ..job() });
+        walker.start(Job { subject: Arc::new(Subject { clip, ..subject() }), place: Place::default() });
         while !asked.load(Ordering::SeqCst) {
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -582,7 +672,7 @@ mod tests {
     #[test]
     fn a_run_begins_where_it_is_wanted() {
         let walker = Walker::new(|| {}).unwrap();
-        walker.start(Job { cursor: Cursor { unit: 0, event: 5 }, near: Some([40.0, 20.0]), ..job() });
+        walker.start(Job { place: Place { cursor: Cursor { unit: 0, event: 5 }, near: Some([40.0, 20.0]) }, ..job() });
         assert_eq!(cursor(&walker), Cursor { unit: 6, event: 5 });
         walker.go_at([1.0, 1.0], Side::End);
         assert_eq!((cursor(&walker).unit, cursor(&walker).event > 1), (0, true));
@@ -615,7 +705,35 @@ mod tests {
         }
         walker.go(Move::To(Cursor { unit: 1, event: 1 }));
         assert_eq!(cursor(&walker), Cursor { unit: 1, event: 1 });
-        walker.output(|output| assert!(output.flow().at(0, 0).is_some()));
+        let shown = walker.view().shown.unwrap();
+        assert!(walker.output(&shown).recv().is_ok_and(|output| output.flow().at(0, 0).is_some()));
+        walker.go(Move::Rung(2, Way::Forward));
+        assert!(walker.output(&shown).recv().is_err(), "the run has moved on");
+    }
+
+    #[test]
+    fn a_small_move_waits_for_a_run_to_come_to_its_place() {
+        let walker = Walker::new(|| {}).unwrap();
+        walker.start(long());
+        std::thread::sleep(2 * PATIENCE);
+        assert!(walker.view().shown.is_none(), "it takes longer than that");
+        walker.go(Move::Rung(2, Way::Back));
         walker.wait();
+        let shown = walker.view().shown.unwrap();
+        assert_eq!((Some(shown.cursor.unit + 1), shown.cursor.event + 1), (shown.units, shown.events));
+    }
+
+    #[test]
+    fn a_run_that_is_stopped_on_its_way_stays_at_its_start() {
+        let walker = Walker::new(|| {}).unwrap();
+        walker.start(long());
+        std::thread::sleep(2 * PATIENCE);
+        walker.stop();
+        assert_eq!(cursor(&walker), Cursor::default());
+        walker.start(long());
+        walker.stop();
+        assert_eq!(cursor(&walker), Cursor::default());
+        walker.go(Move::Rung(2, Way::Forward));
+        assert_eq!(cursor(&walker), Cursor { unit: 0, event: 1 });
     }
 }

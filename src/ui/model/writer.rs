@@ -1,12 +1,13 @@
-//! Writes pictures, vectors and sessions on a thread of its own, with progress and cancel.
+//! Writes pictures, vectors and sessions on a thread of its own, until it is cancelled.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Receiver;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Output};
+use motionscope_core::{Cursor, Error, Output};
 
-use super::walker::Snapshot;
+use super::walker::{Snapshot, Subject};
 use crate::media::Progress;
 use crate::media::export::{self, FlowFormat};
 use crate::shot::{Format, Look, Moment, Steps};
@@ -46,16 +47,6 @@ pub struct Order {
     pub look: Look,
 }
 
-/// What is written from: a step, and the run that it belongs to.
-pub struct Subject {
-    /// The clip.
-    pub clip: Clip,
-    /// The estimator with its parameters.
-    pub estimator: Box<dyn AnyEstimator>,
-    /// The step.
-    pub shown: Arc<Snapshot>,
-}
-
 /// Something that is being written.
 pub struct Writing {
     shared: Arc<Shared>,
@@ -83,40 +74,36 @@ impl Writing {
         changed: impl Fn() + Send + Sync + 'static,
         write: impl FnOnce(&dyn Progress) -> Result<String, Error> + Send + 'static,
     ) -> Self {
-        let (writing, deliver) = Self::later(changed);
-        let shared = Arc::clone(&writing.shared);
-        let work = move || deliver(write(&*shared));
-        if let Err(error) = std::thread::Builder::new().name("writer".into()).spawn(work) {
-            writing.shared.deliver(Err(Error::new(format!("no thread could be started to write: {error}"))));
-        }
-        writing
-    }
-
-    /// Something that another thread writes; it tells the outcome with the function given back.
-    pub fn later(
-        changed: impl Fn() + Send + Sync + 'static,
-    ) -> (Self, impl FnOnce(Result<String, Error>) + Send + 'static) {
         let shared = Arc::new(Shared {
             cancelled: AtomicBool::new(false),
             outcome: Mutex::default(),
             changed: Box::new(changed),
         });
         let worker = Arc::clone(&shared);
-        (Self { shared }, move |outcome| worker.deliver(outcome))
+        let work = move || {
+            let outcome = write(&*worker);
+            worker.deliver(outcome);
+        };
+        if let Err(error) = std::thread::Builder::new().name("writer".into()).spawn(work) {
+            shared.deliver(Err(Error::new(format!("no thread could be started to write: {error}"))));
+        }
+        Self { shared }
+    }
+
+    /// Gives up at the next chance; the outcome tells how far it came.
+    pub fn cancel(&self) {
+        self.shared.cancelled.store(true, Ordering::Relaxed);
     }
 
     /// What was written or why nothing was, once.
     pub fn take(&self) -> Option<Result<String, Error>> {
-        let alone = Arc::strong_count(&self.shared) == 1;
-        let outcome = self.shared.outcome.lock().unwrap_or_else(PoisonError::into_inner).take();
-        // Nobody is left who could tell: the run was replaced before its turn came.
-        outcome.or_else(|| alone.then(|| Err(Error::new("the run was changed meanwhile; write again"))))
+        self.shared.outcome.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 }
 
 impl Drop for Writing {
     fn drop(&mut self) {
-        self.shared.cancelled.store(true, Ordering::Relaxed);
+        self.cancel();
     }
 }
 
@@ -131,12 +118,11 @@ impl Shared {
 ///
 /// # Errors
 /// If the ending is neither `.png` nor `.svg`, the picture is too large, or the file cannot be written.
-pub fn picture(order: &Order, subject: &Subject) -> Result<String, Error> {
-    let Subject { estimator, shown, .. } = subject;
+pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     let format = Format::of(&order.path)?;
     let moment = Moment {
-        estimator: estimator.as_ref(),
-        frame: shown.frame,
+        estimator: shown.subject.estimator.as_ref(),
+        frame: shown.subject.frame,
         cursor: shown.cursor,
         at_end: shown.at_end,
         step: &shown.step,
@@ -151,23 +137,27 @@ pub fn picture(order: &Order, subject: &Subject) -> Result<String, Error> {
 ///
 /// # Errors
 /// As [`Steps::write`].
-pub fn steps(order: &Order, subject: &Subject, progress: &dyn Progress) -> Result<String, Error> {
-    let What::Steps { from, to, rung, format } = order.what else { return picture(order, subject) };
+pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
+    let What::Steps { from, to, rung, format } = order.what else { return picture(order, shown) };
     let steps = Steps { from, to, rung, format, scale: order.scale, look: order.look };
-    let Subject { clip, estimator, shown } = subject;
-    let count = steps.write(clip, estimator.as_ref(), shown.frame, &order.path, Some(progress))?;
+    let Subject { clip, estimator, frame, .. } = &*shown.subject;
+    let count = steps.write(clip, estimator.as_ref(), *frame, &order.path, Some(progress))?;
     let plural = if count == 1 { "" } else { "s" };
     Ok(format!("Wrote {count} picture{plural} into {}.", order.path.display()))
 }
 
-/// Writes vectors in the format that the file's ending asks for; says what was written.
+/// Writes vectors in the format that the file's ending asks for, as soon as they come; says what was written.
 ///
 /// # Errors
-/// If there is no such format, or the file cannot be written.
-pub fn vectors(path: &Path, output: &Output) -> Result<String, Error> {
+/// If none come, there is no such format, the file cannot be written, or the work was cancelled.
+pub fn vectors(path: &Path, output: &Receiver<Output>, progress: &dyn Progress) -> Result<String, Error> {
+    let output = output.recv().map_err(|_| Error::new("the run went on meanwhile; stop it and write again"))?;
+    if progress.cancelled() {
+        return Err(Error::new("writing was cancelled"));
+    }
     let is_table = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
     let (bytes, lost) = if is_table {
-        (export::csv(output).into_bytes(), None)
+        (export::csv(&output).into_bytes(), None)
     } else {
         FlowFormat::of(path)?.encode(&output.flow())?
     };
