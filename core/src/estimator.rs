@@ -52,6 +52,21 @@ pub struct Info {
     pub frames: usize,
 }
 
+/// What an estimator finds where the whole picture moves by a whole number of px, not farther than it looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Promise {
+    /// That displacement, on any texture that differs from place to place.
+    Translation,
+    /// That displacement, give or take a few px each way, where the texture is smooth, so that the cost falls from all
+    /// sides towards it.
+    SmoothTranslation {
+        /// How far off it may be.
+        off_px: u8,
+    },
+    /// A displacement that fits at least as well as none at all.
+    Better,
+}
+
 /// Where a run stands on one rung of the ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rung {
@@ -90,6 +105,8 @@ pub struct Seen<'a, E: Estimator> {
 pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     /// What there is to say about it.
     const INFO: Info;
+    /// What it can be relied on to find.
+    const PROMISE: Promise = Promise::Translation;
     /// All that a unit reads and writes, its random generator included.
     type State: Clone + Send + Sync + 'static;
     /// What happens inside a unit.
@@ -182,6 +199,9 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// What there is to say about it.
     fn info(&self) -> &'static Info;
 
+    /// What it can be relied on to find.
+    fn promise(&self) -> Promise;
+
     /// The same estimator with the same parameters.
     fn boxed_clone(&self) -> Box<dyn AnyEstimator>;
 
@@ -207,6 +227,10 @@ pub trait AnyEstimator: Params + Send + Sync {
 impl<E: Estimator> AnyEstimator for E {
     fn info(&self) -> &'static Info {
         const { &E::INFO }
+    }
+
+    fn promise(&self) -> Promise {
+        E::PROMISE
     }
 
     fn boxed_clone(&self) -> Box<dyn AnyEstimator> {

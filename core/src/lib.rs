@@ -24,7 +24,9 @@ mod timeline;
 pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use coding::Coding;
 pub use error::Error;
-pub use estimator::{AnyEstimator, Count, Estimator, Extent, Info, Observer, Progress, Rung, Seen, run_observed};
+pub use estimator::{
+    AnyEstimator, Count, Estimator, Extent, Info, Observer, Progress, Promise, Rung, Seen, run_observed,
+};
 pub use grid::{Border, Gray, Grid};
 pub use output::{Block, BlockField, BlockGrid, BlockVector, Output, predict};
 pub use params::{Params, Spec, Value};

@@ -1,11 +1,22 @@
 //! Every estimator there is, in the order of the course.
 
-use crate::block_matching::FullSearch;
+use crate::block_matching::{
+    Diamond, FourStep, FullSearch, Hexagon, LogSearch, NewThreeStep, QuadrantSearch, ThreeStep,
+};
 use crate::{AnyEstimator, Error};
 
 /// Every estimator with its default parameters, in the order of the course.
 pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
-    vec![Box::new(FullSearch::default())]
+    vec![
+        Box::new(FullSearch::default()),
+        Box::new(QuadrantSearch::default()),
+        Box::new(LogSearch::default()),
+        Box::new(ThreeStep::default()),
+        Box::new(NewThreeStep::default()),
+        Box::new(FourStep::default()),
+        Box::new(Diamond::default()),
+        Box::new(Hexagon::default()),
+    ]
 }
 
 /// The estimator called `id`, with its default parameters.

@@ -2,73 +2,23 @@
 
 mod probe;
 mod readouts;
+mod search;
+mod settings;
 mod tell;
+mod tester;
 
 use std::sync::Arc;
 
-use crate::cost::{Cut, Sum};
-use crate::{Block, BlockField, BlockGrid, BlockVector, Border, Clip, Error, Frame, Output, choices};
+use crate::cost::Cut;
+use crate::{Block, BlockGrid, Clip, Error, Frame};
 
-pub(crate) use probe::Probe;
-
-choices! {
-    /// How unlike two blocks are.
-    pub enum Cost {
-        /// Sum of absolute differences, Σ |Iₜ − Iₜ₊₁|.
-        Sad = "sad" "SAD",
-        /// Sum of squared differences, Σ (Iₜ − Iₜ₊₁)²; large differences weigh more.
-        Ssd = "ssd" "SSD",
-        /// Mean squared error: SSD divided by the number of pixels N of the block, so it chooses the same vectors.
-        Mse = "mse" "MSE",
-    }
-}
-
-impl Cost {
-    /// What is summed.
-    pub(crate) fn sum(self) -> Sum {
-        match self {
-            Cost::Sad => Sum::Absolute,
-            Cost::Ssd | Cost::Mse => Sum::Squared,
-        }
-    }
-
-    /// The cost that a sum over `block` amounts to.
-    pub(crate) fn of(self, sum: u32, block: Block) -> f64 {
-        match self {
-            Cost::Sad | Cost::Ssd => sum.into(),
-            Cost::Mse => f64::from(sum) / (block.width * block.height) as f64,
-        }
-    }
-
-    pub(super) fn show(self, sum: u32, block: Block) -> String {
-        match self {
-            Cost::Sad | Cost::Ssd => sum.to_string(),
-            Cost::Mse => format!("{:.2}", self.of(sum, block)),
-        }
-    }
-}
-
-choices! {
-    /// What happens where the window leaves the picture.
-    pub enum BorderRule {
-        /// Only candidates that lie wholly inside the picture are tested: the window is cut.
-        Inside = "inside" "Stay inside",
-        /// The edge pixel is repeated outwards, as video coders do.
-        Replicate = "replicate" "Repeat the edge",
-        /// The picture is mirrored at its edge.
-        Mirror = "mirror" "Mirror",
-    }
-}
-
-impl BorderRule {
-    /// How pixels outside are read.
-    pub fn border(self) -> Border {
-        match self {
-            BorderRule::Inside | BorderRule::Replicate => Border::Replicate,
-            BorderRule::Mirror => Border::Mirror,
-        }
-    }
-}
+pub use search::BlockSearch;
+pub(crate) use search::pseudocode;
+pub(crate) use settings::block_search_params;
+pub use settings::{BorderRule, Cost, HasSettings, Settings};
+pub(crate) use tell::vector;
+pub use tester::Tester;
+pub(crate) use tester::around;
 
 /// A displacement `[u, v]` in whole px from frame t to t + 1.
 pub type Displacement = [i32; 2];
@@ -99,6 +49,12 @@ impl Window {
     pub fn index(&self, [u, v]: Displacement) -> Option<usize> {
         let (column, row) = (usize::try_from(u - self.min[0]).ok()?, usize::try_from(v - self.min[1]).ok()?);
         (column < self.size.0 && row < self.size.1).then(|| row * self.size.0 + column)
+    }
+
+    /// Whether a displacement of the window lies at its edge.
+    pub fn is_at_edge(&self, displacement: Displacement) -> bool {
+        let (column, row) = self.place(displacement);
+        column == 0 || row == 0 || column + 1 == self.size.0 || row + 1 == self.size.1
     }
 
     /// Column and row of a displacement.
@@ -170,29 +126,33 @@ pub(crate) struct Patch {
 }
 
 impl Patch {
-    /// Copies them out of the pair.
-    pub fn take(&mut self, pair: &Pair, block: Block, window: Window) {
-        let border = pair.rule.border();
-        let size = (block.width, block.height);
-        let (x, y) = (block.x as isize, block.y as isize);
-        self.block.take(pair.current.luma(), (x, y), size, border);
-        let reach = (size.0 + window.size.0 - 1, size.1 + window.size.1 - 1);
-        let start = (x + window.min[0] as isize, y + window.min[1] as isize);
-        self.area.take(pair.next.luma(), start, reach, border);
+    /// Copies the block out of frame t.
+    pub fn take_block(&mut self, pair: &Pair, block: Block) {
+        let corner = (block.x as isize, block.y as isize);
+        self.block.take(pair.current.luma(), corner, (block.width, block.height), pair.rule.border());
+    }
+
+    /// Copies what the block's window reaches out of frame t + 1.
+    pub fn take_area(&mut self, pair: &Pair, block: Block, window: Window) {
+        let reach = (block.width + window.size.0 - 1, block.height + window.size.1 - 1);
+        let start = (block.x as isize + window.min[0] as isize, block.y as isize + window.min[1] as isize);
+        self.area.take(pair.next.luma(), start, reach, pair.rule.border());
     }
 }
 
 /// What happens while a block is searched.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// The window was laid out.
     Window,
+    /// The search decided what to test next, or that it is over.
+    Stage(Stage),
     /// A candidate was tested.
     Candidate {
         /// Its displacement.
         displacement: Displacement,
-        /// The sum over the rows that were looked at.
-        sum: u32,
+        /// The cost over the rows that were looked at.
+        cost: f64,
         /// The rows that were looked at; fewer than the block has if it was given up early.
         rows: usize,
     },
@@ -205,28 +165,26 @@ pub enum Event {
     Found(Match),
 }
 
-/// A displacement and its sum of differences.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A decision of a search: the candidates that it tests next, and why these.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stage {
+    /// Line of the pseudocode, from 0.
+    pub line: usize,
+    /// The part of the window to which the search has narrowed down, if it does so.
+    pub narrowed: Option<Window>,
+    /// How many points the search asked for.
+    pub asked: usize,
+    /// Those of them that will be tested: they lie in the window and were not tested before.
+    pub points: Vec<Displacement>,
+    /// Why, in a sentence or two.
+    pub why: String,
+}
+
+/// A displacement and its cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Match {
     /// The displacement.
     pub displacement: Displacement,
-    /// Sum of differences over the block.
-    pub sum: u32,
-}
-
-/// The result so far of a search that found `found`, block by block.
-pub(crate) fn output(pair: &Pair, cost: Cost, found: &[Match], candidates: u64) -> Output {
-    let vector = |(i, found): (usize, &Match)| BlockVector {
-        displacement: found.displacement.map(|c| c as f32),
-        cost: cost.of(found.sum, pair.blocks.block(i)),
-    };
-    let mut vectors: Vec<_> = found.iter().enumerate().map(|entry| Some(vector(entry))).collect();
-    vectors.resize(pair.blocks.len(), None);
-    Output::Blocks(BlockField {
-        blocks: pair.blocks,
-        vectors,
-        cost: cost.label(),
-        candidates,
-        border: pair.rule.border(),
-    })
+    /// What it costs.
+    pub cost: f64,
 }

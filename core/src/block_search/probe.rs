@@ -31,8 +31,8 @@ impl Probe<'_> {
 
     /// The candidate under test.
     pub(super) fn candidate(&self) -> Option<(Match, usize)> {
-        self.events.iter().rev().find_map(|event| match *event {
-            Event::Candidate { displacement, sum, rows } => Some((Match { displacement, sum }, rows)),
+        self.events.iter().rev().find_map(|event| match event {
+            &Event::Candidate { displacement, cost, rows } => Some((Match { displacement, cost }, rows)),
             _ => None,
         })
     }
@@ -76,6 +76,7 @@ impl Probe<'_> {
         scene.mark(Picture::Current, Role::Reference, at([0, 0]));
         scene.legend(Role::Reference, "block in frame t");
         self.draw_window(block, scene);
+        self.draw_stage(block, scene);
         if let Some(best) = self.best() {
             scene.mark(Picture::Next, Role::Best, at(best.displacement));
             scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow(block, best.displacement)]));
@@ -105,21 +106,48 @@ impl Probe<'_> {
     pub(super) fn tests(&self) -> Grid<Option<usize>> {
         let mut tests = Grid::new(self.window.size.0, self.window.size.1, None);
         for (i, event) in self.events.iter().enumerate() {
-            if let Event::Candidate { displacement, .. } = *event {
+            if let &Event::Candidate { displacement, .. } = event {
                 tests[self.window.place(displacement)] = Some(i + 1);
             }
         }
         tests
     }
 
+    /// The points of the stage at hand: those tested, and those still to test.
+    fn draw_stage(&self, block: Block, scene: &mut Scene) {
+        let last = self.events.iter().rposition(|event| matches!(event, Event::Stage(_)));
+        let Some((Event::Stage(stage), since)) = last.and_then(|last| self.events[last..].split_first()) else {
+            return;
+        };
+        let [x, y] = block.center();
+        if let Some(part) = stage.narrowed.filter(|_| !self.is_over()) {
+            let corner = [x + part.min[0] as f32 - 0.5, y + part.min[1] as f32 - 0.5];
+            let far = [corner[0] + part.size.0 as f32, corner[1] + part.size.1 as f32];
+            scene.mark(Picture::Next, Role::Window, Shape::Rect { min: corner, max: far });
+        }
+        let is_tested = |point: Displacement| {
+            since.iter().any(|event| matches!(event, &Event::Candidate { displacement, .. } if displacement == point))
+        };
+        let (tested, waiting): (Vec<_>, Vec<_>) = stage.points.iter().copied().partition(|&point| is_tested(point));
+        for (role, points, meaning) in
+            [(Role::Rejected, tested, "tested in this stage"), (Role::Predicted, waiting, "still to test")]
+        {
+            if !points.is_empty() && !self.is_over() {
+                let places = points.iter().map(|[u, v]| [x + *u as f32, y + *v as f32]).collect();
+                scene.mark(Picture::Next, role, Shape::Points(places));
+                scene.legend(role, meaning);
+            }
+        }
+    }
+
     /// The costs known so far, by displacement; a candidate that was given up has none.
     pub(super) fn costs(&self) -> Grid<f32> {
         let mut costs = Grid::new(self.window.size.0, self.window.size.1, f32::NAN);
         for event in self.events {
-            if let Event::Candidate { displacement, sum, rows } = *event
+            if let &Event::Candidate { displacement, cost, rows } = event
                 && rows == self.block().height
             {
-                costs[self.window.place(displacement)] = self.cost.of(sum, self.block()) as f32;
+                costs[self.window.place(displacement)] = cost as f32;
             }
         }
         costs

@@ -54,7 +54,7 @@ impl Probe<'_> {
             Fact { label: "Tested", value: format!("{} of {}", self.tested(), self.window.count()), role: None },
         ];
         let of = |found: Match| {
-            let (cost, sum) = (self.cost.label(), self.cost.show(found.sum, block));
+            let (cost, sum) = (self.cost.label(), self.cost.show(found.cost));
             format!("{} px, {cost} {sum}", vector(found.displacement))
         };
         if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
@@ -71,7 +71,8 @@ impl Probe<'_> {
     /// The pixels of the block and of the candidate: `(frame t, frame t + 1)`.
     fn patches(&self, displacement: Displacement) -> (Cut, Cut) {
         let mut patch = Patch::default();
-        patch.take(self.pair, self.block(), Window { min: displacement, size: (1, 1) });
+        patch.take_block(self.pair, self.block());
+        patch.take_area(self.pair, self.block(), Window { min: displacement, size: (1, 1) });
         (patch.block, patch.area)
     }
 
@@ -111,15 +112,16 @@ impl Probe<'_> {
         if last.0 > 1 || last.1 > 0 {
             terms.extend([Math::text(" + … + "), numbers(last.0, last.1)]);
         }
-        let mut result = vec![Math::text(format!("= {}", candidate.sum))];
+        let mut result = vec![Math::text(format!("= {}", self.cost.show(candidate.cost)))];
         if self.cost == Cost::Mse {
             let n = block.width * block.height;
+            let squares = (candidate.cost * n as f64).round();
             terms.insert(1, Math::text("1/N · ("));
             terms.push(Math::text(")"));
             result = vec![
                 Math::text("= "),
-                Math::Frac(Box::new(Math::text(candidate.sum.to_string())), Box::new(Math::text(n.to_string()))),
-                Math::text(format!(" = {}", self.cost.show(candidate.sum, block))),
+                Math::Frac(Box::new(Math::text(squares.to_string())), Box::new(Math::text(n.to_string()))),
+                Math::text(format!(" = {}", self.cost.show(candidate.cost))),
             ];
         }
         if rows < block.height {
@@ -180,12 +182,12 @@ impl Probe<'_> {
         let (mut tested, mut best, mut events, mut number) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
         for (i, event) in self.events.iter().enumerate() {
             let last = tested.last().copied();
-            match (*event, last) {
-                (Event::Candidate { sum, rows, .. }, _) => {
+            match (event, last) {
+                (&Event::Candidate { cost, rows, .. }, _) => {
                     number += 1.0;
                     events.push(i + 1);
                     if rows == self.block().height {
-                        tested.push([number, self.cost.of(sum, self.block()) as f32]);
+                        tested.push([number, cost as f32]);
                     }
                 }
                 (Event::NewBest { .. }, Some(point)) => best.push(point),

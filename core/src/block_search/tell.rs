@@ -1,7 +1,7 @@
 //! A block search at a cursor: why the last event happened, in words.
 
 use super::probe::Probe;
-use super::{Displacement, Event, Match, shorter};
+use super::{Displacement, Event, Match, Stage, shorter};
 use crate::Role;
 use crate::scene::Sentence;
 
@@ -16,8 +16,19 @@ fn preference(a: Displacement, b: Displacement) -> &'static str {
     if length(a) < length(b) { "is shorter" } else { "is as short and comes first, row by row" }
 }
 
-pub(super) fn vector([u, v]: Displacement) -> String {
+/// A displacement as a person reads it.
+pub(crate) fn vector([u, v]: Displacement) -> String {
     format!("({}, {})", signed(u), signed(v))
+}
+
+/// What a stage passes over of the points that it asks for.
+fn left_out(stage: &Stage) -> String {
+    match (stage.points.len(), stage.asked) {
+        (new, asked) if new == asked => String::new(),
+        (0, 1) => " It was tested before or lies outside the window.".into(),
+        (0, asked) => format!(" All {asked} were tested before or lie outside the window."),
+        (new, asked) => format!(" Of these {asked}, {new} lie in the window and were not tested before."),
+    }
 }
 
 impl Probe<'_> {
@@ -25,7 +36,7 @@ impl Probe<'_> {
     pub fn sentence(&self) -> Sentence {
         let block = self.block();
         let place = format!("{}×{} px at ({}, {})", block.width, block.height, block.x, block.y);
-        let show = |found: Match| self.cost.show(found.sum, block);
+        let show = |found: Match| self.cost.show(found.cost);
         let said = Sentence::default();
         match (self.events.last(), self.candidate()) {
             (Some(Event::Window), _) | (Some(Event::Candidate { .. } | Event::NewBest { .. }), None) => {
@@ -38,12 +49,13 @@ impl Probe<'_> {
                     .ink(Role::Window, "search window")
                     .text(format!(" in frame t+1 holds {of}{cut}"))
             }
+            (Some(Event::Stage(stage)), _) => said.text(stage.why.clone()).text(left_out(stage)),
             (Some(Event::Candidate { .. }), Some((candidate, rows))) => self.why_candidate(candidate, rows),
             (Some(Event::NewBest { before }), Some((best, _))) => {
                 let said = said.ink(Role::Best, format!("{} at {}", show(best), vector(best.displacement)));
                 match *before {
                     None => said.text(" is the first cost, so it is the best so far."),
-                    Some(old) if old.sum == best.sum => said.text(format!(
+                    Some(old) if old.cost == best.cost => said.text(format!(
                         " equals the best so far at {}, and the displacement {}: it is preferred.",
                         vector(old.displacement),
                         preference(best.displacement, old.displacement)
@@ -57,13 +69,22 @@ impl Probe<'_> {
                 .ink(Role::Reference, format!("Block {}", self.index + 1))
                 .text(" moves by ")
                 .ink(Role::Result, format!("{} px", vector(found.displacement)))
-                .text(format!(": {} {} is the smallest of {} tested.", self.cost.label(), show(*found), self.tested()))
+                .text(format!(": {} {} is the smallest of {} tested", self.cost.label(), show(*found), self.tested()))
+                .text(self.saved_candidates())
                 .text(self.saved_rows()),
             (None, _) => said.text(format!(
                 "Nothing has been searched yet: {} blocks of {} px wait. Step into the first.",
                 self.pair.blocks.len(),
                 self.pair.blocks.size
             )),
+        }
+    }
+
+    /// What not testing every candidate has saved, if it has.
+    fn saved_candidates(&self) -> String {
+        match self.window.count() {
+            all if all == self.tested() => ".".into(),
+            all => format!("; full search would test {all}."),
         }
     }
 
@@ -83,7 +104,7 @@ impl Probe<'_> {
 
     fn why_candidate(&self, candidate: Match, rows: usize) -> Sentence {
         let block = self.block();
-        let show = |found: Match| self.cost.show(found.sum, block);
+        let show = |found: Match| self.cost.show(found.cost);
         let said = Sentence::default()
             .text("Candidate ")
             .ink(Role::Candidate, vector(candidate.displacement))
@@ -96,13 +117,13 @@ impl Probe<'_> {
             let given_up = format!(" after {rows} of {} rows, already more than the best, ", block.height);
             return said.text(given_up).ink(Role::Best, best_shown).text(": given up early.");
         }
-        let verdict = match candidate.sum.cmp(&best.sum) {
+        let verdict = match candidate.cost.total_cmp(&best.cost) {
             std::cmp::Ordering::Less => ", less than the best so far, ",
             std::cmp::Ordering::Equal => ", the same as the best so far, ",
             std::cmp::Ordering::Greater => ", more than the best so far, ",
         };
         let said = said.text(verdict).ink(Role::Best, best_shown);
-        if candidate.sum == best.sum && shorter(best.displacement, candidate.displacement) {
+        if candidate.cost == best.cost && shorter(best.displacement, candidate.displacement) {
             return said.text(format!(", which {} and stays.", preference(best.displacement, candidate.displacement)));
         }
         said.text(".")

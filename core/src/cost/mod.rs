@@ -72,6 +72,11 @@ impl Cut {
         &self.pixels[y * self.stride + x..]
     }
 
+    /// All pixels from the first on, and the distance from one row to the next.
+    pub fn rows(&self) -> (&[u8], usize) {
+        (&self.pixels, self.stride)
+    }
+
     /// The pixel at `(x, y)` of the cut.
     pub fn pixel(&self, x: usize, y: usize) -> u8 {
         self.pixels[y * self.stride + x]
@@ -125,6 +130,25 @@ fn row_sum(block: &[u8], area: &[u8], term: impl Fn(u8, u8) -> u32) -> u32 {
         }
     }
     total + a_rest.iter().zip(b_rest).map(|(&a, &b)| term(a, b)).sum::<u32>()
+}
+
+/// The cost of `block` against the candidate whose first pixel is the first of `pixels`, in rows of `stride` pixels.
+#[inline]
+pub fn candidate(sum: Sum, block: &Cut, pixels: &[u8], stride: usize) -> u32 {
+    #[cfg(target_arch = "x86_64")]
+    return match sum {
+        Sum::Absolute => x86::candidate::<false>(block, pixels, stride),
+        Sum::Squared => x86::candidate::<true>(block, pixels, stride),
+    };
+    #[cfg(not(target_arch = "x86_64"))]
+    plain_candidate(sum, block, pixels, stride)
+}
+
+/// Pixel by pixel: the way on other processors.
+#[cfg(any(test, not(target_arch = "x86_64")))]
+fn plain_candidate(sum: Sum, block: &Cut, pixels: &[u8], stride: usize) -> u32 {
+    let rows = (0..block.height).zip(pixels.chunks(stride));
+    rows.map(|(y, row)| row_sum(&block.row(0, y)[..block.width], row, |a, b| sum.term(a, b))).sum()
 }
 
 /// The costs of `block` at all `columns × rows` places of `area`, row by row, into `costs`.
@@ -187,6 +211,21 @@ mod tests {
         places.map(|place| textbook_at(sum, block, area, place)).collect()
     }
 
+    #[test]
+    fn a_candidate_in_the_last_corner_is_read_to_its_last_pixel_and_no_further() {
+        let picture = Grid::from_fn(40, 40, |x, y| (x * 7 + y * 31) as u8);
+        for side in [1, 3, 4, 7, 8, 12, 16, 31, 40] {
+            let mut block = Cut::default();
+            block.take(&picture, (0, 0), (side, side), Border::Replicate);
+            let (first, mut area) = ((40 - side) * 41, Cut::default());
+            area.take(&picture, (40 - side as isize, 40 - side as isize), (side, side), Border::Replicate);
+            for sum in [Sum::Absolute, Sum::Squared] {
+                let cost = candidate(sum, &block, &picture.cells()[first..], 40);
+                assert_eq!(cost, textbook_at(sum, &block, &area, (0, 0)));
+            }
+        }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(60))]
         #[test]
@@ -225,6 +264,8 @@ mod tests {
                 for (k, &cost) in expected.iter().enumerate() {
                     let place = (k % columns, k / columns);
                     prop_assert_eq!(until(sum, &block, &area, place, u32::MAX), (cost, height));
+                    prop_assert_eq!(candidate(sum, &block, area.row(place.0, place.1), area.stride), cost);
+                    prop_assert_eq!(plain_candidate(sum, &block, area.row(place.0, place.1), area.stride), cost);
                     let by_row = |rows: usize| {
                         let mut part = Cut::default();
                         part.take(&picture, (3, 5), (width, rows), Border::Replicate);

@@ -7,7 +7,106 @@
 
 use std::arch::x86_64::*;
 
-use super::Cut;
+use super::{Cut, Sum};
+
+/// One candidate, whose first pixel is the first of `pixels`, in rows of `stride` pixels: 16 columns at a time, then 8,
+/// then 4, then one.
+#[inline]
+pub fn candidate<const SQUARED: bool>(block: &Cut, pixels: &[u8], stride: usize) -> u32 {
+    assert!(block.height > 0 && (block.height - 1) * stride + block.width <= pixels.len());
+    assert!((block.height - 1) * block.stride + block.width <= block.pixels.len());
+    if (block.width, block.stride) == (16, 16) && block.height.is_multiple_of(2) && is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has AVX2; the asserts have seen that the candidate and the block lie inside their pixels.
+        return unsafe { row_pairs::<SQUARED>(block, pixels, stride) };
+    }
+    let whole = block.width - block.width % 16;
+    let mut total = 0;
+    for x in (0..whole).step_by(16) {
+        // SAFETY: the asserts have seen that the candidate and the block lie inside their pixels; so do these columns.
+        total += unsafe { strip::<SQUARED>(block, x, pixels, stride, |p| _mm_loadu_si128(p.cast())) };
+    }
+    let mut x = whole;
+    if block.width - x >= 8 {
+        // SAFETY: as above, with 8 columns.
+        total += unsafe { strip::<SQUARED>(block, x, pixels, stride, |p| _mm_loadl_epi64(p.cast())) };
+        x += 8;
+    }
+    if block.width - x >= 4 {
+        // SAFETY: as above, with 4 columns.
+        total += unsafe {
+            strip::<SQUARED>(block, x, pixels, stride, |p| _mm_cvtsi32_si128(p.cast::<i32>().read_unaligned()))
+        };
+        x += 4;
+    }
+    let sum = if SQUARED { Sum::Squared } else { Sum::Absolute };
+    for (x, y) in (x..block.width).flat_map(|x| (0..block.height).map(move |y| (x, y))) {
+        total += sum.term(block.pixel(x, y), pixels[y * stride + x]);
+    }
+    total
+}
+
+/// A candidate of a block 16 px wide, two rows in one register.
+///
+/// # Safety
+/// The block must have an even number of rows of 16 px and lie in its pixels without gaps, the candidate inside its own.
+#[target_feature(enable = "avx2")]
+unsafe fn row_pairs<const SQUARED: bool>(block: &Cut, pixels: &[u8], stride: usize) -> u32 {
+    // SAFETY: the caller vouches for the bytes and, by calling, for AVX2.
+    unsafe {
+        let mut totals = [_mm256_setzero_si256(); 2];
+        let (a, mut b) = (block.pixels.as_ptr().cast::<__m256i>(), pixels.as_ptr());
+        for pair in 0..block.height / 2 {
+            let rows = _mm256_loadu2_m128i(b.wrapping_add(stride).cast(), b.cast());
+            let differences = differences::<SQUARED>(rows, _mm256_loadu_si256(a.add(pair)));
+            totals[pair % 2] = _mm256_add_epi32(totals[pair % 2], differences);
+            b = b.wrapping_add(2 * stride);
+        }
+        let halves = lane_sums::<SQUARED>(_mm256_add_epi32(totals[0], totals[1]));
+        (_mm256_extract_epi32::<0>(halves) + _mm256_extract_epi32::<4>(halves)) as u32
+    }
+}
+
+/// The columns from `x` on that `load` reads, the rest of its register being zero.
+///
+/// # Safety
+/// What `load` reads at column `x` of any row of the block and of the candidate must lie inside their pixels.
+#[inline(always)]
+unsafe fn strip<const SQUARED: bool>(
+    block: &Cut,
+    x: usize,
+    pixels: &[u8],
+    stride: usize,
+    load: impl Fn(*const u8) -> __m128i,
+) -> u32 {
+    // SAFETY: every x86-64 processor has SSE2; the caller vouches for the bytes.
+    unsafe {
+        let mut total = _mm_setzero_si128();
+        let (mut a, mut b) = (block.pixels.as_ptr().wrapping_add(x), pixels.as_ptr().wrapping_add(x));
+        for _ in 0..block.height {
+            total = _mm_add_epi32(total, row_differences::<SQUARED>(load(a), load(b)));
+            (a, b) = (a.wrapping_add(block.stride), b.wrapping_add(stride));
+        }
+        if SQUARED {
+            total = _mm_add_epi32(total, _mm_srli_epi64::<32>(total));
+        }
+        (_mm_cvtsi128_si32(total) + _mm_cvtsi128_si32(_mm_unpackhi_epi64(total, total))) as u32
+    }
+}
+
+/// Sums of the differences of 16 pixels, spread over the register.
+#[inline(always)]
+unsafe fn row_differences<const SQUARED: bool>(a: __m128i, b: __m128i) -> __m128i {
+    // SAFETY: every x86-64 processor has SSE2.
+    unsafe {
+        if !SQUARED {
+            return _mm_sad_epu8(a, b);
+        }
+        let zero = _mm_setzero_si128();
+        let difference = _mm_or_si128(_mm_subs_epu8(a, b), _mm_subs_epu8(b, a));
+        let (low, high) = (_mm_unpacklo_epi8(difference, zero), _mm_unpackhi_epi8(difference, zero));
+        _mm_add_epi32(_mm_madd_epi16(low, low), _mm_madd_epi16(high, high))
+    }
+}
 
 /// Side of the tiles into which a block is cut.
 const TILE: usize = 16;

@@ -1,0 +1,72 @@
+//! New three-step search: as three-step search, but it looks right around the centre too, where most motion is, and
+//! stops early if it finds it there.
+//!
+//! ```text
+//! 1 . . . 1 . . . 1
+//! . . . . . . . . .
+//! . . . . . . . . .     ±7 px.
+//! . . . 1 1 1 2 . .     1  the centre, its 8 neighbours, and 8 points at a distance of 4 px
+//! 1 . . 1 1 1 2 . 1     2  if the best is a neighbour, here (1, 0): the 3 or 5 points next to it, and that is all
+//! . . . 1 1 1 2 . .        if it is one of the outer points: go on as three-step search does
+//! . . . . . . . . .        if it is the centre: stop at once
+//! . . . . . . . . .
+//! 1 . . . 1 . . . 1
+//! ```
+
+use super::three_step::SQUARE;
+use crate::block_search::{BlockSearch, Event, Tester, around, block_search_params, pseudocode, vector};
+use crate::{Info, Observer};
+
+block_search_params! {
+    /// New three-step search: three-step search that looks around the centre first and may stop there.
+    pub struct NewThreeStep {}
+}
+
+impl BlockSearch for NewThreeStep {
+    const INFO: Info = Info {
+        id: "new-three-step",
+        name: "New three-step search",
+        family: "Block matching",
+        summary: "Three-step search that also tests the centre's neighbours, and stops early where little moves.",
+        source: "R. Li, B. Zeng and M. L. Liou, A new three-step search algorithm for block motion estimation, \
+                 IEEE Trans. Circuits and Systems for Video Technology 4(4), 1994",
+        pseudocode: pseudocode![
+            "  step ← half of range, rounded up",
+            "  test (0, 0), its 8 neighbours, and the 8 points at distance step",
+            "  if (0, 0) is the best, then stop",
+            "  if the best is one of the neighbours, then",
+            "    test the points next to it and stop",
+            "  while step < range is left to go",
+            "    test the 8 points around the best at half of what is left",
+        ],
+        rungs: &["frame", "block", "step"],
+        frames: 2,
+    };
+
+    fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
+        let mut left = self.range as i32;
+        let step = (left + 1) / 2;
+        tester.stage(3, around([0, 0], &SQUARE, 1).chain(around([0, 0], &SQUARE[1..], step)), || {
+            format!(
+                "Most motion is small, so the neighbours of (0, 0) are tested as well as the 8 points {step} px away."
+            )
+        });
+        let best = tester.best();
+        if best == [0, 0] {
+            return tester.tell(4, || "(0, 0) is better than all points around it: the search stops at once.".into());
+        }
+        if best.iter().all(|c| c.abs() <= 1) {
+            return tester.stage(6, around(best, &SQUARE, 1), || {
+                format!("{} is a neighbour of (0, 0): only the points next to it are left to test.", vector(best))
+            });
+        }
+        left -= step;
+        while left > 0 {
+            let (centre, step) = (tester.best(), (left + 1) / 2);
+            tester.stage(8, around(centre, &SQUARE, step), || {
+                format!("{} lies far out, so the search goes on there in steps of {step} px.", vector(centre))
+            });
+            left -= step;
+        }
+    }
+}

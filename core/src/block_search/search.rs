@@ -1,0 +1,169 @@
+//! What a block search is, and how that makes it an estimator.
+
+use super::probe::Probe;
+use super::tester::Workspace;
+use super::{Event, HasSettings, Match, Pair, Tester};
+use crate::{
+    BlockField, BlockVector, Clip, Error, Estimator, Info, Observer, Output, Params, Progress, Promise, Role, Rung,
+    Scene, Seen, Step, Threads,
+};
+
+/// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
+pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+    /// What there is to say about it.
+    const INFO: Info;
+    /// What it can be relied on to find.
+    const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
+
+    /// Searches the tester's block. Whatever it tested that costs least is the result.
+    fn search(&self, tester: &mut Tester<impl Observer<Event>>);
+
+    /// The line of the pseudocode that `event` belongs to. Unless told otherwise the pseudocode ends as
+    /// [`pseudocode!`] ends it.
+    fn line(event: &Event) -> usize {
+        let from_end = |lines| Self::INFO.pseudocode.len() - lines;
+        match event {
+            Event::Window => 1,
+            Event::Stage(stage) => stage.line,
+            Event::Found(_) => from_end(5),
+            Event::Candidate { .. } => from_end(3),
+            Event::NewBest { .. } => from_end(1),
+        }
+    }
+}
+
+/// The pseudocode of a search that tests displacements one by one: its own lines, counted from 2, between those that
+/// all have.
+macro_rules! pseudocode {
+    ($($line:literal),* $(,)?) => {
+        &[
+            "for each block B of frame t",
+            "  lay the window of ±range px around B in frame t+1",
+            $($line,)*
+            "  displacement of B ← (u, v) of the best",
+            "to test (u, v), if it is new and lies in the window",
+            "  cost ← difference of B and the block at (u, v)",
+            "  if cost < best, or equal and (u, v) shorter, then first",
+            "    best ← cost at (u, v)",
+        ]
+    };
+}
+pub(crate) use pseudocode;
+
+/// What a block search reads and writes.
+#[derive(Clone)]
+pub struct State {
+    pair: Pair,
+    found: Vec<Match>,
+    candidates: u64,
+}
+
+/// Searches block `index`; gives what was found and how many displacements were tested.
+fn search_block<S: BlockSearch>(
+    search: &S,
+    pair: &Pair,
+    index: usize,
+    work: &mut Workspace,
+    observer: &mut impl Observer<Event>,
+) -> (Match, usize) {
+    observer.see(|| Event::Window);
+    let mut tester = Tester::new((pair, index), search.settings(), work, observer);
+    search.search(&mut tester);
+    tester.finish()
+}
+
+impl<S: BlockSearch> Estimator for S {
+    const INFO: Info = <S as BlockSearch>::INFO;
+    const PROMISE: Promise = <S as BlockSearch>::PROMISE;
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        let settings = self.settings();
+        let pair = Pair::new(clip, frame, settings.block, settings.step, settings.border)?;
+        Ok(State { pair, found: Vec::new(), candidates: 0 })
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let work = &mut Workspace::default();
+        let (found, tested) = search_block(self, &state.pair, state.found.len(), work, observer);
+        state.found.push(found);
+        state.candidates += tested as u64;
+        Ok(if state.found.len() == state.pair.blocks.len() { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        Some(state.pair.blocks.len())
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        let block = Rung { index: state.found.len(), of: Some(state.pair.blocks.len()) };
+        vec![Rung { index: 0, of: Some(1) }, block]
+    }
+
+    fn unit_at(&self, state: &State, [x, y]: [f32; 2]) -> Option<usize> {
+        let (width, height) = state.pair.blocks.picture;
+        let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
+        let (column, row) = state.pair.blocks.nearest(inside(x, width)?, inside(y, height)?);
+        Some(row * state.pair.blocks.counts().0 + column)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + state.found.len() * size_of::<Match>()
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::NewBest { .. } => Some(Role::Best),
+            Event::Stage(_) => Some(Role::Candidate),
+            _ => None,
+        }
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        let probe = probe(self, seen);
+        let line = seen.events.last().map_or(0, Self::line);
+        Step { line, sentence: probe.sentence(), readouts: probe.readouts() }
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        probe(self, seen).draw(scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        let cost = self.settings().cost.label();
+        let vector =
+            |found: &Match| BlockVector { displacement: found.displacement.map(|c| c as f32), cost: found.cost };
+        let mut vectors: Vec<_> = state.found.iter().map(|found| Some(vector(found))).collect();
+        vectors.resize(state.pair.blocks.len(), None);
+        Output::Blocks(BlockField {
+            blocks: state.pair.blocks,
+            vectors,
+            cost,
+            candidates: state.candidates,
+            border: state.pair.rule.border(),
+        })
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let mut state = self.start(clip, frame)?;
+        let (columns, rows) = state.pair.blocks.counts();
+        let rows = threads.map(rows, |row| {
+            let mut work = Workspace::default();
+            let mut search = |index| search_block(self, &state.pair, index, &mut work, &mut ());
+            (row * columns..(row + 1) * columns).map(&mut search).collect::<Vec<_>>()
+        });
+        for (found, tested) in rows.into_iter().flatten() {
+            state.found.push(found);
+            state.candidates += tested as u64;
+        }
+        Ok(state)
+    }
+}
+
+fn probe<'a, S: BlockSearch>(search: &S, seen: &'a Seen<S>) -> Probe<'a> {
+    let Seen { before: State { pair, found, .. }, events, focus, .. } = *seen;
+    let (settings, index) = (search.settings(), found.len());
+    let window = pair.window(pair.blocks.block(index), settings.range);
+    Probe { pair, cost: settings.cost, index, window, range: settings.range, found, events, focus }
+}

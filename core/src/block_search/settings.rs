@@ -1,0 +1,121 @@
+//! The parameters that all block searches have, declared once.
+
+use crate::cost::Sum;
+use crate::{Block, Border, choices};
+
+choices! {
+    /// How unlike two blocks are.
+    pub enum Cost {
+        /// Sum of absolute differences, Σ |Iₜ − Iₜ₊₁|.
+        Sad = "sad" "SAD",
+        /// Sum of squared differences, Σ (Iₜ − Iₜ₊₁)²; large differences weigh more.
+        Ssd = "ssd" "SSD",
+        /// Mean squared error: SSD divided by the number of pixels N of the block, so it chooses the same vectors.
+        Mse = "mse" "MSE",
+    }
+}
+
+impl Cost {
+    /// What is summed.
+    pub(crate) fn sum(self) -> Sum {
+        match self {
+            Cost::Sad => Sum::Absolute,
+            Cost::Ssd | Cost::Mse => Sum::Squared,
+        }
+    }
+
+    /// The cost that a sum over `block` amounts to.
+    #[inline(always)]
+    pub(crate) fn of(self, sum: u32, block: Block) -> f64 {
+        match self {
+            Cost::Sad | Cost::Ssd => sum.into(),
+            Cost::Mse => f64::from(sum) / (block.width * block.height) as f64,
+        }
+    }
+
+    /// The cost as a person reads it.
+    pub(super) fn show(self, cost: f64) -> String {
+        match self {
+            Cost::Sad | Cost::Ssd => cost.to_string(),
+            Cost::Mse => format!("{cost:.2}"),
+        }
+    }
+}
+
+choices! {
+    /// What happens where the window leaves the picture.
+    pub enum BorderRule {
+        /// Only candidates that lie wholly inside the picture are tested: the window is cut.
+        Inside = "inside" "Stay inside",
+        /// The edge pixel is repeated outwards, as video coders do.
+        Replicate = "replicate" "Repeat the edge",
+        /// The picture is mirrored at its edge.
+        Mirror = "mirror" "Mirror",
+    }
+}
+
+impl BorderRule {
+    /// How pixels outside are read.
+    pub fn border(self) -> Border {
+        match self {
+            BorderRule::Inside | BorderRule::Replicate => Border::Replicate,
+            BorderRule::Mirror => Border::Mirror,
+        }
+    }
+}
+
+/// The values of the parameters that all block searches have.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Side of the blocks in px.
+    pub block: usize,
+    /// How far the window reaches, in px.
+    pub range: usize,
+    /// How unlike two blocks are.
+    pub cost: Cost,
+    /// From one block to the next in px; 0 sets them edge to edge.
+    pub step: usize,
+    /// What happens where the window leaves the picture.
+    pub border: BorderRule,
+}
+
+/// What has the parameters of a block search: every struct that [`block_search_params!`] declares.
+pub trait HasSettings {
+    /// Their values.
+    fn settings(&self) -> Settings;
+}
+
+/// Declares the parameters of a block search: those that all have, and between them its own.
+macro_rules! block_search_params {
+    (
+        $(#[$meta:meta])*
+        pub struct $name:ident {
+            $($own:tt)*
+        }
+    ) => {
+        $crate::params! {
+            $(#[$meta])*
+            pub struct $name {
+                /// Side of the square blocks.
+                block: usize = 16, 4..=64, "px";
+                /// Largest displacement to the left, right, up and down that is tested.
+                range: usize = 16, 1..=64, "px";
+                /// How unlike two blocks are. SSD and MSE are one divided by the other, so they choose the same vectors.
+                cost: $crate::block_search::Cost = $crate::block_search::Cost::Sad;
+                $($own)*
+                /// Distance from one block to the next; 0 sets them edge to edge, less than the block lets them overlap.
+                step: usize = 0, 0..=64, "px";
+                /// What happens where the window leaves the picture.
+                border: $crate::block_search::BorderRule = $crate::block_search::BorderRule::Inside;
+            }
+        }
+
+        impl $crate::block_search::HasSettings for $name {
+            fn settings(&self) -> $crate::block_search::Settings {
+                let Self { block, range, cost, step, border, .. } = *self;
+                $crate::block_search::Settings { block, range, cost, step, border }
+            }
+        }
+    };
+}
+pub(crate) use block_search_params;

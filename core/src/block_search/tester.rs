@@ -1,0 +1,156 @@
+//! Where a search tests displacements: the window, the costs, the best, and what an observer sees of it.
+
+use super::{Displacement, Event, Match, Pair, Patch, Settings, Stage, Window, shorter};
+use crate::{Block, Observer, cost};
+
+/// Buffers that are used again from block to block.
+#[derive(Default)]
+pub(crate) struct Workspace {
+    /// The pixels of the block, and of an area of frame t + 1.
+    pub patch: Patch,
+    /// One bit for each displacement of the window: whether it was tested.
+    tested: Vec<u64>,
+    /// What those that were tested cost.
+    costs: Vec<f64>,
+    /// The sums of a whole window.
+    pub sums: Vec<u32>,
+    /// An order in which to go through a window, and that window.
+    pub order: (Option<Window>, Vec<u32>),
+}
+
+/// One block under search. A search asks for displacements; the tester passes over those that lie outside the window
+/// or were tested before, keeps the best, counts, and tells the observer.
+pub struct Tester<'a, O> {
+    pub(crate) pair: &'a Pair,
+    pub(crate) settings: Settings,
+    pub(crate) block: Block,
+    pub(crate) window: Window,
+    pub(crate) work: &'a mut Workspace,
+    pub(crate) observer: &'a mut O,
+    /// The part of the window to which the search has narrowed down, if it does so.
+    pub(crate) narrowed: Option<Window>,
+    best: Option<Match>,
+    tested: usize,
+}
+
+impl<'a, O: Observer<Event>> Tester<'a, O> {
+    /// Block `index` of `pair`, of which nothing was tested yet.
+    pub(super) fn new(
+        (pair, index): (&'a Pair, usize),
+        settings: Settings,
+        work: &'a mut Workspace,
+        observer: &'a mut O,
+    ) -> Self {
+        let block = pair.blocks.block(index);
+        let window = pair.window(block, settings.range);
+        work.patch.take_block(pair, block);
+        work.tested.clear();
+        work.tested.resize(window.count().div_ceil(64), 0);
+        work.costs.resize(window.count(), f64::NAN);
+        Self { pair, settings, block, window, work, observer, narrowed: None, best: None, tested: 0 }
+    }
+
+    /// The best displacement so far; at the very start, the zero displacement.
+    pub fn best(&self) -> Displacement {
+        self.best.map_or([0, 0], |best| best.displacement)
+    }
+
+    /// What the best displacement so far costs; at the very start, more than anything.
+    pub fn best_cost(&self) -> f64 {
+        self.best.map_or(f64::INFINITY, |best| best.cost)
+    }
+
+    /// What `displacement` costs, if it was tested.
+    pub fn known(&self, displacement: Displacement) -> Option<f64> {
+        let index = self.window.index(displacement)?;
+        is_set(&self.work.tested, index).then(|| self.work.costs[index])
+    }
+
+    /// Tells of a decision after which nothing is tested at once; `line` is its line of the pseudocode.
+    pub fn tell(&mut self, line: usize, why: impl FnOnce() -> String) {
+        self.stage(line, std::iter::empty(), why);
+    }
+
+    /// Tests `points` one after the other. `line` is the line of the pseudocode that asks for them; `why` says why.
+    pub fn stage(
+        &mut self,
+        line: usize,
+        points: impl Iterator<Item = Displacement> + Clone,
+        why: impl FnOnce() -> String,
+    ) {
+        let (window, tested, narrowed) = (self.window, &self.work.tested, self.narrowed);
+        self.observer.see(|| {
+            let is_new = |point| window.index(point).is_some_and(|index| !is_set(tested, index));
+            let mut new = Vec::new();
+            for point in points.clone() {
+                if is_new(point) && !new.contains(&point) {
+                    new.push(point);
+                }
+            }
+            Event::Stage(Stage { line, narrowed, asked: points.clone().count(), points: new, why: why() })
+        });
+        points.for_each(|point| self.test(point));
+    }
+
+    /// Tests `displacement`, unless it lies outside the window or was tested before.
+    #[inline]
+    fn test(&mut self, displacement: Displacement) {
+        let Some(index) = self.window.index(displacement).filter(|&index| !is_set(&self.work.tested, index)) else {
+            return;
+        };
+        self.work.tested[index / 64] |= 1 << (index % 64);
+        self.tested += 1;
+        let (cost, rows) = (self.cost(displacement), self.block.height);
+        self.work.costs[index] = cost;
+        self.observer.see(|| Event::Candidate { displacement, cost, rows });
+        let before = self.best;
+        let wins = |best: Match| cost < best.cost || cost == best.cost && shorter(displacement, best.displacement);
+        if before.is_none_or(wins) {
+            self.observer.see(|| Event::NewBest { before });
+            self.best = Some(Match { displacement, cost });
+        }
+    }
+
+    /// What `displacement` costs. The candidate is read straight from frame t + 1 where it lies inside.
+    #[inline]
+    fn cost(&mut self, displacement: Displacement) -> f64 {
+        let Self { pair, settings, block, .. } = *self;
+        let (picture, sum) = (pair.next.luma(), settings.cost.sum());
+        let [x, y] = [block.x as isize + displacement[0] as isize, block.y as isize + displacement[1] as isize];
+        let inside = |start: isize, length: usize, extent: usize| start >= 0 && start as usize + length <= extent;
+        let total = if inside(x, block.width, picture.width()) && inside(y, block.height, picture.height()) {
+            let first = y as usize * picture.width() + x as usize;
+            cost::candidate(sum, &self.work.patch.block, &picture.cells()[first..], picture.width())
+        } else {
+            self.work.patch.take_area(pair, block, Window { min: displacement, size: (1, 1) });
+            let (pixels, stride) = self.work.patch.area.rows();
+            cost::candidate(sum, &self.work.patch.block, pixels, stride)
+        };
+        settings.cost.of(total, block)
+    }
+
+    /// Takes the result of a search that tested `tested` displacements by its own means.
+    pub(crate) fn settle(&mut self, best: Match, tested: usize) {
+        (self.best, self.tested) = (Some(best), tested);
+    }
+
+    /// The best of all, and how many displacements were tested.
+    pub(super) fn finish(self) -> (Match, usize) {
+        let best = self.best.unwrap_or(Match { displacement: [0, 0], cost: f64::INFINITY });
+        self.observer.see(|| Event::Found(best));
+        (best, self.tested)
+    }
+}
+
+fn is_set(bits: &[u64], index: usize) -> bool {
+    bits[index / 64] >> (index % 64) & 1 == 1
+}
+
+/// The points of `pattern`, enlarged by `scale`, around `centre`.
+pub(crate) fn around(
+    centre: Displacement,
+    pattern: &'static [Displacement],
+    scale: i32,
+) -> impl Iterator<Item = Displacement> + Clone {
+    pattern.iter().map(move |[u, v]| [centre[0] + scale * u, centre[1] + scale * v])
+}
