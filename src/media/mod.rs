@@ -136,7 +136,9 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
     let mut source = contain::contain(|| open_source(path, options))
         .unwrap_or_else(|panic| Err(Error::new(format!("it is damaged in a way that cannot be read ({panic})"))))
         .map_err(|error| about(path, &error))?;
-    let truth = find_truth(path, options, &mut source)?;
+    let truth = contain::contain(|| find_truth(path, options, &mut source)).unwrap_or_else(|panic| {
+        Err(about(path, &Error::new(format!("its truth is damaged in a way that cannot be read ({panic})"))))
+    })?;
     let info = source.info.clone();
     let clip = Clip::new(info, Arc::new(cache::Lazy::new(source, options.cache_bytes)));
     Ok(match truth {

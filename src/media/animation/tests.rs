@@ -113,6 +113,25 @@ fn every_format_is_composed_and_can_be_sought() {
 }
 
 #[test]
+fn what_was_given_up_can_be_asked_for_again() {
+    for (bytes, extension) in FIXTURES.iter().zip(EXTENSIONS) {
+        let (_folder, path) = write(bytes, extension);
+        let mut animation = Animation { format: Format::of(&path).unwrap(), path, stream: None };
+        let stop = Stop::default();
+        let mut met = vec![];
+        let given_up = animation.decode(4, &stop, &mut |number, _| {
+            met.push(number);
+            stop.set(number == 1);
+        });
+        assert!(given_up.is_err() && met == [0, 1], "{extension}: {met:?}");
+        stop.set(false);
+        let mut last = None;
+        animation.decode(2, &stop, &mut |number, frame| last = Some((number, frame))).unwrap();
+        assert!(last.is_some_and(|(number, frame)| number == 2 && shows(&frame, 2)), "{extension}");
+    }
+}
+
+#[test]
 fn the_rate_is_the_mean_and_hurried_pictures_are_slowed() {
     let (_folder, path) = write(&gif(&[0, 50, 150]), "gif");
     let clip = open(&path, 0).unwrap();

@@ -171,12 +171,13 @@ impl Coded {
     }
 
     /// The last sample at which decoding can start to reach `target`.
-    fn entry(&mut self, target: usize) -> Result<usize, Error> {
+    fn entry(&mut self, target: usize, stop: &Stop) -> Result<usize, Error> {
         let shown = self.track.samples[target].time;
         for number in (1..=target).rev() {
             let Sample { key, time, .. } = self.track.samples[number];
             // A picture shown before the key but coded after it needs pictures from before the key.
             if key && time <= shown {
+                stop.check()?;
                 let sample = self.sample(number)?;
                 if self.codec.starts(&sample) {
                     return Ok(number);
@@ -187,15 +188,15 @@ impl Coded {
     }
 
     /// Makes the codec ready to reach `target`.
-    fn go_towards(&mut self, target: usize) -> Result<(usize, usize), Error> {
+    fn go_towards(&mut self, target: usize, stop: &Stop) -> Result<(usize, usize), Error> {
         let before = self.position.take();
         if let Some((next, start)) = before.filter(|&(next, start)| target >= next && !self.leads(target, start)) {
             let key_ahead = self.track.samples[next..=target].iter().skip(1).any(|sample| sample.key);
-            if !key_ahead || self.entry(target)? <= next {
+            if !key_ahead || self.entry(target, stop)? <= next {
                 return Ok((next, start));
             }
         }
-        let entry = self.entry(target)?;
+        let entry = self.entry(target, stop)?;
         self.codec.reset()?;
         Ok((entry, entry))
     }
@@ -215,7 +216,7 @@ impl Coded {
         keep: &mut dyn FnMut(usize, Picture) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let Some(target) = self.track.order.get(index).map(|&s| s as usize) else { return Ok(()) };
-        let (next, start) = self.go_towards(target)?;
+        let (next, start) = self.go_towards(target, stop)?;
         if let Some((&number, why)) = self.broken.range(start..=target).next() {
             return Err(self.because_of(number, target, why));
         }
@@ -344,6 +345,27 @@ mod tests {
             let jumps = (0..3 * count).map(|i| i * 7 % count);
             for index in backwards.chain(jumps) {
                 assert_eq!(hash(&mut clip, index), known[index], "{name} frame {index}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_was_given_up_can_be_asked_for_again() {
+        for (name, known) in hashes() {
+            let last = known.len() - 1;
+            for after in 0..3 {
+                let (mut clip, stop) = (coded(&name), Stop::default());
+                stop.set(after == 0);
+                let mut met = Vec::new();
+                let given_up = clip.pictures(last, &stop, &mut |place, _| {
+                    met.push(place);
+                    stop.set(met.len() >= after);
+                    Ok(())
+                });
+                assert!(met.len() <= after, "{name}: {met:?}");
+                assert_eq!(given_up.is_ok(), met.contains(&last), "{name}: {met:?}");
+                assert_eq!(hash(&mut clip, last), known[last], "{name}");
+                assert_eq!(hash(&mut clip, last / 2), known[last / 2], "{name}");
             }
         }
     }
