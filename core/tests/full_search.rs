@@ -66,7 +66,7 @@ proptest! {
         (order, early) in (prop::sample::select(vec!["raster", "spiral"]), any::<bool>()),
         // Few levels make many ties.
         (seed, levels) in (any::<u32>(), prop::sample::select(vec![2u32, 3, 255])),
-        step in 0usize..9,
+        spacing in 0usize..9,
     ) {
         let question = Question { block, range, squared, border };
         let (current, next) = (picture(width, height, seed, levels), picture(width, height, seed ^ 0xABCD, levels));
@@ -75,7 +75,7 @@ proptest! {
         for (name, value) in [
             ("block", block.to_string()),
             ("range", range.to_string()),
-            ("step", step.to_string()),
+            ("spacing", spacing.to_string()),
             ("cost", if squared { "ssd" } else { "sad" }.into()),
             ("border", border.into()),
             ("order", order.into()),

@@ -59,12 +59,15 @@ impl Probe<'_> {
             Arrow { from: [x, y], to: [x + u as f32, y + v as f32] }
         };
         let done = self.found.iter().enumerate();
-        let mut arrows: Vec<_> = done.map(|(i, found)| arrow(blocks.block(i), found.displacement)).collect();
-        if let Some(Event::Found(found)) = self.events.last() {
-            arrows.push(arrow(self.block(), found.displacement));
-        }
+        let arrows: Vec<_> = done.map(|(i, found)| arrow(blocks.block(i), found.displacement)).collect();
         if !arrows.is_empty() {
             scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
+            scene.legend(Role::Result, "displacement found");
+        }
+        // By itself: where there is no room for all of them, this one is still seen.
+        if let Some(Event::Found(found)) = self.events.last() {
+            let found = arrow(self.block(), found.displacement);
+            scene.mark(Picture::Current, Role::Result, Shape::Arrows(vec![found]));
             scene.legend(Role::Result, "displacement found");
         }
         if self.events.is_empty() {

@@ -80,7 +80,7 @@ impl<S: BlockSearch> Estimator for S {
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let settings = self.settings();
-        let pair = Pair::new(clip, frame, settings.block, settings.step, settings.border)?;
+        let pair = Pair::new(clip, frame, settings.block, settings.spacing, settings.border)?;
         Ok(State { pair, found: Vec::new(), candidates: 0 })
     }
 

@@ -74,7 +74,7 @@ pub struct Settings {
     /// How unlike two blocks are.
     pub cost: Cost,
     /// From one block to the next in px; 0 sets them edge to edge.
-    pub step: usize,
+    pub spacing: usize,
     /// What happens where the window leaves the picture.
     pub border: BorderRule,
 }
@@ -104,7 +104,7 @@ macro_rules! block_search_params {
                 cost: $crate::block_search::Cost = $crate::block_search::Cost::Sad;
                 $($own)*
                 /// Distance from one block to the next; 0 sets them edge to edge, less than the block lets them overlap.
-                step: usize = 0, 0..=64, "px";
+                spacing: usize = 0, 0..=64, "px";
                 /// What happens where the window leaves the picture.
                 border: $crate::block_search::BorderRule = $crate::block_search::BorderRule::Inside;
             }
@@ -112,8 +112,8 @@ macro_rules! block_search_params {
 
         impl $crate::block_search::HasSettings for $name {
             fn settings(&self) -> $crate::block_search::Settings {
-                let Self { block, range, cost, step, border, .. } = *self;
-                $crate::block_search::Settings { block, range, cost, step, border }
+                let Self { block, range, cost, spacing, border, .. } = *self;
+                $crate::block_search::Settings { block, range, cost, spacing, border }
             }
         }
     };

@@ -581,7 +581,7 @@ mod tests {
         let frame =
             |t: usize| Frame::gray(Grid::from_fn(800, 600, |x, y| (x * 31 + y * 57 + x * y % 7 * 20 + t) as u8));
         subject.clip = Clip::from_frames("long", vec![frame(0), frame(2)]).unwrap();
-        for (name, value) in [("block", "8"), ("step", "2"), ("range", "16")] {
+        for (name, value) in [("block", "8"), ("spacing", "2"), ("range", "16")] {
             subject.estimator.set(name, value).unwrap();
         }
         Job { subject: Arc::new(subject), place: Place::END }
