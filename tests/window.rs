@@ -209,6 +209,48 @@ fn dragging_a_slider_is_one_change() {
 }
 
 #[test]
+fn what_is_only_shown_does_not_change() {
+    let name = "synth:pillar,speed=1.255,noise=7.25,frames=4";
+    let mut window = Window::with(vec2(1440.0, 1400.0), Start { open: Some(name.into()) });
+    assert!(window.harness.query_by_role_and_label(Role::Slider, "Noise").is_some(), "the sliders are drawn");
+    // Going through the fields with the keyboard is no change either.
+    for _ in 0..60 {
+        window.harness.key_press(Key::Tab);
+        window.harness.run_steps(2);
+    }
+    window.settle();
+    assert_eq!(window.app().document().source().map(|source| source.to_string()).as_deref(), Some(name));
+    assert!(!window.app().document().can_undo());
+}
+
+#[test]
+fn each_gesture_on_a_slider_is_taken_back_by_itself() {
+    let mut window = Window::usual();
+    let rail = window.harness.get_by_role_and_label(Role::Slider, "Range").rect();
+    let at = |share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
+    let mut seen = vec![window.value("range")];
+    for share in [0.3, 0.6] {
+        window.click_at(at(share));
+        seen.push(window.value("range"));
+    }
+    for (from, to) in [(0.6, 0.9), (0.9, 0.1)] {
+        window.harness.drag_at(at(from));
+        window.harness.run_steps(1);
+        window.harness.hover_at(at((from + to) / 2.0));
+        window.harness.run_steps(1);
+        // A fast hand: the last move and the release come in one frame.
+        window.harness.drop_at(at(to));
+        window.settle();
+        seen.push(window.value("range"));
+    }
+    for before in seen.iter().rev().skip(1) {
+        window.command(Command::Undo);
+        assert_eq!(window.value("range"), *before, "of {seen:?}");
+    }
+    assert!(!window.app().document().can_undo());
+}
+
+#[test]
 fn choices_and_switches_are_clicked() {
     let mut window = Window::usual();
     window.click("Cost: SSD");

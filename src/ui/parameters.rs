@@ -99,19 +99,31 @@ struct Row<'a> {
 
 impl Row<'_> {
     fn show(&self, ui: &mut Ui, actions: &mut Actions) {
-        let wanted = match (&self.spec.kind, self.value) {
+        let (wanted, done) = match (&self.spec.kind, self.value) {
             (Kind::Int { min, max }, Value::Int(value)) => {
-                self.number(ui, (*min as f64, *max as f64), value as f64, true, actions).map(|v| Value::Int(v as i64))
+                let (wanted, done) = self.number(ui, (*min as f64, *max as f64), value as f64, actions);
+                (Value::Int(wanted.round() as i64), done)
             }
             (Kind::Real { min, max }, Value::Real(value)) => {
-                self.number(ui, (*min, *max), value, false, actions).map(Value::Real)
+                let (wanted, done) = self.number(ui, (*min, *max), value, actions);
+                (Value::Real(wanted), done)
             }
-            (Kind::Switch, Value::Switch(on)) => self.switch(ui, on, actions).map(Value::Switch),
-            (Kind::Choice(choices), Value::Choice(name)) => self.choice(ui, choices, name, actions).map(Value::Choice),
-            _ => None,
+            (Kind::Switch, Value::Switch(on)) => {
+                let wanted = self.switch(ui, on, actions);
+                (Value::Switch(wanted), wanted != on)
+            }
+            (Kind::Choice(choices), Value::Choice(name)) => {
+                let wanted = self.choice(ui, choices, name, actions);
+                (Value::Choice(wanted), wanted != name)
+            }
+            _ => return,
         };
-        if let Some(value) = wanted.filter(|value| *value != self.value) {
-            actions.ask(Action::Set(self.owner, self.index, value));
+        if wanted != self.value {
+            actions.ask(Action::Set(self.owner, self.index, wanted));
+        }
+        // The frame that ends a gesture may still change the value: that belongs to the gesture.
+        if done {
+            actions.ask(Action::Settle);
         }
     }
 
@@ -182,21 +194,18 @@ impl Row<'_> {
         format!("{}\n{}", self.spec.doc, self.spec.allowed())
     }
 
-    fn number(
-        &self,
-        ui: &mut Ui,
-        (min, max): (f64, f64),
-        value: f64,
-        whole: bool,
-        actions: &mut Actions,
-    ) -> Option<f64> {
+    /// A field to type into over a slider; gives the value, and whether a gesture is over.
+    fn number(&self, ui: &mut Ui, (min, max): (f64, f64), value: f64, actions: &mut Actions) -> (f64, bool) {
         let mut wanted = value;
         let size = TextStyle::Body.resolve(ui.style()).size;
+        let whole = matches!(self.value, Value::Int(_));
         let decimals = if whole { 0 } else { decimals(max - min) };
         let unit = if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) };
         let width = text_width(ui, self.spec.unit) + 4.2 * size;
         let typed = self.line(ui, width, actions, |ui, label| {
-            let mut field = DragValue::new(&mut wanted).range(min..=max).suffix(unit).max_decimals(decimals);
+            // What was typed stands there as exactly as it was typed, however coarse the slider is.
+            let most = if whole { 0 } else { TYPED_DECIMALS };
+            let mut field = DragValue::new(&mut wanted).range(min..=max).suffix(unit).max_decimals(most);
             field = field.speed((max - min) / 200.0);
             let response = ui.add_sized(vec2(width, ui.spacing().interact_size.y), field);
             response.labelled_by(label.id).on_hover_text(self.tip())
@@ -210,33 +219,20 @@ impl Row<'_> {
         let slider = Slider { name: &self.spec.label, range: (min, max), step, default, theme: self.theme };
         let slid = slider.show(ui, &mut wanted);
         let slid = slid.on_hover_text(self.tip());
-        if [&typed, &slid].iter().any(|r| r.drag_stopped() || r.lost_focus()) {
-            actions.ask(Action::Settle);
-        }
-        (wanted != value).then_some(wanted)
+        (wanted, [&typed, &slid].iter().any(|r| r.drag_stopped() || r.clicked() || r.lost_focus()))
     }
 
-    fn switch(&self, ui: &mut Ui, on: bool, actions: &mut Actions) -> Option<bool> {
+    fn switch(&self, ui: &mut Ui, on: bool, actions: &mut Actions) -> bool {
         let width = 1.2 * ui.spacing().interact_size.y;
         let response = self.line(ui, width, actions, |ui, _| toggle(ui, on, self.theme));
         let name = &self.spec.label;
         response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, on, name));
-        let clicked = response.on_hover_text(self.tip()).clicked();
-        if clicked {
-            actions.ask(Action::Settle);
-        }
-        clicked.then_some(!on)
+        on != response.on_hover_text(self.tip()).clicked()
     }
 
     /// Short choices lie side by side, long ones in a list.
-    fn choice(
-        &self,
-        ui: &mut Ui,
-        choices: &[Choice],
-        now: &'static str,
-        actions: &mut Actions,
-    ) -> Option<&'static str> {
-        let mut wanted = None;
+    fn choice(&self, ui: &mut Ui, choices: &[Choice], now: &'static str, actions: &mut Actions) -> &'static str {
+        let mut wanted = now;
         let size = TextStyle::Body.resolve(ui.style()).size;
         let padding = 2.0 * ui.spacing().button_padding.x + 4.0;
         let needed: f32 = choices.iter().map(|choice| text_width(ui, choice.label) + padding).sum();
@@ -251,7 +247,7 @@ impl Row<'_> {
                     let selected = choice.name == now;
                     response.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, true, selected, &name));
                     if response.on_hover_text(choice.doc).clicked() {
-                        wanted = Some(choice.name);
+                        wanted = choice.name;
                     }
                 }
                 return;
@@ -262,18 +258,18 @@ impl Row<'_> {
                 for choice in choices {
                     let row = ui.selectable_label(choice.name == now, choice.label);
                     if row.on_hover_text(choice.doc).clicked() {
-                        wanted = Some(choice.name);
+                        wanted = choice.name;
                     }
                 }
             });
             response.response.labelled_by(label.id).on_hover_text(self.tip());
         });
-        if wanted.is_some() {
-            actions.ask(Action::Settle);
-        }
         wanted
     }
 }
+
+/// Decimals of a real number that may be typed.
+const TYPED_DECIMALS: usize = 6;
 
 /// How wide `text` is as a label.
 fn text_width(ui: &Ui, text: &str) -> f32 {

@@ -21,7 +21,7 @@ pub struct Slider<'a> {
 }
 
 impl Slider<'_> {
-    /// Shows the slider; `value` changes with it.
+    /// Shows the slider; `value` changes with it, and stays exactly as it is unless the person moves the slider.
     pub fn show(&self, ui: &mut Ui, value: &mut f64) -> Response {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let height = (1.1 * size).round();
@@ -29,62 +29,21 @@ impl Slider<'_> {
         let radius = (0.42 * size).round();
         let (left, right) = (rect.left() + radius, rect.right() - radius);
         let (min, max) = self.range;
+        let scale = Scale { range: self.range, step: self.step };
         // The last move, or press and release, may come in one slow frame.
         let held = response.is_pointer_button_down_on() || response.drag_stopped() || response.clicked();
-        if let Some(at) = response.interact_pointer_pos().filter(|_| held) {
-            *value = egui::remap_clamp(f64::from(at.x), f64::from(left)..=f64::from(right), min..=max);
+        let pointed = response.interact_pointer_pos().filter(|_| held);
+        let pointed =
+            pointed.map(|at| egui::remap_clamp(f64::from(at.x), f64::from(left)..=f64::from(right), min..=max));
+        if let Some(wanted) = pointed.or_else(|| scale.asked(ui, &response, *value)) {
+            *value = scale.nearest(wanted);
         }
-        self.by_keys(ui, &response, value);
-        *value = self.nearest(*value);
         let shown = *value;
         response.widget_info(|| WidgetInfo::slider(true, shown, self.name));
-        self.describe(ui, &response, shown);
+        scale.describe(ui, &response, shown);
         let x_of = |value: f64| egui::remap_clamp(value, min..=max, f64::from(left)..=f64::from(right)) as f32;
         self.paint(ui, &response, x_of(shown), self.default.map(x_of), radius);
         response
-    }
-
-    /// The value that the slider can stand at nearest to `value`.
-    fn nearest(&self, value: f64) -> f64 {
-        let (min, max) = self.range;
-        let stepped = min + ((value - min) / self.step).round() * self.step;
-        // Steps like 0.1 are not exact; what is shown is.
-        let clean = (stepped * 1e6).round() / 1e6;
-        clean.clamp(min, max)
-    }
-
-    fn by_keys(&self, ui: &Ui, response: &Response, value: &mut f64) {
-        if response.has_focus() {
-            let up = ui.input_mut(|i| i.count_and_consume_key(Modifiers::NONE, Key::ArrowUp));
-            let down = ui.input_mut(|i| i.count_and_consume_key(Modifiers::NONE, Key::ArrowDown));
-            *value += (up as f64 - down as f64) * self.step;
-            let filter = egui::EventFilter { vertical_arrows: true, ..Default::default() };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
-        }
-        ui.input(|input| {
-            let count = |action| input.num_accesskit_action_requests(response.id, action) as f64;
-            *value += (count(Action::Increment) - count(Action::Decrement)) * self.step;
-            let set = input.accesskit_action_requests(response.id, Action::SetValue).last();
-            if let Some(ActionData::NumericValue(wanted)) = set.and_then(|request| request.data.as_ref()) {
-                *value = *wanted;
-            }
-        });
-    }
-
-    fn describe(&self, ui: &Ui, response: &Response, value: f64) {
-        let (min, max) = self.range;
-        ui.ctx().accesskit_node_builder(response.id, |node| {
-            node.set_min_numeric_value(min);
-            node.set_max_numeric_value(max);
-            node.set_numeric_value_step(self.step);
-            node.add_action(Action::SetValue);
-            if value < max {
-                node.add_action(Action::Increment);
-            }
-            if value > min {
-                node.add_action(Action::Decrement);
-            }
-        });
     }
 
     fn paint(&self, ui: &Ui, response: &Response, x: f32, default: Option<f32>, radius: f32) {
@@ -109,15 +68,71 @@ impl Slider<'_> {
     }
 }
 
+/// The values that something like a slider can take, and how keys and screen readers change them.
+pub struct Scale {
+    /// The smallest and the largest value.
+    pub range: (f64, f64),
+    /// From one value to the next.
+    pub step: f64,
+}
+
+impl Scale {
+    /// The value on the steps nearest to `value`.
+    fn nearest(&self, value: f64) -> f64 {
+        let (min, max) = self.range;
+        let stepped = min + ((value - min) / self.step).round() * self.step;
+        // Steps like 0.1 are not exact; what is shown is.
+        let clean = (stepped * 1e6).round() / 1e6;
+        clean.clamp(min, max)
+    }
+
+    /// What arrow up and down in focus, or a screen reader, ask for instead of `value`, if they do.
+    pub fn asked(&self, ui: &Ui, response: &Response, value: f64) -> Option<f64> {
+        let mut steps = 0.0;
+        if response.has_focus() {
+            let mut count = |key| ui.input_mut(|i| i.count_and_consume_key(Modifiers::NONE, key)) as f64;
+            steps += count(Key::ArrowUp) - count(Key::ArrowDown);
+            let filter = egui::EventFilter { vertical_arrows: true, ..Default::default() };
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+        }
+        ui.input(|input| {
+            let count = |action| input.num_accesskit_action_requests(response.id, action) as f64;
+            steps += count(Action::Increment) - count(Action::Decrement);
+            let set = input.accesskit_action_requests(response.id, Action::SetValue).last();
+            match set.and_then(|request| request.data.as_ref()) {
+                Some(ActionData::NumericValue(wanted)) => Some(*wanted),
+                _ => (steps != 0.0).then_some(value + steps * self.step),
+            }
+        })
+    }
+
+    /// Tells a screen reader what it can ask for.
+    pub fn describe(&self, ui: &Ui, response: &Response, value: f64) {
+        let (min, max) = self.range;
+        ui.ctx().accesskit_node_builder(response.id, |node| {
+            node.set_min_numeric_value(min);
+            node.set_max_numeric_value(max);
+            node.set_numeric_value_step(self.step);
+            node.add_action(Action::SetValue);
+            if value < max {
+                node.add_action(Action::Increment);
+            }
+            if value > min {
+                node.add_action(Action::Decrement);
+            }
+        });
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn values_lie_on_the_steps_and_in_the_range() {
-        let slider = Slider { name: "", range: (-10.0, 10.0), step: 0.1, default: None, theme: Theme::Dark };
-        assert_eq!([-11.0, -9.96, 0.04, 0.3000001, 99.0].map(|v| slider.nearest(v)), [-10.0, -10.0, 0.0, 0.3, 10.0]);
-        let whole = Slider { range: (4.0, 64.0), step: 1.0, ..slider };
+        let scale = Scale { range: (-10.0, 10.0), step: 0.1 };
+        assert_eq!([-11.0, -9.96, 0.04, 0.3000001, 99.0].map(|v| scale.nearest(v)), [-10.0, -10.0, 0.0, 0.3, 10.0]);
+        let whole = Scale { range: (4.0, 64.0), step: 1.0 };
         assert_eq!(whole.nearest(16.4), 16.0);
     }
 }
