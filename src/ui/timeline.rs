@@ -6,6 +6,7 @@ use eframe::egui::{
 use motionscope_core::{Cursor, Role};
 
 use super::model::walker::Snapshot;
+use super::parts::slider::Scale;
 use super::status::grouped;
 use super::style;
 use crate::paint::Theme;
@@ -19,9 +20,22 @@ struct Track<'a> {
     count: usize,
     /// How much was seen, from 0 to `count`.
     at: f32,
+    /// The number that is at hand: of the unit from 1, or of events seen from 0.
+    number: usize,
+    /// How a place on the track is counted.
+    counts: Counts,
     /// What the counter says: `35 / 1200`.
     counter: String,
     marks: &'a [(usize, Role)],
+}
+
+/// How a place on a track is counted.
+#[derive(Clone, Copy, PartialEq)]
+enum Counts {
+    /// A unit reaches from one tick to the next.
+    Stretches,
+    /// An event is a tick itself; before the first one nothing has happened.
+    Ticks,
 }
 
 /// Draws both tracks into `rect`; gives the cursor that the person drags to.
@@ -37,6 +51,8 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
         name: name(2).unwrap_or("unit"),
         count: units,
         at: unit as f32 + inside,
+        number: unit + 1,
+        counts: Counts::Stretches,
         counter: format!("{}{of}", grouped(unit + 1)),
         marks: &[],
     };
@@ -44,15 +60,22 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
         name: name(1).unwrap_or("step"),
         count: shown.events.max(1),
         at: event as f32,
+        number: event,
+        counts: Counts::Ticks,
         counter: format!("{} / {}", grouped(event), grouped(shown.events)),
         marks: &shown.landmarks,
     };
     let columns = Columns::of(ui, [&run, &events]);
     let to_unit = run.show(ui, upper, &columns, theme);
     let to_event = events.show(ui, lower, &columns, theme);
-    let unit_at = |at: f32| Cursor { unit: (at as usize).min(units - 1), event: usize::MAX };
-    let event_at = |at: f32| Cursor { unit, event: (at.round() as usize).max(usize::from(unit > 0)) };
-    to_unit.map(unit_at).or(to_event.map(event_at)).filter(|to| *to != shown.cursor)
+    let unit_at = |number: usize| Cursor { unit: number.saturating_sub(1), event: usize::MAX };
+    let event_at = |number: usize| Cursor { unit, event: number.max(usize::from(unit > 0)) };
+    to_unit.map(unit_at).or(to_event.map(event_at)).filter(|to| !stands_at(shown, *to))
+}
+
+/// Whether `to` is what is shown: a unit that was seen to its end is so by any name.
+fn stands_at(shown: &Snapshot, to: Cursor) -> bool {
+    to.unit == shown.cursor.unit && to.event.min(shown.events) == shown.cursor.event
 }
 
 /// Widths of the words left and right of the tracks, so that both tracks align.
@@ -65,35 +88,62 @@ impl Columns {
     fn of(ui: &Ui, tracks: [&Track; 2]) -> Self {
         let font = TextStyle::Small.resolve(ui.style());
         let width = |text: &str| ui.painter().layout_no_wrap(text.into(), font.clone(), Color32::WHITE).size().x;
-        // The counter is given the room that it will need at its end, so that the track does not jump.
+        // The counter is given the room that it will need at its end.
         let most = |track: &Track| width(&format!("{} / {}", grouped(track.count), grouped(track.count)));
         let widest = |of: &dyn Fn(&Track) -> f32| tracks.into_iter().map(of).fold(0.0, f32::max).ceil();
+        // Units differ in their number of events. A track that moved under the pointer would lead astray, so there is
+        // room for the usual number of digits, and for as many as there ever were.
+        let usual = width("0000 / 0000").ceil();
+        let id = ui.scope_id().with(("counters", font.size.to_bits()));
+        let before = ui.data(|data| data.get_temp(id)).unwrap_or(usual);
+        let counters = widest(&most).max(before);
+        ui.data_mut(|data| data.insert_temp(id, counters));
         // The knob reaches beyond the end of its track.
         let gap = 1.2 * font.size;
-        Self { left: widest(&|track| width(track.name)) + gap, right: widest(&most) + gap }
+        Self { left: widest(&|track| width(track.name)) + gap, right: counters + gap }
     }
 }
 
 impl Track<'_> {
-    fn show(&self, ui: &mut Ui, rect: Rect, columns: &Columns, theme: Theme) -> Option<f32> {
+    /// Draws the track; gives the number of the unit or of the events that the person goes to.
+    fn show(&self, ui: &mut Ui, rect: Rect, columns: &Columns, theme: Theme) -> Option<usize> {
         let rail = Rect::from_min_max(
             pos2(rect.min.x + columns.left, rect.min.y),
             pos2((rect.max.x - columns.right).max(rect.min.x + columns.left + 20.0), rect.max.y),
         );
         let response = ui.interact(rail, ui.scope_id().with(("track", self.name)), Sense::click_and_drag());
         let response = response.on_hover_cursor(CursorIcon::PointingHand);
-        let (value, name) = (f64::from(self.at), format!("Timeline, {}s", self.name));
+        let (value, name) = (self.number as f64, format!("Timeline, {}s", self.name));
         response.widget_info(|| WidgetInfo::slider(true, value, &name));
+        let scale = Scale { range: (f64::from(self.least()), self.count as f64), step: 1.0 };
+        scale.describe(ui, &response, value);
         self.words(ui, rect, theme);
         self.rail(ui, rail, &response, theme);
-        let over = response.hover_pos().map(|at| self.value_at(rail, at.x));
-        if let Some(value) = over.filter(|_| !response.dragged()) {
-            let index = (value as usize).min(self.count - 1) + 1;
-            response.clone().on_hover_text_at_pointer(format!("{} {}", self.name, grouped(index)));
+        let number_at = |at: egui::Pos2| self.number_at(self.value_at(rail, at.x));
+        if let Some(at) = response.hover_pos().filter(|_| !response.dragged()) {
+            response.clone().on_hover_text_at_pointer(format!("{} {}", self.name, grouped(number_at(at))));
         }
         // The last move and the release may come in one frame.
         let held = response.is_pointer_button_down_on() || response.clicked() || response.drag_stopped();
-        held.then(|| response.interact_pointer_pos()).flatten().map(|at| self.value_at(rail, at.x))
+        let pointed = held.then(|| response.interact_pointer_pos()).flatten().map(number_at);
+        let asked = || scale.asked(ui, &response, value).map(|wanted| wanted.round() as usize);
+        pointed.or_else(asked).map(|number| number.clamp(self.least() as usize, self.count))
+    }
+
+    /// The smallest number.
+    fn least(&self) -> u8 {
+        match self.counts {
+            Counts::Stretches => 1,
+            Counts::Ticks => 0,
+        }
+    }
+
+    /// The number that is meant by a place on the track: what is told when one points there, and gone to by a click.
+    fn number_at(&self, value: f32) -> usize {
+        match self.counts {
+            Counts::Stretches => (value as usize).min(self.count - 1) + 1,
+            Counts::Ticks => value.round() as usize,
+        }
     }
 
     fn words(&self, ui: &Ui, rect: Rect, theme: Theme) {
@@ -184,9 +234,20 @@ mod tests {
         assert_eq!(tick_every(8160, 0.0), 10_000);
     }
 
+    fn track(count: usize, counts: Counts) -> Track<'static> {
+        Track { name: "block", count, at: 0.0, number: 0, counts, counter: String::new(), marks: &[] }
+    }
+
+    #[test]
+    fn units_lie_between_ticks_and_events_on_them() {
+        let (units, events) = (track(10, Counts::Stretches), track(10, Counts::Ticks));
+        assert_eq!([0.0, 0.9, 1.0, 9.9, 10.0].map(|at| units.number_at(at)), [1, 1, 2, 10, 10]);
+        assert_eq!([0.0, 0.4, 0.6, 9.4, 10.0].map(|at| events.number_at(at)), [0, 0, 1, 9, 10]);
+    }
+
     #[test]
     fn places_and_values_are_inverse() {
-        let track = Track { name: "block", count: 300, at: 0.0, counter: String::new(), marks: &[] };
+        let track = track(300, Counts::Ticks);
         let rail = Rect::from_min_max(pos2(100.0, 0.0), pos2(500.0, 20.0));
         for at in [0.0, 1.0, 150.0, 299.0, 300.0] {
             assert!((track.value_at(rail, track.x_of(rail, at)) - at).abs() < 1e-3);

@@ -90,7 +90,7 @@ impl Scale {
     pub fn asked(&self, ui: &Ui, response: &Response, value: f64) -> Option<f64> {
         let mut steps = 0.0;
         if response.has_focus() {
-            let mut count = |key| ui.input_mut(|i| i.count_and_consume_key(Modifiers::NONE, key)) as f64;
+            let count = |key| ui.input_mut(|i| i.count_and_consume_key(Modifiers::NONE, key)) as f64;
             steps += count(Key::ArrowUp) - count(Key::ArrowDown);
             let filter = egui::EventFilter { vertical_arrows: true, ..Default::default() };
             ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
