@@ -48,7 +48,7 @@ impl Quality {
         let truth = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten();
         let error = truth.map(|truth| metrics::flow_error(&flow, &truth)).transpose()?.flatten();
         Ok(Self {
-            candidates: field.candidates,
+            candidates: field.candidates(),
             psnr_db: psnr.is_finite().then_some(psnr),
             frame_bits,
             residual_bits,

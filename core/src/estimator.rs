@@ -192,6 +192,8 @@ pub struct Extent {
     pub units: usize,
     /// Events that stepping through it shows.
     pub events: u64,
+    /// Memory of the last state, in bytes.
+    pub state_bytes: usize,
 }
 
 /// An estimator of which only the declaration matters: what the window and the command line hold.
@@ -247,7 +249,7 @@ impl<E: Estimator> AnyEstimator for E {
 
     fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {
         let mut events = crate::Count::default();
-        let (_, units) = run_observed(self, clip, frame, &mut events)?;
-        Ok(Extent { units, events: events.0 })
+        let (state, units) = run_observed(self, clip, frame, &mut events)?;
+        Ok(Extent { units, events: events.0, state_bytes: self.state_bytes(&state) })
     }
 }

@@ -7,6 +7,7 @@ pub mod block_matching;
 mod block_search;
 mod clip;
 mod coding;
+pub mod compare;
 mod cost;
 mod error;
 mod estimator;

@@ -106,8 +106,6 @@ pub struct BlockField {
     pub vectors: Vec<Option<BlockVector>>,
     /// What the cost is called.
     pub cost: &'static str,
-    /// Candidates that were tested.
-    pub candidates: u64,
     /// How candidates outside the picture are read.
     pub border: Border,
 }
@@ -119,9 +117,16 @@ pub struct BlockVector {
     pub displacement: [f32; 2],
     /// Its cost.
     pub cost: f64,
+    /// How many candidates were tested for it.
+    pub candidates: u32,
 }
 
 impl BlockField {
+    /// Candidates that were tested in all.
+    pub fn candidates(&self) -> u64 {
+        self.vectors.iter().flatten().map(|vector| u64::from(vector.candidates)).sum()
+    }
+
     /// Every pixel moves as the block whose centre is nearest; a block cut by the edge counts as whole.
     pub fn flow(&self) -> Flow {
         let columns = self.blocks.counts().0;

@@ -215,7 +215,7 @@ proptest! {
                     "{} block {}", id, i
                 );
             }
-            prop_assert_eq!(field.candidates, candidates, "{}", id);
+            prop_assert_eq!(field.candidates(), candidates, "{}", id);
         }
     }
 }

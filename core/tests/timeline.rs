@@ -1,8 +1,8 @@
 //! Time travel on a toy estimator: levels of items, an end that nobody knows beforehand, and a damaged frame.
 
 use motionscope_core::{
-    BlockField, BlockGrid, Border, Clip, Cursor, Error, Estimator, Frame, Grid, Info, Move, Observer, Output, Progress,
-    Rung, Scene, Seen, Step, Timeline, Walk, Way, params,
+    BlockField, BlockGrid, BlockVector, Border, Clip, Cursor, Error, Estimator, Frame, Grid, Info, Move, Observer,
+    Output, Progress, Rung, Scene, Seen, Step, Timeline, Walk, Way, params,
 };
 
 params! {
@@ -75,9 +75,8 @@ impl Estimator for Toy {
         let blocks = BlockGrid { picture: (1, 1), size: 1, step: 1 };
         Output::Blocks(BlockField {
             blocks,
-            vectors: Vec::new(),
+            vectors: vec![Some(BlockVector { displacement: [0.0; 2], cost: 0.0, candidates: 1 }); state.0],
             cost: "none",
-            candidates: state.0 as u64,
             border: Border::Replicate,
         })
     }
@@ -93,7 +92,7 @@ fn toy(items: usize, levels: usize, damaged: usize) -> Timeline<Toy> {
 
 fn done(walk: &dyn Walk) -> u64 {
     let Output::Blocks(field) = walk.output();
-    field.candidates
+    field.candidates()
 }
 
 fn end_of(walk: &dyn Walk, unit: usize) -> bool {

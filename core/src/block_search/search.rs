@@ -55,7 +55,8 @@ pub(crate) use pseudocode;
 pub struct State {
     pair: Pair,
     found: Vec<Match>,
-    candidates: u64,
+    /// How many candidates were tested for each block.
+    tested: Vec<u32>,
 }
 
 /// Searches block `index`; gives what was found and how many displacements were tested.
@@ -81,14 +82,14 @@ impl<S: BlockSearch> Estimator for S {
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let settings = self.settings();
         let pair = Pair::new(clip, frame, settings.block, settings.spacing, settings.border)?;
-        Ok(State { pair, found: Vec::new(), candidates: 0 })
+        Ok(State { pair, found: Vec::new(), tested: Vec::new() })
     }
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let work = &mut Workspace::default();
         let (found, tested) = search_block(self, &state.pair, state.found.len(), work, observer);
         state.found.push(found);
-        state.candidates += tested as u64;
+        state.tested.push(tested as u32);
         Ok(if state.found.len() == state.pair.blocks.len() { Progress::Done } else { Progress::More })
     }
 
@@ -109,7 +110,7 @@ impl<S: BlockSearch> Estimator for S {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + state.found.len() * size_of::<Match>()
+        size_of::<State>() + state.found.len() * (size_of::<Match>() + size_of::<u32>())
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -132,17 +133,12 @@ impl<S: BlockSearch> Estimator for S {
 
     fn output(&self, state: &State) -> Output {
         let cost = self.settings().cost.label();
-        let vector =
-            |found: &Match| BlockVector { displacement: found.displacement.map(|c| c as f32), cost: found.cost };
-        let mut vectors: Vec<_> = state.found.iter().map(|found| Some(vector(found))).collect();
+        let vector = |(found, &candidates): (&Match, &u32)| {
+            Some(BlockVector { displacement: found.displacement.map(|c| c as f32), cost: found.cost, candidates })
+        };
+        let mut vectors: Vec<_> = state.found.iter().zip(&state.tested).map(vector).collect();
         vectors.resize(state.pair.blocks.len(), None);
-        Output::Blocks(BlockField {
-            blocks: state.pair.blocks,
-            vectors,
-            cost,
-            candidates: state.candidates,
-            border: state.pair.rule.border(),
-        })
+        Output::Blocks(BlockField { blocks: state.pair.blocks, vectors, cost, border: state.pair.rule.border() })
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
@@ -155,7 +151,7 @@ impl<S: BlockSearch> Estimator for S {
         });
         for (found, tested) in rows.into_iter().flatten() {
             state.found.push(found);
-            state.candidates += tested as u64;
+            state.tested.push(tested as u32);
         }
         Ok(state)
     }

@@ -20,6 +20,7 @@
 mod camera;
 mod compression;
 mod difficulty;
+pub(crate) mod disturb;
 mod layer;
 mod maths;
 mod motion;

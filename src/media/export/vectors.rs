@@ -79,12 +79,11 @@ mod tests {
 
     #[test]
     fn a_block_is_a_row() {
-        let vector = |u, cost| Some(BlockVector { displacement: [u, -1.0], cost });
+        let vector = |u, cost| Some(BlockVector { displacement: [u, -1.0], cost, candidates: 9 });
         let output = Output::Blocks(BlockField {
             blocks: BlockGrid { picture: (40, 16), size: 16, step: 16 },
             vectors: vec![vector(2.0, 12.0), None, vector(0.5, 3.25)],
             cost: "SAD",
-            candidates: 0,
             border: Border::Replicate,
         });
         let golden = "x_px,y_px,width_px,height_px,u_px,v_px,cost\n7.5,7.5,16,16,2,-1,12\n35.5,7.5,8,16,0.5,-1,3.25\n";

@@ -1,0 +1,150 @@
+//! Estimators beside each other on one pair of frames: what each tests, finds and misses.
+
+use std::sync::Arc;
+
+use crate::synth::disturb;
+use crate::{AnyEstimator, Clip, Coding, Error, Frame, Output, Threads, estimator, metrics};
+
+/// Standard deviation of the noise under which an estimator is tried, in gray levels.
+pub const NOISE_SIGMA: f64 = 10.0;
+/// The change of light from frame t to t + 1 under which an estimator is tried: gain, and offset in gray levels.
+pub const LIGHT: (f64, f64) = (1.1, 8.0);
+
+/// One estimator in numbers, all but its time, which depends on the machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    /// Candidates for a block, on average.
+    pub candidates_mean: f64,
+    /// Candidates for the block that took most.
+    pub candidates_most: u32,
+    /// Memory of all that the run reads and writes beside the two frames, in bytes.
+    pub state_bytes: usize,
+    /// Peak signal-to-noise ratio of the prediction in dB; infinite if it is perfect.
+    pub psnr_db: f64,
+    /// Errors against the truth, where there is any.
+    pub error: Option<metrics::FlowError>,
+    /// What the prediction saves.
+    pub coding: Coding,
+    /// Blocks for which full search, with the same parameters, finds a smaller cost.
+    pub missed: Vec<usize>,
+    /// Share of the blocks that keep their displacement, within 1 px, under noise of [`NOISE_SIGMA`] in both frames.
+    pub kept_in_noise: f64,
+    /// The same under the change of light of [`LIGHT`].
+    pub kept_in_light: f64,
+    /// Blocks.
+    pub blocks: usize,
+}
+
+impl Figures {
+    /// The figures of `estimator` on frames `frame` and `frame + 1` of `clip`.
+    ///
+    /// # Errors
+    /// If the estimator cannot run there, or a frame or the truth cannot be read.
+    pub fn of(estimator: &dyn AnyEstimator, clip: &Clip, frame: usize, threads: &Threads) -> Result<Self, Error> {
+        let [current, next] = clip.pair(frame)?;
+        let output = estimator.run(clip, frame, threads)?;
+        let Output::Blocks(field) = &output;
+        let counts = || field.vectors.iter().flatten().map(|vector| vector.candidates);
+        let prediction = output.prediction(next.luma());
+        let truth = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten();
+        let kept = |pair: [Frame; 2]| -> Result<f64, Error> {
+            let disturbed = Clip::from_frames("disturbed", pair.into())?;
+            Ok(kept(&output, &estimator.run(&disturbed, 0, threads)?))
+        };
+        Ok(Self {
+            candidates_mean: field.candidates() as f64 / field.vectors.len() as f64,
+            candidates_most: counts().max().unwrap_or(0),
+            state_bytes: estimator.extent(clip, frame)?.state_bytes,
+            psnr_db: metrics::psnr_db(&prediction, current.luma())?,
+            error: truth.map(|truth| metrics::flow_error(&output.flow(), &truth)).transpose()?.flatten(),
+            coding: Coding::of(&output, current.luma(), &prediction)?,
+            missed: missed(&output, &full_search_like(estimator)?.run(clip, frame, threads)?),
+            kept_in_noise: kept([noisy(&current, 1), noisy(&next, 2)])?,
+            kept_in_light: kept([Frame::gray(current.luma().clone()), lit(&next)])?,
+            blocks: field.vectors.len(),
+        })
+    }
+
+    /// Share of the blocks for which the smallest cost was missed.
+    pub fn missed_share(&self) -> f64 {
+        self.missed.len() as f64 / self.blocks.max(1) as f64
+    }
+}
+
+/// Full search with all parameters that it has in common with `estimator`.
+fn full_search_like(other: &dyn AnyEstimator) -> Result<Box<dyn AnyEstimator>, Error> {
+    let mut full = estimator("full-search")?;
+    for (index, (name, _)) in full.values().into_iter().enumerate() {
+        if let Ok(value) = other.get(name) {
+            full.set_value(index, value)?;
+        }
+    }
+    Ok(full)
+}
+
+/// Blocks whose cost in `output` is larger than in `best`.
+fn missed(Output::Blocks(output): &Output, Output::Blocks(best): &Output) -> Vec<usize> {
+    let is_worse = |index: &usize| match (output.vectors[*index], best.vectors[*index]) {
+        (Some(found), Some(best)) => found.cost > best.cost,
+        _ => false,
+    };
+    (0..output.vectors.len().min(best.vectors.len())).filter(is_worse).collect()
+}
+
+/// Share of the blocks whose displacements are the same within 1 px.
+fn kept(Output::Blocks(a): &Output, Output::Blocks(b): &Output) -> f64 {
+    let close = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= 1.0;
+    let both = a.vectors.iter().flatten().zip(b.vectors.iter().flatten());
+    let same = both.filter(|(a, b)| close(a.displacement, b.displacement)).count();
+    same as f64 / a.vectors.len().max(1) as f64
+}
+
+fn noisy(frame: &Arc<Frame>, seed: u64) -> Frame {
+    Frame::gray(disturb::noise(frame.luma(), NOISE_SIGMA, seed))
+}
+
+fn lit(frame: &Arc<Frame>) -> Frame {
+    Frame::gray(disturb::light(frame.luma(), LIGHT))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cursor, Grid, Move, estimators};
+
+    fn clip() -> Clip {
+        crate::synth::make(crate::synth::SCENES[0].id, &crate::synth::SCENES[0].difficulty()).expect("a scene")
+    }
+
+    #[test]
+    fn full_search_misses_nothing_and_the_others_are_told_where_they_do() {
+        let (clip, threads) = (clip(), Threads::single());
+        for estimator in estimators() {
+            let figures = Figures::of(&*estimator, &clip, 0, &threads).expect("figures");
+            let id = estimator.info().id;
+            if id == "full-search" {
+                assert_eq!(figures.missed_share(), 0.0);
+                assert_eq!(figures.candidates_most, 33 * 33);
+            }
+            assert!(f64::from(figures.candidates_most) >= figures.candidates_mean, "{id}");
+            assert!((0.0..=1.0).contains(&figures.kept_in_noise) && (0.0..=1.0).contains(&figures.kept_in_light));
+            // The first block that is said to be missed has a better displacement indeed.
+            let Some(&block) = figures.missed.first() else { continue };
+            let result = |estimator: &dyn AnyEstimator| {
+                let mut walk = estimator.walk(&clip, 0).expect("a walk");
+                walk.jump(Move::To(Cursor { unit: block, event: usize::MAX }));
+                let Output::Blocks(field) = walk.output();
+                field.vectors[block].expect("it was searched").cost
+            };
+            assert!(result(&*estimator) > result(&*full_search_like(&*estimator).expect("full search")), "{id}");
+        }
+    }
+
+    #[test]
+    fn a_flat_picture_has_nothing_to_miss_or_lose() {
+        let flat = |v| Frame::gray(Grid::new(48, 32, v));
+        let clip = Clip::from_frames("flat", vec![flat(90), flat(90)]).expect("a clip");
+        let figures = Figures::of(&*estimator("full-search").expect("it"), &clip, 0, &Threads::single()).expect("it");
+        assert_eq!((figures.kept_in_light, figures.missed_share(), figures.psnr_db), (1.0, 0.0, f64::INFINITY));
+    }
+}
