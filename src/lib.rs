@@ -1,6 +1,7 @@
 //! Motionscope's window and command line over `motionscope-core`.
 
 pub mod cli;
+pub mod comparison;
 pub mod media;
 pub mod paint;
 pub mod quality;

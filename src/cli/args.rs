@@ -83,6 +83,50 @@ Examples:
   motionscope export synth:pillar --estimator full-search --steps 35..35.20 --out steps
   motionscope export synth:pillar --estimator full-search --steps 1..50 --every block --format svg --out blocks")]
     Export(ExportArgs),
+    /// Several estimators on the same pair of frames, in one table.
+    #[command(after_help = "\
+Examples:
+  motionscope compare synth:pillar --estimators full-search,three-step,diamond
+  motionscope compare synth:pillar --estimators full-search,log-search --sweep range=4,8,16,32,64
+  motionscope compare synth:pillar --estimators full-search,diamond --sweep noise=0,10,20,40 --csv noise.csv
+  motionscope compare ball.mp4 --frame 7 --estimators full-search,hexagon --set block=8 --set hexagon.cost=ssd --markdown")]
+    Compare(CompareArgs),
+}
+
+#[derive(Group)]
+pub struct CompareArgs {
+    /// The clip or session.
+    pub clip: OsString,
+    /// Ids of estimators, with commas between them; `motionscope list` names them.
+    #[arg(long, value_name = "A,B,..", required = true, value_delimiter = ',', num_args = 1)]
+    pub estimators: Vec<String>,
+    /// Sets a parameter of one, e.g. diamond.block=8, or of all that have it, e.g. block=8; may be repeated.
+    #[arg(long, value_name = "A.K=V")]
+    pub set: Vec<String>,
+    /// Runs all with each of these values of a parameter, or of a slider of a synthetic clip.
+    #[arg(long, value_name = "K=V1,V2,..")]
+    pub sweep: Option<String>,
+    /// Frame t, from 0.
+    #[arg(long, value_name = "N")]
+    pub frame: Option<usize>,
+    /// Truth given by hand; otherwise it is looked for beside the clip.
+    #[arg(long, value_name = "FILE")]
+    pub truth: Option<PathBuf>,
+    /// How often to run each, for the time; the least counts.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub repeat: u32,
+    /// Threads to run on.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=Threads::MAX as i64))]
+    pub threads: u32,
+    /// Prints a JSON array with an object for each row.
+    #[arg(long, conflicts_with = "markdown")]
+    pub json: bool,
+    /// Writes the table as CSV; `-` is standard output.
+    #[arg(long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Prints the table as Markdown.
+    #[arg(long)]
+    pub markdown: bool,
 }
 
 /// What is estimated.

@@ -1,6 +1,7 @@
 //! The command line: every estimator, without a window.
 
 mod args;
+mod compare;
 mod export;
 mod list;
 mod report;
@@ -66,6 +67,7 @@ fn run(args: Args) -> Result<(), Error> {
         },
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Export(args)) => export::export(&args),
+        Some(Command::Compare(args)) => compare::compare(&args),
     }
 }
 

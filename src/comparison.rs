@@ -1,0 +1,232 @@
+//! Estimators beside each other: the table of a comparison, as text, Markdown, CSV and JSON.
+
+use std::time::{Duration, Instant};
+
+use motionscope_core::compare::Figures;
+use motionscope_core::{AnyEstimator, Clip, Error, Threads, estimator};
+use serde_json::{Map, Value, json};
+
+/// One estimator with the parameters that it is to be compared with.
+pub struct Contender {
+    /// The estimator.
+    pub estimator: Box<dyn AnyEstimator>,
+    /// The parameter or slider that is swept, and its value here.
+    pub swept: Option<(String, String)>,
+}
+
+/// Where estimators are compared, and how often each is run for its time.
+pub struct Arena<'a> {
+    /// The clip.
+    pub clip: &'a Clip,
+    /// Frame t.
+    pub frame: usize,
+    /// The threads to run on.
+    pub threads: &'a Threads,
+    /// How often each is run; the least time counts.
+    pub repeat: u32,
+}
+
+/// One line of the table.
+pub struct Row {
+    /// The estimator's id.
+    pub id: &'static str,
+    /// What was swept, and its value here.
+    pub swept: Option<(String, String)>,
+    /// The least time of a run.
+    pub time: Duration,
+    /// Everything else.
+    pub figures: Figures,
+}
+
+impl Row {
+    /// Runs `contender` in `arena`.
+    ///
+    /// # Errors
+    /// If it cannot run there, or a frame or the truth cannot be read.
+    pub fn of(contender: &Contender, arena: &Arena<'_>) -> Result<Self, Error> {
+        let Arena { clip, frame, threads, repeat } = *arena;
+        let estimator = &*contender.estimator;
+        let figures = Figures::of(estimator, clip, frame, threads)?;
+        let run = || {
+            let start = Instant::now();
+            estimator.run(clip, frame, threads)?;
+            Ok(start.elapsed())
+        };
+        let times = (0..repeat.max(1)).map(|_| run()).collect::<Result<Vec<_>, Error>>()?;
+        let time = times.into_iter().min().unwrap_or_default();
+        Ok(Self { id: estimator.info().id, swept: contender.swept.clone(), time, figures })
+    }
+}
+
+/// A column: its heading for a person, its name with the unit for a script, and how a row fills it.
+struct Column {
+    heading: &'static str,
+    name: &'static str,
+    /// The number, if there is one.
+    value: fn(&Row) -> Option<f64>,
+    /// Digits behind the point, for a person.
+    digits: usize,
+}
+
+/// The columns behind the estimator's name and what is swept.
+const COLUMNS: [Column; 12] = [
+    Column { heading: "candidates", name: "candidates_mean", value: |r| Some(r.figures.candidates_mean), digits: 1 },
+    Column { heading: "most", name: "candidates_most", value: |r| Some(r.figures.candidates_most.into()), digits: 0 },
+    Column { heading: "ms", name: "ms", value: |r| Some(r.time.as_secs_f64() * 1e3), digits: 2 },
+    Column { heading: "kB", name: "state_kb", value: |r| Some(r.figures.state_bytes as f64 / 1e3), digits: 1 },
+    Column { heading: "PSNR dB", name: "psnr_db", value: |r| finite(r.figures.psnr_db), digits: 2 },
+    Column { heading: "EPE px", name: "epe_px", value: |r| r.figures.error.map(|e| e.epe_px), digits: 3 },
+    Column { heading: "missed %", name: "missed_percent", value: |r| percent(r.figures.missed_share()), digits: 1 },
+    Column {
+        heading: "noise %",
+        name: "kept_in_noise_percent",
+        value: |r| percent(r.figures.kept_in_noise),
+        digits: 1,
+    },
+    Column {
+        heading: "light %",
+        name: "kept_in_light_percent",
+        value: |r| percent(r.figures.kept_in_light),
+        digits: 1,
+    },
+    Column {
+        heading: "residual kB",
+        name: "residual_kb",
+        value: |r| kilobytes(r.figures.coding.residual_bits),
+        digits: 2,
+    },
+    Column { heading: "vectors kB", name: "vectors_kb", value: |r| kilobytes(r.figures.coding.vector_bits), digits: 2 },
+    Column { heading: "anew kB", name: "frame_kb", value: |r| kilobytes(r.figures.coding.frame_bits), digits: 2 },
+];
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn percent(share: f64) -> Option<f64> {
+    finite(100.0 * share)
+}
+
+fn kilobytes(bits: f64) -> Option<f64> {
+    finite(bits / 8e3)
+}
+
+/// What the columns mean, under the table.
+pub const KEY: &str = "\
+candidates, most: tested for a block, on average and at most; kB: memory of the run beside the frames;
+missed: blocks for which full search, set alike, finds a smaller cost; noise, light: blocks that keep their
+displacement within 1 px under noise of 10 gray levels, and where frame t+1 is 1.1 times as bright plus 8;
+residual, vectors, anew: zero-order entropy of what is sent with motion, and of the frame without.
+";
+
+/// Heading and cells of a table for a person. A perfect prediction has no PSNR.
+fn cells(rows: &[Row]) -> Vec<Vec<String>> {
+    let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone());
+    let mut heading = vec!["estimator".to_owned()];
+    heading.extend(swept);
+    heading.extend(COLUMNS.iter().map(|column| column.heading.to_owned()));
+    let line = |row: &Row| {
+        let mut line = vec![row.id.to_owned()];
+        line.extend(row.swept.as_ref().map(|(_, value)| value.clone()));
+        let number = |column: &Column| match (column.value)(row) {
+            Some(value) => format!("{value:.*}", column.digits),
+            None if column.name == "psnr_db" => "perfect".to_owned(),
+            None => "–".to_owned(),
+        };
+        line.extend(COLUMNS.iter().map(number));
+        line
+    };
+    std::iter::once(heading).chain(rows.iter().map(line)).collect()
+}
+
+/// The table in columns, and what they mean.
+pub fn text(rows: &[Row]) -> String {
+    let lines = cells(rows);
+    let width = |i: usize| lines.iter().map(|line| line[i].chars().count()).max().unwrap_or(0);
+    let mut text = String::new();
+    for line in &lines {
+        for (i, cell) in line.iter().enumerate() {
+            text += &if i == 0 { format!("{cell:<0$}", width(i)) } else { format!("  {cell:>0$}", width(i)) };
+        }
+        text += "\n";
+    }
+    text + "\n" + KEY
+}
+
+/// The table as Markdown.
+pub fn markdown(rows: &[Row]) -> String {
+    let lines = cells(rows);
+    let row = |line: &Vec<String>| format!("| {} |\n", line.join(" | "));
+    let rule = lines.first().map_or(String::new(), |line| format!("| --- |{}\n", " ---: |".repeat(line.len() - 1)));
+    let mut table = lines.iter().map(row);
+    table.next().unwrap_or_default() + &rule + &table.collect::<String>()
+}
+
+/// The table as CSV; what is not known is left empty.
+pub fn csv(rows: &[Row]) -> String {
+    let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.replace('-', "_"));
+    let names = ["estimator".to_owned()].into_iter().chain(swept);
+    let names = names.chain(COLUMNS.iter().map(|column| column.name.to_owned())).collect::<Vec<_>>();
+    let line = |row: &Row| {
+        let first = [row.id.to_owned()].into_iter().chain(row.swept.as_ref().map(|(_, value)| value.clone()));
+        let number = |column: &Column| (column.value)(row).map_or_else(String::new, |value| value.to_string());
+        first.chain(COLUMNS.iter().map(number)).collect::<Vec<_>>().join(",") + "\n"
+    };
+    names.join(",") + "\n" + &rows.iter().map(line).collect::<String>()
+}
+
+/// The table as JSON: an array of one object per row, with the blocks that were missed.
+pub fn json(rows: &[Row]) -> Value {
+    let object = |row: &Row| {
+        let mut object = Map::new();
+        object.insert("estimator".into(), row.id.into());
+        if let Some((name, value)) = &row.swept {
+            object.insert(name.clone(), value.parse::<f64>().map_or_else(|_| value.as_str().into(), |v| json!(v)));
+        }
+        for column in &COLUMNS {
+            object.insert(column.name.into(), json!((column.value)(row)));
+        }
+        object.insert("blocks".into(), row.figures.blocks.into());
+        object.insert("missed".into(), row.figures.missed.iter().map(|block| block + 1).collect());
+        Value::Object(object)
+    };
+    rows.iter().map(object).collect()
+}
+
+/// The estimators called `ids`, with `settings` of the form `ESTIMATOR.NAME=VALUE`, or `NAME=VALUE` for all that have
+/// such a parameter.
+///
+/// # Errors
+/// If there is no such estimator or parameter, or a value is out of range.
+pub fn contenders(ids: &[String], settings: &[String]) -> Result<Vec<Box<dyn AnyEstimator>>, Error> {
+    let mut estimators = ids.iter().map(|id| estimator(id)).collect::<Result<Vec<_>, _>>()?;
+    for setting in settings {
+        let (name, value) = setting.split_once('=').ok_or_else(|| {
+            Error::new(format!("a parameter is set as NAME=VALUE or ESTIMATOR.NAME=VALUE, not as {setting}"))
+        })?;
+        match name.split_once('.') {
+            Some((id, name)) => {
+                let mut found = estimators.iter_mut().filter(|estimator| estimator.info().id == id).peekable();
+                if found.peek().is_none() {
+                    return Err(Error::new(format!("{id} is not compared; there are {}", ids.join(", "))));
+                }
+                found.try_for_each(|estimator| estimator.set(name, value))?;
+            }
+            None => set_all(&mut estimators, name, value)?,
+        }
+    }
+    Ok(estimators)
+}
+
+/// Sets `name` in all of `estimators` that have it.
+///
+/// # Errors
+/// If none has it, or the value is out of range.
+pub fn set_all(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str) -> Result<(), Error> {
+    let mut set = false;
+    for estimator in estimators.iter_mut().filter(|estimator| estimator.get(name).is_ok()) {
+        estimator.set(name, value)?;
+        set = true;
+    }
+    if set { Ok(()) } else { Err(Error::new(format!("none of these estimators has a parameter {name}"))) }
+}

@@ -1,0 +1,98 @@
+//! `motionscope compare`, by its program: the same numbers as single runs, in every format.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+const SMALL: &str = "synth:pillar,width=160,height=120,frames=3";
+
+fn motionscope(line: &str) -> Output {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+    command.current_dir(folder).args(line.split_whitespace()).output().expect("the program runs")
+}
+
+fn stdout(line: &str) -> String {
+    let output = motionscope(line);
+    assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+fn json(line: &str) -> Value {
+    serde_json::from_str(&stdout(line)).expect("JSON")
+}
+
+#[test]
+fn a_row_has_the_numbers_of_a_single_run() {
+    let rows = json(&format!("compare {SMALL} --estimators full-search,diamond --set diamond.block=8 --json"));
+    for (row, run) in [(0, "full-search"), (1, "diamond --set block=8")] {
+        let (row, run) = (&rows[row], json(&format!("run {SMALL} --estimator {run} --json")));
+        let mean = run["metrics"]["candidates"].as_f64().unwrap() / row["blocks"].as_f64().unwrap();
+        assert_eq!(row["candidates_mean"], mean);
+        assert_eq!(row["psnr_db"], run["metrics"]["psnr_db"]);
+        assert_eq!(row["epe_px"], run["metrics"]["epe_px"]);
+        assert!(row["ms"].as_f64().unwrap() > 0.0);
+    }
+    assert_eq!((&rows[0]["missed_percent"], rows[0]["blocks"].as_i64()), (&Value::from(0.0), Some(80)));
+    assert_eq!(rows[1]["blocks"], 300);
+    let missed = rows[1]["missed"].as_array().unwrap().len() as f64;
+    assert_eq!(rows[1]["missed_percent"], 100.0 * missed / 300.0);
+}
+
+#[test]
+fn a_sweep_runs_a_parameter_or_a_slider_through_its_values() {
+    let candidates = |rows: &Value| -> Vec<f64> {
+        rows.as_array().unwrap().iter().map(|row| row["candidates_most"].as_f64().unwrap()).collect()
+    };
+    let ranges = json(&format!("compare {SMALL} --estimators full-search,log-search --sweep range=4,8,16 --json"));
+    assert_eq!(ranges[2]["range"], 8.0);
+    let most = candidates(&ranges);
+    // Quadratic against logarithmic: the notes' claim.
+    assert_eq!([most[0], most[2], most[4]], [81.0, 289.0, 1089.0]);
+    assert!(most[5] - most[3] <= 12.0, "{most:?}");
+
+    let noise = json(&format!("compare {SMALL} --estimators full-search --sweep noise=0,30 --json"));
+    let psnr = |i: usize| noise[i]["psnr_db"].as_f64().unwrap();
+    assert!(psnr(1) < psnr(0) - 5.0);
+}
+
+#[test]
+fn every_format_has_the_same_cells() {
+    let line = format!("compare {SMALL} --estimators three-step,hexagon --sweep block=8,16");
+    let text = stdout(&line);
+    let markdown = stdout(&format!("{line} --markdown"));
+    let csv = stdout(&format!("{line} --csv -"));
+    // Times differ from run to run; the rest does not.
+    let without_time = |cells: Vec<String>| -> Vec<String> {
+        cells.into_iter().enumerate().filter(|(i, _)| *i != 4).map(|(_, cell)| cell).collect()
+    };
+    let words = |line: &str| without_time(line.split_whitespace().map(str::to_owned).collect());
+    let cells = |line: &str| without_time(line.trim_matches('|').split('|').map(|cell| cell.trim().into()).collect());
+    for (text, markdown) in text.lines().zip(markdown.lines().filter(|line| !line.contains("---"))).skip(1).take(4) {
+        assert_eq!(words(text), cells(markdown));
+    }
+    let lines: Vec<&str> = csv.lines().collect();
+    assert!(lines[0].starts_with("estimator,block,candidates_mean,candidates_most,ms,"));
+    assert!(lines.len() == 5 && lines.iter().all(|line| line.split(',').count() == 14));
+    assert!(lines[4].starts_with("hexagon,16,"));
+}
+
+#[test]
+fn what_cannot_be_compared_is_told() {
+    for (more, told) in [
+        ("--estimators diamnd", "diamond"),
+        ("--estimators diamond --set hexagon.block=8", "hexagon is not compared"),
+        ("--estimators diamond --set blok=8", "blok"),
+        ("--estimators diamond --sweep range", "NAME=V1,V2"),
+        ("--estimators diamond --sweep range=4,99", "1 to 64"),
+        ("--estimators diamond --sweep fog=1", "noise"),
+        ("--estimators diamond --frame 2", "frame"),
+        ("--estimators diamond --json --markdown", "--json"),
+    ] {
+        let output = motionscope(&format!("compare {SMALL} {more}"));
+        let sentence = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && sentence.contains(told), "{more}: {sentence}");
+        assert!(sentence.lines().count() == 1 && output.stdout.is_empty(), "{more}: {sentence}");
+    }
+}
