@@ -79,8 +79,9 @@ pub fn is_lengthened(role: Role) -> bool {
 /// What `marks` look like at `place`, back to front. Line widths do not depend on the zoom.
 pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place: Placement) -> Vec<Primitive> {
     let mut primitives = Vec::new();
-    // What is under test is seen also where it lies on the best.
-    let (under_test, others): (Vec<_>, Vec<_>) = marks.into_iter().partition(|mark| mark.role == Role::Candidate);
+    // What is under test is seen also where it lies on the best; its costs lie below all lines.
+    let is_under_test = |mark: &&Mark| mark.role == Role::Candidate && !matches!(mark.shape, Shape::Heat { .. });
+    let (under_test, others): (Vec<_>, Vec<_>) = marks.into_iter().partition(is_under_test);
     for mark in others.into_iter().chain(under_test) {
         if mark.shape.is_finite() {
             Painter { ink: look.theme.ink(mark.role), look, place, out: &mut primitives }.shape(mark.role, &mark.shape);
@@ -406,6 +407,17 @@ mod tests {
         let primitives = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 2.0 });
         let Some(Primitive::Polyline { stroke, .. }) = primitives.last() else { panic!("{primitives:?}") };
         assert_eq!(stroke.color, Theme::Dark.ink(Role::Candidate).color);
+    }
+
+    #[test]
+    fn heat_hides_no_mark_that_lies_over_it() {
+        let mut scene = Scene::default();
+        scene.mark(Picture::Next, Role::Candidate, Shape::Heat { origin: [0.0; 2], values: Grid::new(9, 9, 3.0) });
+        scene.mark(Picture::Next, Role::Best, Shape::pixels(4, 8, 16, 16));
+        let look = Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto);
+        let primitives = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 2.0 });
+        let heat = primitives.iter().position(|primitive| matches!(primitive, Primitive::Image { .. }));
+        assert_eq!((heat, primitives.len()), (Some(0), 3), "the best's rim and line come after");
     }
 
     #[test]
