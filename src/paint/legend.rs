@@ -6,7 +6,7 @@ use motionscope_core::scene::{Mark, Shape};
 use motionscope_core::{Grid, Role};
 
 use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Run, Stroke};
-use super::{ColorMap, Face, Ink, Look, Theme, fonts, marks};
+use super::{ColorMap, Face, Ink, Look, Theme, fonts, marks, number};
 
 /// Width and height of a swatch.
 pub const SWATCH: [f32; 2] = [28.0, 16.0];
@@ -115,16 +115,6 @@ pub fn color_bar(colors: ColorMap, rect: Rect) -> Primitive {
     Primitive::Image { pixels: Arc::new(pixels), rect }
 }
 
-/// A number as a label shows it: three digits are enough, with a true minus sign.
-pub fn number(v: f32) -> String {
-    let shown = match v.abs() {
-        a if a >= 100.0 || v.fract() == 0.0 => format!("{:.0}", v.abs()),
-        a if a >= 1.0 => format!("{:.1}", v.abs()),
-        _ => format!("{:.3}", v.abs()),
-    };
-    if v < 0.0 { format!("−{shown}") } else { shown }
-}
-
 /// The legend, laid out in lines of at most `width` from `min` down, and its height.
 pub(super) fn strip(entries: &[Entry], heat: &str, look: &Look, (min, width): (Point, f32)) -> (Vec<Primitive>, f32) {
     let size = look.theme.sizes().small;
@@ -205,11 +195,6 @@ impl Strip<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_are_short_and_true() {
-        assert_eq!([812.0, -3.0, 0.5, 12.34, 10234.4].map(number), ["812", "−3", "0.500", "12.3", "10234"]);
-    }
 
     #[test]
     fn every_swatch_stays_in_its_box() {

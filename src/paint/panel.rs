@@ -84,6 +84,26 @@ impl View {
         }
     }
 
+    /// What it shows, in one sentence.
+    pub fn tip(self) -> &'static str {
+        match self {
+            View::Current => "Frame t alone, the first of the two.",
+            View::Next => "Frame t+1 alone, the second of the two.",
+            View::SideBySide => "Frame t and frame t+1; the pointer is at the same pixel in both.",
+            View::Difference => {
+                "How much each pixel changes: black where nothing does, brightened if all change little."
+            }
+            View::Blend => "One frame over the other, each with a share that can be set: what moves is seen twice.",
+            View::Blink => "One frame after the other in one place: what moves jumps.",
+            View::Prediction => {
+                "Frame t put together from where its pixels went in frame t+1; there is one at the end of a run."
+            }
+            View::Residual => {
+                "What the prediction of frame t lacks: black where it is right; there is one at the end of a run."
+            }
+        }
+    }
+
     /// The panels of a still picture, left to right.
     pub fn panels(self) -> &'static [Panel] {
         match self {

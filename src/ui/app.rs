@@ -22,6 +22,7 @@ use super::parts::toasts::Toasts;
 use super::parts::widgets;
 use super::style::{self, Look};
 use super::{keys, status, topbar, transport};
+use crate::paint::grouped;
 
 /// What lies over the panes.
 #[derive(Default)]
@@ -254,7 +255,7 @@ impl App {
             ui.set_min_height(small.size + 8.0);
             if let Some((done, of)) = self.view.progress {
                 ui.add(egui::ProgressBar::new(done as f32 / of.max(1) as f32).desired_width(120.0).desired_height(6.0));
-                ui.label(RichText::new(format!("{} of {}", status::grouped(done), status::grouped(of))).small());
+                ui.label(RichText::new(format!("{} of {}", grouped(done), grouped(of))).small());
                 if ui.add(egui::Button::new(RichText::new("Stop (Esc)").small()).small()).clicked() {
                     actions.command(Command::Stop);
                 }

@@ -1,4 +1,4 @@
-//! Axes of plots: where ticks stand and how their numbers are written.
+//! Axes of plots: where ticks stand.
 
 /// A range of values laid along a range of the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,36 +67,6 @@ pub fn ticks(low: f32, high: f32, step: f32) -> Vec<f32> {
     (first..=last).take(1000).map(|i| (i as f64 * step) as f32).collect()
 }
 
-/// A number for a person: a true minus sign, spaces between thousands, four digits that count.
-pub fn number(value: f32) -> String {
-    if !value.is_finite() {
-        return "–".into();
-    }
-    let size = value.abs();
-    let decimals = match size {
-        _ if value.fract() == 0.0 || size >= 1000.0 => 0,
-        _ if size >= 100.0 => 1,
-        _ if size >= 1.0 => 2,
-        _ => 3,
-    };
-    let digits = format!("{size:.decimals$}");
-    let (whole, fraction) = digits.split_once('.').map_or((digits.as_str(), None), |(w, f)| (w, Some(f)));
-    let mut text =
-        String::from(if value < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b)) { "−" } else { "" });
-    for (i, digit) in whole.chars().enumerate() {
-        // Four digits stand together, more are grouped.
-        if i > 0 && whole.len() > 4 && (whole.len() - i).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    if let Some(fraction) = fraction {
-        text.push('.');
-        text.push_str(fraction);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,11 +107,5 @@ mod tests {
         assert_eq!(axis(10.0, 160.0).displacement_ticks(50.0), [-8.0, 0.0, 8.0]);
         assert_eq!(axis(1.0, 900.0).displacement_ticks(50.0), [-1.0, 0.0, 1.0]);
         assert!(axis(f32::NAN, 100.0).displacement_ticks(50.0).is_empty());
-    }
-
-    #[test]
-    fn numbers_are_written_for_people() {
-        let shown = [-3.0, 812.0, 4096.0, 65_025.0, 16_646_400.0, 3.17, -0.0001, f32::NAN].map(number);
-        assert_eq!(shown, ["−3", "812", "4096", "65 025", "16 646 400", "3.17", "0.000", "–"]);
     }
 }

@@ -6,6 +6,7 @@ use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
 pub use super::rungs::Rungs;
+use crate::paint::View;
 
 macro_rules! commands {
     ($( $(#[doc = $doc:literal])+ $name:ident, )+) => {
@@ -203,6 +204,8 @@ impl Command {
     /// How it is shown and called.
     pub fn face(self) -> Face {
         use Command as C;
+        let view =
+            |icon, view: View, keys: &'static [KeyboardShortcut]| (Menu::View, icon, view.name(), view.tip(), keys);
         let (menu, icon, text, tip, keys): (_, _, _, _, &'static [KeyboardShortcut]) = match self {
             C::Open => (
                 Menu::File,
@@ -250,56 +253,14 @@ impl Command {
             C::ResetParameters => {
                 (Menu::Edit, Icon::RotateCcw, "Reset parameters", "Set every parameter as it was declared.", &[])
             }
-            C::SideBySide => (
-                Menu::View,
-                Icon::Columns2,
-                "Side by side",
-                "Frame t on the left, frame t+1 on the right.",
-                const { &[key(Key::Num1)] },
-            ),
-            C::FrameT => (Menu::View, Icon::Square, "Frame t", "The first frame alone.", const { &[key(Key::Num2)] }),
-            C::FrameNext => (
-                Menu::View,
-                Icon::SquareArrowRight,
-                "Frame t+1",
-                "The second frame alone.",
-                const { &[key(Key::Num3)] },
-            ),
-            C::Difference => (
-                Menu::View,
-                Icon::Diff,
-                "Difference",
-                "How far the two frames differ: gray where they are alike.",
-                const { &[key(Key::Num4)] },
-            ),
-            C::Blend => (
-                Menu::View,
-                Icon::Blend,
-                "Blend",
-                "Both frames at half strength: what moved is seen twice.",
-                const { &[key(Key::Num5)] },
-            ),
-            C::Blink => (
-                Menu::View,
-                Icon::FlipHorizontal2,
-                "Blink",
-                "One frame after the other in one place: what moved jumps.",
-                const { &[key(Key::Num6)] },
-            ),
-            C::Prediction => (
-                Menu::View,
-                Icon::Puzzle,
-                "Prediction",
-                "Frame t put together from where its pixels went in frame t+1; there is one at the end of a run.",
-                const { &[key(Key::Num7)] },
-            ),
-            C::Residual => (
-                Menu::View,
-                Icon::Eraser,
-                "Residual",
-                "What the prediction of frame t lacks: black where it is right; there is one at the end of a run.",
-                const { &[key(Key::Num8)] },
-            ),
+            C::SideBySide => view(Icon::Columns2, View::SideBySide, const { &[key(Key::Num1)] }),
+            C::FrameT => view(Icon::Square, View::Current, const { &[key(Key::Num2)] }),
+            C::FrameNext => view(Icon::SquareArrowRight, View::Next, const { &[key(Key::Num3)] }),
+            C::Difference => view(Icon::Diff, View::Difference, const { &[key(Key::Num4)] }),
+            C::Blend => view(Icon::Blend, View::Blend, const { &[key(Key::Num5)] }),
+            C::Blink => view(Icon::FlipHorizontal2, View::Blink, const { &[key(Key::Num6)] }),
+            C::Prediction => view(Icon::Puzzle, View::Prediction, const { &[key(Key::Num7)] }),
+            C::Residual => view(Icon::Eraser, View::Residual, const { &[key(Key::Num8)] }),
             C::ZoomIn => (
                 Menu::View,
                 Icon::ZoomIn,
@@ -368,7 +329,7 @@ impl Command {
                 Menu::View,
                 Icon::PanelBottom,
                 "Charts",
-                "Show or fold away the cost surface, the plots and the table.",
+                "Show or fold away the cost surface, the numbers and the plots.",
                 const { &[ctrl(Key::Num2)] },
             ),
             C::ShowWhy => (

@@ -9,9 +9,12 @@ use eframe::egui::{
 use motionscope_core::Role;
 use motionscope_core::scene::Surface;
 
-use super::axis::{self, Axis};
+use super::axis::Axis;
 use super::{ink, primitives};
-use crate::paint::{ColorMap, Face, Theme};
+use crate::paint::{ColorMap, Face, Theme, grouped, number};
+
+/// What is said of a candidate whose cost was not summed to its end.
+const GIVEN_UP: &str = "given up early";
 
 /// What is mapped.
 #[derive(Clone, Copy)]
@@ -45,6 +48,7 @@ pub fn fingerprint(surface: &Surface) -> u64 {
     surface.values.size().hash(&mut hasher);
     (surface.origin, surface.probe, surface.best).hash(&mut hasher);
     bytemuck::cast_slice::<f32, u8>(surface.values.cells()).hash(&mut hasher);
+    surface.events.cells().hash(&mut hasher);
     hasher.finish()
 }
 
@@ -126,7 +130,7 @@ fn cell(surface: &Surface, [u, v]: [i32; 2]) -> Option<(usize, usize)> {
     Some((place(u, surface.origin[0])?, place(v, surface.origin[1])?))
 }
 
-/// The cost at a displacement, if it was tested.
+/// The cost at a displacement, if it is known.
 pub fn cost(surface: &Surface, at: [i32; 2]) -> Option<f32> {
     let (x, y) = cell(surface, at)?;
     surface.values.get(x, y).copied().filter(|v| v.is_finite())
@@ -138,21 +142,33 @@ fn event(surface: &Surface, at: [i32; 2]) -> Option<usize> {
     surface.events.get(x, y).copied().flatten()
 }
 
+/// How many displacements were tested, and how many of these were given up before their cost was known.
+fn tested(surface: &Surface) -> (usize, usize) {
+    let tested = surface.events.cells().iter().zip(surface.values.cells()).filter(|(event, _)| event.is_some());
+    tested.fold((0, 0), |(all, given_up), (_, cost)| (all + 1, given_up + usize::from(!cost.is_finite())))
+}
+
 /// A displacement as it is written.
 pub fn vector([u, v]: [i32; 2]) -> String {
-    format!("({}, {})", axis::number(u as f32), axis::number(v as f32))
+    format!("({}, {})", number(u as f32), number(v as f32))
 }
 
 /// What the surface shows, in words.
 pub fn summary(surface: &Surface) -> String {
-    let tested = surface.values.cells().iter().filter(|v| v.is_finite()).count();
-    let all = surface.values.cells().len();
-    let best =
-        surface.best.and_then(|at| Some(format!(", smallest {} at {}", axis::number(cost(surface, at)?), vector(at))));
-    format!("{} by displacement: {tested} of {all} tested{}", surface.title, best.unwrap_or_default())
+    let (tested, given_up) = tested(surface);
+    let early = if given_up > 0 { format!(", {} of them {GIVEN_UP}", grouped(given_up)) } else { String::new() };
+    let (tested, all) = (grouped(tested), grouped(surface.values.cells().len()));
+    let best = surface.best.and_then(|at| Some(format!(", smallest {} at {}", number(cost(surface, at)?), vector(at))));
+    format!("{} by displacement: {tested} of {all} tested{early}{}", surface.title, best.unwrap_or_default())
 }
 
-/// What is not known yet: thin slanted lines.
+/// Fills the cells of candidates whose cost is not known since it was too large already.
+fn neutral(theme: Theme) -> Color32 {
+    let chrome = theme.chrome();
+    ink::color(chrome.raised.mix(chrome.text, 0.3))
+}
+
+/// What was not tested yet: thin slanted lines.
 fn hatch(painter: &Painter, rect: Rect, theme: Theme) {
     let chrome = theme.chrome();
     painter.rect_filled(rect, 0.0, ink::color(chrome.raised));
@@ -166,16 +182,19 @@ fn hatch(painter: &Painter, rect: Rect, theme: Theme) {
 }
 
 fn paint_costs(painter: &Painter, map: &Map, input: Input<'_>, state: &mut State) {
-    let Some([low, high]) = input.surface.range() else { return };
+    let [low, high] = input.surface.range().unwrap_or_default();
     let mut hasher = DefaultHasher::new();
-    (fingerprint(input.surface), input.colors.name()).hash(&mut hasher);
+    (fingerprint(input.surface), input.colors.name(), input.theme).hash(&mut hasher);
     let key = hasher.finish();
     if state.texture.as_ref().is_none_or(|(known, _)| *known != key) {
         let (width, height) = input.surface.values.size();
         let span = (high - low).max(f32::MIN_POSITIVE);
-        let color =
-            |v: &f32| if v.is_finite() { ink::color(input.colors.at((v - low) / span)) } else { Color32::TRANSPARENT };
-        let pixels = input.surface.values.cells().iter().map(color).collect();
+        let color = |(cost, event): (&f32, &Option<usize>)| match event {
+            _ if cost.is_finite() => ink::color(input.colors.at((cost - low) / span)),
+            Some(_) => neutral(input.theme),
+            None => Color32::TRANSPARENT,
+        };
+        let pixels = input.surface.values.cells().iter().zip(input.surface.events.cells()).map(color).collect();
         let image = ColorImage::new([width, height], pixels);
         match &mut state.texture {
             Some((known, texture)) => {
@@ -203,7 +222,7 @@ fn axes(painter: &Painter, map: &Map, theme: Theme) {
     for (which, spacing) in [(0, 2.8 * small), (1, 1.8 * small)] {
         let axis = map.axis(which);
         for tick in axis.displacement_ticks(spacing) {
-            let (at, text) = (axis.place(tick), axis::number(tick));
+            let (at, text) = (axis.place(tick), number(tick));
             if which == 0 {
                 painter.vline(at, bottom..=bottom + 4.0, stroke);
                 painter.text(pos2(at, bottom + 6.0), Align2::CENTER_TOP, text, font.clone(), dim);
@@ -246,15 +265,28 @@ fn header(painter: &Painter, map: &Map, area: Rect, input: Input<'_>, hovered: O
     let chrome = input.theme.chrome();
     let font = ink::font(Face::Sans, map.small);
     let y = area.min.y + 0.7 * map.small;
-    let told = match hovered {
-        Some(at) => match cost(input.surface, at) {
-            Some(cost) => format!("{} at {} is {}", input.surface.title, vector(at), axis::number(cost)),
-            None => format!("{} is not tested yet", vector(at)),
-        },
-        None => format!("{} by displacement", input.surface.title),
-    };
-    let text = (told.as_str(), font, ink::color(chrome.text));
-    ink::line(painter, pos2(map.rect.min.x, y), text, area.max.x - map.rect.min.x);
+    let told = told(input.surface, hovered);
+    let mut right = area.max.x;
+    if tested(input.surface).1 > 0 {
+        let dim = ink::color(chrome.dim);
+        let words = painter.layout_no_wrap(GIVEN_UP.into(), font.clone(), dim);
+        let swatch = Rect::from_center_size(pos2(0.0, y), vec2(map.small, map.small));
+        let swatch = swatch.translate(vec2((right - words.size().x - 1.2 * map.small).round(), 0.0));
+        painter.rect_filled(swatch, 0.0, neutral(input.theme));
+        painter.galley(pos2(right - words.size().x, y - words.size().y / 2.0), words, dim);
+        right = swatch.min.x - map.small;
+    }
+    ink::line(painter, pos2(map.rect.min.x, y), (&told, font, ink::color(chrome.text)), right - map.rect.min.x);
+}
+
+/// What is mapped, or what is known of the displacement pointed at.
+fn told(surface: &Surface, hovered: Option<[i32; 2]>) -> String {
+    let Some(at) = hovered else { return format!("{} by displacement", surface.title) };
+    match (cost(surface, at), event(surface, at)) {
+        (Some(cost), _) => format!("{} at {} is {}", surface.title, vector(at), number(cost)),
+        (None, Some(_)) => format!("{} was {GIVEN_UP}", vector(at)),
+        (None, None) => format!("{} is not tested yet", vector(at)),
+    }
 }
 
 fn color_bar(painter: &Painter, map: &Map, input: Input<'_>) {
@@ -271,7 +303,7 @@ fn color_bar(painter: &Painter, map: &Map, input: Input<'_>) {
     let label = |value: f32| {
         let y = axis.place(value);
         painter.hline(bar.max.x..=bar.max.x + 4.0, y, Stroke::new(1.0, dim));
-        painter.text(pos2(bar.max.x + 7.0, y), Align2::LEFT_CENTER, axis::number(value), font.clone(), dim);
+        painter.text(pos2(bar.max.x + 7.0, y), Align2::LEFT_CENTER, number(value), font.clone(), dim);
     };
     label(low);
     if high > low {
@@ -315,10 +347,26 @@ mod tests {
     }
 
     #[test]
+    fn a_candidate_that_was_given_up_is_not_called_untested() {
+        let mut surface = surface();
+        surface.events[(3, 9)] = Some(300);
+        surface.events[(4, 9)] = Some(301);
+        assert_eq!(
+            summary(&surface),
+            "SAD by displacement: 299 of 561 tested, 2 of them given up early, smallest 0 at (−16, −8)"
+        );
+        let told = [[-15, -8], [-13, 1], [-11, 1]].map(|at| told(&surface, Some(at)));
+        assert_eq!(told, ["SAD at (−15, −8) is 1", "(−13, 1) was given up early", "(−11, 1) is not tested yet"]);
+    }
+
+    #[test]
     fn a_fingerprint_changes_with_the_surface() {
         let (a, mut b) = (surface(), surface());
         assert_eq!(fingerprint(&a), fingerprint(&b));
         b.values[(4, 4)] += 1.0;
         assert_ne!(fingerprint(&a), fingerprint(&b));
+        let mut c = surface();
+        c.events[(0, 9)] = Some(300);
+        assert_ne!(fingerprint(&a), fingerprint(&c), "a candidate was given up");
     }
 }

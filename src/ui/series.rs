@@ -6,9 +6,9 @@ use eframe::egui::{self, Align2, Color32, Painter, Pos2, Rect, Sense, Stroke, Ui
 use motionscope_core::Role;
 use motionscope_core::scene::Series;
 
-use super::axis::{self, Axis};
+use super::axis::Axis;
 use super::{ink, primitives};
-use crate::paint::{Face, Theme};
+use crate::paint::{Face, Theme, number};
 
 /// What is plotted.
 #[derive(Clone, Copy)]
@@ -89,13 +89,13 @@ fn axes(painter: &Painter, plot: &Plot, series: &Series, theme: Theme) {
     for tick in plot.y.ticks(3.0 * plot.small, 0.0) {
         let y = plot.y.place(tick);
         painter.hline(plot.rect.x_range(), y, rule);
-        painter.text(pos2(plot.rect.min.x - 7.0, y), Align2::RIGHT_CENTER, axis::number(tick), font.clone(), dim);
+        painter.text(pos2(plot.rect.min.x - 7.0, y), Align2::RIGHT_CENTER, number(tick), font.clone(), dim);
     }
     let bottom = plot.rect.max.y;
     painter.hline(plot.rect.x_range(), bottom, Stroke::new(1.0, dim));
     let width = |text: &str| painter.layout_no_wrap(text.into(), font.clone(), dim).size().x;
     for tick in plot.x.ticks(5.0 * plot.small, 1.0) {
-        let (x, text) = (plot.x.place(tick), axis::number(tick));
+        let (x, text) = (plot.x.place(tick), number(tick));
         painter.vline(x, bottom..=bottom + 4.0, Stroke::new(1.0, dim));
         let x = x.min(painter.clip_rect().max.x - width(&text) / 2.0);
         painter.text(pos2(x, bottom + 6.0), Align2::CENTER_TOP, text, font.clone(), dim);
@@ -169,12 +169,12 @@ fn header(painter: &Painter, plot: &Plot, area: Rect, input: Input<'_>, hovered:
     let text = ink::color(chrome.text);
     let step = hovered.and_then(|x| nearest(series, x));
     let first = match step {
-        Some(x) => format!("{} {}", series.x_label, axis::number(x)),
+        Some(x) => format!("{} {}", series.x_label, number(x)),
         None => format!("{}, {}", series.title, series.y_label),
     };
     let mut words = vec![(first, text)];
     for (name, role, points) in &series.lines {
-        let value = step.and_then(|x| value(*role, points, x)).map(|value| format!(" {}", axis::number(value)));
+        let value = step.and_then(|x| value(*role, points, x)).map(|value| format!(" {}", number(value)));
         words.push((format!("{name}{}", value.unwrap_or_default()), ink::color(theme.word(*role))));
     }
     let galleys = words.into_iter().map(|(words, color)| painter.layout_no_wrap(words, font.clone(), color));
@@ -196,7 +196,7 @@ fn header(painter: &Painter, plot: &Plot, area: Rect, input: Input<'_>, hovered:
 
 fn summary(series: &Series) -> String {
     let last = series.lines.iter().filter_map(|(name, _, points)| {
-        points.last().map(|[x, y]| format!(", {name} {} at {} {}", axis::number(*y), series.x_label, axis::number(*x)))
+        points.last().map(|[x, y]| format!(", {name} {} at {} {}", number(*y), series.x_label, number(*x)))
     });
     format!("{}, {}{}", series.title, series.y_label, last.collect::<String>())
 }

@@ -5,6 +5,7 @@ use motionscope_core::{Cursor, Role};
 
 use super::commands::{Command, Rungs, key_text};
 use super::model::walker::Snapshot;
+use crate::paint::grouped;
 
 /// Where the run stands: `block 35 of 1200 · probe 412 of 1104 · Best so far 812 at (−3, 2) · 38 % of the work`.
 pub fn line(shown: &Snapshot) -> String {
@@ -60,19 +61,6 @@ fn counted(name: &str, index: usize, of: Option<usize>) -> String {
     }
 }
 
-/// A whole number with thin spaces between thousands: 12 345.
-pub fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) && digits.len() > 4 {
-            text.push('\u{202f}');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 /// A share as whole percent; 100 only at the very end.
 fn percent(share: f32) -> u32 {
     if share >= 1.0 { 100 } else { ((share * 100.0) as u32).min(99) }
@@ -81,12 +69,6 @@ fn percent(share: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn thousands_are_set_apart() {
-        assert_eq!((grouped(0), grouped(1200)), ("0".into(), "1200".into()));
-        assert_eq!(grouped(1_234_567), "1\u{202f}234\u{202f}567");
-    }
 
     #[test]
     fn only_the_end_is_all() {

@@ -6,8 +6,8 @@ use eframe::egui::{
 use motionscope_core::Role;
 use motionscope_core::scene::Tile;
 
-use super::{axis, ink};
-use crate::paint::{Face, Theme};
+use super::ink;
+use crate::paint::{Face, Theme, number};
 
 /// Points per pixel from which numbers fit.
 const NUMBERS: f32 = 17.0;
@@ -184,7 +184,7 @@ fn paint(painter: &Painter, tile: &Tile, place: Rect, cell: f32, theme: Theme) -
         let font = ink::font(Face::Sans, (0.42 * cell).clamp(7.5, 14.0));
         for (x, y, v) in known.filter(|(x, y, _)| painter.clip_rect().intersects(square(*x, *y))) {
             let color = super::stage::on_gray(shade(v));
-            let number = axis::number(v);
+            let number = number(v);
             // A square of 255 has five digits: it gets smaller type.
             let font = if number.len() > 4 { ink::font(Face::Sans, font.size * 0.72) } else { font.clone() };
             painter.text(square(x, y).center(), Align2::CENTER_CENTER, number, font, color);
@@ -197,7 +197,7 @@ fn told(tiles: &[Tile], hovered: Option<[usize; 2]>) -> String {
     let Some([x, y]) = hovered else { return "Point at a pixel to compare its numbers.".into() };
     let number = |tile: &Tile| {
         let v = tile.values.get(x, y).copied().unwrap_or(f32::NAN);
-        format!("{} {}", tile.label, axis::number(v))
+        format!("{} {}", tile.label, number(v))
     };
     let numbers: Vec<_> = tiles.iter().map(number).collect();
     format!("column {x}, row {y}: {}", numbers.join(", "))

@@ -7,9 +7,8 @@ use motionscope_core::{Cursor, Role};
 
 use super::model::walker::Snapshot;
 use super::parts::slider::Scale;
-use super::status::grouped;
 use super::style;
-use crate::paint::Theme;
+use crate::paint::{Theme, grouped};
 
 /// Least distance of two ticks in points.
 const TICK_PT: f32 = 9.0;

@@ -6,8 +6,8 @@ use motionscope_core::{Frame, Role};
 
 use super::{Input, State, pixels};
 use crate::paint::legend::{self, Entry, Sample};
-use crate::paint::{Face, Look, Primitive, Theme, View};
-use crate::ui::{axis, ink, primitives};
+use crate::paint::{Face, Look, Primitive, Theme, View, grouped, number};
+use crate::ui::{ink, primitives};
 
 /// The most room that the legend needed, so that the pictures do not jump from step to step.
 #[derive(Clone, Copy, Default)]
@@ -54,7 +54,7 @@ fn choice(ui: &mut Ui, room: f32, at_end: bool, state: &mut State) {
                 let response = ui.add_enabled(enabled, button);
                 let selected = state.view == view;
                 response.widget_info(|| WidgetInfo::selected(egui::Role::Button, enabled, selected, view.name()));
-                if response.on_hover_text(tip(view)).on_disabled_hover_text(tip(view)).clicked() {
+                if response.on_hover_text(view.tip()).on_disabled_hover_text(view.tip()).clicked() {
                     state.view = view;
                 }
             }
@@ -66,7 +66,7 @@ fn choice(ui: &mut Ui, room: f32, at_end: bool, state: &mut State) {
         for view in View::ALL {
             ui.add_enabled_ui(at_end || !view.is_of_the_end(), |ui| {
                 let response = ui.selectable_value(&mut state.view, view, view.name());
-                response.on_hover_text(tip(view)).on_disabled_hover_text(tip(view));
+                response.on_hover_text(view.tip()).on_disabled_hover_text(view.tip());
             });
         }
     });
@@ -83,19 +83,6 @@ fn short(view: View) -> &'static str {
     }
 }
 
-fn tip(view: View) -> &'static str {
-    match view {
-        View::Current => "Frame t, whose blocks are matched.",
-        View::Next => "Frame t+1, which is searched.",
-        View::SideBySide => "Both frames; the pointer is at the same pixel in both.",
-        View::Difference => "How much each pixel changes, brightened where it changes little.",
-        View::Blend => "One frame over the other: what moves is seen twice.",
-        View::Blink => "Both frames in turn: what moves jumps.",
-        View::Prediction => "Frame t put together from where its pixels went, at the end of the run.",
-        View::Residual => "What the prediction of frame t lacks, at the end of the run.",
-    }
-}
-
 fn right_side(ui: &mut Ui, state: &mut State) {
     let legend = ui.selectable_label(state.legend, "Legend").on_hover_text("What the marks mean.");
     if legend.clicked() {
@@ -105,7 +92,7 @@ fn right_side(ui: &mut Ui, state: &mut State) {
     if ui.button("1:1").on_hover_text("One pixel of the picture to one of the screen.").clicked() {
         state.one_to_one(pixels_per_point);
     }
-    if ui.button("Fit").on_hover_text("The whole picture. A double click does the same.").clicked() {
+    if ui.button("Fit").on_hover_text("The whole picture.").clicked() {
         state.fit();
     }
     let percent = state.shown.map_or(100.0, |lens| lens.scale * pixels_per_point * 100.0);
@@ -168,8 +155,12 @@ fn legend_lines(input: &Input<'_>, look: &Look, ui: &Ui, width: f32) -> usize {
         (entry, ink::SWATCH.x + GAP + width_of(meaning))
     };
     let ends = [String::new(), String::new()];
-    let heat =
-        Some((*look, ends, width_of(input.heat) + width_of(" 000 000") + width_of("000 000") + BAR.x + 2.0 * GAP));
+    let widest = grouped(888_888);
+    let heat = Some((
+        *look,
+        ends,
+        width_of(input.heat) + width_of(&format!(" {widest}")) + width_of(&widest) + BAR.x + 2.0 * GAP,
+    ));
     let entries = input.scene.legend.iter().map(entry).collect();
     Items { entries, heat, theme: input.theme }.layout(width).1
 }
@@ -179,8 +170,8 @@ fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items
     let panels = state.view.panels();
     let shown = input.scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
     let zoom = state.shown.map_or(1.0, |lens| lens.scale);
-    let is_close = zoom >= pixels::NUMBERS;
-    let has_heat = !is_close && shown.clone().any(|mark| matches!(mark.shape, Shape::Heat { .. }));
+    let has_numbers = state.shown.is_some_and(|lens| pixels::has_numbers(&lens));
+    let has_heat = !has_numbers && shown.clone().any(|mark| matches!(mark.shape, Shape::Heat { .. }));
     let width = |text: &str| text_width(ui, text, input.theme);
     let entries = legend::entries(&input.scene.legend, shown, look, zoom);
     let entries = entries.into_iter().map(|entry| {
@@ -188,7 +179,7 @@ fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items
         (entry, width)
     });
     let heat = look.heat.filter(|_| has_heat).map(|range| {
-        let [low, high] = range.map(axis::number);
+        let [low, high] = range.map(number);
         let low = format!("{} {low}", input.heat).trim_start().to_owned();
         if range[0] == range[1] {
             let width = width(&low);
@@ -319,18 +310,18 @@ struct Column {
 
 fn columns(pair: &[std::sync::Arc<Frame>; 2], pixel: [usize; 2]) -> Vec<Column> {
     let [x, y] = pixel;
-    let number = |label, value: String, digits| Column { label, value, digits, color: None };
+    let column = |label, value: String, digits| Column { label, value, digits, color: None };
     let grays = [0, 1].map(|i| pixels::gray_at(pair[i].luma(), pixel));
-    let mut columns = vec![number("x", x.to_string(), 4.0), number("y", y.to_string(), 4.0)];
+    let mut columns = vec![column("x", x.to_string(), 4.0), column("y", y.to_string(), 4.0)];
     for (label, gray, frame) in [("t", &grays[0], &pair[0]), ("t+1", &grays[1], &pair[1])] {
-        columns.push(Column { color: pixels::rgb_at(frame, pixel), ..number(label, gray.clone(), 3.0) });
+        columns.push(Column { color: pixels::rgb_at(frame, pixel), ..column(label, gray.clone(), 3.0) });
     }
     if let [Ok(a), Ok(b)] = grays.map(|gray| gray.parse::<i32>()) {
-        columns.push(number("change", axis::number((b - a) as f32), 4.0));
+        columns.push(column("change", number((b - a) as f32), 4.0));
     }
     for (label, frame) in [("RGB t", &pair[0]), ("RGB t+1", &pair[1])] {
         if let Some([r, g, b]) = pixels::rgb_at(frame, pixel) {
-            columns.push(number(label, format!("{r} {g} {b}"), 10.0));
+            columns.push(column(label, format!("{r} {g} {b}"), 10.0));
         }
     }
     columns

@@ -69,7 +69,8 @@ impl Marks {
         if !fresh {
             let kept = at.map(|i| self.slots.swap_remove(i).kept).unwrap_or_default();
             // Where numbers stand in the pixels, heat would hide them.
-            let clear = |mark: &Mark| lens.scale < pixels::NUMBERS || !matches!(mark.shape, MarkShape::Heat { .. });
+            let has_numbers = pixels::has_numbers(lens);
+            let clear = |mark: &Mark| !has_numbers || !matches!(mark.shape, MarkShape::Heat { .. });
             let shown = |(i, mark): &(usize, &Mark)| panel.shows(mark.on) && clear(mark) && !key.without.contains(i);
             let still = input.scene.marks.iter().enumerate().filter(shown).map(|(_, mark)| mark);
             let mut maker = Maker::new(painter, input.gpu, kept);

@@ -234,9 +234,6 @@ fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec<Rec
 
 /// The new zoom, if the person turned the wheel, pinched or dragged.
 fn looked(ui: &Ui, sensed: &egui::Response, lens: &Lens) -> Option<Zoom> {
-    if sensed.double_clicked() {
-        return Some(Zoom::Fit);
-    }
     if sensed.dragged() && sensed.drag_delta() != Vec2::ZERO {
         return Some(lens.panned(sensed.drag_delta()));
     }
@@ -251,7 +248,7 @@ fn paint(ui: &Ui, panel: Panel, lens: &Lens, input: &Input<'_>, state: &mut Stat
     let share = (panel == Panel::Blend).then_some(state.blend);
     let gain = state.pictures.paint(&painter, panel, share, lens, input.pictures);
     pixels::grid(&painter, lens);
-    pixels::numbers(&painter, (panel, state.blend), lens, input.pictures);
+    pixels::numbers(&painter, pixels::Shown { panel, share: state.blend, gain }, lens, input.pictures);
     let time = ui.input(|i| i.time);
     let moving = state.glide.marks(time);
     // A frame at the edge of the picture stays whole, all else ends with the picture.

@@ -10,7 +10,7 @@ use crate::ui::ink;
 /// Points per pixel from which the grid is drawn.
 const GRID: f32 = 12.0;
 /// Points per pixel from which numbers fit.
-pub const NUMBERS: f32 = 26.0;
+const NUMBERS: f32 = 26.0;
 /// More numbers than anyone can read are not written.
 const MOST_NUMBERS: usize = 3000;
 
@@ -30,30 +30,46 @@ pub fn grid(painter: &Painter, lens: &Lens) {
     }
 }
 
-/// The gray value in each pixel; a blend has this share of frame t + 1.
-pub fn numbers(painter: &Painter, panel: (Panel, f32), lens: &Lens, pictures: &Pictures) {
-    let Some([[left, right], [top, bottom]]) = lens.visible().filter(|_| lens.scale >= NUMBERS) else { return };
-    if (right - left + 1) * (bottom - top + 1) > MOST_NUMBERS {
-        return;
-    }
+/// A picture as it is shown.
+#[derive(Clone, Copy)]
+pub struct Shown {
+    /// Which one.
+    pub panel: Panel,
+    /// The share of frame t + 1 in a blend.
+    pub share: f32,
+    /// How many times brighter it is than its numbers say.
+    pub gain: u16,
+}
+
+/// Whether the pixels have room for their numbers, and these are few enough to be read. Heat would hide them.
+pub fn has_numbers(lens: &Lens) -> bool {
+    let few = |[[left, right], [top, bottom]]: [[usize; 2]; 2]| (right - left + 1) * (bottom - top + 1) <= MOST_NUMBERS;
+    lens.scale >= NUMBERS && lens.visible().is_some_and(few)
+}
+
+/// The gray value in each pixel, where there is room.
+pub fn numbers(painter: &Painter, shown: Shown, lens: &Lens, pictures: &Pictures) {
+    let Some([[left, right], [top, bottom]]) = lens.visible().filter(|_| has_numbers(lens)) else { return };
     let font = ink::font(Face::Sans, (0.36 * lens.scale).clamp(9.0, 18.0));
     for y in top..=bottom {
         for x in left..=right {
-            let Some((value, shade)) = value(panel, pictures, x, y) else { continue };
+            let Some((value, shade)) = value(shown, pictures, x, y) else { continue };
             let at = lens.to_screen([x as f32, y as f32]);
             painter.text(at, Align2::CENTER_CENTER, value.to_string(), font.clone(), on_gray(shade));
         }
     }
 }
 
-/// The number in a pixel of `panel`, and how bright the pixel is.
-fn value((panel, share): (Panel, f32), pictures: &Pictures, x: usize, y: usize) -> Option<(u8, u8)> {
+/// The number in a pixel, and how bright the pixel is.
+fn value(Shown { panel, share, gain }: Shown, pictures: &Pictures, x: usize, y: usize) -> Option<(u8, u8)> {
     let frames = panel.frames(pictures);
     let gray = |i: usize| frames[i].luma().get(x, y).copied();
     match panel {
         Panel::Current | Panel::Next | Panel::Prediction => gray(0).map(|v| (v, v)),
-        // Differences are shown brighter than they are.
-        Panel::Difference | Panel::Residual => Some(gray(0)?.abs_diff(gray(1)?)).map(|v| (v, v.saturating_mul(4))),
+        Panel::Difference | Panel::Residual => {
+            let v = gray(0)?.abs_diff(gray(1)?);
+            Some((v, (u16::from(v) * gain).min(255) as u8))
+        }
         Panel::Blend => {
             let v = egui::lerp(f32::from(gray(0)?)..=f32::from(gray(1)?), share.clamp(0.0, 1.0)).round() as u8;
             Some((v, v))
@@ -111,11 +127,10 @@ mod tests {
     fn a_pixel_tells_the_number_that_it_shows() {
         let frame = |v| Arc::new(Frame::gray(Grid::new(3, 2, v)));
         let pair = Pictures::of([frame(10), frame(250)]);
-        let shown = (Panel::Difference, 0.0);
-        assert_eq!(value((Panel::Next, 0.0), &pair, 2, 1), Some((250, 250)));
-        assert_eq!(value(shown, &pair, 0, 0), Some((240, 255)));
-        assert_eq!(value((Panel::Current, 0.0), &pair, 3, 0), None);
-        assert_eq!(value((Panel::Blend, 0.25), &pair, 0, 0), Some((70, 70)));
+        let shown = |panel| Shown { panel, share: 0.25, gain: 1 };
+        assert_eq!(value(shown(Panel::Next), &pair, 2, 1), Some((250, 250)));
+        assert_eq!(value(shown(Panel::Current), &pair, 3, 0), None);
+        assert_eq!(value(shown(Panel::Blend), &pair, 0, 0), Some((70, 70)));
         let first = pair.pair[0].luma();
         assert_eq!((gray_at(first, [1, 1]), gray_at(first, [9, 9])), ("10".into(), "–".into()));
     }
@@ -123,5 +138,24 @@ mod tests {
     #[test]
     fn numbers_contrast_with_their_pixel() {
         assert!(on_gray(255).r() < 10 && on_gray(0).r() > 200);
+        // A change of 20 is nearly black as it is, and light gray at 8 times its brightness.
+        let frame = |v| Arc::new(Frame::gray(Grid::new(3, 2, v)));
+        let pair = Pictures::of([frame(10), frame(30)]);
+        for panel in [Panel::Difference, Panel::Residual] {
+            let pair = Pictures { prediction: Some(frame(30)), ..pair.clone() };
+            let shown = [1, 4, 8, 200].map(|gain| value(Shown { panel, share: 0.5, gain }, &pair, 0, 0));
+            assert_eq!(shown, [Some((20, 20)), Some((20, 80)), Some((20, 160)), Some((20, 255))]);
+        }
+    }
+
+    #[test]
+    fn heat_is_hidden_only_where_numbers_are_written() {
+        let at = |scale, side| {
+            let pane = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(side, side));
+            has_numbers(&Lens::new(pane, (584, 388), crate::ui::stage::Zoom::At { center: [99.0; 2], scale }))
+        };
+        assert!(at(30.0, 600.0) && at(50.0, 2400.0), "up to 3000 numbers");
+        assert!(!at(30.0, 2400.0), "6400 numbers are too many");
+        assert!(!at(20.0, 600.0), "numbers do not fit");
     }
 }

@@ -18,9 +18,9 @@ use serde::{Deserialize, Serialize};
 
 pub use orbit::Orbit;
 
-use super::axis::{self, Axis};
+use super::axis::Axis;
 use super::{heat_map, ink};
-use crate::paint::{ColorMap, Face, Theme};
+use crate::paint::{ColorMap, Face, Theme, number};
 use gpu::Gpu;
 use orbit::Screen;
 use relief::{Bench, Relief};
@@ -214,7 +214,7 @@ impl Stand<'_> {
             for tick in on_screen.displacement_ticks(3.0 * small) {
                 let a = axis.place(tick);
                 self.line(point(a, -across), point(a, across), false);
-                self.word(point(a, near), 0.9, &axis::number(tick), Face::Sans);
+                self.word(point(a, near), 0.9, &number(tick), Face::Sans);
             }
             for side in [-across, across] {
                 self.line(point(-along, side), point(along, side), side == near);
@@ -240,7 +240,7 @@ impl Stand<'_> {
             for tick in axis.ticks(2.2 * small, 0.0) {
                 let at = self.at(foot + Vec3::Y * self.bench.height(tick));
                 self.painter.hline(at.x - 4.0..=at.x, at.y, Stroke::new(1.0, dim));
-                let text = axis::number(tick);
+                let text = number(tick);
                 self.write(at - vec2(7.0, 0.0), Align2::RIGHT_CENTER, &text, (font.clone(), dim));
             }
         }
@@ -276,7 +276,7 @@ impl Stand<'_> {
                 Some(false) => Align2::LEFT_BOTTOM,
             };
             let color = ink::color(self.theme.word(role));
-            let galley = self.painter.layout_no_wrap(axis::number(cost), font.clone(), color);
+            let galley = self.painter.layout_no_wrap(number(cost), font.clone(), color);
             let rect = align.anchor_size(head - vec2(0.0, 3.0), galley.size());
             let back = ink::color(self.theme.chrome().panel.alpha(200));
             self.painter.rect_filled(rect.expand2(vec2(4.0, 0.0)), 3.0, back);

@@ -1,0 +1,63 @@
+//! How numbers are written, in the window and in pictures alike.
+
+/// Between groups of three digits: thin, and no line is broken there.
+const THIN_SPACE: char = '\u{202f}';
+
+/// A number for a person: a true minus sign, thin spaces between thousands, four digits that count.
+pub fn number(value: f32) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    let size = value.abs();
+    let decimals = match size {
+        _ if value.fract() == 0.0 || size >= 1000.0 => 0,
+        _ if size >= 100.0 => 1,
+        _ if size >= 1.0 => 2,
+        _ => 3,
+    };
+    let digits = format!("{size:.decimals$}");
+    let (whole, fraction) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
+    let is_negative = value < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b));
+    format!("{}{}{fraction}", if is_negative { "−" } else { "" }, spaced(whole))
+}
+
+/// A whole number with thin spaces between thousands: 12 345.
+pub fn grouped(count: usize) -> String {
+    spaced(&count.to_string())
+}
+
+/// Four digits stand together, more are grouped.
+fn spaced(digits: &str) -> String {
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && digits.len() > 4 && (digits.len() - i).is_multiple_of(3) {
+            text.push(THIN_SPACE);
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paint::{Face, fonts};
+
+    #[test]
+    fn numbers_are_written_for_people() {
+        let shown = [-3.0, 812.0, 4096.0, 65_025.0, 16_646_400.0, 3.17, -0.0001, f32::NAN].map(number);
+        assert_eq!(shown, ["−3", "812", "4096", "65\u{202f}025", "16\u{202f}646\u{202f}400", "3.17", "0.000", "–"]);
+        assert_eq!([0.5, 12.34, 110.73, 10_234.4].map(number), ["0.500", "12.34", "110.7", "10\u{202f}234"]);
+    }
+
+    #[test]
+    fn thousands_are_set_apart() {
+        assert_eq!([0, 1200, 1_234_567].map(grouped), ["0", "1200", "1\u{202f}234\u{202f}567"]);
+    }
+
+    #[test]
+    fn the_type_has_the_thin_space() {
+        let width = |text: &str| fonts::width(text, Face::Sans, 100.0);
+        assert!(width("1\u{202f}2") > width("12") && width("1\u{202f}2") < width("1 2"));
+    }
+}
