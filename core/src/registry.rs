@@ -1,7 +1,8 @@
 //! Every estimator there is, in the order of the course.
 
 use crate::block_matching::{
-    Diamond, FourStep, FullSearch, Hexagon, LogSearch, NewThreeStep, QuadrantSearch, ThreeStep,
+    AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, LogSearch, NewThreeStep, Predictive, QuadrantSearch,
+    ThreeStep,
 };
 use crate::{AnyEstimator, Error};
 
@@ -16,6 +17,8 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(FourStep::default()),
         Box::new(Diamond::default()),
         Box::new(Hexagon::default()),
+        Box::new(AdaptiveRood::default()),
+        Box::new(Predictive::default()),
     ]
 }
 

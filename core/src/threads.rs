@@ -1,10 +1,11 @@
 //! The one door behind which threads are.
 
-use rayon::prelude::*;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::Error;
 
-/// A number of threads to spread independent work over.
+/// A number of threads to spread work over.
 pub struct Threads(Option<rayon::ThreadPool>);
 
 impl Threads {
@@ -37,11 +38,82 @@ impl Threads {
         self.0.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
     }
 
-    /// `f` of 0, 1, … `n − 1`, in that order, computed in any.
-    pub fn map<T: Send>(&self, n: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
-        match &self.0 {
-            None => (0..n).map(f).collect(),
-            Some(pool) => pool.install(|| (0..n).into_par_iter().with_max_len(1).map(f).collect()),
+    /// `f` of every place of a grid, row by row. Each thread takes the next row and works along it, with its own
+    /// `desk` of buffers. `f` may ask [`Earlier`] for what it gave at a place before: in a row above, or to the left.
+    /// It waits there until the other thread has come that far, so what it gets does not depend on their number.
+    pub(crate) fn sweep<T: Copy + Send + Sync, D>(
+        &self,
+        (columns, rows): (usize, usize),
+        desk: impl Fn() -> D + Sync,
+        f: impl Fn(&mut D, usize, Earlier<T>) -> T + Sync,
+    ) -> Vec<T> {
+        let Some(pool) = &self.0 else {
+            let (mut done, mut desk) = (Vec::with_capacity(columns * rows), desk());
+            for index in 0..columns * rows {
+                done.push(f(&mut desk, index, Earlier::All(&done)));
+            }
+            return done;
+        };
+        let cells: Vec<OnceLock<T>> = (0..columns * rows).map(|_| OnceLock::new()).collect();
+        let (next_row, is_lost) = (AtomicUsize::new(0), AtomicBool::new(false));
+        // Rows are taken in order, so the first that is not finished waits for nobody: there is always one that goes on.
+        pool.broadcast(|_| {
+            let _guard = OnPanic(&is_lost);
+            let mut desk = desk();
+            loop {
+                let row = next_row.fetch_add(1, Ordering::Relaxed);
+                if row >= rows {
+                    return;
+                }
+                for index in row * columns..(row + 1) * columns {
+                    let value = f(&mut desk, index, Earlier::SoFar(&cells, &is_lost));
+                    // Nobody else takes this row.
+                    let _ = cells[index].set(value);
+                }
+            }
+        });
+        cells.into_iter().filter_map(OnceLock::into_inner).collect()
+    }
+}
+
+/// What a sweep gave at the places before.
+#[derive(Clone, Copy)]
+pub(crate) enum Earlier<'a, T> {
+    /// One thread: all of them are done.
+    All(&'a [T]),
+    /// Several: some may not be done yet. The flag says that one of the threads has panicked.
+    SoFar(&'a [OnceLock<T>], &'a AtomicBool),
+}
+
+impl<T: Copy> Earlier<'_, T> {
+    /// What was given at `index`.
+    ///
+    /// # Panics
+    /// If it lies neither in a row above nor to the left, or the thread that was to do it has panicked.
+    pub fn at(&self, index: usize) -> T {
+        match self {
+            Earlier::All(done) => done[index],
+            Earlier::SoFar(cells, is_lost) => loop {
+                for _ in 0..1000 {
+                    if let Some(value) = cells[index].get() {
+                        return *value;
+                    }
+                    std::hint::spin_loop();
+                }
+                assert!(!is_lost.load(Ordering::Relaxed), "another thread of the sweep has panicked");
+                std::thread::yield_now();
+            },
+        }
+    }
+}
+
+/// Raises a flag when its thread panics, so that others do not wait for it.
+struct OnPanic<'a>(&'a AtomicBool);
+
+impl Drop for OnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.store(true, Ordering::Relaxed);
         }
     }
 }
@@ -51,9 +123,43 @@ mod tests {
     use super::*;
 
     #[test]
-    fn order_does_not_depend_on_the_number_of_threads() {
-        let squares = |n| Threads::new(n).unwrap().map(1000, |i| i * i);
-        assert_eq!(squares(1), squares(3));
+    fn a_sweep_does_not_depend_on_the_number_of_threads() {
+        let (columns, rows) = (37, 50);
+        // Every place depends on the one to the left and the one above to the right: a mistake anywhere spreads.
+        let sweep = |threads| {
+            Threads::new(threads).unwrap().sweep(
+                (columns, rows),
+                || 0u64,
+                |calls, index, earlier: Earlier<u64>| {
+                    *calls += 1;
+                    let left = if index % columns > 0 { earlier.at(index - 1) } else { 1u64 };
+                    let above = if index >= columns {
+                        earlier.at((index - columns + 1).min(index / columns * columns - 1))
+                    } else {
+                        2
+                    };
+                    left.wrapping_mul(0x9E37_79B9).wrapping_add(above) ^ index as u64
+                },
+            )
+        };
+        assert_eq!(sweep(1).len(), columns * rows);
+        assert_eq!(sweep(1), sweep(2));
+        assert_eq!(sweep(1), sweep(5));
         assert!(Threads::new(0).is_err() && Threads::new(Threads::MAX + 1).is_err());
+    }
+
+    #[test]
+    fn a_panic_in_one_thread_ends_the_sweep() {
+        let sweep = || {
+            Threads::new(2).unwrap().sweep(
+                (4, 4),
+                || (),
+                |(), index, earlier: Earlier<usize>| {
+                    assert!(index != 5, "as planned");
+                    if index >= 4 { earlier.at(index - 4) + 1 } else { index }
+                },
+            )
+        };
+        assert!(std::panic::catch_unwind(sweep).is_err());
     }
 }

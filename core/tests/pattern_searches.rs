@@ -17,7 +17,17 @@ struct Plain<'a> {
     range: i64,
     border: &'a str,
     squared: bool,
+    nearby: Nearby,
     costs: BTreeMap<Vector, i64>,
+}
+
+/// What was found for the blocks to the left, above, above right, and for this one in the pair before.
+#[derive(Clone, Copy, Debug, Default)]
+struct Nearby {
+    left: Option<Vector>,
+    above: Option<Vector>,
+    above_right: Option<Vector>,
+    before: Option<Vector>,
 }
 
 impl Plain<'_> {
@@ -64,6 +74,24 @@ impl Plain<'_> {
         best
     }
 
+    fn best_cost(&self) -> f64 {
+        self.costs[&self.best()] as f64
+    }
+
+    /// The cost of this block if every pixel is off by `levels` gray levels.
+    fn cost_of(&self, levels: f64) -> f64 {
+        let [(x0, x1), (y0, y1)] = self.extent();
+        ((x1 - x0) * (y1 - y0)) as f64 * if self.squared { levels * levels } else { levels }
+    }
+
+    fn walk(&mut self, pattern: &[Vector]) {
+        let mut centre = None;
+        while centre != Some(self.best()) {
+            centre = Some(self.best());
+            self.test(pattern, 1, self.best());
+        }
+    }
+
     fn at_edge(&self, (u, v): Vector) -> bool {
         [(1, 0), (-1, 0), (0, 1), (0, -1)].iter().any(|(a, b)| !self.is_allowed((u + a, v + b)))
     }
@@ -86,8 +114,19 @@ fn steps(range: i64) -> Vec<i64> {
 
 /// The searches, as simple as possible.
 fn search(id: &str, plain: &mut Plain) {
+    if id == "predictive" {
+        return predictive(plain);
+    }
     plain.test(CENTRE, 1, (0, 0));
     match id {
+        "adaptive-rood" => {
+            if plain.best_cost() > plain.cost_of(2.0) {
+                let arm = plain.nearby.left.map_or(2, |(u, v)| u.abs().max(v.abs()));
+                plain.test(CROSS, arm, (0, 0));
+                plain.test(&plain.nearby.left.into_iter().collect::<Vec<_>>(), 1, (0, 0));
+                plain.walk(CROSS);
+            }
+        }
         "three-step" => {
             for step in steps(plain.range) {
                 plain.test(NEIGHBOURS, step, plain.best());
@@ -114,11 +153,7 @@ fn search(id: &str, plain: &mut Plain) {
             plain.test(NEIGHBOURS, 1, plain.best());
         }
         "diamond" | "hexagon" => {
-            let mut centre = None;
-            while centre != Some(plain.best()) {
-                centre = Some(plain.best());
-                plain.test(if id == "diamond" { DIAMOND } else { HEXAGON }, 1, plain.best());
-            }
+            plain.walk(if id == "diamond" { DIAMOND } else { HEXAGON });
             plain.test(CROSS, 1, plain.best());
         }
         "log-search" => {
@@ -158,8 +193,43 @@ fn search(id: &str, plain: &mut Plain) {
     }
 }
 
-const IDS: [&str; 7] =
-    ["quadrant-search", "log-search", "three-step", "new-three-step", "four-step", "diamond", "hexagon"];
+/// The predictive search with its thresholds of 0.25 and 2 gray levels and its grid of 3 px.
+fn predictive(plain: &mut Plain) {
+    let Nearby { left, above, above_right, before } = plain.nearby;
+    let middle = |part: fn(Vector) -> i64| {
+        let mut parts = [left, above, above_right].map(|found| found.map_or(0, part));
+        parts.sort();
+        parts[1]
+    };
+    let median = if above.is_none() { left.unwrap_or_default() } else { (middle(|(u, _)| u), middle(|(_, v)| v)) };
+    plain.test(CENTRE, 1, median);
+    if plain.costs.is_empty() || plain.best_cost() > plain.cost_of(0.25) {
+        let known: Vec<_> = [left, above, above_right, before].into_iter().flatten().collect();
+        plain.test(CENTRE, 1, (0, 0));
+        plain.test(&known, 1, (0, 0));
+        if plain.best_cost() > plain.cost_of(0.25) {
+            plain.walk(NEIGHBOURS);
+            if plain.best_cost() > plain.cost_of(2.0) {
+                let reach = plain.range / 3;
+                let grid: Vec<_> = (-reach..=reach).flat_map(|v| (-reach..=reach).map(move |u| (u, v))).collect();
+                plain.test(&grid, 3, (0, 0));
+                plain.walk(NEIGHBOURS);
+            }
+        }
+    }
+}
+
+const IDS: [&str; 9] = [
+    "quadrant-search",
+    "log-search",
+    "three-step",
+    "new-three-step",
+    "four-step",
+    "diamond",
+    "hexagon",
+    "adaptive-rood",
+    "predictive",
+];
 
 fn picture(width: usize, height: usize, seed: u32, levels: u32) -> Gray {
     Grid::from_fn(width, height, |x, y| {
@@ -186,8 +256,8 @@ proptest! {
     ) {
         let all = picture(width + 6, height + 6, seed, levels);
         let cut = |dx, dy| Grid::from_fn(width, height, |x, y| all[(x + dx, y + dy)]);
-        let (current, next) = (cut(dx, dy), cut(0, 3));
-        let clip = Clip::from_frames("pair", vec![Frame::gray(current.clone()), Frame::gray(next.clone())]).expect("sound");
+        let frames = [cut(dx, dy), cut(0, 3), cut(dy, 1)];
+        let clip = Clip::from_frames("three", frames.iter().cloned().map(Frame::gray).collect()).expect("sound");
         for id in IDS {
             let mut estimator = estimator(id).expect("sound");
             for (name, value) in [
@@ -198,46 +268,72 @@ proptest! {
             ] {
                 estimator.set(name, &value).expect("sound");
             }
-            let Output::Blocks(field) = estimator.run(&clip, 0, &Threads::single()).expect("sound");
-            let mut candidates = 0;
-            for (i, found) in field.vectors.iter().enumerate() {
-                let at = field.blocks.block(i);
-                let (corner, block) = ((at.x as i64, at.y as i64), block as i64);
-                let costs = BTreeMap::new();
-                let mut plain = Plain { current: &current, next: &next, corner, block, range, border, squared, costs };
-                search(id, &mut plain);
-                candidates += plain.costs.len() as u64;
-                let (u, v) = plain.best();
-                let found = found.expect("every block is searched");
-                prop_assert_eq!(
-                    (found.displacement, found.cost),
-                    ([u as f32, v as f32], plain.costs[&(u, v)] as f64),
-                    "{} block {}", id, i
-                );
+            let looks_back = estimator.set("temporal", "on").is_ok();
+            let mut before = None;
+            for t in 0..2 {
+                let Output::Blocks(field) = estimator.run(&clip, t, &Threads::single()).expect("sound");
+                let (mut candidates, columns, mut all_found) = (0, field.blocks.counts().0, Vec::<Vector>::new());
+                for (i, found) in field.vectors.iter().enumerate() {
+                    let at = field.blocks.block(i);
+                    let above = |shift: usize| i.checked_sub(columns).map(|above| all_found[above + shift]);
+                    let nearby = Nearby {
+                        left: (i % columns > 0).then(|| all_found[i - 1]),
+                        above: above(0),
+                        above_right: if (i + 1).is_multiple_of(columns) { None } else { above(1) },
+                        before: before.as_ref().map(|before: &Vec<Vector>| before[i]),
+                    };
+                    let mut plain = Plain {
+                        current: &frames[t],
+                        next: &frames[t + 1],
+                        corner: (at.x as i64, at.y as i64),
+                        block: block as i64,
+                        range,
+                        border,
+                        squared,
+                        nearby,
+                        costs: BTreeMap::new(),
+                    };
+                    search(id, &mut plain);
+                    candidates += plain.costs.len() as u64;
+                    let (u, v) = plain.best();
+                    let found = found.expect("every block is searched");
+                    prop_assert_eq!(
+                        (found.displacement, found.cost),
+                        ([u as f32, v as f32], plain.costs[&(u, v)] as f64),
+                        "{} block {}", id, i
+                    );
+                    all_found.push((u, v));
+                }
+                prop_assert_eq!(field.candidates(), candidates, "{}", id);
+                // What the search of the pair before found, which did not look back itself.
+                before = looks_back.then_some(all_found);
             }
-            prop_assert_eq!(field.candidates(), candidates, "{}", id);
         }
     }
 }
 
-/// How many candidates `id` tests within `range` for a 16×16 block in the middle of the picture, on a surface of costs
-/// that falls from all sides towards `valley`, and whether it finds it.
-fn candidates(id: &str, range: usize, valley: Vector) -> (usize, bool) {
-    let black = Grid::new(80, 80, 0);
-    // The block's middle lies between its pixels 39 and 40.
-    let distance = |p: usize, shift: i64| (2 * p as i64 - 79 - 2 * shift).unsigned_abs();
-    let pit = Grid::from_fn(80, 80, |x, y| (distance(x, valley.0) + distance(y, valley.1)) as u8);
-    let clip = Clip::from_frames("pit", vec![Frame::gray(black), Frame::gray(pit)]).expect("sound");
+/// A black picture, and then a pit: its darkest place is where the middle of block `unit` of 5×5 goes if it moves by
+/// `valley`. The cost of that block grows to all sides from there.
+fn pit(unit: usize, valley: Vector) -> Clip {
+    let middle = |block: usize| 32 * block as i64 + 15;
+    let distance = |p: usize, middle: i64, shift: i64| (2 * p as i64 - middle - 2 * shift).unsigned_abs();
+    let (x0, y0) = (middle(unit % 5), middle(unit / 5));
+    let pit = Grid::from_fn(80, 80, |x, y| (distance(x, x0, valley.0) + distance(y, y0, valley.1)).min(255) as u8);
+    Clip::from_frames("pit", vec![Frame::gray(Grid::new(80, 80, 0)), Frame::gray(pit)]).expect("sound")
+}
+
+/// How many candidates `id` tests for block `unit` of a pit in that block, and whether it finds the pit.
+fn candidates(id: &str, settings: &[(&str, &str)], unit: usize, valley: Vector) -> (usize, bool) {
     let mut search = estimator(id).expect("sound");
-    search.set("range", &range.to_string()).expect("sound");
-    let mut walk = search.walk(&clip, 0).expect("sound");
-    walk.jump(Move::To(Cursor { unit: 12, event: usize::MAX }));
+    settings.iter().for_each(|(name, value)| search.set(name, value).expect("sound"));
+    let mut walk = search.walk(&pit(unit, valley), 0).expect("sound");
+    walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
     let Output::Blocks(field) = walk.output();
-    let found = field.vectors[12].expect("sound").displacement == [valley.0 as f32, valley.1 as f32];
+    let found = field.vectors[unit].expect("sound").displacement == [valley.0 as f32, valley.1 as f32];
     let readouts = walk.step(None).readouts;
     let Some(Readout::Facts(facts)) = readouts.first() else { panic!("facts come first") };
-    let tested =
-        facts.iter().find(|fact| fact.label == "Tested").expect("sound").value.split(' ').next().expect("sound");
+    let tested = &facts.iter().find(|fact| fact.label == "Tested").expect("sound").value;
+    let (tested, _) = tested.split_once(' ').expect("sound");
     (tested.parse().expect("sound"), found)
 }
 
@@ -272,14 +368,29 @@ fn counts_are_those_of_the_papers() {
         // The course: quarters of ±8 px, 13 points and then 8 new ones a round, 4 in the last.
         ("quadrant-search", 8, (5, -6), 33),
     ] {
-        assert_eq!(candidates(id, range, valley), (count, true), "{id} ±{range} at {valley:?}");
+        let found = candidates(id, &[("range", &range.to_string())], 12, valley);
+        assert_eq!(found, (count, true), "{id} ±{range} at {valley:?}");
     }
+}
+
+#[test]
+fn searches_that_predict_test_as_few_as_their_papers_say() {
+    // The first block has no neighbours. Nie and Ma 2002, section III: 1 if the block counts as still, else arms of
+    // 2 px and then a small diamond: 5 + 4.
+    let outside = ("border", "replicate");
+    assert_eq!(candidates("adaptive-rood", &[outside, ("still", "16")], 0, (0, 0)), (1, true));
+    assert_eq!(candidates("adaptive-rood", &[outside, ("still", "0")], 0, (0, 0)), (9, true));
+    // Tourapis 2002: 1 if the median is good enough; else its 8 neighbours, as no predictor is new.
+    assert_eq!(candidates("predictive", &[outside, ("enough", "16")], 0, (0, 0)), (1, true));
+    assert_eq!(candidates("predictive", &[outside, ("poor", "16")], 0, (0, 0)), (9, true));
+    // And a grid of 5×5 around ±7 px in steps of 3 px if that is poor: 24 more.
+    assert_eq!(candidates("predictive", &[outside, ("range", "7"), ("poor", "0")], 0, (0, 0)), (33, true));
 }
 
 #[test]
 fn candidates_grow_with_the_logarithm_of_the_window() {
     for id in ["quadrant-search", "log-search", "three-step"] {
-        let counts = [8, 16].map(|range| candidates(id, range, (3, -2)).0);
+        let counts = ["8", "16"].map(|range| candidates(id, &[("range", range)], 12, (3, -2)).0);
         assert!(counts[1] - counts[0] <= 9, "{id}: twice the window adds a round, not {counts:?}");
     }
 }
@@ -300,10 +411,7 @@ fn told(id: &str, settings: &[(&str, &str)], clip: &Clip, unit: usize) -> Vec<St
 
 #[test]
 fn every_decision_says_why() {
-    // A pit at (2, 0), as in `candidates`.
-    let distance = |p: usize, shift: i64| (2 * p as i64 - 79 - 2 * shift).unsigned_abs();
-    let pit = Grid::from_fn(80, 80, |x, y| (distance(x, 2) + distance(y, 0)) as u8);
-    let clip = Clip::from_frames("pit", vec![Frame::gray(Grid::new(80, 80, 0)), Frame::gray(pit)]).expect("sound");
+    let clip = pit(12, (2, 0));
     let range = [("range", "7")];
     let has = |id: &str, settings: &[(&str, &str)], sentence: &str| {
         let told = told(id, settings, &clip, 12);
@@ -338,6 +446,29 @@ fn every_decision_says_why() {
         &range,
         "The best, (0, 0), lies in the quadrant around (3, 3): the search goes on in there.",
     );
+    let still = told("adaptive-rood", &[("still", "16")], &pit(12, (0, 0)), 12);
+    assert!(still.contains(&"SAD 4096 is at most SAD 4096: the block counts as still.".into()), "{still:#?}");
+    has(
+        "adaptive-rood",
+        &range,
+        "The block to the left moved by (7, 0), so the arms are 7 px long. \
+         Of these 6, 4 lie in the window and were not tested before.",
+    );
+    has(
+        "predictive",
+        &range,
+        "The neighbours moved by (7, 0) left, (2, 7) above, (−7, 7) above right; their median is (2, 7).",
+    );
+    let [settings, enough] = [("range", "16"), ("enough", "16")].map(|setting| [setting]);
+    has(
+        "predictive",
+        &settings,
+        "SAD 4096 is more than SAD 512: nothing nearby fits, so a grid in steps of 3 px is tested. \
+         Of these 121, 119 lie in the window and were not tested before.",
+    );
+    let rest = told("predictive", &enough, &pit(0, (0, 0)), 0);
+    assert!(rest[1].starts_with("There are no neighbours to learn from yet"), "{rest:#?}");
+    assert!(rest.iter().any(|told| told.ends_with("which is good enough: the search ends.")), "{rest:#?}");
     let early = [("range", "8"), ("least-gain", "50")];
     has("quadrant-search", &early, "The best cost fell by 0.0 %, less than 50 %: the search ends.");
 }

@@ -1,5 +1,6 @@
 //! What all block searches share: the pair of frames, the window, the events, and how they are told and drawn.
 
+mod neighbours;
 mod probe;
 mod readouts;
 mod search;
@@ -12,6 +13,7 @@ use std::sync::Arc;
 use crate::cost::Cut;
 use crate::{Block, BlockGrid, Clip, Error, Frame};
 
+pub use neighbours::Neighbours;
 pub use search::BlockSearch;
 pub(crate) use search::pseudocode;
 pub(crate) use settings::block_search_params;

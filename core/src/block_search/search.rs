@@ -1,8 +1,11 @@
 //! What a block search is, and how that makes it an estimator.
 
+use std::sync::Arc;
+
 use super::probe::Probe;
 use super::tester::Workspace;
-use super::{Event, HasSettings, Match, Pair, Tester};
+use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
+use crate::threads::Earlier;
 use crate::{
     BlockField, BlockVector, Clip, Error, Estimator, Info, Observer, Output, Params, Progress, Promise, Role, Rung,
     Scene, Seen, Step, Threads,
@@ -14,6 +17,16 @@ pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 's
     const INFO: Info;
     /// What it can be relied on to find.
     const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
+
+    /// Whether it looks at what was found nearby.
+    fn predicts(&self) -> bool {
+        false
+    }
+
+    /// Whether it looks at what it found in the pair of frames before, which is then searched first.
+    fn looks_back(&self) -> bool {
+        false
+    }
 
     /// Searches the tester's block. Whatever it tested that costs least is the result.
     fn search(&self, tester: &mut Tester<impl Observer<Event>>);
@@ -54,23 +67,56 @@ pub(crate) use pseudocode;
 #[derive(Clone)]
 pub struct State {
     pair: Pair,
+    /// What was found in the pair of frames before, by block; `None` if nobody looks back, or there is none.
+    before: Option<Arc<[Match]>>,
     found: Vec<Match>,
     /// How many candidates were tested for each block.
     tested: Vec<u32>,
 }
 
-/// Searches block `index`; gives what was found and how many displacements were tested.
+/// Searches block `index`, `found` being those before it; gives what was found and how many displacements were tested.
 fn search_block<S: BlockSearch>(
     search: &S,
-    pair: &Pair,
-    index: usize,
+    State { pair, before, .. }: &State,
+    (index, found): (usize, impl Fn(usize) -> Match),
     work: &mut Workspace,
     observer: &mut impl Observer<Event>,
 ) -> (Match, usize) {
     observer.see(|| Event::Window);
-    let mut tester = Tester::new((pair, index), search.settings(), work, observer);
+    let neighbours = match search.predicts() {
+        true => Neighbours::of(index, pair.blocks.counts().0, found, before.as_deref()),
+        false => Neighbours::default(),
+    };
+    let mut tester = Tester::new((pair, index), search.settings(), neighbours, work, observer);
     search.search(&mut tester);
     tester.finish()
+}
+
+/// The state before the first block, `before` being what was found in the pair of frames before.
+fn start<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, before: Option<Arc<[Match]>>) -> Result<State, Error> {
+    let settings = search.settings();
+    let pair = Pair::new(clip, frame, settings.block, settings.spacing, settings.border)?;
+    Ok(State { pair, before, found: Vec::new(), tested: Vec::new() })
+}
+
+/// The state before the first block, after the pair of frames before was searched if the search looks back.
+fn prepare<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+    let earlier = frame.checked_sub(1).filter(|_| search.looks_back());
+    let field = |earlier| start(search, clip, earlier, None).map(|state| finish(search, state, threads).found.into());
+    start(search, clip, frame, earlier.map(field).transpose()?)
+}
+
+/// Searches all blocks.
+fn finish<S: BlockSearch>(search: &S, mut state: State, threads: &Threads) -> State {
+    let blocks = threads.sweep(
+        state.pair.blocks.counts(),
+        Workspace::default,
+        |work, index, earlier: Earlier<(Match, usize)>| {
+            search_block(search, &state, (index, |i| earlier.at(i).0), work, &mut ())
+        },
+    );
+    (state.found, state.tested) = blocks.into_iter().map(|(found, tested)| (found, tested as u32)).unzip();
+    state
 }
 
 impl<S: BlockSearch> Estimator for S {
@@ -80,14 +126,12 @@ impl<S: BlockSearch> Estimator for S {
     type Event = Event;
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        let settings = self.settings();
-        let pair = Pair::new(clip, frame, settings.block, settings.spacing, settings.border)?;
-        Ok(State { pair, found: Vec::new(), tested: Vec::new() })
+        prepare(self, clip, frame, &Threads::single())
     }
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let work = &mut Workspace::default();
-        let (found, tested) = search_block(self, &state.pair, state.found.len(), work, observer);
+        let so_far = (state.found.len(), |i: usize| state.found[i]);
+        let (found, tested) = search_block(self, state, so_far, &mut Workspace::default(), observer);
         state.found.push(found);
         state.tested.push(tested as u32);
         Ok(if state.found.len() == state.pair.blocks.len() { Progress::Done } else { Progress::More })
@@ -142,18 +186,7 @@ impl<S: BlockSearch> Estimator for S {
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        let mut state = self.start(clip, frame)?;
-        let (columns, rows) = state.pair.blocks.counts();
-        let rows = threads.map(rows, |row| {
-            let mut work = Workspace::default();
-            let mut search = |index| search_block(self, &state.pair, index, &mut work, &mut ());
-            (row * columns..(row + 1) * columns).map(&mut search).collect::<Vec<_>>()
-        });
-        for (found, tested) in rows.into_iter().flatten() {
-            state.found.push(found);
-            state.tested.push(tested as u32);
-        }
-        Ok(state)
+        prepare(self, clip, frame, threads).map(|state| finish(self, state, threads))
     }
 }
 

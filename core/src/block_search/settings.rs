@@ -33,6 +33,16 @@ impl Cost {
         }
     }
 
+    /// The cost of a block whose pixels differ by `levels` gray levels on average (for squares: in the root mean square).
+    pub(crate) fn of_levels(self, levels: f64, block: Block) -> f64 {
+        let pixels = (block.width * block.height) as f64;
+        match self {
+            Cost::Sad => levels * pixels,
+            Cost::Ssd => levels * levels * pixels,
+            Cost::Mse => levels * levels,
+        }
+    }
+
     /// The cost as a person reads it.
     pub(super) fn show(self, cost: f64) -> String {
         match self {
@@ -77,6 +87,13 @@ pub struct Settings {
     pub spacing: usize,
     /// What happens where the window leaves the picture.
     pub border: BorderRule,
+}
+
+impl Settings {
+    /// A cost as a person reads it: `SAD 120`.
+    pub(crate) fn show(&self, cost: f64) -> String {
+        format!("{} {}", self.cost.label(), self.cost.show(cost))
+    }
 }
 
 /// What has the parameters of a block search: every struct that [`block_search_params!`] declares.

@@ -1,6 +1,6 @@
 //! Where a search tests displacements: the window, the costs, the best, and what an observer sees of it.
 
-use super::{Displacement, Event, Match, Pair, Patch, Settings, Stage, Window, shorter};
+use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Settings, Stage, Window, shorter};
 use crate::{Block, Observer, cost};
 
 /// Buffers that are used again from block to block.
@@ -25,6 +25,8 @@ pub struct Tester<'a, O> {
     pub(crate) settings: Settings,
     pub(crate) block: Block,
     pub(crate) window: Window,
+    /// What was found nearby; nothing for a search that does not predict.
+    pub neighbours: Neighbours,
     pub(crate) work: &'a mut Workspace,
     pub(crate) observer: &'a mut O,
     /// The part of the window to which the search has narrowed down, if it does so.
@@ -38,6 +40,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
     pub(super) fn new(
         (pair, index): (&'a Pair, usize),
         settings: Settings,
+        neighbours: Neighbours,
         work: &'a mut Workspace,
         observer: &'a mut O,
     ) -> Self {
@@ -47,7 +50,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         work.tested.clear();
         work.tested.resize(window.count().div_ceil(64), 0);
         work.costs.resize(window.count(), f64::NAN);
-        Self { pair, settings, block, window, work, observer, narrowed: None, best: None, tested: 0 }
+        Self { pair, settings, block, window, neighbours, work, observer, narrowed: None, best: None, tested: 0 }
     }
 
     /// The best displacement so far; at the very start, the zero displacement.
@@ -58,6 +61,11 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
     /// What the best displacement so far costs; at the very start, more than anything.
     pub fn best_cost(&self) -> f64 {
         self.best.map_or(f64::INFINITY, |best| best.cost)
+    }
+
+    /// What it costs if pixels differ by `levels` gray levels on average.
+    pub fn cost_of_levels(&self, levels: f32) -> f64 {
+        self.settings.cost.of_levels(levels.into(), self.block)
     }
 
     /// What `displacement` costs, if it was tested.

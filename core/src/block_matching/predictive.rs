@@ -1,0 +1,127 @@
+//! Predictive search in the manner of EPZS: where the neighbours moved, this block may have moved too.
+//!
+//! ```text
+//!        3 . . 3 . a 3 . . 3
+//! ┌─┬─┬─┐. . . . . . . . . .     l, a, r  what the blocks to the left, above, and above right moved
+//! │ │a│r│. . . . . . . . . .     m        their median, tested first: often that is good enough
+//! ├─┼─┴─┘3 . . 3 . 2 2 l . 3     0        the zero displacement; and what this block moved one frame before, if asked for
+//! │l│?│  . . . . . 2 m 2 . .     2        a square around the best of them walks downhill
+//! └─┴─┘  . . . . . 2 2 2 . r     3        if that is still poor: a grid all over the window, and downhill once more
+//!        3 . . 0 . . 3 . . 3
+//! ```
+
+use super::diamond::walk_downhill;
+use super::three_step::SQUARE;
+use crate::block_search::{BlockSearch, Displacement, Event, Match, Tester, block_search_params, pseudocode, vector};
+use crate::{Info, Observer};
+
+block_search_params! {
+    /// Predictive search: begins where the neighbouring blocks moved, stops where that fits, and walks downhill otherwise.
+    pub struct Predictive {
+        /// The search ends as soon as the best differs by at most this much per pixel.
+        enough: f32 = 0.25, 0.0..=16.0, "gray levels";
+        /// A block whose best still differs by more than this per pixel is searched once more, beginning from a grid.
+        poor: f32 = 2.0, 0.0..=16.0, "gray levels";
+        /// From one point of that grid to the next; at 1 it is a full search.
+        grid: usize = 3, 1..=16, "px";
+        /// Predict from the motion one frame before as well. That pair of frames is then searched first.
+        temporal: bool = false;
+    }
+}
+
+impl BlockSearch for Predictive {
+    const INFO: Info = Info {
+        id: "predictive",
+        name: "Predictive search",
+        family: "Block matching",
+        summary: "Tests what the neighbouring blocks moved, stops if that fits, and walks downhill from the best otherwise.",
+        source: "A. M. Tourapis, Enhanced predictive zonal search for single and multiple frame motion estimation, \
+                 Proc. SPIE 4671, Visual Communications and Image Processing, 2002",
+        pseudocode: pseudocode![
+            "  test the median of the displacements to the left, above and above right",
+            "  if its cost is at most enough per pixel, then stop",
+            "  test (0, 0), those three, and that of this block one frame before",
+            "  if the best cost is at most enough per pixel, then stop",
+            "  repeat",
+            "    test the 8 points next to the best",
+            "  until the best stays",
+            "  if the best cost is more than poor per pixel, then",
+            "    test a grid of points all over the window, and repeat as above",
+        ],
+        rungs: &["frame", "block", "step"],
+        frames: 2,
+    };
+
+    fn predicts(&self) -> bool {
+        true
+    }
+
+    fn looks_back(&self) -> bool {
+        self.temporal
+    }
+
+    fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
+        let neighbours = tester.neighbours;
+        let median = neighbours.median();
+        tester.stage(2, std::iter::once(median), || {
+            let names =
+                [("left", neighbours.left), ("above", neighbours.above), ("above right", neighbours.above_right)];
+            match named(&names) {
+                known if known.is_empty() => {
+                    "There are no neighbours to learn from yet: the search begins at (0, 0).".into()
+                }
+                known => format!("The neighbours moved by {known}; their median is {}.", vector(median)),
+            }
+        });
+        if self.is_enough(tester, 3) {
+            return;
+        }
+        let moved = |found: Option<Match>| found.map(|found| found.displacement);
+        let around = [neighbours.left, neighbours.above, neighbours.above_right, neighbours.before];
+        let predicted = [Some([0, 0])].into_iter().chain(around.map(moved)).flatten();
+        tester.stage(4, predicted, || {
+            let before = neighbours.before.map(|before| {
+                format!(", and {}, where this block moved one frame before", vector(before.displacement))
+            });
+            format!(
+                "The median is not good enough: (0, 0) and each neighbour's own motion are tested{}.",
+                before.unwrap_or_default()
+            )
+        });
+        if self.is_enough(tester, 5) {
+            return;
+        }
+        walk_downhill(tester, &SQUARE, 7, "square");
+        let (settings, cost, most) = (tester.settings, tester.best_cost(), tester.cost_of_levels(self.poor));
+        if cost > most {
+            let (step, reach) = (self.grid as i32, (self.range / self.grid) as i32);
+            let row = move |v| (-reach..=reach).map(move |u| [u * step, v * step]);
+            tester.stage(10, (-reach..=reach).flat_map(row), || {
+                let (cost, most) = (settings.show(cost), settings.show(most));
+                format!("{cost} is more than {most}: nothing nearby fits, so a grid in steps of {step} px is tested.")
+            });
+            walk_downhill(tester, &SQUARE, 7, "square");
+        }
+    }
+}
+
+impl Predictive {
+    /// Whether the best so far is good enough, which `line` of the pseudocode asks.
+    fn is_enough(&self, tester: &mut Tester<impl Observer<Event>>, line: usize) -> bool {
+        let (settings, cost, most) = (tester.settings, tester.best_cost(), tester.cost_of_levels(self.enough));
+        let is_enough = cost <= most;
+        if is_enough {
+            tester.tell(line, || {
+                let (cost, most) = (settings.show(cost), settings.show(most));
+                format!("{cost} is at most {most}, which is good enough: the search ends.")
+            });
+        }
+        is_enough
+    }
+}
+
+/// Those that are there: `(1, 0) left, (2, 0) above`.
+fn named(all: &[(&str, Option<Match>)]) -> String {
+    let known = all.iter().filter_map(|(name, found)| found.map(|found: Match| (name, found.displacement)));
+    known.map(|(name, at): (_, Displacement)| format!("{} {name}", vector(at))).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,75 @@
+//! What was found nearby, from which a search may predict.
+
+use super::{Displacement, Match};
+
+/// The matches of blocks that were searched before.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Neighbours {
+    /// The block to the left.
+    pub left: Option<Match>,
+    /// The block above.
+    pub above: Option<Match>,
+    /// The block above and to the right.
+    pub above_right: Option<Match>,
+    /// The same block in the pair of frames before.
+    pub before: Option<Match>,
+}
+
+impl Neighbours {
+    /// Those of block `index` in a grid of `columns`; `found` gives the match of a block before it in raster order,
+    /// `before` those of the pair of frames before.
+    pub(super) fn of(index: usize, columns: usize, found: impl Fn(usize) -> Match, before: Option<&[Match]>) -> Self {
+        let (column, row) = (index % columns, index / columns);
+        Self {
+            left: (column > 0).then(|| found(index - 1)),
+            above: (row > 0).then(|| found(index - columns)),
+            above_right: (row > 0 && column + 1 < columns).then(|| found(index - columns + 1)),
+            before: before.and_then(|before| before.get(index).copied()),
+        }
+    }
+
+    /// The median, column and row apart, of the three blocks of this pair. One that is not there counts as zero; in the
+    /// first row the left one stands alone.
+    pub fn median(&self) -> Displacement {
+        let displacement = |found: Option<Match>| found.map_or([0, 0], |found| found.displacement);
+        let [a, b, c] = [self.left, self.above, self.above_right].map(displacement);
+        if self.above.is_none() {
+            return a;
+        }
+        [0, 1].map(|i| a[i].max(b[i]).min(c[i]).max(a[i].min(b[i])))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(u: i32, v: i32) -> Option<Match> {
+        Some(Match { displacement: [u, v], cost: 0.0 })
+    }
+
+    #[test]
+    fn the_median_is_taken_column_and_row_apart() {
+        for [a, b, c] in [[1, 5, 9], [9, 5, 1], [5, 9, 1], [5, 1, 9], [9, 1, 5], [1, 9, 5]] {
+            let neighbours = Neighbours { left: at(a, -a), above: at(b, -b), above_right: at(c, -c), before: at(7, 7) };
+            assert_eq!(neighbours.median(), [5, -5]);
+        }
+        assert_eq!(Neighbours { left: at(3, 4), ..Neighbours::default() }.median(), [3, 4]);
+        assert_eq!(Neighbours { left: at(3, 4), above: at(2, 6), ..Neighbours::default() }.median(), [2, 4]);
+    }
+
+    #[test]
+    fn neighbours_are_those_that_were_searched_before() {
+        let found = |i: usize| Match { displacement: [i as i32, 0], cost: 0.0 };
+        let index = |found: Option<Match>| found.map(|found| found.displacement[0]);
+        let of = |i| {
+            let Neighbours { left, above, above_right, .. } = Neighbours::of(i, 4, found, None);
+            [left, above, above_right].map(index)
+        };
+        assert_eq!(of(0), [None, None, None]);
+        assert_eq!(of(3), [Some(2), None, None]);
+        assert_eq!(of(4), [None, Some(0), Some(1)]);
+        assert_eq!(of(5), [Some(4), Some(1), Some(2)]);
+        assert_eq!(of(7), [Some(6), Some(3), None]);
+    }
+}

@@ -1,0 +1,28 @@
+//! How good the fast searches are, measured against full search and against exact truth on synthetic scenes.
+
+use motionscope_core::{Clip, Threads, estimator, metrics, predict, synth};
+
+/// PSNR in dB of the prediction of frame `t` that `id` makes, and its candidates.
+fn quality(id: &str, clip: &Clip, t: usize) -> (f64, u64) {
+    let search = estimator(id).expect("it is there");
+    let motionscope_core::Output::Blocks(field) = search.run(clip, t, &Threads::single()).expect("a run");
+    let [current, next] = clip.pair(t).expect("a pair");
+    let prediction = predict(&field.flow(), next.luma(), field.border);
+    (metrics::psnr_db(&prediction, current.luma()).expect("one size"), field.candidates())
+}
+
+#[test]
+fn predictive_search_stays_within_a_tenth_of_a_decibel_of_full_search() {
+    let mut loss_db = Vec::new();
+    for scene in synth::SCENES {
+        let clip = scene.clip(&scene.difficulty()).expect("sliders in range");
+        for t in [0, 4] {
+            let [(full, all), (fast, some)] = ["full-search", "predictive"].map(|id| quality(id, &clip, t));
+            assert!(some * 5 < all, "{}: {some} candidates of {all}", scene.id);
+            assert!(full - fast < 0.5, "{} at {t}: {fast:.2} dB, full search {full:.2} dB", scene.id);
+            loss_db.push(full - fast);
+        }
+    }
+    let mean = loss_db.iter().sum::<f64>() / loss_db.len() as f64;
+    assert!(mean < 0.1, "{mean:.3} dB over all scenes");
+}
