@@ -6,6 +6,8 @@ use motionscope_core::compare::Figures;
 use motionscope_core::{AnyEstimator, Clip, Error, Threads, estimator};
 use serde_json::{Map, Value, json};
 
+use crate::source::Source;
+
 /// One estimator with the parameters that it is to be compared with.
 pub struct Contender {
     /// The estimator.
@@ -28,8 +30,8 @@ pub struct Arena<'a> {
 
 /// One line of the table.
 pub struct Row {
-    /// The estimator's id.
-    pub id: &'static str,
+    /// The estimator, as it was run.
+    pub estimator: Box<dyn AnyEstimator>,
     /// What was swept, and its value here.
     pub swept: Option<(String, String)>,
     /// The least time of a run.
@@ -54,22 +56,40 @@ impl Row {
         };
         let times = (0..repeat.max(1)).map(|_| run()).collect::<Result<Vec<_>, Error>>()?;
         let time = times.into_iter().min().unwrap_or_default();
-        Ok(Self { id: estimator.info().id, swept: contender.swept.clone(), time, figures })
+        Ok(Self { estimator: estimator.boxed_clone(), swept: contender.swept.clone(), time, figures })
+    }
+
+    /// The estimator's id.
+    pub fn id(&self) -> &'static str {
+        self.estimator.info().id
     }
 }
 
-/// A column: its heading for a person, its name with the unit for a script, and how a row fills it.
-struct Column {
-    heading: &'static str,
-    name: &'static str,
+/// A column of numbers.
+pub struct Column {
+    /// Its heading, for a person.
+    pub heading: &'static str,
+    /// Its name with the unit, for a script.
+    pub name: &'static str,
     /// The number, if there is one.
-    value: fn(&Row) -> Option<f64>,
+    pub value: fn(&Row) -> Option<f64>,
     /// Digits behind the point, for a person.
     digits: usize,
 }
 
+impl Column {
+    /// The number in `row` for a person. A perfect prediction has no PSNR.
+    pub fn text(&self, row: &Row) -> String {
+        match (self.value)(row) {
+            Some(value) => format!("{value:.*}", self.digits),
+            None if self.name == "psnr_db" => "perfect".to_owned(),
+            None => "–".to_owned(),
+        }
+    }
+}
+
 /// The columns behind the estimator's name and what is swept.
-const COLUMNS: [Column; 12] = [
+pub const COLUMNS: [Column; 12] = [
     Column { heading: "candidates", name: "candidates_mean", value: |r| Some(r.figures.candidates_mean), digits: 1 },
     Column { heading: "most", name: "candidates_most", value: |r| Some(r.figures.candidates_most.into()), digits: 0 },
     Column { heading: "ms", name: "ms", value: |r| Some(r.time.as_secs_f64() * 1e3), digits: 2 },
@@ -119,21 +139,16 @@ displacement within 1 px under noise of 10 gray levels, and where frame t+1 is 1
 residual, vectors, anew: zero-order entropy of what is sent with motion, and of the frame without.
 ";
 
-/// Heading and cells of a table for a person. A perfect prediction has no PSNR.
+/// Heading and cells of a table for a person.
 fn cells(rows: &[Row]) -> Vec<Vec<String>> {
     let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone());
     let mut heading = vec!["estimator".to_owned()];
     heading.extend(swept);
     heading.extend(COLUMNS.iter().map(|column| column.heading.to_owned()));
     let line = |row: &Row| {
-        let mut line = vec![row.id.to_owned()];
+        let mut line = vec![row.id().to_owned()];
         line.extend(row.swept.as_ref().map(|(_, value)| value.clone()));
-        let number = |column: &Column| match (column.value)(row) {
-            Some(value) => format!("{value:.*}", column.digits),
-            None if column.name == "psnr_db" => "perfect".to_owned(),
-            None => "–".to_owned(),
-        };
-        line.extend(COLUMNS.iter().map(number));
+        line.extend(COLUMNS.iter().map(|column| column.text(row)));
         line
     };
     std::iter::once(heading).chain(rows.iter().map(line)).collect()
@@ -168,7 +183,7 @@ pub fn csv(rows: &[Row]) -> String {
     let names = ["estimator".to_owned()].into_iter().chain(swept);
     let names = names.chain(COLUMNS.iter().map(|column| column.name.to_owned())).collect::<Vec<_>>();
     let line = |row: &Row| {
-        let first = [row.id.to_owned()].into_iter().chain(row.swept.as_ref().map(|(_, value)| value.clone()));
+        let first = [row.id().to_owned()].into_iter().chain(row.swept.as_ref().map(|(_, value)| value.clone()));
         let number = |column: &Column| (column.value)(row).map_or_else(String::new, |value| value.to_string());
         first.chain(COLUMNS.iter().map(number)).collect::<Vec<_>>().join(",") + "\n"
     };
@@ -179,7 +194,7 @@ pub fn csv(rows: &[Row]) -> String {
 pub fn json(rows: &[Row]) -> Value {
     let object = |row: &Row| {
         let mut object = Map::new();
-        object.insert("estimator".into(), row.id.into());
+        object.insert("estimator".into(), row.id().into());
         if let Some((name, value)) = &row.swept {
             object.insert(name.clone(), value.parse::<f64>().map_or_else(|_| value.as_str().into(), |v| json!(v)));
         }
@@ -191,6 +206,38 @@ pub fn json(rows: &[Row]) -> Value {
         Value::Object(object)
     };
     rows.iter().map(object).collect()
+}
+
+/// Each clip with what runs on it: one round, or one for each value that is swept. `sweep` is written `NAME=V1,V2,..`
+/// and names a parameter of the estimators, or a slider of the synthetic clip.
+///
+/// # Errors
+/// If it is not written so, there is no such parameter or slider, or a value is out of range.
+pub fn rounds(
+    source: &Source,
+    estimators: &[Box<dyn AnyEstimator>],
+    sweep: Option<&str>,
+) -> Result<Vec<(Source, Vec<Contender>)>, Error> {
+    let copies = || estimators.iter().map(|estimator| estimator.boxed_clone()).collect::<Vec<_>>();
+    let round = |source: Source, estimators: Vec<Box<dyn AnyEstimator>>, swept: Option<(String, String)>| {
+        let contender = |estimator| Contender { estimator, swept: swept.clone() };
+        (source, estimators.into_iter().map(contender).collect())
+    };
+    let Some(sweep) = sweep else { return Ok(vec![round(source.clone(), copies(), None)]) };
+    let (name, values) = sweep
+        .split_once('=')
+        .ok_or_else(|| Error::new(format!("a sweep is written NAME=V1,V2,.. as in range=4,8,16, not {sweep}")))?;
+    let is_parameter = estimators.iter().any(|estimator| estimator.get(name).is_ok());
+    let one = |value: &str| {
+        let (mut source, mut estimators) = (source.clone(), copies());
+        if is_parameter {
+            set_all(&mut estimators, name, value)?;
+        } else {
+            source.set(&format!("{name}={value}"))?;
+        }
+        Ok(round(source, estimators, Some((name.to_owned(), value.to_owned()))))
+    };
+    values.split(',').map(|value| one(value.trim())).collect()
 }
 
 /// The estimators called `ids`, with `settings` of the form `ESTIMATOR.NAME=VALUE`, or `NAME=VALUE` for all that have

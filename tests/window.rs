@@ -797,3 +797,37 @@ fn the_interface_scales_within_bounds() {
     window.press(Modifiers::COMMAND, Key::Num0);
     assert_eq!(window.app().settings().zoom(), 1.0);
 }
+
+#[test]
+fn estimators_are_compared_and_what_one_missed_is_visited() {
+    let mut window = Window::new(vec2(1600.0, 1000.0));
+    window.key(Key::C);
+    let begun = Instant::now();
+    while !window.app().is_settled() {
+        window.harness.run_steps(1);
+        assert!(begun.elapsed() < Duration::from_secs(60), "the comparison does not end");
+    }
+    window.harness.run();
+    assert!(window.harness.query_by_label("969.2").is_some(), "full search's candidates");
+    let links = window.harness.query_all_by_role(Role::Link).count();
+    assert_eq!(links, 2, "three-step and diamond search have missed something, full search has not");
+    window.harness.query_all_by_role(Role::Link).last().expect("a link").click();
+    window.settle();
+    assert_eq!(window.app().document().estimator().info().id, "diamond");
+    assert!(window.cursor().event > 1 && window.cursor().event == window.shown().events, "at the block's end");
+    window.command(Command::Undo);
+    assert_eq!(window.app().document().estimator().info().id, "full-search");
+}
+
+#[test]
+fn another_estimator_keeps_the_parameters_that_it_has_too() {
+    let mut window = Window::usual();
+    window.harness.get_by_role_and_label(Role::Slider, "Block").set_value_accesskit(24.0);
+    window.settle();
+    window.press(Modifiers::COMMAND, Key::K);
+    window.harness.get_by_label("What to find").type_text("hexagon");
+    window.settle();
+    window.key(Key::Enter);
+    assert_eq!(window.app().document().estimator().info().id, "hexagon");
+    assert_eq!(window.value("block"), Value::Int(24));
+}

@@ -71,15 +71,20 @@ impl Figures {
     }
 }
 
-/// Full search with all parameters that it has in common with `estimator`.
-fn full_search_like(other: &dyn AnyEstimator) -> Result<Box<dyn AnyEstimator>, Error> {
-    let mut full = estimator("full-search")?;
-    for (index, (name, _)) in full.values().into_iter().enumerate() {
+/// `estimator` with all parameters that it has in common with `other`, as far as their values are allowed.
+#[must_use]
+pub fn alike(other: &dyn AnyEstimator, mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
+    for (index, (name, _)) in estimator.values().into_iter().enumerate() {
         if let Ok(value) = other.get(name) {
-            full.set_value(index, value)?;
+            // One that means something else here stays as it is.
+            estimator.set_value(index, value).ok();
         }
     }
-    Ok(full)
+    estimator
+}
+
+fn full_search_like(other: &dyn AnyEstimator) -> Result<Box<dyn AnyEstimator>, Error> {
+    Ok(alike(other, estimator("full-search")?))
 }
 
 /// Blocks whose cost in `output` is larger than in `best`.

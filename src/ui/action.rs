@@ -1,6 +1,7 @@
 //! What the parts of the window ask for while they are drawn; it is done after the frame.
 
 use std::ffi::OsString;
+use std::sync::Arc;
 
 use motionscope_core::synth::Sample;
 use motionscope_core::{Cursor, Value};
@@ -8,6 +9,7 @@ use motionscope_core::{Cursor, Value};
 use super::commands::Command;
 use super::model::document::Owner;
 use super::model::writer::Order;
+use crate::comparison::Row;
 
 /// What the system's dialog is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +52,8 @@ pub enum Action {
     CancelWriting,
     /// Take the estimator of this id.
     Choose(&'static str),
+    /// Go to the first block that an estimator of a comparison missed, with that estimator.
+    Visit(Arc<Row>),
     /// Set a parameter.
     Set(Owner, usize, Value),
     /// A drag of a slider is over.

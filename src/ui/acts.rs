@@ -1,17 +1,20 @@
 //! What the window does when it is told to.
 
 use eframe::egui::ViewportCommand;
+use motionscope_core::compare::alike;
 use motionscope_core::{Cursor, Move, Way, estimator};
 
 use super::action::Action;
 use super::app::{App, Overlay};
 use super::commands::Command;
 use super::dialogs::save::Kind;
-use super::dialogs::{open as open_dialog, palette};
+use super::dialogs::{compare, open as open_dialog, palette};
 use super::layout;
 use super::model::document::Owner;
+use super::model::walker::Place;
 use super::model::writer::Writing;
 use super::style::ZOOM;
+use crate::comparison::Row;
 use crate::paint::{Theme, View as Pictures};
 
 /// How much larger the picture gets at each press of a key.
@@ -29,6 +32,7 @@ impl App {
             Action::Write(order) => self.write(*order),
             Action::CancelWriting => self.writing.iter().for_each(Writing::cancel),
             Action::Choose(id) => self.choose(id),
+            Action::Visit(row) => self.visit(&row),
             Action::Set(owner, index, value) => {
                 if let Err(error) = self.document.set(owner, index, value) {
                     self.toasts.fail(error.to_string());
@@ -67,6 +71,7 @@ impl App {
         match command {
             C::Open => self.overlay = Overlay::Open(open_dialog::State::default()),
             C::PastePath => self.ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
+            C::Compare => self.overlay = Overlay::Compare(compare::State::new(self.document.estimator().info().id)),
             C::Samples => self.overlay = Overlay::Samples,
             C::Palette => self.overlay = Overlay::Palette(palette::State::default()),
             C::Shortcuts => self.overlay = Overlay::Shortcuts,
@@ -185,10 +190,20 @@ impl App {
     fn choose(&mut self, id: &str) {
         match estimator(id) {
             Ok(chosen) => {
-                self.document.choose(chosen);
+                self.document.choose(alike(self.document.estimator(), chosen));
                 self.restart();
             }
             Err(error) => self.toasts.fail(error.to_string()),
+        }
+    }
+
+    /// Goes to the first block that was missed, with the estimator that missed it.
+    fn visit(&mut self, row: &Row) {
+        self.document.choose(row.estimator.boxed_clone());
+        let unit = row.figures.missed.first().copied().unwrap_or(0);
+        let place = Place { cursor: Cursor { unit, event: usize::MAX }, near: None };
+        if let Some(job) = self.document.job_at(place) {
+            self.walker.start(job);
         }
     }
 

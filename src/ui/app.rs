@@ -9,7 +9,7 @@ use motionscope_core::Error;
 
 use super::action::{Action, Actions, Browse};
 use super::commands::{Command, Now, Rungs};
-use super::dialogs::{gallery, open as open_dialog, palette, save as save_dialog, sheet};
+use super::dialogs::{compare, gallery, open as open_dialog, palette, save as save_dialog, sheet};
 use super::layout::{self, Folded, Tight};
 use super::model::document::{Document, Owner};
 use super::model::loader::Loading;
@@ -40,6 +40,8 @@ pub(super) enum Overlay {
     Save(Box<save_dialog::State>),
     /// The samples.
     Samples,
+    /// Estimators beside each other.
+    Compare(compare::State),
     /// What the program is.
     About,
 }
@@ -142,7 +144,11 @@ impl App {
 
     /// Whether everything that was asked for is there and shown.
     pub fn is_settled(&self) -> bool {
-        let pictured = !matches!(self.overlay, Overlay::Samples) || self.gallery.is_complete();
+        let pictured = match &self.overlay {
+            Overlay::Samples => self.gallery.is_complete(),
+            Overlay::Compare(state) => state.is_settled(),
+            _ => true,
+        };
         pictured && self.loading.is_none() && self.writing.is_none() && !self.view.busy
     }
 
@@ -315,6 +321,7 @@ impl App {
             Overlay::Shortcuts => sheet::shortcuts(ctx, &self.rungs(), theme),
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
             Overlay::Save(state) => save_dialog::show(ctx, state, self.rungs(), self.look(), actions),
+            Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
             Overlay::Samples => gallery::show(ctx, &mut self.gallery, theme, actions),
             Overlay::About => sheet::about(ctx),
         };

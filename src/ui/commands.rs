@@ -112,6 +112,8 @@ commands! {
     Start,
     /// End of the run.
     End,
+    /// Estimators beside each other, in numbers.
+    Compare,
     /// Give up a long move.
     Stop,
     /// Play slower.
@@ -430,6 +432,13 @@ impl Command {
                 const { &[key(Key::Home)] },
             ),
             C::End => (Menu::Walk, Icon::SkipForward, "End of the run", "Run to the end.", const { &[key(Key::End)] }),
+            C::Compare => (
+                Menu::Walk,
+                Icon::ChartColumn,
+                "Compare estimators…",
+                "Run several estimators on this pair of frames, and see what each costs, finds and misses.",
+                const { &[key(Key::C)] },
+            ),
             C::Stop => {
                 (Menu::Walk, Icon::OctagonX, "Stop", "Give up a move that takes long.", const { &[key(Key::Escape)] })
             }
@@ -519,6 +528,7 @@ impl Command {
             C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
             C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
             C::Play => now.has_run,
+            C::Compare => now.has_clip,
             C::Stop => now.busy || now.playing,
             C::NextFrame => now.has_clip && !now.at_last_frame,
             C::PreviousFrame => now.has_clip && !now.at_first_frame,

@@ -1,0 +1,244 @@
+//! Estimators beside each other, in numbers: a table, and a plot of what is swept.
+
+use std::sync::Arc;
+
+use eframe::egui::{self, Align, Button, ComboBox, Grid, Label, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
+use motionscope_core::compare::alike;
+use motionscope_core::scene::Series;
+use motionscope_core::{Role, estimators};
+
+use crate::comparison::{self, COLUMNS, Column, Row};
+use crate::paint::Theme;
+use crate::ui::action::{Action, Actions};
+use crate::ui::model::comparing::{Comparing, Plan};
+use crate::ui::model::document::Document;
+use crate::ui::parts::widgets;
+use crate::ui::{series, style};
+
+/// As many are compared at once: a table that a class can read.
+const MOST: usize = 4;
+/// The colours of the plot's lines.
+const ROLES: [Role; MOST] = [Role::Reference, Role::Candidate, Role::Result, Role::Error];
+
+/// What can be swept: its name for a person, and how it is written.
+const SWEEPS: [(&str, Option<&str>); 6] = [
+    ("nothing", None),
+    ("the window: range 4 to 64 px", Some("range=4,8,16,32,64")),
+    ("the block: 4 to 32 px", Some("block=4,8,16,32")),
+    ("the motion: speed ×0.5 to ×4", Some("speed=0.5,1,2,3,4")),
+    ("noise: 0 to 40 gray levels", Some("noise=0,5,10,20,40")),
+    ("the light: gain 0.8 to 1.2", Some("gain=0.8,0.9,1,1.1,1.2")),
+];
+/// Sweeps from here on change the clip, so it must be synthetic.
+const FIRST_OF_CLIP: usize = 3;
+
+/// The comparison while it is open.
+pub struct State {
+    chosen: Vec<&'static str>,
+    sweep: usize,
+    /// The column that is plotted.
+    plotted: usize,
+    /// What is compared now: the estimators and the sweep.
+    begun: Option<(Vec<&'static str>, usize)>,
+    comparing: Option<Comparing>,
+}
+
+impl State {
+    /// A comparison of the estimator `id` with the best known ones.
+    pub fn new(id: &'static str) -> Self {
+        let all: Vec<&'static str> = estimators().iter().map(|estimator| estimator.info().id).collect();
+        let mut chosen = vec![id];
+        for other in ["full-search", "three-step", "diamond"] {
+            if other != id && all.contains(&other) && chosen.len() < MOST {
+                chosen.push(other);
+            }
+        }
+        // In the order of the course.
+        chosen.sort_by_key(|id| all.iter().position(|other| other == id));
+        Self { chosen, sweep: 0, plotted: 0, begun: None, comparing: None }
+    }
+
+    /// Whether nothing is being worked on.
+    pub fn is_settled(&self) -> bool {
+        self.begun.is_some() && self.comparing.as_ref().is_none_or(|comparing| !comparing.is_busy())
+    }
+}
+
+/// Shows the comparison; gives whether it is still open.
+pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: Theme, actions: &mut Actions) -> bool {
+    let size = TextStyle::Body.resolve(&ctx.global_style()).size;
+    let screen = ctx.content_rect();
+    let width = (78.0 * size).min(screen.width() - 110.0);
+    let mut visited = false;
+    let modal = widgets::modal(ctx, "compare", vec2(82.0 * size, 60.0 * size)).show(ctx, |ui| {
+        ui.set_width(width);
+        ui.heading("Compare estimators");
+        ui.label(RichText::new("On this pair of frames, with the parameters that are set.").weak());
+        ui.add_space(8.0);
+        choice(ui, state);
+        ui.add_space(4.0);
+        ui.horizontal(|ui| sweep(ui, state, document));
+        start(ui, state, document);
+        ui.add_space(8.0);
+        let height = (screen.height() - 300.0).clamp(120.0, 36.0 * size);
+        ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| {
+            visited = results(ui, state, theme, actions);
+        });
+    });
+    !(modal.should_close() || visited)
+}
+
+/// Which estimators.
+fn choice(ui: &mut Ui, state: &mut State) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
+        for estimator in estimators() {
+            let info = estimator.info();
+            let at = state.chosen.iter().position(|id| *id == info.id);
+            let enabled = at.is_some() || state.chosen.len() < MOST;
+            let button = ui.add_enabled(enabled, Button::selectable(at.is_some(), info.name));
+            let full = format!("Up to {MOST} are compared; take one out first.");
+            if button.on_hover_text(info.summary).on_disabled_hover_text(full).clicked() {
+                match at {
+                    Some(at) => drop(state.chosen.remove(at)),
+                    None => state.chosen.push(info.id),
+                }
+            }
+        }
+    });
+}
+
+/// What is swept, and how far the comparison has come.
+fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
+    let label = ui.label("Sweep");
+    let synthetic = document.sample().is_some();
+    let combo = ComboBox::from_id_salt("sweep").selected_text(SWEEPS[state.sweep].0).width(0.0);
+    let shown = combo.show_ui(ui, |ui| {
+        for (i, (name, _)) in SWEEPS.iter().enumerate() {
+            ui.add_enabled_ui(i < FIRST_OF_CLIP || synthetic, |ui| {
+                ui.selectable_value(&mut state.sweep, i, *name)
+                    .on_disabled_hover_text("This changes the clip: open one of the samples.");
+            });
+        }
+    });
+    shown.response.labelled_by(label.id);
+    let Some(comparing) = &state.comparing else { return };
+    if comparing.is_busy() {
+        ui.spinner();
+        ui.label(RichText::new(format!("{} of {}", comparing.rows().len(), comparing.total)).weak());
+    } else if let Some(error) = comparing.failure() {
+        ui.add(Label::new(RichText::new(error.to_string()).color(ui.visuals().error_fg_color)).wrap());
+    }
+}
+
+/// Compares anew where something else is chosen.
+fn start(ui: &Ui, state: &mut State, document: &Document) {
+    let wanted = (state.chosen.clone(), state.sweep);
+    if state.begun.as_ref() != Some(&wanted) {
+        state.begun = Some(wanted);
+        let ctx = ui.ctx().clone();
+        state.comparing = plan(state, document).map(|plan| Comparing::new(plan, move || ctx.request_repaint()));
+    }
+}
+
+/// The chosen estimators with the parameters of the one that is open, where they have them.
+fn plan(state: &State, document: &Document) -> Option<Plan> {
+    let (clip, source) = (document.clip()?.clone(), document.source()?);
+    let all = estimators().into_iter().filter(|estimator| state.chosen.contains(&estimator.info().id));
+    let alike = all.map(|estimator| alike(document.estimator(), estimator)).collect::<Vec<_>>();
+    // The sweeps that can be chosen suit every block search; one that does not is left out.
+    let rounds = comparison::rounds(&source, &alike, SWEEPS[state.sweep].1).ok()?;
+    Some(Plan { clip, source, frame: document.frame(), rounds })
+}
+
+/// The table and the plot; gives whether a block is to be visited.
+fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) -> bool {
+    let rows = state.comparing.as_ref().map_or_else(Vec::new, Comparing::rows);
+    if state.chosen.is_empty() {
+        ui.label(RichText::new("Choose the estimators to compare.").weak());
+        return false;
+    }
+    if rows.iter().any(|row| row.swept.is_some()) {
+        let series = plot(&rows, &COLUMNS[state.plotted]);
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        ui.allocate_ui(vec2(ui.available_width().min(64.0 * size), 15.0 * size), |ui| {
+            series::show(ui, series::Input { series: &series, theme });
+        });
+        ui.add_space(4.0);
+    }
+    let visited = table(ui, &rows, state, actions);
+    ui.add_space(8.0);
+    ui.label(RichText::new(comparison::KEY.replace('\n', " ")).small().weak());
+    visited
+}
+
+fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Actions) -> bool {
+    let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone());
+    let mut visited = false;
+    Grid::new("comparison").striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
+        let strong = |text: &str| RichText::new(text).small().family(style::bold());
+        ui.label(strong("Estimator"));
+        if let Some(name) = &swept {
+            ui.label(strong(name));
+        }
+        for (i, column) in COLUMNS.iter().enumerate() {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| match swept {
+                Some(_) => {
+                    let tip = "Plot this column.";
+                    if ui.selectable_label(state.plotted == i, strong(column.heading)).on_hover_text(tip).clicked() {
+                        state.plotted = i;
+                    }
+                }
+                None => drop(ui.label(strong(column.heading))),
+            });
+        }
+        ui.end_row();
+        for row in rows {
+            ui.label(row.estimator.info().name);
+            if let Some((_, value)) = &row.swept {
+                ui.label(value);
+            }
+            for column in &COLUMNS {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    visited |= cell(ui, column, row, actions);
+                });
+            }
+            ui.end_row();
+        }
+    });
+    visited
+}
+
+/// One number; that of missed blocks leads to the first of them.
+fn cell(ui: &mut Ui, column: &Column, row: &Arc<Row>, actions: &mut Actions) -> bool {
+    let text = RichText::new(column.text(row)).monospace();
+    // Where the clip itself was swept, the block is missed in another clip.
+    let is_here = row.swept.as_ref().is_none_or(|(name, _)| row.estimator.get(name).is_ok());
+    let Some(first) = row.figures.missed.first().filter(|_| is_here && column.name == "missed_percent") else {
+        ui.label(text);
+        return false;
+    };
+    let tip = format!("Go to block {}, whose smallest cost was missed.", first + 1);
+    let clicked = ui.link(text).on_hover_text(tip).clicked();
+    if clicked {
+        actions.ask(Action::Visit(Arc::clone(row)));
+    }
+    clicked
+}
+
+/// A column over what is swept, a line for each estimator.
+fn plot(rows: &[Arc<Row>], column: &Column) -> Series {
+    let mut lines: Vec<(&'static str, Role, Vec<[f32; 2]>)> = Vec::new();
+    for row in rows {
+        let name = row.estimator.info().name;
+        let x = row.swept.as_ref().and_then(|(_, value)| value.parse::<f32>().ok());
+        let (Some(x), Some(y)) = (x, (column.value)(row)) else { continue };
+        match lines.iter_mut().find(|(known, ..)| *known == name) {
+            Some((.., points)) => points.push([x, y as f32]),
+            None => lines.push((name, ROLES[lines.len() % MOST], vec![[x, y as f32]])),
+        }
+    }
+    let most = lines.iter().flat_map(|(.., points)| points).map(|point| point[0]).fold(1.0, f32::max);
+    let x_max = most.ceil() as usize;
+    Series { title: column.heading, x_label: "value swept", y_label: column.heading, x_max, events: Vec::new(), lines }
+}
