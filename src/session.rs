@@ -22,7 +22,7 @@ use motionscope_core::{AnyEstimator, Cursor, Error, Value, estimator};
 use serde::{Deserialize, Serialize};
 
 use crate::media::{self, export};
-use crate::paint::{ColorMap, Lengthen, Theme, View};
+use crate::paint::{ColorMap, Lengthen, Share, Theme, View};
 use crate::shot::Look;
 use crate::source::Source;
 
@@ -91,6 +91,9 @@ struct Text {
 struct Picture {
     #[serde(skip_serializing_if = "Option::is_none")]
     view: Option<String>,
+    /// The share of frame t + 1 in a blend.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    blend: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     theme: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -183,6 +186,7 @@ impl Picture {
     fn of(look: &Look) -> Self {
         Self {
             view: look.view.map(|view| view.id().into()),
+            blend: (look.share != Share::default()).then_some(look.share.get()),
             theme: Some(look.theme.name().to_lowercase()),
             colors: Some(look.colors.name().to_lowercase()),
             arrows: match look.lengthen {
@@ -198,6 +202,7 @@ impl Picture {
         let usual = Look::default();
         Ok(Look {
             view: self.view.as_deref().map(view).transpose()?,
+            share: self.blend.map_or(Ok(usual.share), Share::new)?,
             theme: self.theme.as_deref().map_or(Ok(usual.theme), theme)?,
             colors: self.colors.as_deref().map_or(Ok(usual.colors), colors)?,
             lengthen: self.arrows.map_or(Lengthen::Auto, Lengthen::Times),
@@ -304,7 +309,8 @@ mod tests {
         let mut estimator = estimator("full-search").unwrap();
         estimator.set("block", "8").unwrap();
         estimator.set("early-exit", "on").unwrap();
-        let look = Look { view: Some(View::Blend), theme: Theme::Projector, legend: true, ..Look::default() };
+        let share = Share::new(0.8).unwrap();
+        let look = Look { view: Some(View::Blend), share, theme: Theme::Projector, legend: true, ..Look::default() };
         let sight = Some(Sight { center: [10.5, 3.0], zoom: 4.0 });
         let cursor = Some(Cursor { unit: 35, event: 412 });
         Session { source, truth: None, estimator, frame: 12, cursor, look, sight }
@@ -388,6 +394,7 @@ mod tests {
             (&format!("{start}estimator = \"full-search\"\nstep = \"x\""), "UNIT.EVENT"),
             (&format!("{start}estimator = \"full-search\"\n[set]\nblock = 400"), "4 to 64 px"),
             (&format!("{start}estimator = \"full-search\"\n[picture]\nview = \"up\""), "side-by-side"),
+            (&format!("{start}estimator = \"full-search\"\n[picture]\nblend = 1.5"), "from 0 to 1"),
         ] {
             assert!(parse(text).contains(told), "{text}: {}", parse(text));
         }

@@ -9,13 +9,20 @@ use motionscope_core::scene::Readout;
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Frame, Move, Scene, Spec, Step, Value, Walk, Way};
 
 use crate::media::{Progress, export};
-use crate::paint::{Caption, ColorMap, Lengthen, Pictures, Plate, PlateOptions, Theme, View, export_png, export_svg};
+use crate::paint::{
+    Caption, ColorMap, Lengthen, Pictures, Plate, PlateOptions, Share, Theme, View, export_png, export_svg,
+};
+
+/// An SVG can be looked at from near: it has the marks of a PNG of this scale.
+const SVG_SCALE: u32 = 2;
 
 /// How a step is looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Look {
     /// The view; `None` for what suits the step.
     pub view: Option<View>,
+    /// The share of frame t + 1 in a blend.
+    pub share: Share,
     /// Colours and sizes.
     pub theme: Theme,
     /// Colours of heat.
@@ -46,10 +53,18 @@ pub struct Moment<'a> {
     pub pictures: &'a Pictures,
 }
 
+/// Frames `t` and `t + 1` of `clip`, and what their files are called.
+///
+/// # Errors
+/// If there is no such pair, or it cannot be decoded.
+pub fn pair(clip: &Clip, t: usize) -> Result<Pictures, Error> {
+    Ok(Pictures { names: [t, t + 1].map(|frame| clip.frame_name(frame)), ..Pictures::of(clip.pair(t)?) })
+}
+
 /// What can be looked at where `walk` stands, which runs on `pair`.
-pub fn pictures(walk: &dyn Walk, pair: &[Arc<Frame>; 2]) -> Pictures {
-    let prediction = walk.at_end().then(|| Arc::new(Frame::gray(walk.output().prediction(pair[1].luma()))));
-    Pictures { pair: pair.clone(), prediction }
+pub fn pictures(walk: &dyn Walk, pair: &Pictures) -> Pictures {
+    let predicted = || Arc::new(Frame::gray(walk.output().prediction(pair.pair[1].luma())));
+    Pictures { prediction: walk.at_end().then(predicted), ..pair.clone() }
 }
 
 impl<'a> Moment<'a> {
@@ -64,8 +79,19 @@ impl<'a> Moment<'a> {
         Self { estimator, frame: walk.frame(), cursor: walk.cursor(), at_end: walk.at_end(), step, scene, pictures }
     }
 
-    /// The picture of this step.
-    pub fn plate(&self, look: &Look) -> Plate {
+    /// The picture of this step as a file; a PNG has `scale` pixels for each pixel of the clip.
+    ///
+    /// # Errors
+    /// If the picture would be larger than can be written.
+    pub fn encode(&self, look: &Look, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
+        match format {
+            Format::Png => export_png(&self.plate(look, scale), scale),
+            Format::Svg => export_svg(&self.plate(look, SVG_SCALE)).map(String::into_bytes),
+        }
+    }
+
+    /// The picture of this step, with the marks that `scale` pixels for each pixel of the clip have room for.
+    fn plate(&self, look: &Look, scale: u32) -> Plate {
         // A finished field says all in one picture; a search needs both.
         let fitting = if self.at_end { View::Current } else { View::SideBySide };
         let heat = self.step.readouts.iter().find_map(|readout| match readout {
@@ -77,7 +103,9 @@ impl<'a> Moment<'a> {
             theme: look.theme,
             colors: look.colors,
             lengthen: look.lengthen,
+            share: look.share,
             zoom: 1,
+            scale,
             frame: Some(self.frame),
             legend: look.legend,
             heat: heat.unwrap_or_default(),
@@ -139,7 +167,7 @@ impl Steps {
         progress: Option<&dyn Progress>,
     ) -> Result<usize, Error> {
         let mut walk = estimator.walk(clip, frame)?;
-        let frames = clip.pair(frame)?;
+        let pair = pair(clip, frame)?;
         fs::create_dir_all(folder).map_err(|e| {
             Error::new(format!("the folder {} cannot be made ({e}); choose another one", folder.display()))
         })?;
@@ -156,9 +184,10 @@ impl Steps {
                 return Err(Error::new(format!("writing was cancelled after {written} pictures")));
             }
             let told = (walk.step(None), walk.scene(None));
-            let plate = Moment::of(&*walk, estimator, &told, &pictures(&*walk, &frames)).plate(&self.look);
+            let pictures = pictures(&*walk, &pair);
+            let moment = Moment::of(&*walk, estimator, &told, &pictures);
             let name = format!("step_{written:05}.{}", self.format.extension());
-            export::save(&folder.join(name), &self.format.encode(&plate, self.scale)?)?;
+            export::save(&folder.join(name), &moment.encode(&self.look, self.format, self.scale)?)?;
             written += 1;
             if walk.at_end() {
                 break;
@@ -198,17 +227,6 @@ impl Format {
         match self {
             Self::Png => "png",
             Self::Svg => "svg",
-        }
-    }
-
-    /// `plate` in this format; a PNG has `scale` pixels for each pixel of the clip.
-    ///
-    /// # Errors
-    /// If the picture would be larger than can be written.
-    pub fn encode(self, plate: &Plate, scale: u32) -> Result<Vec<u8>, Error> {
-        match self {
-            Self::Png => export_png(plate, scale),
-            Self::Svg => export_svg(plate).map(String::into_bytes),
         }
     }
 }

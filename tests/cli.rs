@@ -150,18 +150,31 @@ fn a_session_brings_all_that_the_command_line_needs() {
     let here = folder.path();
     let text = format!(
         "motionscope = 1\nclip = \"{SMALL}\"\nestimator = \"full-search\"\nframe = 1\nstep = \"3.7\"\n\
-         [set]\nblock = 8\nrange = 4\n[picture]\nview = \"blend\"\ntheme = \"light\"\nlegend = true\n"
+         [set]\nblock = 8\nrange = 4\n[picture]\nview = \"blend\"\nblend = 0.8\ntheme = \"light\"\nlegend = true\n"
     );
     fs::write(here.join("lesson.motionscope"), text).unwrap();
     stdout(here, "run lesson.motionscope --overlay a.png");
     assert_eq!(json(here, "info lesson.motionscope --json"), json(here, &format!("info {SMALL} --json")));
-    let flags = "--frame 1 --step 3.7 --set block=8 --set range=4 --view blend --theme light --legend";
+    let flags = "--frame 1 --step 3.7 --set block=8 --set range=4 --view blend --blend 0.8 --theme light --legend";
     stdout(here, &format!("run {SMALL} --estimator full-search {flags} --overlay b.png"));
     assert!(fs::read(here.join("a.png")).unwrap() == fs::read(here.join("b.png")).unwrap());
     let session = Session::load(&here.join("lesson.motionscope")).unwrap();
     session.save(&here.join("again.motionscope")).unwrap();
     stdout(here, "run again.motionscope --overlay c.png");
     assert!(fs::read(here.join("a.png")).unwrap() == fs::read(here.join("c.png")).unwrap());
+}
+
+#[test]
+fn a_blend_has_the_share_that_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let paint = |look: &str| {
+        stdout(folder.path(), &format!("run {SMALL} --estimator full-search --step 0 {look} --overlay it.png"));
+        fs::read(folder.path().join("it.png")).unwrap()
+    };
+    assert!(paint("--view blend --blend 0") == paint("--view current"));
+    assert!(paint("--view blend --blend 1") == paint("--view next"));
+    assert!(paint("--view blend --blend 0.5") == paint("--view blend"));
+    assert!(paint("--view blend --blend 0.8") != paint("--view blend"));
 }
 
 #[test]
@@ -202,6 +215,8 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (run(SMALL, "--step 13"), "ends at 12."),
         (run(SMALL, "--set block=8.5"), "whole number"),
         (run(SMALL, "--view up"), "side-by-side"),
+        (run(SMALL, "--view blend --blend 1.5"), "from 0 to 1"),
+        (run(SMALL, "--blend 0.8"), "--view blend"),
         (run(SMALL, "--scale 9"), "1..=8"),
         (run(SMALL, "--threads 0"), "1..=256"),
         (run(SMALL, "--truth gone.flo"), "gone.flo"),

@@ -196,6 +196,27 @@ fn full_search_in_the_middle_of_a_block_looks_as_it_did() {
 }
 
 #[test]
+fn a_larger_picture_has_room_for_more_displacements() {
+    let frame = Arc::new(Frame::gray(Grid::new(64, 48, 90)));
+    let starts = (0..12).flat_map(|y| (0..16).map(move |x| [1.5 + 4.0 * x as f32, 1.5 + 4.0 * y as f32]));
+    let arrows = starts.map(|from| Arrow { from, to: [from[0] + 2.0, from[1]] }).collect();
+    let mut scene = Scene::default();
+    scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
+    scene.legend(Role::Result, "displacement found");
+    let pictures = Pictures::of([frame.clone(), frame]);
+    let drawn = |scale| {
+        let options = PlateOptions { view: View::Current, legend: true, scale, ..PlateOptions::default() };
+        let plate = Plate::new(&pictures, &scene, &options);
+        let all = || plate.layers.iter().flat_map(|layer| &layer.primitives);
+        let in_the_picture = |primitive: &&Primitive| matches!(primitive, Primitive::Arrow(a) if a.from[1] < 92.0);
+        let says_so = |primitive: &Primitive| matches!(primitive, Primitive::Text(line) if line.runs.iter().any(|run| run.text.contains("not all drawn")));
+        (all().filter(in_the_picture).count(), all().any(says_so))
+    };
+    assert_eq!(drawn(1), (6 * 8, true), "4 pixels are too near to each other");
+    assert_eq!([drawn(2), drawn(8)], [(12 * 16, false); 2]);
+}
+
+#[test]
 fn without_words_the_picture_is_the_frame() {
     let (frames, _) = search(Cursor::default());
     let options = PlateOptions { view: View::Next, ..PlateOptions::default() };

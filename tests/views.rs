@@ -53,7 +53,6 @@ impl Fixture {
         stage::Input {
             pictures: &self.pictures,
             frame: 12,
-            names: &[const { None }; 2],
             scene: &self.scene,
             theme: Theme::Dark,
             colors: ColorMap::Viridis,

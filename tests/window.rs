@@ -472,7 +472,7 @@ fn a_session_keeps_truth_and_look_and_the_command_line_paints_the_same() {
     let (first, second) = (folder.path().join("first.motionscope"), folder.path().join("second.motionscope"));
     fs::write(folder.path().join("truth.flo"), still_truth(320, 240)).expect("the truth");
     let text = "motionscope = 1\nclip = \"synth:pillar\"\ntruth = \"truth.flo\"\nestimator = \"full-search\"\n\
-                step = \"30.200\"\n[picture]\nview = \"side-by-side\"\ntheme = \"light\"\ncolors = \"turbo\"\narrows = 2.5\n\
+                step = \"30.200\"\n[picture]\nview = \"blend\"\nblend = 0.8\ntheme = \"light\"\ncolors = \"turbo\"\narrows = 2.5\n\
                 legend = false\ncaption = true\n";
     fs::write(&first, text).expect("the session");
     let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(first.clone().into()) });

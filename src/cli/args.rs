@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args as Group, Parser, Subcommand};
 use motionscope_core::{Cursor, Threads};
 
-use crate::paint::{ColorMap, Theme, View};
+use crate::paint::{ColorMap, Share, Theme, View};
 use crate::session;
 
 const EXAMPLES: &str = "\
@@ -157,6 +157,9 @@ pub struct LookArgs {
     /// current, next, side-by-side, difference, blend or blink, at the end of a run also prediction or residual; as suits the step unless given.
     #[arg(long, value_parser = view)]
     pub view: Option<View>,
+    /// The share of frame t+1 in a blend, from 0 to 1; half unless given.
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub blend: Option<Share>,
     /// dark, light or projector.
     #[arg(long, value_parser = theme)]
     pub theme: Option<Theme>,
@@ -224,6 +227,10 @@ pub struct ExportArgs {
 
 fn view(id: &str) -> Result<View, String> {
     session::view(id).map_err(|error| error.to_string())
+}
+
+fn share(text: &str) -> Result<Share, String> {
+    Share::new(text.parse().unwrap_or(f32::NAN)).map_err(|error| error.to_string())
 }
 
 fn theme(id: &str) -> Result<Theme, String> {

@@ -20,7 +20,7 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         rung: rung.unwrap_or(task.estimator.info().rungs.len() - 1),
         format: if args.format == "svg" { Format::Svg } else { Format::Png },
         scale: args.look.scale,
-        look: task.look(&args.look),
+        look: task.look(&args.look)?,
     };
     let written = steps.write(&task.clip, &*task.estimator, task.frame, &args.out, None)?;
     say(&format!("{written} pictures in {}", args.out.display()))

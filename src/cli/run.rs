@@ -10,7 +10,7 @@ use super::report::{Report, Timing, to_json};
 use super::say;
 use super::task::Task;
 use crate::media::export::{self, FlowFormat};
-use crate::shot::{Format, Moment, pictures};
+use crate::shot::{self, Format, Moment};
 
 /// Runs what `args` ask for. Files are made in full before the first is written.
 ///
@@ -107,15 +107,14 @@ fn overlay(task: &Task, args: &RunArgs, format: Format) -> Result<Vec<u8>, Error
     if let Some(step) = step.filter(|step| step.unit > walk.cursor().unit) {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", walk.cursor())));
     }
-    let look = task.look(&args.look);
+    let look = task.look(&args.look)?;
     if let Some(view) = look.view.filter(|view| view.is_of_the_end() && !walk.at_end()) {
         let view = view.id();
         return Err(Error::new(format!(
             "the {view} is made at the end of the run; leave --step away or choose another --view"
         )));
     }
-    let pictures = pictures(&*walk, &task.clip.pair(task.frame)?);
+    let pictures = shot::pictures(&*walk, &shot::pair(&task.clip, task.frame)?);
     let told = (walk.step(None), walk.scene(None));
-    let plate = Moment::of(&*walk, &*task.estimator, &told, &pictures).plate(&look);
-    format.encode(&plate, args.look.scale)
+    Moment::of(&*walk, &*task.estimator, &told, &pictures).encode(&look, format, args.look.scale)
 }

@@ -8,6 +8,7 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, estimator};
 use super::args::{LookArgs, TaskArgs};
 use super::set_all;
 use crate::media::Open;
+use crate::paint::View;
 use crate::session::Session;
 use crate::shot::Look;
 use crate::source::Source;
@@ -80,14 +81,22 @@ impl Task {
     }
 
     /// The look that `args` ask for, over that of the session.
-    pub fn look(&self, args: &LookArgs) -> Look {
-        Look {
-            view: args.view.or(self.look.view),
+    ///
+    /// # Errors
+    /// If the share of a blend is given where nothing is blended.
+    pub fn look(&self, args: &LookArgs) -> Result<Look, Error> {
+        let view = args.view.or(self.look.view);
+        if args.blend.is_some() && view != Some(View::Blend) {
+            return Err(Error::new("--blend is the share of frame t+1 in a blend; give --view blend as well"));
+        }
+        Ok(Look {
+            view,
+            share: args.blend.unwrap_or(self.look.share),
             theme: args.theme.unwrap_or(self.look.theme),
             colors: args.colors.unwrap_or(self.look.colors),
             lengthen: self.look.lengthen,
             legend: args.legend || self.look.legend,
             caption: args.caption || self.look.caption,
-        }
+        })
     }
 }

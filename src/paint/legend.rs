@@ -68,7 +68,7 @@ pub fn entries<'a>(
             times => format!(", drawn ×{times}"),
         };
         let is_thinned = marks.clone().any(|mark| match &mark.shape {
-            Shape::Arrows(arrows) => mark.role == role && marks::is_thinned(arrows, zoom),
+            Shape::Arrows(arrows) => mark.role == role && marks::is_thinned(arrows, zoom * look.density),
             _ => false,
         });
         let thinned = if is_thinned { ", not all drawn at this size" } else { "" };

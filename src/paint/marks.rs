@@ -10,7 +10,7 @@ use super::fonts::Face;
 use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Run, Stroke};
 use super::{ColorMap, Ink, PointShape, Theme};
 
-/// How near to each other displacements are drawn, in points; closer, they would hide the picture and each other.
+/// How near to each other displacements are drawn, in points of the window and pixels of a file; closer, they would hide the picture and each other.
 const CLOSEST: f32 = 5.0;
 /// Opacity of heat over footage.
 const HEAT_ALPHA: u8 = 0xb8;
@@ -26,6 +26,8 @@ pub struct Look {
     pub heat: Option<[f32; 2]>,
     /// How many times their length displacements are drawn.
     pub lengthen: f32,
+    /// Pixels that a point becomes, as far as they make room for more marks; 1 in the window.
+    pub density: f32,
 }
 
 /// How long displacements are drawn.
@@ -46,7 +48,7 @@ impl Look {
             Lengthen::Times(factor) if factor.is_finite() && factor > 0.0 => factor,
             Lengthen::Times(_) => 1.0,
         };
-        Self { theme, colors, heat: heat_range(scene), lengthen }
+        Self { theme, colors, heat: heat_range(scene), lengthen, density: 1.0 }
     }
 }
 
@@ -147,16 +149,17 @@ impl Painter<'_> {
     fn arrows(&mut self, role: Role, arrows: &[scene::Arrow]) {
         let times = if is_lengthened(role) { self.look.lengthen } else { 1.0 } * self.place.zoom;
         let offset = |arrow: &scene::Arrow| [0, 1].map(|i| (arrow.to[i] - arrow.from[i]) * times);
+        let room = self.place.zoom * self.look.density;
         self.thin_out(2.0 * self.ink.halo_width);
         match arrows {
             // One that points at a place is thin if it is short: it must not bury what it points at.
             [arrow] if !is_lengthened(role) => self.thin_out((0.3 * length(offset(arrow))).max(0.8)),
             // Where neighbours are close, arrows are thinner.
-            [_, _, ..] => self.thin_out((0.1 * cell(arrows, self.place.zoom) * self.place.zoom).max(0.5)),
+            [_, _, ..] => self.thin_out((0.1 * cell(arrows, room) * self.place.zoom).max(0.5)),
             _ => {}
         }
         let Ink { color, halo, halo_width, width, .. } = self.ink;
-        for arrow in apart(arrows, self.place.zoom) {
+        for arrow in apart(arrows, room) {
             let from = self.place.at(arrow.from);
             let [x, y] = offset(arrow);
             let long = length([x, y]);
@@ -426,7 +429,7 @@ mod tests {
         let mut scene = Scene::default();
         scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow]));
         scene.mark(Picture::Next, Role::Result, Shape::Arrows(vec![arrow]));
-        let look = Look { theme: Theme::Dark, colors: ColorMap::Viridis, heat: None, lengthen: 2.0 };
+        let look = Look { lengthen: 2.0, ..Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto) };
         let tips: Vec<_> = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 3.0 })
             .into_iter()
             .map(|primitive| match primitive {

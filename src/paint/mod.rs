@@ -24,7 +24,7 @@ pub use color_map::ColorMap;
 pub use fonts::Face;
 pub use marks::{Lengthen, Look, Placement, is_lengthened, resolve};
 pub use number::{grouped, number};
-pub use panel::{Panel, Pictures, View};
+pub use panel::{Panel, Pictures, Share, Shown, View};
 pub use plate::{Caption, Layer, Plate, PlateOptions};
 pub use png::export_png;
 pub use primitive::Primitive;

@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use motionscope_core::scene::Picture;
-use motionscope_core::{Frame, Grid};
+use motionscope_core::{Error, Frame, Grid};
 
 /// What can be looked at: the frames, and what a run has made of them.
 #[derive(Clone, Debug)]
 pub struct Pictures {
     /// Frames t and t + 1.
     pub pair: [Arc<Frame>; 2],
+    /// What the files of the two are called, where each is a file of its own.
+    pub names: [Option<String>; 2],
     /// The motion-compensated prediction of frame t, at the end of a run.
     pub prediction: Option<Arc<Frame>>,
 }
@@ -17,7 +19,38 @@ pub struct Pictures {
 impl Pictures {
     /// Two frames of which nothing has been made yet.
     pub fn of(pair: [Arc<Frame>; 2]) -> Self {
-        Self { pair, prediction: None }
+        Self { pair, names: [const { None }; 2], prediction: None }
+    }
+}
+
+/// The share of frame t + 1 in a blend, 0 to 1; half unless chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share(f32);
+
+impl Default for Share {
+    fn default() -> Self {
+        Self(0.5)
+    }
+}
+
+impl Share {
+    /// This share, if it is one.
+    ///
+    /// # Errors
+    /// If it does not lie between 0 and 1.
+    pub fn new(share: f32) -> Result<Self, Error> {
+        let told = || Error::new(format!("a blend has a share of frame t+1 from 0 to 1, as in 0.8, and not {share}"));
+        (0.0..=1.0).contains(&share).then_some(Self(share)).ok_or_else(told)
+    }
+
+    /// Its number.
+    pub fn get(self) -> f32 {
+        self.0
+    }
+
+    /// So much of `next`, and the rest of `current`.
+    pub fn mix(self, current: u8, next: u8) -> u8 {
+        (f32::from(current) + (f32::from(next) - f32::from(current)) * self.0).round() as u8
     }
 }
 
@@ -33,7 +66,7 @@ pub enum View {
     SideBySide,
     /// How much each pixel changes.
     Difference,
-    /// The mean of both.
+    /// One over the other.
     Blend,
     /// Both in turn. A picture cannot blink, so it shows them side by side.
     Blink,
@@ -137,7 +170,7 @@ pub enum Panel {
     Next,
     /// |frame t+1 − frame t| in gray, brightened so that it can be seen.
     Difference,
-    /// The mean of both frames.
+    /// One frame over the other.
     Blend,
     /// The motion-compensated prediction of frame t.
     Prediction,
@@ -168,37 +201,53 @@ impl Panel {
         }
     }
 
-    /// Its pixels, opaque, and how many times brighter than the numbers say they are.
-    pub fn pixels(self, pictures: &Pictures) -> (Grid<[u8; 4]>, u16) {
+    /// Its pixels, opaque, and how many times brighter than the numbers say they are; `share` is for a blend.
+    pub fn pixels(self, pictures: &Pictures, share: Share) -> (Grid<[u8; 4]>, u16) {
         let [frame, other] = self.frames(pictures);
         match self {
             Panel::Current | Panel::Next | Panel::Prediction => (colors(frame), 1),
             Panel::Difference | Panel::Residual => difference([frame, other]),
             Panel::Blend => {
                 let (a, b) = (colors(frame), colors(other));
-                let mean = |p: [u8; 4], q: [u8; 4]| {
-                    std::array::from_fn(|i| (u16::from(p[i]) + u16::from(q[i])).div_ceil(2) as u8)
-                };
-                (both(&a, &b, mean), 1)
+                let mix = |p: [u8; 4], q: [u8; 4]| std::array::from_fn(|i| share.mix(p[i], q[i]));
+                (both(&a, &b, mix), 1)
             }
         }
     }
+}
 
-    /// What is above it: `frame 12`, or `frame t` where no number is known.
-    pub fn title(self, frame: Option<usize>, gain: u16) -> String {
+/// A panel as it is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// Which one.
+    pub panel: Panel,
+    /// The share of frame t + 1, in a blend.
+    pub share: Share,
+    /// How many times brighter it is than its numbers say.
+    pub gain: u16,
+}
+
+impl Shown {
+    /// What stands above it: `Frame t = 12 · wave_12.png`, without the number where none is known.
+    pub fn title(&self, frame: Option<usize>, names: &[Option<String>; 2]) -> String {
         let [t, next] = match frame {
             Some(t) => [t.to_string(), t.saturating_add(1).to_string()],
             None => ["t".into(), "t+1".into()],
         };
-        match self {
-            Panel::Current => format!("frame {t}"),
-            Panel::Next => format!("frame {next}"),
-            Panel::Difference if gain > 1 => format!("|frame {next} − frame {t}| × {gain}"),
-            Panel::Difference => format!("|frame {next} − frame {t}|"),
-            Panel::Blend => format!("mean of frames {t} and {next}"),
-            Panel::Prediction => format!("prediction of frame {t}"),
-            Panel::Residual if gain > 1 => format!("|frame {t} − its prediction| × {gain}"),
-            Panel::Residual => format!("|frame {t} − its prediction|"),
+        let number = |number: &str| if frame.is_some() { format!(" = {number}") } else { String::new() };
+        let name = |i: usize| names[i].as_ref().map_or_else(String::new, |name| format!(" · {name}"));
+        let gain = if self.gain > 1 { format!(" × {}", self.gain) } else { String::new() };
+        match self.panel {
+            Panel::Current => format!("Frame t{}{}", number(&t), name(0)),
+            Panel::Next => format!("Frame t+1{}{}", number(&next), name(1)),
+            Panel::Difference => format!("|frame {next} − frame {t}|{gain}"),
+            Panel::Blend if self.share == Share::default() => format!("Mean of frames {t} and {next}"),
+            Panel::Blend => {
+                let percent = (self.share.get() * 100.0).round();
+                format!("{} % frame {t} + {percent} % frame {next}", 100.0 - percent)
+            }
+            Panel::Prediction => format!("Prediction of frame t{}{}", number(&t), name(0)),
+            Panel::Residual => format!("|frame {t} − its prediction|{gain}"),
         }
     }
 }
@@ -246,18 +295,36 @@ mod tests {
 
     #[test]
     fn a_difference_is_brightened_until_it_can_be_seen() {
-        let shown = |pair| Panel::Difference.pixels(&Pictures::of(pair));
+        let shown = |pair| Panel::Difference.pixels(&Pictures::of(pair), Share::default());
         let gain = |change: u8| shown([frame(|_| 0), frame(|x| if x < 100 { change } else { 0 })]).1;
         assert_eq!([gain(3), gain(40), gain(100), gain(200)], [8, 4, 2, 1]);
         let (pixels, gain) = shown([frame(|_| 9), frame(|x| if x == 0 { 250 } else { 19 })]);
         assert_eq!((gain, pixels[(1, 0)][0], pixels[(0, 0)][0]), (8, 80, 255));
-        assert_eq!(Panel::Difference.title(Some(12), 8), "|frame 13 − frame 12| × 8");
     }
 
     #[test]
-    fn a_blend_is_the_mean() {
-        let (pixels, _) = Panel::Blend.pixels(&Pictures::of([frame(|_| 10), frame(|_| 20)]));
-        assert_eq!(pixels[(0, 0)], [15, 15, 15, 255]);
+    fn a_blend_has_the_share_that_is_asked_for() {
+        let blend = |share| Panel::Blend.pixels(&Pictures::of([frame(|_| 10), frame(|_| 20)]), share).0[(0, 0)];
+        assert_eq!(blend(Share::default()), [15, 15, 15, 255]);
+        let shown = [0.0, 0.8, 1.0].map(|share| blend(Share::new(share).expect("a share")));
+        assert_eq!(shown, [[10, 10, 10, 255], [18, 18, 18, 255], [20, 20, 20, 255]]);
+        for wrong in [-0.1, 1.01, f32::NAN] {
+            let told = Share::new(wrong).expect_err("no share").to_string();
+            assert!(told.contains("from 0 to 1"), "{told}");
+        }
+    }
+
+    #[test]
+    fn a_title_tells_place_number_and_file() {
+        let names = [Some("a_12.png".to_owned()), Some("a_13.png".to_owned())];
+        let title = |panel, share, frame| Shown { panel, share, gain: 8 }.title(frame, &names);
+        let half = Share::default();
+        assert_eq!(title(Panel::Current, half, Some(12)), "Frame t = 12 · a_12.png");
+        assert_eq!(title(Panel::Next, half, Some(12)), "Frame t+1 = 13 · a_13.png");
+        assert_eq!(title(Panel::Prediction, half, None), "Prediction of frame t · a_12.png");
+        assert_eq!(title(Panel::Difference, half, Some(12)), "|frame 13 − frame 12| × 8");
+        assert_eq!(title(Panel::Blend, half, None), "Mean of frames t and t+1");
+        assert_eq!(title(Panel::Blend, Share(0.8), Some(12)), "20 % frame 12 + 80 % frame 13");
     }
 
     #[test]
@@ -267,8 +334,8 @@ mod tests {
         assert_eq!(View::Residual.or_current(&without), View::Current);
         let pictures = Pictures { prediction: Some(frame(|_| 90)), ..without };
         assert_eq!(View::Residual.or_current(&pictures), View::Residual);
-        assert_eq!(Panel::Prediction.pixels(&pictures).0[(3, 0)][0], 90);
-        let (pixels, gain) = Panel::Residual.pixels(&pictures);
+        assert_eq!(Panel::Prediction.pixels(&pictures, Share::default()).0[(3, 0)][0], 90);
+        let (pixels, gain) = Panel::Residual.pixels(&pictures, Share::default());
         assert_eq!((pixels[(3, 0)][0], gain), (80, 8));
     }
 

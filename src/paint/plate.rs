@@ -8,7 +8,10 @@ use motionscope_core::{Grid, Scene};
 use super::legend::{self, line_height};
 use super::primitive::{Anchor, Line, Primitive, Rect, Run, Stroke};
 use super::wrap::{inked, wrap};
-use super::{Color, ColorMap, Face, Lengthen, Look, Panel, Pictures, Placement, Theme, TypeSizes, View, fonts, marks};
+use super::{
+    Color, ColorMap, Face, Lengthen, Look, Panel, Pictures, Placement, Share, Shown, Theme, TypeSizes, View, fonts,
+    marks,
+};
 
 /// Space around everything.
 const MARGIN: f32 = 16.0;
@@ -24,6 +27,8 @@ const LEAST_WIDTH: f32 = 26.0;
 pub struct PlateOptions {
     /// How the pair is looked at.
     pub view: View,
+    /// The share of frame t + 1 in a blend.
+    pub share: Share,
     /// Colours and sizes.
     pub theme: Theme,
     /// Colours of heat.
@@ -32,6 +37,8 @@ pub struct PlateOptions {
     pub lengthen: Lengthen,
     /// Points per pixel of the clip, a whole number; 0 counts as 1. Lines and words do not grow with it.
     pub zoom: u16,
+    /// Pixels per point that it will be painted with, at which marks find room; 0 counts as 1.
+    pub scale: u32,
     /// Number of frame t, for the titles.
     pub frame: Option<usize>,
     /// Whether what the marks mean stands below.
@@ -85,6 +92,7 @@ impl Plate {
     /// Lays out `scene` over `pictures`.
     pub fn new(pictures: &Pictures, scene: &Scene, options: &PlateOptions) -> Self {
         let look = Look::new(scene, options.theme, options.colors, options.lengthen);
+        let look = Look { density: options.scale.max(1) as f32, ..look };
         let is_framed = options.legend || options.caption.is_some();
         let mut layout = Layout {
             options,
@@ -98,6 +106,7 @@ impl Plate {
             panels: Vec::new(),
         };
         layout.lay_out(pictures, scene, is_framed);
+        let description = description(options, pictures);
         let Layout { margin, width, y, words, mut pictures, panels, .. } = layout;
         pictures.push(Layer { clip: None, primitives: words });
         Self {
@@ -105,13 +114,14 @@ impl Plate {
             background: if is_framed { options.theme.chrome().panel } else { options.theme.chrome().background },
             layers: pictures,
             panels,
-            description: description(options),
+            description,
         }
     }
 }
 
-fn description(options: &PlateOptions) -> String {
-    let titles: Vec<_> = options.view.panels().iter().map(|panel| panel.title(options.frame, 1)).collect();
+fn description(options: &PlateOptions, pictures: &Pictures) -> String {
+    let shown = options.view.panels().iter().map(|&panel| Shown { panel, share: options.share, gain: 1 });
+    let titles: Vec<_> = shown.map(|shown| shown.title(options.frame, &pictures.names)).collect();
     let pictures = titles.join(" and ");
     match &options.caption {
         None => pictures,
@@ -140,7 +150,8 @@ struct Layout<'a> {
 impl Layout<'_> {
     fn lay_out(&mut self, of: &Pictures, scene: &Scene, is_framed: bool) {
         let zoom = f32::from(self.options.zoom.max(1));
-        let pictures: Vec<_> = self.options.view.panels().iter().map(|panel| (*panel, panel.pixels(of))).collect();
+        let pictures: Vec<_> =
+            self.options.view.panels().iter().map(|panel| (*panel, panel.pixels(of, self.options.share))).collect();
         let widths = pictures.iter().map(|(_, (pixels, _))| pixels.width() as f32 * zoom);
         let total = widths.sum::<f32>() + GAP * (pictures.len() - 1) as f32;
         self.width = if is_framed { on_grid(total.max(LEAST_WIDTH * self.sizes.body)) } else { total };
@@ -153,8 +164,8 @@ impl Layout<'_> {
             self.y = top;
             let size = [pixels.width() as f32 * zoom, pixels.height() as f32 * zoom];
             if is_framed {
-                let title = Run::new(panel.title(self.options.frame, gain), self.options.theme.chrome().dim);
-                self.line(vec![title], self.sizes.small, x);
+                let shown = Shown { panel, share: self.options.share, gain };
+                self.title(shown, &of.names, (x, size[0]));
                 self.y += 4.0;
             }
             let placement = Placement { origin: [x, self.y], zoom };
@@ -170,6 +181,15 @@ impl Layout<'_> {
         if self.options.legend {
             self.legend(scene);
         }
+    }
+
+    /// What stands above a picture that begins at `x`; without the name of its file where that is too long.
+    fn title(&mut self, shown: Shown, names: &[Option<String>; 2], (x, width): (f32, f32)) {
+        let room = if shown.panel == Panel::Current { width } else { self.margin + self.width - x };
+        let titles = [names, &[const { None }; 2]].map(|names| shown.title(self.options.frame, names));
+        let [whole, short] = &titles;
+        let title = if fonts::width(whole, Face::Sans, self.sizes.small) <= room { whole } else { short };
+        self.line(vec![Run::new(title, self.options.theme.chrome().dim)], self.sizes.small, x);
     }
 
     fn panel(&mut self, panel: Panel, placement: Placement, rect: Rect, pixels: Arc<Grid<[u8; 4]>>, scene: &Scene) {

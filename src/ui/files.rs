@@ -117,6 +117,7 @@ impl App {
         self.document.restore(estimator, frame, look);
         self.settings.set_theme(look.theme);
         self.states.stage.view = look.view.unwrap_or_default();
+        self.states.stage.blend = look.share.get();
         self.states.stage.legend = look.legend;
         if let Some(Sight { center, zoom }) = sight {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
@@ -184,7 +185,7 @@ impl App {
     pub(super) fn look(&self) -> Look {
         let stage = &self.states.stage;
         let (view, theme, legend) = (Some(stage.view), self.settings.theme(), stage.legend);
-        Look { view, theme, legend, ..*self.document.look() }
+        Look { view, share: stage.share(), theme, legend, ..*self.document.look() }
     }
 
     /// Writes on another thread; a message tells the outcome.

@@ -75,7 +75,6 @@ impl Panes<'_> {
         let input = stage::Input {
             pictures: &shown.pictures,
             frame: shown.subject.frame,
-            names: &shown.names,
             scene: &shown.scene,
             theme: self.theme,
             colors: self.document.look().colors,

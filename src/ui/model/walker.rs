@@ -13,13 +13,11 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use motionscope_core::scene::{Fact, Readout};
-use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Error, Frame, Info, Move, Output, Role, Rung, Scene, Step, Stop, Walk,
-};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Move, Output, Role, Rung, Scene, Step, Stop, Walk};
 
 use crate::paint::Pictures;
 use crate::quality::Quality;
-use crate::shot::pictures;
+use crate::shot::{pair, pictures};
 use crate::source::Source;
 use crate::ui::action::Side;
 
@@ -84,8 +82,6 @@ pub struct Snapshot {
     pub info: &'static Info,
     /// Frames t and t + 1, and at the end what the run has made of them.
     pub pictures: Pictures,
-    /// What their files are called, where each is a file.
-    pub names: [Option<String>; 2],
     /// Where the run stands.
     pub cursor: Cursor,
     /// Events of the unit at hand.
@@ -322,7 +318,7 @@ struct Run {
     subject: Arc<Subject>,
     walk: Box<dyn Walk>,
     clip: Clip,
-    pair: [Arc<Frame>; 2],
+    pair: Pictures,
     /// What the whole run amounts to, once its end was reached.
     end: OnceCell<End>,
 }
@@ -429,7 +425,7 @@ impl<'a> Worker<'a> {
     fn open(&mut self, Job { subject, place }: Job) -> Result<bool, Error> {
         self.run = None;
         let clip = subject.clip.clone().until(self.shared.stop.clone());
-        let pair = clip.pair(subject.frame)?;
+        let pair = pair(&clip, subject.frame)?;
         let walk = subject.estimator.walk(&clip, subject.frame)?;
         let Place { mut cursor, near } = place;
         if let Some(unit) = near.and_then(|point| walk.unit_at(point)) {
@@ -499,7 +495,6 @@ impl Run {
             subject: Arc::clone(&self.subject),
             info: walk.info(),
             pictures: self.pictures(),
-            names: [0, 1].map(|later| self.clip.frame_name(walk.frame() + later)),
             cursor: walk.cursor(),
             events: walk.events(),
             units: walk.units(),
@@ -529,7 +524,7 @@ impl Run {
     }
 
     fn pictures(&self) -> Pictures {
-        if self.walk.at_end() { self.end().pictures.clone() } else { Pictures::of(self.pair.clone()) }
+        if self.walk.at_end() { self.end().pictures.clone() } else { self.pair.clone() }
     }
 
     fn end(&self) -> &End {

@@ -129,7 +129,7 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
         scene: &shown.scene,
         pictures: &shown.pictures,
     };
-    export::save(&order.path, &format.encode(&moment.plate(&order.look), order.scale)?)?;
+    export::save(&order.path, &moment.encode(&order.look, format, order.scale)?)?;
     Ok(format!("Wrote {}.", order.path.display()))
 }
 

@@ -23,7 +23,7 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
         let right = right_width(ui, input.theme);
         choice(ui, ui.available_width() - right, input.pictures.prediction.is_some(), state);
         if state.view == View::Blend {
-            let slider = Slider::new(&mut state.blend, 0.0..=1.0).show_value(false);
+            let slider = Slider::new(&mut state.blend, 0.0..=1.0).step_by(0.01).show_value(false);
             let name = "Share of frame t+1 in the blend";
             ui.add(slider).on_hover_text(name).accessible_name(name);
         }

@@ -21,7 +21,7 @@ pub use lens::{Lens, Zoom};
 pub(crate) use pixels::on_gray;
 
 use super::ink;
-use crate::paint::{self, ColorMap, Face, Lengthen, Panel, Theme, View};
+use crate::paint::{self, ColorMap, Face, Lengthen, Panel, Share, Shown, Theme, View};
 use glide::Glide;
 use marks::Marks;
 use pictures::Pictures;
@@ -40,8 +40,6 @@ pub struct Input<'a> {
     pub pictures: &'a paint::Pictures,
     /// The number of frame t.
     pub frame: usize,
-    /// What the files of the two are called, where each is a file.
-    pub names: &'a [Option<String>; 2],
     /// The marks.
     pub scene: &'a Arc<Scene>,
     /// The look.
@@ -120,6 +118,11 @@ impl State {
         }
     }
 
+    /// The share of frame t + 1 in a blend.
+    pub fn share(&self) -> Share {
+        Share::new(self.blend).unwrap_or_default()
+    }
+
     /// The whole picture.
     pub fn fit(&mut self) {
         self.zoom = Zoom::Fit;
@@ -188,7 +191,8 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Respo
         let cursor = if sensed.dragged() { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
         let sensed = sensed.on_hover_and_drag_cursor(cursor);
         sensed.widget_info(|| {
-            let title = title(*panel, input, 1);
+            let shown = Shown { panel: *panel, share: state.share(), gain: 1 };
+            let title = shown.title(Some(input.frame), &input.pictures.names);
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}"))
         });
         if let Some(zoom) = looked(ui, &sensed, lens) {
@@ -245,10 +249,11 @@ fn looked(ui: &Ui, sensed: &egui::Response, lens: &Lens) -> Option<Zoom> {
 
 fn paint(ui: &Ui, panel: Panel, lens: &Lens, input: &Input<'_>, state: &mut State) {
     let painter = ui.painter_at(lens.pane);
-    let share = (panel == Panel::Blend).then_some(state.blend);
+    let share = state.share();
     let gain = state.pictures.paint(&painter, panel, share, lens, input.pictures);
+    let shown = Shown { panel, share, gain };
     pixels::grid(&painter, lens);
-    pixels::numbers(&painter, pixels::Shown { panel, share: state.blend, gain }, lens, input.pictures);
+    pixels::numbers(&painter, shown, lens, input.pictures);
     let time = ui.input(|i| i.time);
     let moving = state.glide.marks(time);
     // A frame at the edge of the picture stays whole, all else ends with the picture.
@@ -257,27 +262,21 @@ fn paint(ui: &Ui, panel: Panel, lens: &Lens, input: &Input<'_>, state: &mut Stat
     if let Some(pixel) = state.hovered {
         pixels::cross_hair(&painter, lens, pixel);
     }
-    caption(ui.painter(), &title(panel, input, gain), lens, input.theme);
+    caption(ui.painter(), shown, lens, input);
 }
 
-/// The name of a picture, above it.
-fn caption(painter: &egui::Painter, title: &str, lens: &Lens, theme: Theme) {
+/// The name of a picture, above it; without that of its file where there is no room.
+fn caption(painter: &egui::Painter, shown: Shown, lens: &Lens, input: &Input<'_>) {
+    let theme = input.theme;
     let font = ink::font(Face::Sans, theme.sizes().small);
     let corner = lens.picture_rect().min.max(lens.pane.min).min(lens.pane.center());
     let at = pos2(corner.x, corner.y - bar::line_height(theme) / 2.0);
-    painter.text(at, egui::Align2::LEFT_CENTER, title, font, ink::color(theme.chrome().dim));
-}
-
-/// What a picture is called: its place in the pair, its number, and its file if it has one of its own.
-fn title(panel: Panel, input: &Input<'_>, gain: u16) -> String {
-    let [name, next] =
-        input.names.each_ref().map(|name| name.as_ref().map_or(String::new(), |name| format!(" · {name}")));
-    match panel {
-        Panel::Current => format!("Frame t = {}{name}", input.frame),
-        Panel::Next => format!("Frame t+1 = {}{next}", input.frame.saturating_add(1)),
-        Panel::Prediction => format!("Prediction of frame t = {}{name}", input.frame),
-        Panel::Difference | Panel::Blend | Panel::Residual => panel.title(Some(input.frame), gain),
-    }
+    let dim = ink::color(theme.chrome().dim);
+    let lay_out = |names| painter.layout_no_wrap(shown.title(Some(input.frame), names), font.clone(), dim);
+    let whole = lay_out(&input.pictures.names);
+    let fits = at.x + whole.size().x <= lens.pane.max.x;
+    let title = if fits { whole } else { lay_out(&[const { None }; 2]) };
+    painter.galley(at - vec2(0.0, title.size().y / 2.0), title, dim);
 }
 
 mod view_id {

@@ -7,7 +7,7 @@ use eframe::egui::{TextureFilter, TextureWrapMode};
 use motionscope_core::{Frame, Grid};
 
 use super::Lens;
-use crate::paint::{self, Panel};
+use crate::paint::{self, Panel, Share};
 
 /// Pictures kept, so that going back and forth uploads nothing.
 const KEPT: usize = 6;
@@ -50,8 +50,10 @@ impl Source {
 
     fn pixels(&self) -> (Grid<[u8; 4]>, u16) {
         match self {
-            Source::Frame(frame) => Panel::Current.pixels(&paint::Pictures::of([frame.clone(), frame.clone()])),
-            Source::Difference(pair) => Panel::Difference.pixels(&paint::Pictures::of(pair.clone())),
+            Source::Frame(frame) => {
+                Panel::Current.pixels(&paint::Pictures::of([frame.clone(), frame.clone()]), Share::default())
+            }
+            Source::Difference(pair) => Panel::Difference.pixels(&paint::Pictures::of(pair.clone()), Share::default()),
         }
     }
 }
@@ -62,7 +64,7 @@ impl Pictures {
         &mut self,
         painter: &Painter,
         panel: Panel,
-        share: Option<f32>,
+        share: Share,
         lens: &Lens,
         pictures: &paint::Pictures,
     ) -> u16 {
@@ -72,8 +74,8 @@ impl Pictures {
             _ => Source::Frame(frame),
         };
         let gain = self.layer(painter, first, 1.0, lens);
-        if let Some(share) = share {
-            self.layer(painter, Source::Frame(other), share.clamp(0.0, 1.0), lens);
+        if panel == Panel::Blend {
+            self.layer(painter, Source::Frame(other), share.get(), lens);
         }
         gain
     }

@@ -1,10 +1,10 @@
 //! What is seen from close up: the grid of pixels, their numbers, and the same pixel in every picture.
 
-use eframe::egui::{self, Align2, Color32, Painter, Rect, Stroke, StrokeKind};
+use eframe::egui::{Align2, Color32, Painter, Rect, Stroke, StrokeKind};
 use motionscope_core::{Frame, Gray};
 
 use super::Lens;
-use crate::paint::{Face, Panel, Pictures};
+use crate::paint::{Face, Panel, Pictures, Shown};
 use crate::ui::ink;
 
 /// Points per pixel from which the grid is drawn.
@@ -28,17 +28,6 @@ pub fn grid(painter: &Painter, lens: &Lens) {
         let at = painter.round_to_pixel_center(lens.to_screen([0.0, y as f32 - 0.5]).y);
         painter.hline(seen.x_range(), at, stroke);
     }
-}
-
-/// A picture as it is shown.
-#[derive(Clone, Copy)]
-pub struct Shown {
-    /// Which one.
-    pub panel: Panel,
-    /// The share of frame t + 1 in a blend.
-    pub share: f32,
-    /// How many times brighter it is than its numbers say.
-    pub gain: u16,
 }
 
 /// Whether the pixels have room for their numbers, and these are few enough to be read. Heat would hide them.
@@ -71,7 +60,7 @@ fn value(Shown { panel, share, gain }: Shown, pictures: &Pictures, x: usize, y: 
             Some((v, (u16::from(v) * gain).min(255) as u8))
         }
         Panel::Blend => {
-            let v = egui::lerp(f32::from(gray(0)?)..=f32::from(gray(1)?), share.clamp(0.0, 1.0)).round() as u8;
+            let v = share.mix(gray(0)?, gray(1)?);
             Some((v, v))
         }
     }
@@ -120,6 +109,8 @@ pub fn patch(painter: &Painter, rect: Rect, [r, g, b]: [u8; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paint::Share;
+    use eframe::egui::{Pos2, vec2};
     use motionscope_core::Grid;
     use std::sync::Arc;
 
@@ -127,7 +118,7 @@ mod tests {
     fn a_pixel_tells_the_number_that_it_shows() {
         let frame = |v| Arc::new(Frame::gray(Grid::new(3, 2, v)));
         let pair = Pictures::of([frame(10), frame(250)]);
-        let shown = |panel| Shown { panel, share: 0.25, gain: 1 };
+        let shown = |panel| Shown { panel, share: Share::new(0.25).expect("a share"), gain: 1 };
         assert_eq!(value(shown(Panel::Next), &pair, 2, 1), Some((250, 250)));
         assert_eq!(value(shown(Panel::Current), &pair, 3, 0), None);
         assert_eq!(value(shown(Panel::Blend), &pair, 0, 0), Some((70, 70)));
@@ -143,7 +134,7 @@ mod tests {
         let pair = Pictures::of([frame(10), frame(30)]);
         for panel in [Panel::Difference, Panel::Residual] {
             let pair = Pictures { prediction: Some(frame(30)), ..pair.clone() };
-            let shown = [1, 4, 8, 200].map(|gain| value(Shown { panel, share: 0.5, gain }, &pair, 0, 0));
+            let shown = [1, 4, 8, 200].map(|gain| value(Shown { panel, share: Share::default(), gain }, &pair, 0, 0));
             assert_eq!(shown, [Some((20, 20)), Some((20, 80)), Some((20, 160)), Some((20, 255))]);
         }
     }
@@ -151,7 +142,7 @@ mod tests {
     #[test]
     fn heat_is_hidden_only_where_numbers_are_written() {
         let at = |scale, side| {
-            let pane = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(side, side));
+            let pane = Rect::from_min_size(Pos2::ZERO, vec2(side, side));
             has_numbers(&Lens::new(pane, (584, 388), crate::ui::stage::Zoom::At { center: [99.0; 2], scale }))
         };
         assert!(at(30.0, 600.0) && at(50.0, 2400.0), "up to 3000 numbers");
