@@ -115,7 +115,7 @@ fn lit(frame: &Arc<Frame>) -> Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cursor, Grid, Move, estimators};
+    use crate::{Grid, Move, estimators};
 
     fn clip() -> Clip {
         crate::synth::make(crate::synth::SCENES[0].id, &crate::synth::SCENES[0].difficulty()).expect("a scene")
@@ -137,7 +137,7 @@ mod tests {
             let Some(&block) = figures.missed.first() else { continue };
             let result = |estimator: &dyn AnyEstimator| {
                 let mut walk = estimator.walk(&clip, 0).expect("a walk");
-                walk.jump(Move::To(Cursor { unit: block, event: usize::MAX }));
+                walk.jump(Move::End);
                 let Output::Blocks(field) = walk.output();
                 field.vectors[block].expect("it was searched").cost
             };

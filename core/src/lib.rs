@@ -15,6 +15,7 @@ mod grid;
 pub mod metrics;
 mod output;
 pub mod params;
+mod pyramid;
 mod registry;
 pub mod scene;
 mod stop;

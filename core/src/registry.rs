@@ -1,8 +1,8 @@
 //! Every estimator there is, in the order of the course.
 
 use crate::block_matching::{
-    AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, LogSearch, NewThreeStep, Predictive, QuadrantSearch,
-    ThreeStep,
+    AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
+    QuadrantSearch, ThreeStep,
 };
 use crate::{AnyEstimator, Error};
 
@@ -19,6 +19,7 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(Hexagon::default()),
         Box::new(AdaptiveRood::default()),
         Box::new(Predictive::default()),
+        Box::new(Hierarchical::default()),
     ]
 }
 

@@ -132,6 +132,31 @@ impl Shape {
         }
     }
 
+    /// The same on a picture `factor` times as wide and high. A pixel becomes `factor` × `factor` of them.
+    #[must_use]
+    pub fn enlarged(self, factor: usize) -> Self {
+        let times = |c: f32| c * factor as f32;
+        let place = |point: [f32; 2]| point.map(times);
+        match self {
+            Shape::Rect { min, max } => Shape::Rect { min: place(min), max: place(max) },
+            Shape::Arrows(arrows) => {
+                Shape::Arrows(arrows.into_iter().map(|a| Arrow { from: place(a.from), to: place(a.to) }).collect())
+            }
+            Shape::Ellipse { center, radii, angle_rad } => {
+                Shape::Ellipse { center: place(center), radii: place(radii), angle_rad }
+            }
+            Shape::Path { points, closed } => Shape::Path { points: points.into_iter().map(place).collect(), closed },
+            Shape::Points(points) => Shape::Points(points.into_iter().map(place).collect()),
+            Shape::Text { at, text } => Shape::Text { at: place(at), text },
+            Shape::Heat { origin, values } => {
+                let (width, height) = values.size();
+                let values = Grid::from_fn(width * factor, height * factor, |x, y| values[(x / factor, y / factor)]);
+                // The outer edge of the first pixel is enlarged, not its middle.
+                Shape::Heat { origin: origin.map(|c| times(c - 0.5) + 0.5), values }
+            }
+        }
+    }
+
     /// Every number of the shape that must be finite for it to be drawn.
     pub fn coordinates(&self) -> Vec<f32> {
         match self {
@@ -188,6 +213,13 @@ impl Scene {
     /// Adds a mark on top of the others.
     pub fn mark(&mut self, on: Picture, role: Role, shape: Shape) {
         self.marks.push(Mark { on, role, shape });
+    }
+
+    /// Adds the marks of `other`, a scene on a picture `factor` times smaller, and what their roles mean.
+    pub fn add_enlarged(&mut self, other: Scene, factor: usize) {
+        let Scene { marks, legend } = other;
+        self.marks.extend(marks.into_iter().map(|mark| Mark { shape: mark.shape.enlarged(factor), ..mark }));
+        legend.into_iter().for_each(|(role, meaning)| self.legend(role, meaning));
     }
 
     /// Says what `role` means here, once.

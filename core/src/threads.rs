@@ -3,6 +3,8 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use rayon::prelude::*;
+
 use crate::Error;
 
 /// A number of threads to spread work over.
@@ -36,6 +38,14 @@ impl Threads {
     /// How many there are.
     pub fn count(&self) -> usize {
         self.0.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
+    }
+
+    /// `f` of 0, 1, … `n − 1`, in that order, computed in any.
+    pub(crate) fn map<T: Send>(&self, n: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+        match &self.0 {
+            None => (0..n).map(f).collect(),
+            Some(pool) => pool.install(|| (0..n).into_par_iter().with_max_len(1).map(f).collect()),
+        }
     }
 
     /// `f` of every place of a grid, row by row. Each thread takes the next row and works along it, with its own
@@ -123,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sweep_does_not_depend_on_the_number_of_threads() {
+    fn results_do_not_depend_on_the_number_of_threads() {
         let (columns, rows) = (37, 50);
         // Every place depends on the one to the left and the one above to the right: a mistake anywhere spreads.
         let sweep = |threads| {
@@ -142,6 +152,8 @@ mod tests {
                 },
             )
         };
+        let squares = |n| Threads::new(n).unwrap().map(1000, |i| i * i);
+        assert_eq!(squares(1), squares(3));
         assert_eq!(sweep(1).len(), columns * rows);
         assert_eq!(sweep(1), sweep(2));
         assert_eq!(sweep(1), sweep(5));

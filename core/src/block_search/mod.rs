@@ -11,16 +11,18 @@ mod tester;
 use std::sync::Arc;
 
 use crate::cost::Cut;
-use crate::{Block, BlockGrid, Clip, Error, Frame};
+use crate::{Block, BlockGrid, Clip, Error, Frame, Role};
 
 pub use neighbours::Neighbours;
+pub(crate) use probe::Probe;
 pub use search::BlockSearch;
 pub(crate) use search::pseudocode;
+pub(crate) use search::unit_at;
 pub(crate) use settings::block_search_params;
 pub use settings::{BorderRule, Cost, HasSettings, Settings};
 pub(crate) use tell::vector;
 pub use tester::Tester;
-pub(crate) use tester::around;
+pub(crate) use tester::{Workspace, around};
 
 /// A displacement `[u, v]` in whole px from frame t to t + 1.
 pub type Displacement = [i32; 2];
@@ -165,6 +167,17 @@ pub enum Event {
     },
     /// The block is done.
     Found(Match),
+}
+
+impl Event {
+    /// The role of an event that is worth a mark on the timeline.
+    pub(crate) fn landmark(&self) -> Option<Role> {
+        match self {
+            Event::NewBest { .. } => Some(Role::Best),
+            Event::Stage(_) => Some(Role::Candidate),
+            _ => None,
+        }
+    }
 }
 
 /// A decision of a search: the candidates that it tests next, and why these.

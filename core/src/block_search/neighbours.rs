@@ -18,7 +18,7 @@ pub struct Neighbours {
 impl Neighbours {
     /// Those of block `index` in a grid of `columns`; `found` gives the match of a block before it in raster order,
     /// `before` those of the pair of frames before.
-    pub(super) fn of(index: usize, columns: usize, found: impl Fn(usize) -> Match, before: Option<&[Match]>) -> Self {
+    pub(crate) fn of(index: usize, columns: usize, found: impl Fn(usize) -> Match, before: Option<&[Match]>) -> Self {
         let (column, row) = (index % columns, index / columns);
         Self {
             left: (column > 0).then(|| found(index - 1)),

@@ -7,8 +7,8 @@ use super::tester::Workspace;
 use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
 use crate::threads::Earlier;
 use crate::{
-    BlockField, BlockVector, Clip, Error, Estimator, Info, Observer, Output, Params, Progress, Promise, Role, Rung,
-    Scene, Seen, Step, Threads,
+    BlockField, BlockGrid, BlockVector, Clip, Error, Estimator, Info, Observer, Output, Params, Progress, Promise,
+    Role, Rung, Scene, Seen, Step, Threads,
 };
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
@@ -146,11 +146,8 @@ impl<S: BlockSearch> Estimator for S {
         vec![Rung { index: 0, of: Some(1) }, block]
     }
 
-    fn unit_at(&self, state: &State, [x, y]: [f32; 2]) -> Option<usize> {
-        let (width, height) = state.pair.blocks.picture;
-        let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
-        let (column, row) = state.pair.blocks.nearest(inside(x, width)?, inside(y, height)?);
-        Some(row * state.pair.blocks.counts().0 + column)
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        unit_at(&state.pair.blocks, point)
     }
 
     fn state_bytes(&self, state: &State) -> usize {
@@ -158,11 +155,7 @@ impl<S: BlockSearch> Estimator for S {
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
-        match event {
-            Event::NewBest { .. } => Some(Role::Best),
-            Event::Stage(_) => Some(Role::Candidate),
-            _ => None,
-        }
+        event.landmark()
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -188,6 +181,14 @@ impl<S: BlockSearch> Estimator for S {
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         prepare(self, clip, frame, threads).map(|state| finish(self, state, threads))
     }
+}
+
+/// The block whose centre is nearest to `point`, if that lies in the picture.
+pub(crate) fn unit_at(blocks: &BlockGrid, [x, y]: [f32; 2]) -> Option<usize> {
+    let (width, height) = blocks.picture;
+    let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
+    let (column, row) = blocks.nearest(inside(x, width)?, inside(y, height)?);
+    Some(row * blocks.counts().0 + column)
 }
 
 fn probe<'a, S: BlockSearch>(search: &S, seen: &'a Seen<S>) -> Probe<'a> {

@@ -37,7 +37,7 @@ pub struct Tester<'a, O> {
 
 impl<'a, O: Observer<Event>> Tester<'a, O> {
     /// Block `index` of `pair`, of which nothing was tested yet.
-    pub(super) fn new(
+    pub(crate) fn new(
         (pair, index): (&'a Pair, usize),
         settings: Settings,
         neighbours: Neighbours,
@@ -143,7 +143,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
     }
 
     /// The best of all, and how many displacements were tested.
-    pub(super) fn finish(self) -> (Match, usize) {
+    pub(crate) fn finish(self) -> (Match, usize) {
         let best = self.best.unwrap_or(Match { displacement: [0, 0], cost: f64::INFINITY });
         self.observer.see(|| Event::Found(best));
         (best, self.tested)

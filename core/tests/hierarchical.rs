@@ -1,0 +1,244 @@
+//! Hierarchical search: against a plain reference, on far motion, and what it says about its levels.
+
+use std::collections::BTreeSet;
+
+use motionscope_core::{
+    BlockGrid, Border, Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, Way, estimator, synth,
+};
+use proptest::prelude::*;
+
+type Vector = (i64, i64);
+
+/// The picture at half the size, from 5×5 px weighted 1, 4, 6, 4, 1 each way.
+fn half(picture: &Gray) -> Gray {
+    let weights = [1, 4, 6, 4, 1];
+    Grid::from_fn(picture.width().div_ceil(2), picture.height().div_ceil(2), |x, y| {
+        let mut sum = 128;
+        for (i, j) in (0..5).flat_map(|j| (0..5).map(move |i| (i, j))) {
+            let at = picture.at((2 * x + i) as isize - 2, (2 * y + j) as isize - 2, Border::Mirror);
+            sum += weights[i] * weights[j] * u32::from(at);
+        }
+        (sum / 256) as u8
+    })
+}
+
+/// One level of both frames.
+struct Level {
+    current: Gray,
+    next: Gray,
+    blocks: BlockGrid,
+    range: i64,
+}
+
+impl Level {
+    /// The best of `tested` for block `index`: that with the least SAD, then the shortest, then the first row by row.
+    fn best(&self, index: usize, tested: &BTreeSet<Vector>) -> Vector {
+        let at = self.blocks.block(index);
+        let cost = |(u, v): Vector| {
+            let mut sum = 0;
+            for (x, y) in (at.y..at.y + at.height).flat_map(|y| (at.x..at.x + at.width).map(move |x| (x, y))) {
+                let there = self.next[((x as i64 + u) as usize, (y as i64 + v) as usize)];
+                sum += u32::from(self.current[(x, y)].abs_diff(there));
+            }
+            sum
+        };
+        *tested.iter().min_by_key(|&&(u, v)| (cost((u, v)), u * u + v * v, v, u)).expect("(0, 0) is tested")
+    }
+
+    /// Those of `asked` that lie in the window and leave the candidate inside the picture.
+    fn allowed(&self, index: usize, asked: impl IntoIterator<Item = Vector>) -> BTreeSet<Vector> {
+        let (at, (width, height)) = (self.blocks.block(index), self.blocks.picture);
+        let inside = |start: usize, by: i64, length: usize, extent: usize| {
+            by.abs() <= self.range && start as i64 + by >= 0 && start as i64 + by + length as i64 <= extent as i64
+        };
+        let is_allowed = |&(u, v): &Vector| inside(at.x, u, at.width, width) && inside(at.y, v, at.height, height);
+        asked.into_iter().filter(is_allowed).collect()
+    }
+}
+
+fn square(reach: i64, (u, v): Vector) -> impl Iterator<Item = Vector> {
+    (-reach..=reach).flat_map(move |j| (-reach..=reach).map(move |i| (u + i, v + j)))
+}
+
+/// Hierarchical search as simple as possible: full search at the coarsest level. Gives the displacements of the picture's
+/// blocks, and how many candidates were tested on all levels.
+fn reference(levels: &[Level], refine: i64) -> (Vec<Vector>, usize) {
+    let (mut coarser, mut candidates) = (Vec::<Vector>::new(), 0);
+    for (number, level) in levels.iter().enumerate().rev() {
+        let mut found = Vec::new();
+        for index in 0..level.blocks.len() {
+            let mut tested = if number + 1 == levels.len() {
+                level.allowed(index, square(level.range, (0, 0)))
+            } else {
+                let above = &levels[number + 1].blocks;
+                let [x, y] = level.blocks.block(index).center().map(|c| (c / 2.0) as usize);
+                let (column, row) = above.nearest(x.min(above.picture.0 - 1), y.min(above.picture.1 - 1));
+                let near = |i: usize| {
+                    let (c, r) = (i % above.counts().0, i / above.counts().0);
+                    c.abs_diff(column) + r.abs_diff(row) <= 1
+                };
+                let doubled = (0..above.len()).filter(|&i| near(i)).map(|i| (2 * coarser[i].0, 2 * coarser[i].1));
+                level.allowed(index, doubled.chain([(0, 0)]))
+            };
+            if number + 1 < levels.len() {
+                tested.extend(level.allowed(index, square(refine, level.best(index, &tested))));
+            }
+            candidates += tested.len();
+            found.push(level.best(index, &tested));
+        }
+        coarser = found;
+    }
+    (coarser, candidates)
+}
+
+fn picture(width: usize, height: usize, seed: u32) -> Gray {
+    Grid::from_fn(width, height, |x, y| {
+        let hash = |x: usize, y: usize| {
+            let h = (x as u32).wrapping_mul(0x9E37_79B9) ^ (y as u32).wrapping_mul(0x85EB_CA6B) ^ seed;
+            (h.wrapping_mul(0xC2B2_AE35) >> 24) as usize
+        };
+        ((hash(x / 9, y / 9) * 2 + hash(x / 3, y / 3) + hash(x, y)) / 4) as u8
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn agrees_with_the_plain_reference(
+        (block, range, count, refine) in (4usize..9, 1i64..20, 2usize..4, 1i64..4),
+        (width, height) in (36usize..70, 36usize..70),
+        (dx, dy) in (0usize..9, 0usize..9),
+        seed in any::<u32>(),
+    ) {
+        let all = picture(width + 9, height + 9, seed);
+        let cut = |dx, dy| Grid::from_fn(width, height, |x, y| all[(x + dx, y + dy)]);
+        let mut pictures = vec![(cut(dx, dy), cut(3, 4))];
+        while pictures.len() < count {
+            let (current, next) = &pictures[pictures.len() - 1];
+            pictures.push((half(current), half(next)));
+        }
+        let frames = [&pictures[0].0, &pictures[0].1].map(|picture| Frame::gray(picture.clone()));
+        let clip = Clip::from_frames("pair", frames.into()).expect("sound");
+        let level = |(number, (current, next)): (usize, (Gray, Gray))| {
+            let blocks = BlockGrid { picture: current.size(), size: block, step: block };
+            let parts = 1 << number;
+            Level { current, next, blocks, range: (range + parts - 1) / parts }
+        };
+        let levels: Vec<_> = pictures.into_iter().enumerate().map(level).collect();
+        let mut search = estimator("hierarchical").expect("sound");
+        for (name, value) in [("block", block), ("range", range as usize), ("levels", count), ("refine", refine as usize)] {
+            search.set(name, &value.to_string()).expect("sound");
+        }
+        let Output::Blocks(field) = search.run(&clip, 0, &Threads::new(2).expect("sound")).expect("sound");
+        let (expected, candidates) = reference(&levels, refine);
+        for (i, (found, (u, v))) in field.vectors.iter().zip(expected).enumerate() {
+            prop_assert_eq!(found.expect("searched").displacement, [u as f32, v as f32], "block {}", i);
+        }
+        prop_assert_eq!(field.candidates(), candidates as u64);
+    }
+}
+
+/// Share of the pixels whose motion is found within 1 px, away from what moves in or out.
+fn recovered(id: &str, settings: &[(&str, &str)], clip: &Clip, motion: Vector) -> f64 {
+    let mut search = estimator(id).expect("sound");
+    settings.iter().for_each(|(name, value)| search.set(name, value).expect("sound"));
+    let flow = search.run(clip, 0, &Threads::single()).expect("sound").flow();
+    let (width, height) = flow.0.size();
+    let inside = |p: usize, by: i64, extent: usize| p as i64 + by >= 16 && p as i64 + by < extent as i64 - 16;
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let known: Vec<_> = pixels.filter(|&(x, y)| inside(x, motion.0, width) && inside(y, motion.1, height)).collect();
+    let right = known.iter().filter(|&&(x, y)| {
+        let [u, v] = flow.at(x, y).expect("known");
+        (u - motion.0 as f32).abs().max((v - motion.1 as f32).abs()) <= 1.0
+    });
+    right.count() as f64 / known.len() as f64
+}
+
+#[test]
+fn far_motion_is_recovered_that_a_plain_window_cannot_reach() {
+    let all = picture(640, 480, 7);
+    for motion in [(64, 0), (-64, 32), (40, -64), (-50, -37)] {
+        let shifted = Grid::from_fn(640, 480, |x, y| {
+            all.at(x as isize - motion.0 as isize, y as isize - motion.1 as isize, Border::Mirror)
+        });
+        let clip = Clip::from_frames("far", vec![Frame::gray(all.clone()), Frame::gray(shifted)]).expect("sound");
+        let far = recovered("hierarchical", &[("range", "64"), ("levels", "3")], &clip, motion);
+        let plain = recovered("full-search", &[("range", "16")], &clip, motion);
+        assert!(far > 0.95, "{motion:?}: {far}");
+        assert_eq!(plain, 0.0, "{motion:?}");
+    }
+}
+
+#[test]
+fn the_fast_ball_is_caught_unless_the_pyramid_makes_it_smaller_than_a_block() {
+    let clip = synth::make("fast-ball", &synth::scene("fast-ball").expect("sound").difficulty()).expect("sound");
+    let [current, _] = clip.pair(3).expect("sound");
+    let truth = clip.truth().expect("sound").flow(3).expect("sound").expect("sound");
+    let error = |id: &str, settings: &[(&str, &str)]| {
+        let mut search = estimator(id).expect("sound");
+        settings.iter().for_each(|(name, value)| search.set(name, value).expect("sound"));
+        let flow = search.run(&clip, 3, &Threads::single()).expect("sound").flow();
+        let on_ball = (0..current.size().1).flat_map(|y| (0..current.size().0).map(move |x| (x, y)));
+        let on_ball: Vec<_> =
+            on_ball.filter(|&(x, y)| truth.at(x, y).is_some_and(|[u, v]| u.hypot(v) > 16.0)).collect();
+        let off = |&(x, y): &(usize, usize)| {
+            let ([u, v], [a, b]) = (flow.at(x, y).expect("known"), truth.at(x, y).expect("known"));
+            f64::from((u - a).hypot(v - b))
+        };
+        on_ball.iter().map(off).sum::<f64>() / on_ball.len() as f64
+    };
+    let plain = error("full-search", &[("range", "16")]);
+    let two = error("hierarchical", &[("range", "48"), ("levels", "2")]);
+    assert!(two < plain / 4.0, "{two} px off, plain search {plain} px");
+    // On level 2 the ball is 11 px across: blocks of 16 px there follow the wall behind it.
+    let three = error("hierarchical", &[("range", "48"), ("levels", "3")]);
+    assert!(three > 2.0 * two, "{three} px off");
+    let small = error("hierarchical", &[("range", "48"), ("levels", "3"), ("block", "8")]);
+    assert!(small < plain / 3.0, "{small} px off");
+}
+
+#[test]
+fn too_many_levels_are_refused_with_the_limit() {
+    let clip =
+        |width, height| Clip::from_frames("flat", vec![Frame::gray(Grid::new(width, height, 0)); 2]).expect("sound");
+    let mut search = estimator("hierarchical").expect("sound");
+    search.set("levels", "6").expect("sound");
+    let refused = |clip: &Clip| search.walk(clip, 0).err().expect("refused").to_string();
+    assert_eq!(
+        refused(&clip(320, 240)),
+        "6 levels would leave less than a block of 16 px of a picture of 320×240 px; choose 4 or fewer, or a smaller block"
+    );
+    assert_eq!(
+        refused(&clip(40, 20)),
+        "6 levels would leave less than a block of 16 px of a picture of 40×20 px; choose a smaller block"
+    );
+    assert!(search.walk(&clip(512, 512), 0).is_ok());
+}
+
+#[test]
+fn levels_are_rungs_and_say_where_they_are() {
+    let clip = synth::make("translation", &synth::scene("translation").expect("sound").difficulty()).expect("sound");
+    let search = estimator("hierarchical").expect("sound");
+    let mut walk = search.walk(&clip, 0).expect("sound");
+    assert_eq!(walk.units(), Some(300 + 80 + 20));
+    walk.jump(Move::Rung(3, Way::Forward));
+    let told = walk.step(None).sentence.plain();
+    assert!(told.starts_with("Level 2 of the pyramid is 80×60 px large. Block 1 is the 16×16 px at (0, 0)"), "{told}");
+    // Level by level.
+    for (units, level) in [(20, 0), (100, 1), (400, 2)] {
+        assert_eq!(walk.place()[1].index, level);
+        walk.jump(Move::Rung(1, Way::Forward));
+        assert_eq!(walk.cursor().unit + 1, units);
+        walk.jump(Move::Rung(3, Way::Forward));
+    }
+    walk.jump(Move::To(Cursor { unit: 19, event: usize::MAX }));
+    let told = walk.step(None).sentence.plain();
+    assert!(told.contains(" On the picture itself that is ("), "{told}");
+    // A block of 16 px on level 2 is drawn over 64 px of the picture, and a click there leads to it.
+    let scene = walk.scene(None);
+    let reference = scene.marks.iter().find(|mark| mark.role == motionscope_core::Role::Reference).expect("the block");
+    let corners = reference.shape.coordinates();
+    assert_eq!((corners[0], corners[2] - corners[0]), (4.0 * (64.0 - 0.5), 64.0));
+    assert_eq!(walk.unit_at([300.0, 230.0]), Some(19));
+}
