@@ -33,6 +33,8 @@ pub struct Figures {
     pub kept_in_light: f64,
     /// Blocks.
     pub blocks: usize,
+    /// Units of the run: the blocks, and those of coarser levels before them.
+    pub units: usize,
 }
 
 impl Figures {
@@ -51,10 +53,11 @@ impl Figures {
             let disturbed = Clip::from_frames("disturbed", pair.into())?;
             Ok(kept(&output, &estimator.run(&disturbed, 0, threads)?))
         };
+        let extent = estimator.extent(clip, frame)?;
         Ok(Self {
             candidates_mean: field.candidates() as f64 / field.vectors.len() as f64,
             candidates_most: counts().max().unwrap_or(0),
-            state_bytes: estimator.extent(clip, frame)?.state_bytes,
+            state_bytes: extent.state_bytes,
             psnr_db: metrics::psnr_db(&prediction, current.luma())?,
             error: truth.map(|truth| metrics::flow_error(&output.flow(), &truth)).transpose()?.flatten(),
             coding: Coding::of(&output, current.luma(), &prediction)?,
@@ -62,7 +65,13 @@ impl Figures {
             kept_in_noise: kept([noisy(&current, 1), noisy(&next, 2)])?,
             kept_in_light: kept([Frame::gray(current.luma().clone()), lit(&next)])?,
             blocks: field.vectors.len(),
+            units: extent.units,
         })
+    }
+
+    /// The unit that missed the smallest cost of a block first. The blocks of the picture are the last units of a run.
+    pub fn first_missed_unit(&self) -> Option<usize> {
+        self.missed.first().map(|block| self.units - self.blocks + block)
     }
 
     /// Share of the blocks for which the smallest cost was missed.
@@ -115,7 +124,7 @@ fn lit(frame: &Arc<Frame>) -> Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Grid, Move, estimators};
+    use crate::{Cursor, Grid, Move, estimators};
 
     fn clip() -> Clip {
         crate::synth::make(crate::synth::SCENES[0].id, &crate::synth::SCENES[0].difficulty()).expect("a scene")
@@ -134,14 +143,15 @@ mod tests {
             assert!(f64::from(figures.candidates_most) >= figures.candidates_mean, "{id}");
             assert!((0.0..=1.0).contains(&figures.kept_in_noise) && (0.0..=1.0).contains(&figures.kept_in_light));
             // The first block that is said to be missed has a better displacement indeed.
-            let Some(&block) = figures.missed.first() else { continue };
-            let result = |estimator: &dyn AnyEstimator| {
+            let Some((&block, unit)) = figures.missed.first().zip(figures.first_missed_unit()) else { continue };
+            let result = |estimator: &dyn AnyEstimator, unit: usize| {
                 let mut walk = estimator.walk(&clip, 0).expect("a walk");
-                walk.jump(Move::End);
+                walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
                 let Output::Blocks(field) = walk.output();
                 field.vectors[block].expect("it was searched").cost
             };
-            assert!(result(&*estimator) > result(&*full_search_like(&*estimator).expect("full search")), "{id}");
+            let full = full_search_like(&*estimator).expect("full search");
+            assert!(result(&*estimator, unit) > result(&*full, block), "{id}");
         }
     }
 

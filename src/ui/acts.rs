@@ -200,7 +200,7 @@ impl App {
     /// Goes to the first block that was missed, with the estimator that missed it.
     fn visit(&mut self, row: &Row) {
         self.document.choose(row.estimator.boxed_clone());
-        let unit = row.figures.missed.first().copied().unwrap_or(0);
+        let unit = row.figures.first_missed_unit().unwrap_or(0);
         let place = Place { cursor: Cursor { unit, event: usize::MAX }, near: None };
         if let Some(job) = self.document.job_at(place) {
             self.walker.start(job);
