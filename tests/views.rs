@@ -113,6 +113,67 @@ fn the_explanation_does_not_jump_from_step_to_step() {
     assert_eq!(citations[2..], [citations[1]; 2]);
 }
 
+/// What a projector's small picture leaves for the explanation.
+const SMALL_PANE: Vec2 = vec2(440.0, 490.0);
+
+#[test]
+fn a_small_pane_shows_words_numbers_symbols_and_the_line_at_work() {
+    let fixture = fixture(MIDDLE);
+    let mut state = why::State::default();
+    let input = why::Input { info: fixture.walk.info(), step: &fixture.step, theme: Theme::Projector };
+    let mut harness = harness(SMALL_PANE, Theme::Projector, move |ui| why::show(ui, input, &mut state));
+    harness.run();
+    let equation = fixture.step.readouts.iter().find_map(|readout| match readout {
+        Readout::Equation(lines) => lines.last().map(|line| line.plain()),
+        _ => None,
+    });
+    let (sentence, equation) = (fixture.step.sentence.plain(), equation.expect("full search has an equation"));
+    let line = fixture.walk.info().pseudocode[fixture.step.line].trim();
+    let at_work = format!("current line: {line}");
+    let pinned = harness.query_all_by_label(&at_work).map(|node| node.rect()).next_back().expect("the line at work");
+    assert!(pinned.max.y <= SMALL_PANE.y + 1.0, "{pinned}");
+    for label in [&sentence, "Best so far: ", &equation] {
+        let rect = harness.query_by_label_contains(label).expect(label).rect();
+        assert!(rect.max.y <= pinned.min.y + 1.0, "{label} is hidden: {rect} above {pinned}");
+    }
+}
+
+#[test]
+fn the_explanation_stays_where_it_was_scrolled() {
+    let (first, second) = (fixture(MIDDLE), fixture(Cursor { unit: 1, event: 1 }));
+    assert_ne!(first.step.line, second.step.line);
+    let which = Cell::new(&first);
+    let mut state = why::State::default();
+    let mut harness = harness(SMALL_PANE, Theme::Projector, |ui| {
+        let shown = which.get();
+        let input = why::Input { info: shown.walk.info(), step: &shown.step, theme: Theme::Projector };
+        why::show(ui, input, &mut state);
+    });
+    // Once each kind of step was seen, there is room for both.
+    for shown in [&second, &first] {
+        which.set(shown);
+        harness.run();
+    }
+    let line = |harness: &Harness<'_>| harness.get_by_label_contains("for each displacement").rect().min.y;
+    let before = line(&harness);
+    harness.hover_at(Pos2::new(200.0, 300.0));
+    harness.event(Event::MouseWheel {
+        unit: MouseWheelUnit::Point,
+        delta: vec2(0.0, -90.0),
+        source: MouseWheelSource::Unknown,
+        phase: TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run();
+    let scrolled = line(&harness);
+    assert!((before - scrolled - 90.0).abs() < 2.0, "{before} {scrolled}");
+    for shown in [&second, &first, &second] {
+        which.set(shown);
+        harness.run();
+        assert_eq!(line(&harness), scrolled);
+    }
+}
+
 #[test]
 fn a_click_on_the_stage_tells_the_pixel_and_pointing_reads_it() {
     let fixture = fixture(MIDDLE);

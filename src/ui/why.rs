@@ -1,7 +1,7 @@
 //! The explanation: why the last step happened, in words, in symbols, in numbers and in the algorithm's own lines.
 
 use eframe::egui::text::{LayoutJob, TextFormat};
-use eframe::egui::{self, Align, Color32, Sense, Stroke, Ui, pos2, vec2};
+use eframe::egui::{self, Align, Color32, Rect, Sense, Stroke, Ui, pos2, vec2};
 use motionscope_core::scene::{Fact, Math, Readout, Sentence};
 use motionscope_core::{Info, Step};
 
@@ -19,29 +19,58 @@ pub struct Input<'a> {
     pub theme: Theme,
 }
 
+/// How close things stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Density {
+    /// Between two parts, in points.
+    gap: f32,
+    /// From one line of the sentence to the next, in sizes of its type.
+    leading: f32,
+    /// Above and below a row of the table, in points.
+    row: f32,
+    /// Type of the formula, in points.
+    math: f32,
+}
+
+/// Heights of the pane, in sizes of its type, below which things stand closer.
+const ROOMY: f32 = 30.0;
+
+impl Density {
+    /// For a pane of this height.
+    fn of(height: f32, theme: Theme) -> Self {
+        let sizes = theme.sizes();
+        if height < ROOMY * sizes.body {
+            Self { gap: 5.0, leading: 1.35, row: 2.5, math: sizes.body }
+        } else {
+            Self { gap: 8.0, leading: 1.45, row: 4.0, math: sizes.heading }
+        }
+    }
+}
+
 /// The room that each part has needed so far, so that nothing jumps from step to step.
 #[derive(Clone, Debug, Default)]
 pub struct State {
-    key: Option<(&'static str, u32, Theme)>,
+    key: Option<(&'static str, u32, Theme, Density)>,
     sentence: f32,
     equation: f32,
     facts: f32,
-    line: Option<usize>,
+    /// Whether the line at work is out of sight among the others, and so stands at the bottom as well.
+    pinned: bool,
 }
 
 impl State {
-    /// Forgets the room when it was measured for another estimator, width or type size.
-    fn keep_for(&mut self, key: (&'static str, u32, Theme)) {
+    /// Forgets the room when it was measured for another estimator, width, type size or density.
+    fn keep_for(&mut self, key: (&'static str, u32, Theme, Density)) {
         if self.key != Some(key) {
             // Room for what most steps tell, from the first on.
-            let size = key.2.sizes();
-            let lines = |count: f32, size: f32| count * (1.45 * size).round();
+            let (_, _, theme, Density { leading, row, math, .. }) = key;
+            let size = theme.sizes();
             *self = State {
                 key: Some(key),
-                sentence: lines(3.0, size.heading + 2.0),
-                facts: lines(4.0, size.body),
-                equation: lines(4.0, size.heading),
-                line: None,
+                sentence: 3.0 * (leading * (size.heading + 2.0)).round(),
+                facts: 4.0 * (1.2 * size.body + 2.0 * row).round(),
+                equation: 4.0 * (1.45 * math).round(),
+                pinned: self.pinned,
             };
         }
     }
@@ -50,11 +79,16 @@ impl State {
 /// Shows the explanation in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let Input { info, step, theme } = input;
-    ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
-    state.keep_for((info.id, ui.available_width().round() as u32, theme));
+    let density = Density::of(ui.available_height(), theme);
+    ui.spacing_mut().item_spacing = vec2(8.0, density.gap);
+    state.keep_for((info.id, ui.available_width().round() as u32, theme, density));
     // The sentence stays in sight, however far the rest is scrolled.
-    hold(ui, &mut state.sentence, |ui| sentence(ui, &step.sentence, theme));
-    egui::ScrollArea::vertical().id_salt("why").auto_shrink(false).show(ui, |ui| {
+    hold(ui, &mut state.sentence, |ui| sentence(ui, &step.sentence, theme, density.leading));
+    // Nor does the line at work: it stands at the bottom where it is scrolled out of sight. Nothing scrolls by itself.
+    let (room, below) = (ui.available_height(), pinned_height(ui, input));
+    let height = if state.pinned { room - below } else { room };
+    let scroll = egui::ScrollArea::vertical().id_salt("why").auto_shrink(false).max_height(height.max(0.0));
+    let scrolled = scroll.show(ui, |ui| {
         let facts = step.readouts.iter().find_map(|readout| match readout {
             Readout::Facts(facts) => Some(facts.as_slice()),
             _ => None,
@@ -66,14 +100,24 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
         // Before the first step there is neither: no room is kept then.
         if facts.is_some() || lines.is_some() {
             rule(ui, theme);
-            hold(ui, &mut state.facts, |ui| table(ui, facts.unwrap_or_default(), theme));
+            hold(ui, &mut state.facts, |ui| table(ui, facts.unwrap_or_default(), theme, density.row));
             rule(ui, theme);
-            hold(ui, &mut state.equation, |ui| equation(ui, lines.unwrap_or_default(), theme));
+            hold(ui, &mut state.equation, |ui| equation(ui, lines.unwrap_or_default(), theme, density.math));
         }
-        let moved = state.line.replace(step.line) != Some(step.line);
-        pseudocode(ui, input, moved);
+        let at_work = pseudocode(ui, input);
         citation(ui, info.source, theme);
+        at_work
     });
+    if state.pinned {
+        pinned(ui, input);
+    }
+    let top = scrolled.inner_rect.min.y;
+    let in_sight = |line: Rect| line.min.y >= top && line.max.y <= top + room - below;
+    let overflows = scrolled.content_size.y > room;
+    let is_pinned = overflows && scrolled.inner.is_some_and(|line| !in_sight(line));
+    if std::mem::replace(&mut state.pinned, is_pinned) != is_pinned {
+        ui.ctx().request_discard("the line at work came into sight, or went out of it");
+    }
 }
 
 /// A thin line between two parts, so that the room kept for a part is seen to be its own.
@@ -91,12 +135,12 @@ fn hold(ui: &mut Ui, height: &mut f32, add: impl FnOnce(&mut Ui)) {
     });
     *height = height.max(shown.response.rect.height());
     if *height > 0.0 {
-        ui.add_space(8.0);
+        ui.add_space(ui.spacing().item_spacing.y);
     }
 }
 
 /// A sentence, its role words in a legible shade of the role's colour and underlined in the very colour.
-pub fn sentence(ui: &mut Ui, sentence: &Sentence, theme: Theme) {
+fn sentence(ui: &mut Ui, sentence: &Sentence, theme: Theme, leading: f32) {
     let size = theme.sizes().heading + 2.0;
     let mut job = LayoutJob::default();
     job.wrap.max_width = ui.available_width();
@@ -104,7 +148,7 @@ pub fn sentence(ui: &mut Ui, sentence: &Sentence, theme: Theme) {
         let mut format = TextFormat {
             font_id: ink::font(Face::Sans, size),
             color: ink::color(theme.chrome().text),
-            line_height: Some((1.45 * size).round()),
+            line_height: Some((leading * size).round()),
             ..Default::default()
         };
         if let Some(role) = *role {
@@ -116,23 +160,24 @@ pub fn sentence(ui: &mut Ui, sentence: &Sentence, theme: Theme) {
     ui.add(egui::Label::new(job).wrap());
 }
 
-fn equation(ui: &mut Ui, lines: &[Math], theme: Theme) {
+fn equation(ui: &mut Ui, lines: &[Math], theme: Theme, size_pt: f32) {
     let role = |role| ink::color(theme.word(role));
-    let style = math::Ink { size_pt: theme.sizes().heading, text: ink::color(theme.chrome().text), role: &role };
+    let style = math::Ink { size_pt, text: ink::color(theme.chrome().text), role: &role };
     for line in lines {
         math::show(ui, line, &style);
     }
 }
 
 /// Labels left, values right.
-fn table(ui: &mut Ui, facts: &[Fact], theme: Theme) {
+fn table(ui: &mut Ui, facts: &[Fact], theme: Theme, margin: f32) {
     ui.spacing_mut().item_spacing.y = 0.0;
     for (i, fact) in facts.iter().enumerate() {
-        row(ui, fact, i > 0, theme);
+        row(ui, fact, (i > 0, margin), theme);
     }
 }
 
-fn row(ui: &mut Ui, fact: &Fact, ruled: bool, theme: Theme) {
+/// A row with its `margin` above and below, under a line where it is `ruled`.
+fn row(ui: &mut Ui, fact: &Fact, (ruled, margin): (bool, f32), theme: Theme) {
     let Chrome { text, dim, line, .. } = theme.chrome();
     let (size, width) = (theme.sizes().body, ui.available_width());
     let label = ui.painter().layout_no_wrap(fact.label.into(), ink::font(Face::Sans, size), ink::color(dim));
@@ -144,13 +189,13 @@ fn row(ui: &mut Ui, fact: &Fact, ruled: bool, theme: Theme) {
     // A long value stands under its label.
     let beside = left + label.size().x + 12.0 + value.size().x <= width;
     let down = if beside { 0.0 } else { label.size().y };
-    let (rect, response) = ui.allocate_exact_size(vec2(width, down + value.size().y + 8.0), Sense::hover());
+    let (rect, response) = ui.allocate_exact_size(vec2(width, down + value.size().y + 2.0 * margin), Sense::hover());
     ink::name(&response, || format!("{}: {}", fact.label, fact.value));
     let painter = ui.painter();
     if ruled {
         painter.hline(rect.x_range(), rect.min.y, Stroke::new(1.0, ink::color(line)));
     }
-    let top = rect.min.y + 4.0;
+    let top = rect.min.y + margin;
     if let Some(role) = fact.role {
         let min = pos2(rect.min.x, top + (label.size().y - ink::SWATCH.y) / 2.0);
         ink::swatch(painter, min, role, theme);
@@ -159,45 +204,71 @@ fn row(ui: &mut Ui, fact: &Fact, ruled: bool, theme: Theme) {
     painter.galley(pos2(rect.max.x, top + down), value, Color32::PLACEHOLDER);
 }
 
-/// The algorithm's lines; the current one comes into view when it `moved`.
-fn pseudocode(ui: &mut Ui, input: Input<'_>, moved: bool) {
+/// The algorithm's lines; gives where the one at work is.
+fn pseudocode(ui: &mut Ui, input: Input<'_>) -> Option<Rect> {
     let Input { info, step, theme } = input;
     let chrome = theme.chrome();
     ui.label(egui::RichText::new(info.name).size(theme.sizes().small).color(ink::color(chrome.dim)));
-    egui::Frame::new().fill(ink::color(chrome.raised)).corner_radius(4.0).inner_margin(vec2(0.0, 8.0)).show(ui, |ui| {
+    let frame = egui::Frame::new().fill(ink::color(chrome.raised)).corner_radius(4.0).inner_margin(vec2(0.0, 8.0));
+    let shown = frame.show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
-        for (i, line) in info.pseudocode.iter().enumerate() {
-            let rect = code_line(ui, line, i == step.line, theme);
-            if moved && i == step.line {
-                ui.scroll_to_rect_animation(rect.expand(8.0), None, egui::style::ScrollAnimation::none());
-            }
-        }
+        let lines = info.pseudocode.iter().enumerate();
+        let places: Vec<Rect> = lines.map(|(i, line)| code_line(ui, line, i == step.line, theme)).collect();
+        places.get(step.line).copied()
     });
     ui.add_space(8.0);
+    shown.inner
 }
 
-fn code_line(ui: &mut Ui, line: &str, current: bool, theme: Theme) -> egui::Rect {
+/// The line at work alone.
+fn pinned(ui: &mut Ui, input: Input<'_>) {
+    let Input { info, step, theme } = input;
+    if let Some(line) = info.pseudocode.get(step.line) {
+        code_line(ui, line.trim_start(), true, theme);
+    }
+}
+
+/// Room for any line at work, so that nothing jumps from line to line.
+fn pinned_height(ui: &Ui, input: Input<'_>) -> f32 {
+    let height = |line: &&str| code_galley(ui, line.trim_start(), true, input.theme).size().y;
+    let most = input.info.pseudocode.iter().map(height).fold(0.0, f32::max);
+    most + 2.0 * CODE_MARGIN + ui.spacing().item_spacing.y
+}
+
+/// Above and below a line of code.
+const CODE_MARGIN: f32 = 3.0;
+
+/// How far a line of code is from the left: its arrow, and its indent.
+fn code_indent(line: &str, theme: Theme) -> f32 {
+    let size = theme.sizes().mono;
+    1.8 * size + (line.len() - line.trim_start().len()) as f32 * 0.6 * size
+}
+
+fn code_galley(ui: &Ui, line: &str, current: bool, theme: Theme) -> std::sync::Arc<egui::Galley> {
     let chrome = theme.chrome();
     let size = theme.sizes().mono;
-    let words = line.trim_start();
-    let margin = 1.8 * size;
-    let indent = (line.len() - words.len()) as f32 * 0.6 * size;
     let color = if current { chrome.text } else { chrome.text.mix(chrome.raised, 0.25) };
-    let width = ui.available_width();
-    let room = (width - margin - indent - 8.0).max(8.0 * size);
-    let job = LayoutJob::simple(words.into(), ink::font(Face::Mono, size), ink::color(color), room);
-    let galley = ui.painter().layout_job(job);
-    let (rect, response) = ui.allocate_exact_size(vec2(width, galley.size().y + 6.0), Sense::hover());
-    ink::name(&response, || format!("{}{words}", if current { "current line: " } else { "" }));
+    let room = (ui.available_width() - code_indent(line, theme) - 8.0).max(8.0 * size);
+    let font = ink::font(Face::Mono, size);
+    ui.painter().layout_job(LayoutJob::simple(line.trim_start().into(), font, ink::color(color), room))
+}
+
+fn code_line(ui: &mut Ui, line: &str, current: bool, theme: Theme) -> Rect {
+    let chrome = theme.chrome();
+    let galley = code_galley(ui, line, current, theme);
+    let room = vec2(ui.available_width(), galley.size().y + 2.0 * CODE_MARGIN);
+    let (rect, response) = ui.allocate_exact_size(room, Sense::hover());
+    ink::name(&response, || format!("{}{}", if current { "current line: " } else { "" }, line.trim_start()));
     let painter = ui.painter();
     if current {
+        let size = theme.sizes().mono;
         painter.rect_filled(rect, 0.0, ink::color(chrome.selection));
-        let y = rect.min.y + 3.0 + galley.rows.first().map_or(size, |row| row.size.y) / 2.0;
+        let y = rect.min.y + CODE_MARGIN + galley.rows.first().map_or(size, |row| row.size.y) / 2.0;
         let (x, half) = (rect.min.x + 0.5 * size, 0.36 * size);
         let arrow = vec![pos2(x, y - half), pos2(x + 1.7 * half, y), pos2(x, y + half)];
         painter.add(egui::Shape::convex_polygon(arrow, ink::color(chrome.accent), Stroke::NONE));
     }
-    painter.galley(rect.min + vec2(margin + indent, 3.0), galley, Color32::PLACEHOLDER);
+    painter.galley(rect.min + vec2(code_indent(line, theme), CODE_MARGIN), galley, Color32::PLACEHOLDER);
     rect
 }
 
