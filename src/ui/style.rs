@@ -120,9 +120,15 @@ fn spacing(theme: Theme) -> egui::style::Spacing {
         menu_spacing: 2.0,
         combo_height: 360.0 * s,
         indent: 16.0 * s,
-        scroll: ScrollStyle { bar_width: 8.0, floating_width: 3.0, ..ScrollStyle::floating() },
+        scroll: scroll(),
         ..Default::default()
     }
+}
+
+/// A thin bar that grows under the pointer, beside what it scrolls: never over the end of a slider.
+fn scroll() -> ScrollStyle {
+    let bar_width = 8.0;
+    ScrollStyle { bar_width, floating_width: 3.0, floating_allocated_width: bar_width + 2.0, ..ScrollStyle::floating() }
 }
 
 fn visuals(theme: Theme) -> egui::Visuals {

@@ -98,7 +98,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, theme: Theme, actions: &mut 
 fn cards(ui: &mut Ui, state: &State, theme: Theme, actions: &mut Actions) -> bool {
     let size = TextStyle::Body.resolve(ui.style()).size;
     let gap = 12.0;
-    ui.set_width(ui.available_width() - 12.0);
+    ui.set_width(ui.available_width() - 4.0);
     let columns = ((ui.available_width() + gap) / (15.0 * size + gap)).floor().max(1.0);
     let width = ((ui.available_width() + gap) / columns - gap).floor();
     let picture = width * PICTURE_PX.1 as f32 / PICTURE_PX.0 as f32 * 0.72;

@@ -1,4 +1,4 @@
-//! Small parts that the panes share: icons, icon buttons, segmented choices, headings.
+//! Small parts that the panes share: icons, icon buttons, headings, key caps, dialogs.
 
 use eframe::egui::{
     self, Align2, Button, FontId, Frame, Id, Layout, Modal, Rect, Response, RichText, Sense, Stroke, StrokeKind,
