@@ -35,12 +35,22 @@ pub struct Args {
 #[derive(Subcommand)]
 pub enum Command {
     /// Estimators with their parameters, ranges, defaults, units and source.
+    #[command(after_help = "\
+Examples:
+  motionscope list                               for a person
+  motionscope list --json                        for a script: ids, parameters, ranges, defaults, units")]
     List {
         /// As JSON.
         #[arg(long)]
         json: bool,
     },
     /// What a clip is: size, frames, rate, codec, truth.
+    #[command(after_help = "\
+Examples:
+  motionscope info ball.mp4
+  motionscope info frames/ball%03d.png --json
+  motionscope info ball.webm --count             decodes the whole file to count its frames
+  motionscope info frame10.png --truth flow10.flo")]
     Info {
         /// The clip.
         clip: OsString,
@@ -55,6 +65,11 @@ pub enum Command {
         truth: Option<PathBuf>,
     },
     /// Writes a synthetic clip: frames as PNG, truth as .flo, occlusion masks and gt.txt.
+    #[command(after_help = "\
+Examples:
+  motionscope synth --list                       the scenes, their sliders and what they teach
+  motionscope synth pillar --out pillar
+  motionscope synth translation --out noisy --set noise=8 --set speed=2 --set frames=5")]
     Synth {
         /// The scene; --list names them.
         #[arg(required_unless_present = "list")]
