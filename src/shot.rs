@@ -154,6 +154,11 @@ pub struct Steps {
 }
 
 impl Steps {
+    /// What picture number `index` is called.
+    pub fn file_name(index: usize, format: Format) -> String {
+        format!("step_{index:05}.{}", format.extension())
+    }
+
     /// Writes `step_00000.png` … into `folder`, each whole or not at all; gives how many.
     ///
     /// # Errors
@@ -168,34 +173,45 @@ impl Steps {
     ) -> Result<usize, Error> {
         let mut walk = estimator.walk(clip, frame)?;
         let pair = pair(clip, frame)?;
+        travel(&mut *walk, Move::To(self.from), 0, progress)?;
+        if walk.cursor().unit < self.from.unit {
+            let short =
+                || Error::new(format!("the run ends at {}, before the first step {}", walk.cursor(), self.from));
+            return Err(walk.failure().cloned().unwrap_or_else(short));
+        }
+        if self.rung + 1 < walk.info().rungs.len() && walk.cursor().event < walk.events() {
+            travel(&mut *walk, Move::Rung(self.rung, Way::Forward), 0, progress)?;
+        }
         fs::create_dir_all(folder).map_err(|e| {
             Error::new(format!("the folder {} cannot be made ({e}); choose another one", folder.display()))
         })?;
-        walk.jump(Move::To(self.from));
-        if walk.cursor().unit < self.from.unit {
-            return Err(Error::new(format!("the run ends at {}, before the first step {}", walk.cursor(), self.from)));
-        }
-        if self.rung + 1 < walk.info().rungs.len() && walk.cursor().event < walk.events() {
-            walk.jump(Move::Rung(self.rung, Way::Forward));
-        }
         let mut written = 0;
         while walk.cursor() <= self.to {
-            if progress.is_some_and(|progress| progress.cancelled()) {
-                return Err(Error::new(format!("writing was cancelled after {written} pictures")));
-            }
             let told = (walk.step(None), walk.scene(None));
             let pictures = pictures(&*walk, &pair);
             let moment = Moment::of(&*walk, estimator, &told, &pictures);
-            let name = format!("step_{written:05}.{}", self.format.extension());
+            let name = Self::file_name(written, self.format);
             export::save(&folder.join(name), &moment.encode(&self.look, self.format, self.scale)?)?;
             written += 1;
             if walk.at_end() {
                 break;
             }
-            walk.jump(Move::Rung(self.rung, Way::Forward));
+            travel(&mut *walk, Move::Rung(self.rung, Way::Forward), written, progress)?;
         }
         walk.failure().map_or(Ok(written), |failure| Err(failure.clone()))
     }
+}
+
+/// Makes a move of `walk` unless it is cancelled, after so many pictures were `written`.
+fn travel(walk: &mut dyn Walk, to: Move, written: usize, progress: Option<&dyn Progress>) -> Result<(), Error> {
+    let cancelled = || progress.is_some_and(|progress| progress.cancelled());
+    walk.go(to);
+    while !cancelled() {
+        if walk.work(&mut || !cancelled()) {
+            return Ok(());
+        }
+    }
+    Err(Error::new(format!("writing was cancelled after {written} pictures")))
 }
 
 /// What a picture is written as.
