@@ -4,6 +4,8 @@ use motionscope_core::scene::Fact;
 use motionscope_core::{Clip, Coding, Error, Output, metrics};
 use serde::Serialize;
 
+use crate::paint::grouped;
+
 /// An estimate in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Quality {
@@ -20,6 +22,9 @@ pub struct Quality {
     /// Errors against the true flow, where it is known.
     #[serde(flatten)]
     pub truth: Option<AgainstTruth>,
+    /// Why they are not known, where there is a truth that cannot be read.
+    #[serde(skip)]
+    pub truth_error: Option<Error>,
 }
 
 /// Errors over the pixels whose true motion is known.
@@ -33,27 +38,39 @@ pub struct AgainstTruth {
     pub known: usize,
 }
 
+impl AgainstTruth {
+    fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Option<Self>, Error> {
+        let Some(truth) = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten() else { return Ok(None) };
+        let error = metrics::flow_error(&output.flow(), &truth)?;
+        Ok(error.map(|e| Self { epe_px: e.epe_px, aae_deg: e.aae_deg, known: e.known }))
+    }
+}
+
 impl Quality {
     /// The quality of `output` for frame `frame` of `clip`.
     ///
+    /// A truth that cannot be read is told in [`Quality::truth_error`]; all else is known without it.
+    ///
     /// # Errors
-    /// If a frame or the truth cannot be read.
+    /// If a frame cannot be read.
     pub fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Self, Error> {
         let [current, next] = clip.pair(frame)?;
-        let flow = output.flow();
         let Output::Blocks(field) = output;
         let prediction = output.prediction(next.luma());
         let psnr = metrics::psnr_db(&prediction, current.luma())?;
         let Coding { frame_bits, residual_bits, vector_bits } = Coding::of(output, current.luma(), &prediction)?;
-        let truth = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten();
-        let error = truth.map(|truth| metrics::flow_error(&flow, &truth)).transpose()?.flatten();
+        let (truth, truth_error) = match AgainstTruth::of(clip, frame, output) {
+            Ok(truth) => (truth, None),
+            Err(error) => (None, Some(error)),
+        };
         Ok(Self {
             candidates: field.candidates(),
             psnr_db: psnr.is_finite().then_some(psnr),
             frame_bits,
             residual_bits,
             vector_bits,
-            truth: error.map(|e| AgainstTruth { epe_px: e.epe_px, aae_deg: e.aae_deg, known: e.known }),
+            truth,
+            truth_error,
         })
     }
 
@@ -69,14 +86,17 @@ impl Quality {
         let fact = |label, value| Fact { label, value, role: None };
         let psnr = self.psnr_db.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
         let mut facts = vec![
-            fact("Candidates", self.candidates.to_string()),
+            fact("Candidates", grouped(self.candidates as usize)),
             fact("Prediction", psnr),
             fact("Entropy", self.coding()),
         ];
         if let Some(truth) = self.truth {
             facts.push(fact("Endpoint error", format!("{:.3} px", truth.epe_px)));
             facts.push(fact("Angular error", format!("{:.2}°", truth.aae_deg)));
-            facts.push(fact("Known motion", format!("{} px", truth.known)));
+            facts.push(fact("Known motion", format!("{} pixels", grouped(truth.known))));
+        }
+        if let Some(error) = &self.truth_error {
+            facts.push(fact("Truth", error.to_string()));
         }
         facts
     }

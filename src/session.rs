@@ -15,6 +15,7 @@
 //! ```
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
@@ -44,9 +45,83 @@ pub struct Session {
     /// Where the run stands; `None` for its end.
     pub cursor: Option<Cursor>,
     /// How it is looked at.
-    pub look: Look,
+    pub look: Wanted,
     /// Which part of the picture is seen, if not all of it.
     pub sight: Option<Sight>,
+}
+
+/// What a person called a clip: the clip itself, or a session that leads to it.
+pub struct Named {
+    /// Where the clip comes from.
+    pub source: Source,
+    /// Its truth, if that was given by hand.
+    pub truth: Option<PathBuf>,
+    /// The session, if one was named.
+    pub session: Option<Session>,
+}
+
+impl Named {
+    /// What `name` stands for; `truth` overrides that of a session.
+    ///
+    /// # Errors
+    /// If it is a session that cannot be read, or a scene that does not exist.
+    pub fn find(name: &OsStr, truth: Option<PathBuf>) -> Result<Self, Error> {
+        if !Session::is_named(Path::new(name)) {
+            return Ok(Self { source: Source::parse(name)?, truth, session: None });
+        }
+        let session = Session::load(Path::new(name))?;
+        let truth = truth.or_else(|| session.truth.clone());
+        Ok(Self { source: session.source.clone(), truth, session: Some(session) })
+    }
+}
+
+/// How a session is looked at; what it does not say is left to whoever opens it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wanted {
+    /// The view.
+    pub view: Option<View>,
+    /// The share of frame t + 1 in a blend.
+    pub share: Option<Share>,
+    /// Colours and sizes.
+    pub theme: Option<Theme>,
+    /// Colours of heat.
+    pub colors: Option<ColorMap>,
+    /// How long displacements are drawn.
+    pub lengthen: Option<Lengthen>,
+    /// Whether what the marks mean stands below.
+    pub legend: Option<bool>,
+    /// Whether estimator, parameters and sentence stand around the pictures.
+    pub caption: Option<bool>,
+}
+
+impl Wanted {
+    /// What is wanted, and for the rest what is usual.
+    pub fn over(self, usual: Look) -> Look {
+        Look {
+            view: self.view.or(usual.view),
+            share: self.share.unwrap_or(usual.share),
+            theme: self.theme.unwrap_or(usual.theme),
+            colors: self.colors.unwrap_or(usual.colors),
+            lengthen: self.lengthen.unwrap_or(usual.lengthen),
+            legend: self.legend.unwrap_or(usual.legend),
+            caption: self.caption.unwrap_or(usual.caption),
+        }
+    }
+}
+
+impl From<Look> for Wanted {
+    fn from(look: Look) -> Self {
+        let Look { view, share, theme, colors, lengthen, legend, caption } = look;
+        Self {
+            view,
+            share: Some(share),
+            theme: Some(theme),
+            colors: Some(colors),
+            lengthen: Some(lengthen),
+            legend: Some(legend),
+            caption: Some(caption),
+        }
+    }
 }
 
 /// The part of the picture that is seen on the stage.
@@ -99,9 +174,36 @@ struct Picture {
     #[serde(skip_serializing_if = "Option::is_none")]
     colors: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    arrows: Option<f32>,
-    legend: bool,
-    caption: bool,
+    arrows: Option<Arrows>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    legend: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    caption: Option<bool>,
+}
+
+/// How many times their length displacements are drawn, or `auto`.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Arrows {
+    Times(f32),
+    Named(String),
+}
+
+/// What displacements can be lengthened by: beyond, nothing is left to see.
+const LENGTHEN: std::ops::RangeInclusive<f32> = 0.01..=100.0;
+
+impl Arrows {
+    fn lengthen(&self) -> Result<Lengthen, Error> {
+        match self {
+            Self::Named(name) if name == "auto" => Ok(Lengthen::Auto),
+            Self::Times(factor) if LENGTHEN.contains(factor) => Ok(Lengthen::Times(*factor)),
+            Self::Times(_) | Self::Named(_) => Err(Error::new(format!(
+                "arrows can be drawn {} to {} times as long, or auto",
+                LENGTHEN.start(),
+                LENGTHEN.end()
+            ))),
+        }
+    }
 }
 
 impl Session {
@@ -183,29 +285,28 @@ impl Session {
 }
 
 impl Picture {
-    fn of(look: &Look) -> Self {
+    fn of(look: &Wanted) -> Self {
         Self {
             view: look.view.map(|view| view.id().into()),
-            blend: (look.share != Share::default()).then_some(look.share.get()),
-            theme: Some(look.theme.name().to_lowercase()),
-            colors: Some(look.colors.name().to_lowercase()),
-            arrows: match look.lengthen {
-                Lengthen::Auto => None,
-                Lengthen::Times(factor) => Some(factor),
-            },
+            blend: look.share.map(Share::get),
+            theme: look.theme.map(|theme| theme.name().to_lowercase()),
+            colors: look.colors.map(|colors| colors.name().to_lowercase()),
+            arrows: look.lengthen.map(|lengthen| match lengthen {
+                Lengthen::Auto => Arrows::Named("auto".into()),
+                Lengthen::Times(factor) => Arrows::Times(factor),
+            }),
             legend: look.legend,
             caption: look.caption,
         }
     }
 
-    fn look(&self) -> Result<Look, Error> {
-        let usual = Look::default();
-        Ok(Look {
+    fn look(&self) -> Result<Wanted, Error> {
+        Ok(Wanted {
             view: self.view.as_deref().map(view).transpose()?,
-            share: self.blend.map_or(Ok(usual.share), Share::new)?,
-            theme: self.theme.as_deref().map_or(Ok(usual.theme), theme)?,
-            colors: self.colors.as_deref().map_or(Ok(usual.colors), colors)?,
-            lengthen: self.arrows.map_or(Lengthen::Auto, Lengthen::Times),
+            share: self.blend.map(Share::new).transpose()?,
+            theme: self.theme.as_deref().map(theme).transpose()?,
+            colors: self.colors.as_deref().map(colors).transpose()?,
+            lengthen: self.arrows.as_ref().map(Arrows::lengthen).transpose()?,
             legend: self.legend,
             caption: self.caption,
         })
@@ -313,7 +414,7 @@ mod tests {
         let look = Look { view: Some(View::Blend), share, theme: Theme::Projector, legend: true, ..Look::default() };
         let sight = Some(Sight { center: [10.5, 3.0], zoom: 4.0 });
         let cursor = Some(Cursor { unit: 35, event: 412 });
-        Session { source, truth: None, estimator, frame: 12, cursor, look, sight }
+        Session { source, truth: None, estimator, frame: 12, cursor, look: look.into(), sight }
     }
 
     #[test]
@@ -370,6 +471,25 @@ mod tests {
     }
 
     #[test]
+    fn what_a_session_does_not_say_is_left_as_it_is() {
+        let start = "motionscope = 1\nclip = \"a.mp4\"\nestimator = \"full-search\"\n[picture]\n";
+        let look = |picture: &str| Session::parse(&format!("{start}{picture}"), Path::new("")).unwrap().look;
+        let usual = Look {
+            view: Some(View::Blink),
+            share: Share::new(0.2).unwrap(),
+            theme: Theme::Projector,
+            colors: ColorMap::Turbo,
+            lengthen: Lengthen::Times(4.0),
+            legend: true,
+            caption: true,
+        };
+        assert_eq!(look("").over(usual), usual);
+        assert_eq!(look("arrows = \"auto\"").over(usual), Look { lengthen: Lengthen::Auto, ..usual });
+        assert_eq!(look("legend = false\ntheme = \"light\"").over(usual).theme, Theme::Light);
+        assert_eq!(look("arrows = 2").over(usual).lengthen, Lengthen::Times(2.0));
+    }
+
+    #[test]
     fn a_sight_that_cannot_be_is_left_out() {
         let start = "motionscope = 1\nclip = \"a.mp4\"\nestimator = \"full-search\"\n[sight]\n";
         for (sight, is_kept) in [
@@ -395,6 +515,9 @@ mod tests {
             (&format!("{start}estimator = \"full-search\"\n[set]\nblock = 400"), "4 to 64 px"),
             (&format!("{start}estimator = \"full-search\"\n[picture]\nview = \"up\""), "side-by-side"),
             (&format!("{start}estimator = \"full-search\"\n[picture]\nblend = 1.5"), "from 0 to 1"),
+            (&format!("{start}estimator = \"full-search\"\n[picture]\narrows = 1e38"), "0.01 to 100 times"),
+            (&format!("{start}estimator = \"full-search\"\n[picture]\narrows = nan"), "0.01 to 100 times"),
+            (&format!("{start}estimator = \"full-search\"\n[picture]\narrows = \"long\""), "or auto"),
         ] {
             assert!(parse(text).contains(told), "{text}: {}", parse(text));
         }

@@ -6,6 +6,8 @@ use std::process::{Command, Output, Stdio};
 
 use motionscope::media::{Open, open};
 use motionscope::session::Session;
+use motionscope::source::Source;
+use motionscope_core::{Cursor, Move, estimator};
 use serde_json::Value;
 
 fn motionscope(folder: &Path, line: &str) -> Output {
@@ -78,8 +80,20 @@ fn run_tells_one_object_with_time_and_errors() {
     assert_eq!(run["units"], 48);
     assert!(run["ms"]["min"].as_f64().unwrap() <= run["ms"]["median"].as_f64().unwrap());
     let metrics = &run["metrics"];
-    // Each candidate is an event; so is each window, each result, and at least one new best a block.
-    assert!(run["events"].as_u64().unwrap() >= metrics["candidates"].as_u64().unwrap() + 3 * 48);
+    // Each candidate is an event; so is each window, each result, and each new best.
+    let clip = Source::parse(SMALL).unwrap().open(&Open::default()).unwrap();
+    let mut full = estimator("full-search").unwrap();
+    full.set("block", "8").unwrap();
+    full.set("range", "7").unwrap();
+    let mut walk = full.walk(&clip, 1).unwrap();
+    let mut events = 0;
+    for unit in 0..48 {
+        walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+        events += walk.events();
+    }
+    assert!(walk.at_end());
+    assert_eq!(run["events"], events);
+    assert!(events > metrics["candidates"].as_u64().unwrap() as usize + 3 * 48 - 1);
     assert_eq!(metrics["known"], 64 * 48);
     assert!(metrics["epe_px"].as_f64().unwrap() < 2.0 && metrics["psnr_db"].as_f64().unwrap() > 20.0);
 }
@@ -201,6 +215,12 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
     fs::create_dir(here.join("mine")).unwrap();
     fs::write(here.join("mine/gt.txt"), "by hand").unwrap();
     let run = |clip: &str, more: &str| format!("run {clip} --estimator full-search --overlay out.png {more}");
+    let all = || {
+        let mut names: Vec<_> = fs::read_dir(here).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = all();
     for (line, told) in [
         (run("gone.mp4", ""), "gone.mp4"),
         (run("empty.mp4", ""), "empty.mp4"),
@@ -232,8 +252,7 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
     ] {
         let refusal = refusal(here, &line);
         assert!(refusal.contains(told), "{line}: {refusal}");
-        let left = |name: &str| here.join(name).exists();
-        assert!(!left("out.png") && !left("out.txt"), "{line} left a file behind");
+        assert_eq!(all(), before, "{line} left something behind");
     }
     assert_eq!(fs::read_dir(here.join("mine")).unwrap().count(), 1);
     assert_eq!(fs::read_to_string(here.join("mine/gt.txt")).unwrap(), "by hand");
@@ -268,9 +287,47 @@ fn names_that_are_no_unicode_open_all_the_same() {
 }
 
 #[test]
+fn a_damaged_truth_found_beside_the_clip_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    stdout(here, "synth translation --out clip --set width=64 --set height=48 --set frames=3");
+    let truth = here.join("clip/flow/frame_0000.flo");
+    let whole = fs::read(&truth).unwrap();
+    fs::write(&truth, &whole[..whole.len() / 2]).unwrap();
+    let run = motionscope(here, "run clip --estimator full-search --json");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert!(told.starts_with("warning: ") && told.contains("frame_0000.flo"), "{told}");
+    let metrics = &serde_json::from_slice::<Value>(&run.stdout).unwrap()["metrics"];
+    assert!(metrics["candidates"].is_u64() && metrics["psnr_db"].is_f64() && metrics["epe_px"].is_null());
+    assert!(stdout(here, "run clip --estimator full-search").contains("the true flow cannot be read"));
+    refusal(here, "run clip --estimator full-search --truth clip/flow --json");
+}
+
+#[test]
+fn a_session_keeps_its_parameters_when_its_own_estimator_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let text =
+        format!("motionscope = 1\nclip = \"{SMALL}\"\nestimator = \"full-search\"\n[set]\nblock = 8\nrange = 4\n");
+    fs::write(here.join("lesson.motionscope"), text).unwrap();
+    let params = |line: &str| json(here, &format!("run lesson.motionscope {line} --json"))["params"].clone();
+    assert_eq!(params("--estimator full-search"), params(""));
+    assert_eq!(params("--estimator full-search --set range=5")["block"], 8);
+    assert_eq!(params("--estimator diamond")["block"], 16, "another one has its own");
+}
+
+#[test]
+fn an_export_that_is_refused_makes_no_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    refusal(folder.path(), &format!("export {SMALL} --estimator full-search --steps 99..100 --out steps"));
+    assert!(!folder.path().join("steps").exists());
+}
+
+#[test]
 fn help_has_examples() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["", "run", "export"] {
+    for command in ["", "list", "info", "synth", "run", "compare", "export"] {
         assert!(stdout(folder.path(), &format!("{command} --help")).contains("Examples:"));
     }
 }

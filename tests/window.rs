@@ -9,9 +9,11 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use motionscope::paint::Theme;
+use motionscope::media::Open;
+use motionscope::paint::{ColorMap, Lengthen, Theme};
 use motionscope::session::Session;
 use motionscope::shot::{Format, Look};
+use motionscope::source::Source;
 use motionscope::ui::app::App;
 use motionscope::ui::commands::{Command, Rungs};
 use motionscope::ui::model::document::Owner;
@@ -33,8 +35,13 @@ impl Window {
     }
 
     fn with(size: Vec2, start: Start) -> Self {
-        let build = |cc: &mut eframe::CreationContext<'static>| {
-            let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
+        Self::remembering(size, start, None)
+    }
+
+    fn remembering(size: Vec2, start: Start, memory: Option<Memory>) -> Self {
+        let build = move |cc: &mut eframe::CreationContext<'static>| {
+            let storage = memory.as_ref().map(|memory| memory as &dyn eframe::Storage);
+            let mut app = App::new(&cc.egui_ctx, storage).expect("a thread");
             ui::begin(&mut app, start);
             app
         };
@@ -97,6 +104,19 @@ impl Window {
     fn command(&mut self, command: Command) {
         self.harness.state_mut().command(command);
         self.settle();
+    }
+
+    /// Everything that can be clicked can be reached: it lies in the window, unless it is scrolled out of sight.
+    fn lies_inside(&self, size: Vec2, what: &str) {
+        let window = eframe::egui::Rect::from_min_size(Pos2::ZERO, size).expand(1.0);
+        let mut count = 0;
+        for node in self.harness.query_all_by_role(Role::Button).filter(|node| !node.accesskit_node().is_hidden()) {
+            let rect = node.rect();
+            let beside = rect.max.x < 0.0 || rect.min.x > size.x;
+            assert!(!beside && rect.width() > 4.0, "{what}: {:?} at {rect}", node.accesskit_node().label());
+            count += usize::from(window.contains_rect(rect));
+        }
+        assert!(count >= 4, "{what}: {count} buttons in sight");
     }
 
     fn value(&self, name: &str) -> Value {
@@ -378,25 +398,31 @@ fn a_click_on_the_stage_goes_to_the_block() {
     let mut window = Window::usual();
     window.key(Key::Num2);
     let stage = window.harness.get_by_label_contains("Stage: ").rect();
-    let before = window.cursor().unit;
-    let at = stage.center() + vec2(40.0, -60.0);
-    window.harness.hover_at(at);
-    window.harness.run_steps(1);
-    window.harness.drag_at(at);
-    window.harness.drop_at(at);
-    window.settle();
-    assert_ne!(window.cursor().unit, before);
-    assert_eq!(window.cursor().event, window.shown().events);
+    let (width, height) = window.shown().pictures.pair[0].size();
+    // The whole picture lies in the middle of the stage; blocks are 16 px wide, 20 in a row.
+    let scale = (stage.width() / width as f32).min(stage.height() / height as f32);
+    for [x, y] in [[200.0, 60.0], [7.0, 233.0], [313.0, 5.0]] {
+        let at = stage.center() + scale * (vec2(x, y) + vec2(0.5, 0.5) - vec2(width as f32, height as f32) / 2.0);
+        window.click_at(at);
+        let unit = (y / 16.0) as usize * 20 + (x / 16.0) as usize;
+        assert_eq!((window.cursor().unit, window.cursor().event), (unit, window.shown().events), "at {x}, {y}");
+    }
 }
 
 #[test]
 fn another_pair_of_frames_is_run_on() {
     let mut window = Window::usual();
-    let unit = window.cursor().unit;
+    let (unit, before) = (window.cursor().unit, window.told());
     window.key(Key::Period);
     assert_eq!((window.shown().subject.frame, window.cursor().unit), (1, unit));
+    let sample = Source::synth("pillar").and_then(|source| source.open(&Open::default())).expect("the sample");
+    for (t, frame) in [1, 2].into_iter().zip(&window.shown().pictures.pair) {
+        assert!(frame.luma() == sample.frame(t).expect("a frame").luma(), "frame {t} is run on");
+    }
+    assert!(window.told() != before, "another pair has other costs");
     window.key(Key::Comma);
     assert_eq!(window.shown().subject.frame, 0);
+    assert!(window.told() == before, "and back is as before");
 }
 
 #[test]
@@ -408,6 +434,12 @@ fn the_step_is_exported_as_it_is_shown() {
     write_to(&mut window, &file);
     let message = window.app().message().unwrap_or_default().to_owned();
     assert!(message.contains("Wrote"), "{message}");
+    let session = folder.path().join("step.motionscope");
+    window.press(Modifiers::COMMAND, Key::S);
+    write_to(&mut window, &session);
+    let line = folder.path().join("line.png");
+    paint(&session, 2, &line);
+    assert!(fs::read(&file).expect("a picture") == fs::read(&line).expect("a picture"), "the pictures differ");
     let picture = image::open(&file).expect("a picture").to_rgb8();
     assert!(picture.width() >= 2 * 2 * 320 && picture.height() > 2 * 240, "{:?}", picture.dimensions());
 
@@ -429,21 +461,91 @@ fn a_range_of_steps_is_exported() {
     let mut window = Window::usual();
     window.command(Command::ExportSteps);
     let unit = window.cursor().unit;
-    window.harness.get_by_label("First step").set_text_value_accesskit(&format!("{unit}.10"));
-    window.harness.get_by_label("Last step").set_text_value_accesskit(&format!("{unit}.13"));
+    let step = |event| Cursor { unit, event }.to_string();
+    window.harness.get_by_label("First step").set_text_value_accesskit(&step(10));
+    window.harness.get_by_label("Last step").set_text_value_accesskit(&step(13));
     window.settle();
-    let event = window.shown().info.rungs[2];
-    window.click_role(Role::Button, event);
+    let rung = window.shown().info.rungs[2];
+    window.click_role(Role::Button, rung);
     window.click_role(Role::Button, "1×");
     write_to(&mut window, folder.path());
-    let files = fs::read_dir(folder.path()).expect("the folder").count();
-    assert_eq!(files, 4, "{:?}", window.app().message());
+    let mut files: Vec<_> =
+        fs::read_dir(folder.path()).expect("the folder").map(|file| file.expect("a file").path()).collect();
+    files.sort();
+    let names: Vec<_> = (0..4).map(|index| folder.path().join(format!("step_0000{index}.png"))).collect();
+    assert_eq!(files, names, "{:?}", window.app().message());
+    // Each is the picture of its step.
+    for (event, file) in (10..).zip(&files) {
+        window.harness.get_by_label(&format!("Timeline, {rung}s")).set_value_accesskit(event as f64);
+        window.settle();
+        assert_eq!(window.cursor(), Cursor { unit, event });
+        window.command(Command::ExportPicture);
+        window.click_role(Role::Button, "1×");
+        let alone = folder.path().join("alone.png");
+        write_to(&mut window, &alone);
+        assert!(fs::read(file).expect("a picture") == fs::read(&alone).expect("a picture"), "step {event}");
+    }
 }
 
 fn write_to(window: &mut Window, path: &Path) {
     window.harness.get_by_label("Where to write it").set_text_value_accesskit(&path.display().to_string());
     window.settle();
-    window.click_role(Role::Button, "Write");
+    let exists = path.is_file();
+    window.click_role(Role::Button, if exists { "Replace" } else { "Write" });
+}
+
+#[test]
+fn nothing_is_replaced_unasked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lesson.motionscope");
+    fs::write(&file, "mine").expect("a file");
+    let mut window = Window::usual();
+    window.command(Command::SaveSession);
+    // The ending may be left away, and names the same file.
+    let typed = folder.path().join("lesson").display().to_string();
+    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&typed);
+    window.settle();
+    assert!(window.harness.query_by_role_and_label(Role::Button, "Write").is_none());
+    assert!(window.harness.query_by_label("There is a lesson.motionscope already.").is_some());
+    window.key(Key::Enter);
+    assert_eq!(fs::read_to_string(&file).expect("the file"), "mine");
+    window.key(Key::Enter);
+    assert!(Session::load(&file).is_ok(), "the button in focus is pressed: {:?}", window.app().message());
+
+    window.command(Command::ExportSteps);
+    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&folder.path().display().to_string());
+    window.settle();
+    assert!(window.harness.query_by_role_and_label(Role::Button, "Write").is_some(), "a folder alone is no harm");
+    fs::write(folder.path().join("step_00000.png"), "mine").expect("a file");
+    window.key(Key::Escape);
+    window.command(Command::ExportSteps);
+    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&folder.path().display().to_string());
+    window.settle();
+    assert!(window.harness.query_by_role_and_label(Role::Button, "Replace").is_some());
+}
+
+#[test]
+fn a_session_typed_without_its_ending_reopens() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    window.command(Command::SaveSession);
+    write_to(&mut window, &folder.path().join("lesson.2"));
+    let file = folder.path().join("lesson.2.motionscope");
+    assert!(Session::load(&file).is_ok(), "{:?}", window.app().message());
+    window.command(Command::ExportVectors);
+    write_to(&mut window, &folder.path().join("vectors"));
+    assert!(fs::read_to_string(folder.path().join("vectors.csv")).expect("a table").starts_with("x_px"));
+}
+
+#[test]
+fn steps_can_be_written_from_the_start_of_a_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    window.key(Key::Home);
+    window.command(Command::ExportSteps);
+    window.click_role(Role::Button, "block");
+    write_to(&mut window, &folder.path().join("steps"));
+    assert!(folder.path().join("steps/step_00000.png").exists(), "{:?}", window.app().message());
 }
 
 #[test]
@@ -456,12 +558,34 @@ fn a_session_reopens_exactly() {
     window.settle();
     window.key(Key::T);
     window.key(Key::ArrowRight);
+    window.key(Key::Num5);
+    window.key(Key::Plus);
+    window.click("Legend");
+    for command in [Command::TurboColors, Command::FourfoldArrows] {
+        window.command(command);
+    }
     window.press(Modifiers::COMMAND, Key::S);
     write_to(&mut window, &file);
     let before = window.told();
+    let stage = window.harness.get_by_label_contains("Stage: ").rect();
+    let looks = |window: &Window| {
+        let zoom = window.harness.query_all_by_label_contains(" %").filter_map(|node| node.accesskit_node().value());
+        let title = window.harness.get_by_label_contains("Stage: ").accesskit_node().label();
+        let legend = window.harness.query_by_label_contains("Legend: ").is_some();
+        (title, zoom.collect::<Vec<_>>(), legend)
+    };
 
     let again = Window::with(vec2(1280.0, 720.0), Start { open: Some(file.clone().into()) });
     assert!(again.told() == before, "the session does not show the same step");
+    assert_eq!(looks(&again), looks(&window));
+    assert!(!looks(&again).2, "the legend is folded");
+    let (mine, theirs) = (Session::load(&file).expect("a session"), folder.path().join("again.motionscope"));
+    let mut again = again;
+    again.press(Modifiers::COMMAND, Key::S);
+    write_to(&mut again, &theirs);
+    let theirs = Session::load(&theirs).expect("a session");
+    assert_eq!((theirs.look, theirs.sight, theirs.cursor), (mine.look, mine.sight, mine.cursor));
+    assert!(mine.sight.is_some_and(|sight| stage.is_positive() && sight.zoom > 1.0));
     assert_eq!(again.app().settings().theme(), window.app().settings().theme());
     assert_eq!(again.app().settings().recent.len(), 1);
 }
@@ -488,16 +612,163 @@ fn a_session_keeps_truth_and_look_and_the_command_line_paints_the_same() {
     let (mine, theirs) = (folder.path().join("window.png"), folder.path().join("line.png"));
     window.click_role(Role::Button, "1×");
     write_to(&mut window, &mine);
-    let words = ["motionscope", "run", &second.display().to_string(), "--scale", "1", "--overlay"].map(OsString::from);
-    let code = motionscope::cli::main(words.into_iter().chain([theirs.clone().into_os_string()]));
-    assert_eq!(format!("{code:?}"), format!("{:?}", std::process::ExitCode::SUCCESS));
+    paint(&second, 1, &theirs);
     assert!(fs::read(mine).expect("a picture") == fs::read(theirs).expect("a picture"), "the pictures differ");
+}
+
+/// The picture that the command line makes of a session.
+fn paint(session: &Path, scale: u32, file: &Path) {
+    let scale = scale.to_string();
+    let words = ["motionscope".as_ref(), "run".as_ref(), session.as_os_str(), "--scale".as_ref(), scale.as_ref()];
+    let words = words.into_iter().chain(["--overlay".as_ref(), file.as_os_str()]).map(OsString::from);
+    let code = motionscope::cli::main(words);
+    assert_eq!(format!("{code:?}"), format!("{:?}", std::process::ExitCode::SUCCESS));
 }
 
 /// A flow file that says that nothing moves.
 fn still_truth(width: u32, height: u32) -> Vec<u8> {
     let head = [width.to_le_bytes(), height.to_le_bytes()].concat();
     [b"PIEH".to_vec(), head, vec![0; (width * height * 8) as usize]].concat()
+}
+
+#[test]
+fn a_session_leaves_alone_what_it_does_not_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("short.motionscope");
+    let text = "motionscope = 1\nclip = \"synth:pillar,frames=3\"\nestimator = \"full-search\"\nframe = 9\n";
+    fs::write(&file, text).expect("the session");
+    let mut window = Window::usual();
+    for command in [Command::LightTheme, Command::TurboColors, Command::DoubleArrows, Command::Blend] {
+        window.command(command);
+    }
+    window.harness.state_mut().open(file.as_os_str());
+    window.settle();
+    let settings = window.app().settings();
+    assert_eq!((settings.theme(), settings.colors()), (Theme::Light, ColorMap::Turbo));
+    assert_eq!(settings.lengthen(), Lengthen::Times(2.0));
+    assert!(window.harness.query_by_label_contains("Stage: Frames").is_some() || window.shown().at_end);
+    assert_eq!(window.shown().subject.frame, 1);
+    let message = window.app().message().unwrap_or_default();
+    assert!(message.contains("frame 9") && message.contains("frame 1"), "{message}");
+}
+
+#[test]
+fn a_truth_that_cannot_be_read_is_told_beside_the_quality() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("clip");
+    let words = ["motionscope", "synth", "translation", "--set", "width=64", "--set", "height=48", "--set", "frames=3"];
+    let words = words.map(OsString::from).into_iter().chain(["--out".into(), out.clone().into_os_string()]);
+    motionscope::cli::main(words);
+    let truth = out.join("flow/frame_0000.flo");
+    let whole = fs::read(&truth).expect("the truth");
+    fs::write(&truth, &whole[..whole.len() / 2]).expect("half of it");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(out.into_os_string()) });
+    window.key(Key::End);
+    for label in ["Candidates: ", "Prediction: ", "Truth: "] {
+        assert!(window.harness.query_all_by_label_contains(label).next().is_some(), "{label} is not told");
+    }
+}
+
+#[test]
+fn a_lecture_folds_nothing_away_unseen() {
+    let mut window = Window::usual();
+    let before = window.app().folded();
+    window.key(Key::L);
+    for key in [Key::Num1, Key::Num2, Key::Num3] {
+        window.press(Modifiers::COMMAND, key);
+    }
+    window.key(Key::L);
+    assert_eq!(window.app().folded(), before);
+}
+
+/// What the system remembers of the window, in memory.
+#[derive(Default)]
+struct Memory(std::collections::BTreeMap<String, String>);
+
+impl eframe::Storage for Memory {
+    fn get_string(&self, key: &str) -> Option<String> {
+        self.0.get(key).cloned()
+    }
+
+    fn set_string(&mut self, key: &str, value: String) {
+        self.0.insert(key.to_owned(), value);
+    }
+
+    fn remove_string(&mut self, key: &str) {
+        self.0.remove(key);
+    }
+
+    fn flush(&mut self) {}
+}
+
+#[test]
+fn the_next_start_looks_like_the_last() {
+    let size = vec2(1100.0, 720.0);
+    let mut window = Window::new(size);
+    for command in [Command::LightTheme, Command::TurboColors, Command::FourfoldArrows, Command::Difference] {
+        window.command(command);
+    }
+    window.click("Legend");
+    // The edge between stage and explanation is dragged.
+    let edge = window.harness.get_by_role_and_label(Role::Tab, "Explanation").rect().left_center();
+    window.drag(edge, edge - vec2(150.0, 0.0));
+    let place = |window: &Window| window.harness.get_by_role_and_label(Role::Tab, "Explanation").rect().min.x;
+    let moved = place(&window);
+    assert!((moved - edge.x + 150.0).abs() < 20.0, "{moved} {}", edge.x);
+    let mut memory = Memory::default();
+    eframe::App::save(window.harness.state_mut(), &mut memory);
+
+    let again = Window::remembering(size, Start::default(), Some(memory));
+    assert!((place(&again) - moved).abs() < 2.0, "{} {moved}", place(&again));
+    assert_eq!(again.app().settings().theme(), Theme::Light);
+    assert_eq!(again.app().settings().colors(), ColorMap::Turbo);
+    assert_eq!(again.app().settings().lengthen(), Lengthen::Times(4.0));
+    assert!(again.harness.query_by_label_contains("Legend: ").is_none());
+    let title = |window: &Window| window.harness.get_by_label_contains("Stage: ").accesskit_node().label();
+    assert!(title(&window).is_some_and(|title| title.contains('|')), "the difference is shown");
+    assert_eq!(title(&again), title(&window));
+}
+
+#[test]
+fn colours_and_arrows_are_chosen_in_the_view_menu() {
+    let mut window = Window::usual();
+    for (submenu, text) in [("Colours", "Turbo colours"), ("Arrow length", "Arrows at 2×")] {
+        window.click("View");
+        window.harness.get_by_label_contains(submenu).click();
+        window.settle();
+        window.click_role(Role::MenuItem, text);
+    }
+    let settings = window.app().settings();
+    assert_eq!((settings.colors(), settings.lengthen()), (ColorMap::Turbo, Lengthen::Times(2.0)));
+}
+
+#[test]
+fn what_cannot_be_done_is_announced_so() {
+    let mut window = Window::usual();
+    window.key(Key::Home);
+    window.click("Walk");
+    let state = |label: &str| {
+        let item = window.harness.get_by_role_and_label(Role::MenuItem, label);
+        item.accesskit_node().is_disabled()
+    };
+    assert!(state("Previous block") && !state("Next block"));
+    assert!(window.harness.query_all_by_label("To the end of the run").next().is_none(), "the end is listed once");
+}
+
+#[test]
+fn several_pasted_lines_are_one_path() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for index in 0..2u8 {
+        let picture = image::GrayImage::from_pixel(64, 48, image::Luma([index]));
+        picture.save(folder.path().join(format!("frame {index}.png"))).expect("a picture");
+    }
+    let url = format!("file://{}/frame%200.png", folder.path().display());
+    let mut window = Window::usual();
+    window.press(Modifiers::COMMAND, Key::O);
+    window.harness.event(eframe::egui::Event::Paste(format!("{url}\n{url}\n")));
+    window.settle();
+    window.key(Key::Enter);
+    assert_eq!(window.app().document().clip().map(|clip| clip.size()), Some((64, 48)), "{:?}", window.app().error());
 }
 
 #[test]
@@ -584,7 +855,8 @@ fn the_shortcut_sheet_lists_every_command_with_a_key() {
     let mut window = Window::new(vec2(1600.0, 2400.0));
     window.key(Key::F1);
     let rungs = Rungs::new(window.shown().info.rungs);
-    for command in Command::ALL.iter().filter(|command| !command.face().keys.is_empty()) {
+    let listed = |command: &&Command| command.is_listed(&rungs) && !command.face().keys.is_empty();
+    for command in Command::ALL.iter().filter(listed) {
         let text = command.text(&rungs);
         assert!(window.harness.query_all_by_label(&text).next().is_some(), "{text} is not on the sheet");
     }
@@ -606,14 +878,24 @@ fn every_theme_draws_at_every_size() {
         let mut window = Window::new(size);
         for _ in 0..Theme::ALL.len() {
             window.key(Key::T);
+            let theme = window.app().settings().theme();
+            window.lies_inside(size, &format!("{theme:?}"));
             for command in [Command::Samples, Command::Shortcuts, Command::Open, Command::ExportSteps, Command::About] {
                 window.command(command);
+                window.lies_inside(size, &format!("{command:?} in {theme:?}"));
                 window.key(Key::Escape);
             }
         }
-        for key in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5] {
+        let titles = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5].map(|key| {
             window.key(key);
-        }
+            window
+                .harness
+                .query_all_by_label_contains("Stage: ")
+                .filter_map(|node| node.accesskit_node().label())
+                .collect::<Vec<_>>()
+        });
+        let different: std::collections::BTreeSet<_> = titles.iter().collect();
+        assert!(different.len() == 5 && titles[0].len() == 2, "{titles:?}");
     }
 }
 
@@ -621,10 +903,10 @@ fn every_theme_draws_at_every_size() {
 fn panes_fold_away_and_come_back() {
     let mut window = Window::usual();
     let seen = |window: &Window, label: &str| window.harness.query_by_role_and_label(Role::Tab, label).is_some();
-    assert!(seen(&window, "Parameters") && seen(&window, "Why") && seen(&window, "3-D"));
+    assert!(seen(&window, "Parameters") && seen(&window, "Explanation") && seen(&window, "3-D"));
     window.press(Modifiers::COMMAND, Key::Num1);
     window.press(Modifiers::COMMAND, Key::Num2);
-    assert!(!seen(&window, "Parameters") && seen(&window, "Why") && !seen(&window, "3-D"));
+    assert!(!seen(&window, "Parameters") && seen(&window, "Explanation") && !seen(&window, "3-D"));
     window.command(Command::ResetLayout);
     assert!(seen(&window, "Parameters") && seen(&window, "3-D"));
     window.click_role(Role::Tab, "Plot");
@@ -766,7 +1048,7 @@ fn large_type_in_a_small_window_leaves_room_for_the_stage() {
         let seen = |window: &Window, label: &str| window.harness.query_by_role_and_label(Role::Tab, label).is_some();
         assert!(seen(&window, "Parameters"));
         window.command(Command::ProjectorTheme);
-        assert!(!seen(&window, "Parameters") && seen(&window, "Why"));
+        assert!(!seen(&window, "Parameters") && seen(&window, "Explanation"));
         window.command(Command::ShowParameters);
         assert!(seen(&window, "Parameters"), "they come when asked for");
         window.command(Command::LightTheme);

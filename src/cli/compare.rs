@@ -4,9 +4,9 @@ use motionscope_core::{Error, Threads};
 
 use super::args::CompareArgs;
 use super::say;
-use super::task::Named;
 use crate::comparison::{self, Arena, Row};
 use crate::media::{Open, export};
+use crate::session::Named;
 
 /// Compares what `args` name.
 ///

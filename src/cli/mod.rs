@@ -18,6 +18,7 @@ use clap::error::ErrorKind;
 use motionscope_core::{Error, Params};
 
 use crate::media::{self, Info};
+use crate::session::Named;
 use crate::source::{self, Source};
 use crate::ui;
 use args::{Args, Command};
@@ -56,7 +57,7 @@ fn run(args: Args) -> Result<(), Error> {
         None => window(args.clip),
         Some(Command::List { json }) => say(&if json { list::json() } else { list::text() }),
         Some(Command::Info { clip, json, count, truth }) => {
-            let named = task::Named::find(&clip, truth)?;
+            let named = Named::find(&clip, truth)?;
             let info =
                 Info::of(&named.source.open(&media::Open { count, truth: named.truth, ..media::Open::default() })?);
             say(&if json { report::to_json(&info)? } else { info.to_string() })

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motionscope_core::{Error, Extent, Output};
+use motionscope_core::{Error, Extent};
 use serde::Serialize;
 use serde_json::Map;
 
@@ -40,17 +40,14 @@ pub struct Timing {
 }
 
 impl Report {
-    /// The numbers of `output`, which `task` led to.
-    ///
-    /// # Errors
-    /// If the truth cannot be read or has another size.
-    pub fn new(task: &Task, output: &Output, extent: Extent, timing: Timing) -> Result<Self, Error> {
+    /// What `task` led to, in numbers.
+    pub fn new(task: &Task, metrics: Quality, extent: Extent, timing: Timing) -> Self {
         let Timing { threads, mut times } = timing;
         times.sort();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
         let middle = times.len() / 2;
         let median = if times.len() % 2 == 1 { ms(times[middle]) } else { ms(times[middle - 1] + times[middle]) / 2.0 };
-        Ok(Self {
+        Self {
             clip: task.name.clone(),
             estimator: task.estimator.info().id,
             params: task.estimator.values().into_iter().map(|(name, v)| (name.into(), value(v))).collect(),
@@ -59,8 +56,8 @@ impl Report {
             events: extent.events,
             threads,
             ms: Milliseconds { median, min: times.first().copied().map_or(0.0, ms) },
-            metrics: Quality::of(&task.clip, task.frame, output)?,
-        })
+            metrics,
+        }
     }
 
     /// The same for a person.
@@ -78,8 +75,11 @@ impl Report {
         text += &format!("entropy     {} (residual + vectors)\n", metrics.coding());
         text += &match &metrics.truth {
             Some(AgainstTruth { epe_px, aae_deg, known }) => {
-                format!("error       {epe_px:.3} px endpoint, {aae_deg:.2}° angular, over {known} px of known motion\n")
+                format!(
+                    "error       {epe_px:.3} px endpoint, {aae_deg:.2}° angular, over {known} pixels of known motion\n"
+                )
             }
+            None if metrics.truth_error.is_some() => "error       unknown: the true flow cannot be read\n".into(),
             None => "error       unknown: there is no true flow for this frame\n".into(),
         };
         text

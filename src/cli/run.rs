@@ -10,6 +10,7 @@ use super::report::{Report, Timing, to_json};
 use super::say;
 use super::task::Task;
 use crate::media::export::{self, FlowFormat};
+use crate::quality::Quality;
 use crate::shot::{self, Format, Moment};
 
 /// Runs what `args` ask for. Files are made in full before the first is written.
@@ -24,7 +25,13 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     task.clip.pair(task.frame)?;
     let (output, times) = timed(&task, &threads, args.repeat)?;
     let extent = task.estimator.extent(&task.clip, task.frame)?;
-    let report = Report::new(&task, &output, extent, Timing { threads: threads.count(), times })?;
+    let quality = Quality::of(&task.clip, task.frame, &output)?;
+    match &quality.truth_error {
+        Some(error) if task.truth_by_hand => return Err(error.clone()),
+        Some(error) => eprintln!("warning: {error}"),
+        None => {}
+    }
+    let report = Report::new(&task, quality, extent, Timing { threads: threads.count(), times });
     let mut files = Vec::new();
     if let Some((path, format)) = outputs.overlay {
         files.push((path, overlay(&task, args, format)?));

@@ -1,42 +1,13 @@
 //! What is estimated: a clip, a pair of its frames, and an estimator with its parameters.
 
-use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
-
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, estimator};
 
 use super::args::{LookArgs, TaskArgs};
 use super::set_all;
 use crate::media::Open;
 use crate::paint::View;
-use crate::session::Session;
+use crate::session::{Named, Session, Wanted};
 use crate::shot::Look;
-use crate::source::Source;
-
-/// What a person called a clip: the clip itself, or a session that leads to it.
-pub struct Named {
-    /// Where the clip comes from.
-    pub source: Source,
-    /// Its truth, if that was given by hand.
-    pub truth: Option<PathBuf>,
-    /// The rest of the session.
-    pub session: Option<Session>,
-}
-
-impl Named {
-    /// What `name` stands for; `truth` overrides that of a session.
-    ///
-    /// # Errors
-    /// If it is a session that cannot be read, or a scene that does not exist.
-    pub fn find(name: &OsStr, truth: Option<PathBuf>) -> Result<Self, Error> {
-        if !Session::is_named(Path::new(name)) {
-            return Ok(Self { source: Source::parse(name)?, truth, session: None });
-        }
-        let session = Session::load(Path::new(name))?;
-        let truth = truth.or_else(|| session.truth.clone());
-        Ok(Self { source: session.source.clone(), truth, session: Some(session) })
-    }
-}
 
 /// A clip with the estimator to run on it.
 pub struct Task {
@@ -48,6 +19,8 @@ pub struct Task {
     pub estimator: Box<dyn AnyEstimator>,
     /// Frame t.
     pub frame: usize,
+    /// Whether its truth was given by hand, and so has to be right.
+    pub truth_by_hand: bool,
     /// Where a session stands.
     pub cursor: Option<Cursor>,
     /// How a session is looked at.
@@ -63,18 +36,17 @@ impl Task {
         let Named { source, truth, session } = Named::find(&args.clip, args.truth.clone())?;
         let missing = || Error::new("which estimator? Give --estimator ID; `motionscope list` names them");
         let chosen = args.estimator.as_deref().map(estimator).transpose()?;
-        let clip = || source.open(&Open { truth, ..Open::default() });
-        let mut task = match session {
+        let (estimator, frame, cursor, look) = match session {
             Some(Session { estimator, frame, cursor, look, .. }) => {
-                let estimator = chosen.unwrap_or(estimator);
-                Self { name: source.to_string(), clip: clip()?, estimator, frame, cursor, look }
+                // Its own estimator once more, with the parameters that it gives, or another one.
+                let other = chosen.filter(|chosen| chosen.info().id != estimator.info().id);
+                (other.unwrap_or(estimator), frame, cursor, look)
             }
-            None => {
-                let estimator = chosen.ok_or_else(missing)?;
-                let (name, look) = (source.to_string(), Look::default());
-                Self { name, clip: clip()?, estimator, frame: 0, cursor: None, look }
-            }
+            None => (chosen.ok_or_else(missing)?, 0, None, Wanted::default()),
         };
+        let (name, look, truth_by_hand) = (source.to_string(), look.over(Look::default()), truth.is_some());
+        let clip = source.open(&Open { truth, ..Open::default() })?;
+        let mut task = Self { name, clip, estimator, frame, truth_by_hand, cursor, look };
         task.frame = args.frame.unwrap_or(task.frame);
         set_all(&mut *task.estimator, &args.set)?;
         Ok(task)

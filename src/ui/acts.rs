@@ -15,7 +15,7 @@ use super::model::walker::Place;
 use super::model::writer::Writing;
 use super::style::ZOOM;
 use crate::comparison::Row;
-use crate::paint::{Theme, View as Pictures};
+use crate::paint::{ColorMap, Lengthen, Theme, View as Pictures};
 
 /// How much larger the picture gets at each press of a key.
 const ZOOM_STEP: f32 = 1.5;
@@ -87,6 +87,8 @@ impl App {
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => self.look_at(command),
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => self.restyle(command),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => self.restyle(command),
+            C::ViridisColors | C::TurboColors => self.restyle(command),
+            C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => self.restyle(command),
             C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::ResetLayout => self.arrange(command),
             C::FullScreen => {
                 let now = self.ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
@@ -167,6 +169,12 @@ impl App {
             Command::LargerInterface => self.settings.set_zoom(zoom + step),
             Command::SmallerInterface => self.settings.set_zoom(zoom - step),
             Command::NormalInterface => self.settings.set_zoom(1.0),
+            Command::ViridisColors => self.settings.set_colors(ColorMap::Viridis),
+            Command::TurboColors => self.settings.set_colors(ColorMap::Turbo),
+            Command::FittingArrows => self.settings.set_lengthen(Lengthen::Auto),
+            Command::TrueArrows => self.settings.set_lengthen(Lengthen::Times(1.0)),
+            Command::DoubleArrows => self.settings.set_lengthen(Lengthen::Times(2.0)),
+            Command::FourfoldArrows => self.settings.set_lengthen(Lengthen::Times(4.0)),
             Command::DarkTheme => self.settings.set_theme(Theme::Dark),
             Command::LightTheme => self.settings.set_theme(Theme::Light),
             Command::ProjectorTheme => self.settings.set_theme(Theme::Projector),
@@ -176,14 +184,11 @@ impl App {
 
     fn arrange(&mut self, command: Command) {
         match command {
-            Command::ShowParameters => self.settings.toggle(layout::Pane::Parameters, self.tight),
-            Command::ShowWhy => self.settings.toggle(layout::Pane::Why, self.tight),
-            Command::ShowCharts => self.settings.toggle(layout::Pane::Surface, self.tight),
+            Command::ShowParameters => self.settings.toggle(layout::Pane::Parameters),
+            Command::ShowWhy => self.settings.toggle(layout::Pane::Why),
+            Command::ShowCharts => self.settings.toggle(layout::Pane::Surface),
             Command::Lecture => self.settings.lecture = !self.settings.lecture,
-            _ => {
-                self.settings.reset_layout();
-                self.tight = layout::Tight::default();
-            }
+            _ => self.settings.reset_layout(),
         }
     }
 

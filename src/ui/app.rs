@@ -20,9 +20,12 @@ use super::model::writer::Writing;
 use super::panes::{Panes, States};
 use super::parts::toasts::Toasts;
 use super::parts::widgets;
-use super::style::{self, Look};
+use super::style;
 use super::{keys, status, topbar, transport};
 use crate::paint::grouped;
+
+/// The key under which is stored how the panes are looked at.
+const STATES: &str = "panes";
 
 /// What lies over the panes.
 #[derive(Default)]
@@ -66,9 +69,7 @@ pub struct App {
     /// Where was written last.
     pub(super) folder: Option<PathBuf>,
     /// The look that egui was told last.
-    styled: Option<Look>,
-    /// Whether the window is small for its type.
-    pub(super) tight: Tight,
+    styled: Option<style::Look>,
     /// When the run was played on last.
     played: f64,
     pub(super) ctx: egui::Context,
@@ -96,12 +97,11 @@ impl App {
             error: None,
             overlay: Overlay::None,
             toasts: Toasts::default(),
-            states: States::default(),
+            states: storage.and_then(|storage| eframe::get_value(storage, STATES)).unwrap_or_default(),
             gallery: gallery::State::default(),
             browsing: None,
             writing: None,
             folder: None,
-            tight: Tight::default(),
             played: 0.0,
             ctx: ctx.clone(),
         })
@@ -154,14 +154,14 @@ impl App {
 
     /// What is folded away just now.
     pub fn folded(&self) -> Folded {
-        self.settings.folded(self.tight)
+        self.settings.folded()
     }
 
     /// Looks how much room there is, and shares it out anew where that has changed.
     fn measure(&mut self, ctx: &egui::Context) {
         let (room, body_pt) = (ctx.content_rect().size(), self.settings.theme().sizes().body);
         let tight = Tight::of(room, body_pt);
-        if tight.differs(std::mem::replace(&mut self.tight, tight)) {
+        if tight.differs(std::mem::replace(&mut self.settings.tight, tight)) {
             layout::share_out(&mut self.settings.tree, tight, room.x, body_pt);
         }
     }
@@ -187,6 +187,7 @@ impl App {
             at_end: shown.is_some_and(|shown| shown.at_end),
             busy: self.view.busy,
             playing: self.player.is_playing(),
+            lecture: self.settings.lecture,
             can_undo: self.document.can_undo(),
             can_redo: self.document.can_redo(),
             is_tuned: self.document.is_tuned(Owner::Estimator),
@@ -238,7 +239,7 @@ impl App {
             folded: self.folded(),
             reduced_motion: self.settings.reduced_motion,
             recent: &self.settings.recent,
-            theme: self.settings.theme(),
+            look: self.look(),
         };
         topbar::show(ui, &input, actions);
     }
@@ -262,7 +263,8 @@ impl App {
             if let Some((done, of)) = self.view.progress {
                 ui.add(egui::ProgressBar::new(done as f32 / of.max(1) as f32).desired_width(120.0).desired_height(6.0));
                 ui.label(RichText::new(format!("{} of {}", grouped(done), grouped(of))).small());
-                if ui.add(egui::Button::new(RichText::new("Stop (Esc)").small()).small()).clicked() {
+                let stop = format!("{} ({})", Command::Stop.face().text, Command::Stop.key());
+                if ui.add(egui::Button::new(RichText::new(stop).small()).small()).clicked() {
                     actions.command(Command::Stop);
                 }
                 return;
@@ -290,6 +292,7 @@ impl App {
     fn tiles(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
         let folded = self.folded();
         layout::fold(&mut self.settings.tree, folded);
+        let look = self.look();
         let calm = self.settings.reduced_motion || self.player.is_playing();
         let mut panes = Panes {
             document: &self.document,
@@ -301,7 +304,7 @@ impl App {
             alone: layout::alone(&self.settings.tree),
             animate: !calm && !ui.input(|i| i.pointer.any_down()),
             gpu,
-            theme: self.settings.theme(),
+            look,
             actions,
         };
         self.settings.tree.ui(&mut panes, ui);
@@ -355,7 +358,7 @@ impl App {
         area.show(ui.ctx(), |ui| {
             let face = Command::Lecture.face();
             let button = widgets::icon_button(ui, face.icon, "Leave the lecture", true);
-            if button.on_hover_text("Show everything again\nL").clicked() {
+            if button.on_hover_text(Command::Lecture.with_key("Show everything again")).clicked() {
                 actions.command(Command::Lecture);
             }
         });
@@ -389,6 +392,7 @@ impl eframe::App for App {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         self.settings.save(storage);
+        eframe::set_value(storage, STATES, &self.states);
     }
 
     fn persist_egui_memory(&self) -> bool {

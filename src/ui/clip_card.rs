@@ -8,6 +8,7 @@ use super::commands::Command;
 use super::model::document::Document;
 use super::parts::widgets;
 use super::{parameters, style};
+use crate::paint::grouped;
 
 /// Draws the card.
 pub fn show(ui: &mut Ui, document: &Document, actions: &mut Actions) {
@@ -48,7 +49,8 @@ pub fn facts(document: &Document) -> String {
     let mut facts = vec![format!("{}×{} px", info.width, info.height)];
     let rate = info.fps.map_or_else(String::new, |fps| format!(" at {}/s", (fps * 100.0).round() / 100.0));
     match info.frames {
-        Some(frames) => facts.push(format!("{frames} frames{rate}")),
+        Some(1) => facts.push(format!("1 frame{rate}")),
+        Some(frames) => facts.push(format!("{} frames{rate}", grouped(frames))),
         None if !rate.is_empty() => facts.push(format!("frames{rate}")),
         None => {}
     }
@@ -63,6 +65,14 @@ pub fn facts(document: &Document) -> String {
     facts.join(" · ")
 }
 
+/// A small button to another pair of frames.
+fn to_frame(ui: &mut Ui, glyph: Icon, command: Command, actions: &mut Actions) {
+    let face = command.face();
+    if widgets::icon_button(ui, glyph, face.text, false).on_hover_text(command.with_key(face.tip)).clicked() {
+        actions.command(command);
+    }
+}
+
 fn frame(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     let now = document.frame();
     let last = document.last_frame().unwrap_or(usize::MAX >> 12);
@@ -75,10 +85,7 @@ fn frame(ui: &mut Ui, document: &Document, actions: &mut Actions) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.add_enabled_ui(now < last, |ui| {
-                let button = widgets::icon_button(ui, Icon::ChevronRight, "Next video frame", false);
-                if button.on_hover_text("Next video frame\n.").clicked() {
-                    actions.command(Command::NextFrame);
-                }
+                to_frame(ui, Icon::ChevronRight, Command::NextFrame, actions);
             });
             let mut wanted = now;
             let field =
@@ -88,10 +95,7 @@ fn frame(ui: &mut Ui, document: &Document, actions: &mut Actions) {
             let typed = ui.add_sized(size, field).labelled_by(label.id);
             typed.on_hover_text("The pair of frames that is run on; drag or type.");
             ui.add_enabled_ui(now > 0, |ui| {
-                let button = widgets::icon_button(ui, Icon::ChevronLeft, "Previous video frame", false);
-                if button.on_hover_text("Previous video frame\n,").clicked() {
-                    actions.command(Command::PreviousFrame);
-                }
+                to_frame(ui, Icon::ChevronLeft, Command::PreviousFrame, actions);
             });
             if wanted != now {
                 actions.ask(Action::Frame(wanted));

@@ -70,6 +70,18 @@ commands! {
     LightTheme,
     /// Large type and thick lines.
     ProjectorTheme,
+    /// Heat from violet to yellow.
+    ViridisColors,
+    /// Heat from blue to red.
+    TurboColors,
+    /// Arrows as long as there is room.
+    FittingArrows,
+    /// Arrows as long as the motion.
+    TrueArrows,
+    /// Arrows of twice that length.
+    DoubleArrows,
+    /// Arrows of four times that length.
+    FourfoldArrows,
     /// Everything larger.
     LargerInterface,
     /// Everything smaller.
@@ -168,6 +180,31 @@ impl Menu {
             Menu::Walk => "Walk",
             Menu::Export => "Export",
             Menu::Help => "Help",
+        }
+    }
+}
+
+/// A menu within a menu.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Submenu {
+    /// Dark, light, projector.
+    Theme,
+    /// Colours of heat.
+    Colours,
+    /// How long displacements are drawn.
+    ArrowLength,
+    /// How large everything is.
+    InterfaceSize,
+}
+
+impl Submenu {
+    /// Its name and its icon.
+    pub fn face(self) -> (&'static str, Icon) {
+        match self {
+            Submenu::Theme => ("Theme", Icon::Contrast),
+            Submenu::Colours => ("Colours", Icon::Palette),
+            Submenu::ArrowLength => ("Arrow length", Icon::MoveUpRight),
+            Submenu::InterfaceSize => ("Interface size", Icon::CaseSensitive),
         }
     }
 }
@@ -297,6 +334,44 @@ impl Command {
                 Icon::Projector,
                 "Projector theme",
                 "Large type and thick lines, for the last row; what is not shown to a class is folded away.",
+                &[],
+            ),
+            C::ViridisColors => (
+                Menu::View,
+                Icon::Palette,
+                "Viridis colours",
+                "Costs from violet to yellow, evenly in lightness: they print well and everyone can tell them apart.",
+                &[],
+            ),
+            C::TurboColors => (
+                Menu::View,
+                Icon::Rainbow,
+                "Turbo colours",
+                "Costs from blue over green to red: small differences are seen better.",
+                &[],
+            ),
+            C::FittingArrows => (
+                Menu::View,
+                Icon::MoveUpRight,
+                "Arrows as long as fits",
+                "Lengthen displacements as far as there is room between the blocks.",
+                &[],
+            ),
+            C::TrueArrows => (
+                Menu::View,
+                Icon::MoveUpRight,
+                "Arrows at 1×",
+                "Draw displacements as long as they are, so that each arrow ends where its block went.",
+                &[],
+            ),
+            C::DoubleArrows => {
+                (Menu::View, Icon::MoveUpRight, "Arrows at 2×", "Draw displacements twice as long as they are.", &[])
+            }
+            C::FourfoldArrows => (
+                Menu::View,
+                Icon::MoveUpRight,
+                "Arrows at 4×",
+                "Draw displacements four times as long as they are.",
                 &[],
             ),
             C::LargerInterface => (
@@ -518,6 +593,47 @@ impl Command {
         rungs.fill(self.face().tip)
     }
 
+    /// The key that calls it, in words; nothing if there is none.
+    pub fn key(self) -> String {
+        self.face().keys.first().map_or_else(String::new, |key| key_text(*key))
+    }
+
+    /// `tip` with the key that calls the command below it.
+    pub fn with_key(self, tip: &str) -> String {
+        match self.key() {
+            key if key.is_empty() => tip.to_owned(),
+            key => format!("{tip}\n{key}"),
+        }
+    }
+
+    /// Every key that does the same, the one to show first.
+    pub fn keys(self, rungs: &Rungs) -> Vec<KeyboardShortcut> {
+        let twin = match self {
+            Command::Start => Command::OutBack,
+            Command::End => Command::Out,
+            _ => self,
+        };
+        let others = if twin.is_listed(rungs) { &[] } else { twin.face().keys };
+        [self.face().keys, others].concat()
+    }
+
+    /// Whether it is shown beside the others: out of the outermost rung is the end of the run, which is there already.
+    pub fn is_listed(self, rungs: &Rungs) -> bool {
+        !(matches!(self, Command::Out | Command::OutBack) && rungs.group() == 0)
+    }
+
+    /// The menu within its menu that it lies in.
+    pub fn submenu(self) -> Option<Submenu> {
+        use Command as C;
+        match self {
+            C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => Some(Submenu::Theme),
+            C::ViridisColors | C::TurboColors => Some(Submenu::Colours),
+            C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => Some(Submenu::ArrowLength),
+            C::LargerInterface | C::SmallerInterface | C::NormalInterface => Some(Submenu::InterfaceSize),
+            _ => None,
+        }
+    }
+
     /// Whether it makes sense just now.
     pub fn enabled(self, now: &Now) -> bool {
         use Command as C;
@@ -539,7 +655,11 @@ impl Command {
             C::Open | C::PastePath | C::Samples | C::Quit => true,
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => true,
-            C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::FullScreen => true,
+            C::ViridisColors | C::TurboColors => true,
+            C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => true,
+            // A lecture shows what it shows; what is folded away then would be found missing only afterwards.
+            C::ShowParameters | C::ShowWhy | C::ShowCharts => !now.lecture,
+            C::Lecture | C::FullScreen => true,
             C::ReducedMotion | C::ResetLayout | C::Slower | C::Faster => true,
             C::Palette | C::Shortcuts | C::About => true,
         }
@@ -597,6 +717,8 @@ pub struct Now {
     pub busy: bool,
     /// It is playing.
     pub playing: bool,
+    /// Nothing is shown but what a class looks at.
+    pub lecture: bool,
     /// There is a change to take back.
     pub can_undo: bool,
     /// There is a change to make again.
@@ -659,6 +781,15 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), Command::ALL.len());
         assert!(Command::ALL.iter().all(|c| c.tip(&rungs).ends_with('.')));
+    }
+
+    #[test]
+    fn a_short_ladder_lists_the_end_of_the_run_once() {
+        let (long, short) =
+            (Rungs::new(&["frame", "level", "block", "probe"]), Rungs::new(&["frame", "block", "probe"]));
+        assert!(Command::Out.is_listed(&long) && !Command::Out.is_listed(&short));
+        let keys = |rungs| Command::End.keys(rungs).into_iter().map(key_text).collect::<Vec<_>>();
+        assert_eq!((keys(&long), keys(&short)), (vec!["End".to_owned()], vec!["End".to_owned(), "U".to_owned()]));
     }
 
     #[test]

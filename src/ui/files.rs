@@ -114,15 +114,24 @@ impl App {
             return;
         };
         let Session { estimator, frame, cursor, look, sight, .. } = session;
-        self.document.restore(estimator, frame, look);
-        self.settings.set_theme(look.theme);
-        self.states.stage.view = look.view.unwrap_or_default();
-        self.states.stage.blend = look.share.get();
-        self.states.stage.legend = look.legend;
+        self.document.restore(estimator, frame);
+        self.tell_of_frame(frame);
+        self.look_as(look.over(self.look()));
         if let Some(Sight { center, zoom }) = sight {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }
         self.walk_from(cursor.map_or(Place::END, |cursor| Place { cursor, near: None }));
+    }
+
+    /// Tells if the clip has no pair that starts at `frame`, as a session wants it.
+    fn tell_of_frame(&mut self, frame: usize) {
+        let (Some(clip), now) = (self.document.clip(), self.document.frame()) else { return };
+        if now != frame {
+            let name = &clip.info().name;
+            self.toasts.fail(format!(
+                "The session is about frame {frame}, and the last pair of {name} starts at frame {now}: that is shown."
+            ));
+        }
     }
 
     fn walk_from(&mut self, place: Place) {
@@ -181,11 +190,29 @@ impl App {
         self.overlay = Overlay::Save(Box::new(state));
     }
 
-    /// How the stage looks, for a picture of it.
+    /// How pictures look, on the stage and written.
     pub(super) fn look(&self) -> Look {
-        let stage = &self.states.stage;
-        let (view, theme, legend) = (Some(stage.view), self.settings.theme(), stage.legend);
-        Look { view, share: stage.share(), theme, legend, ..*self.document.look() }
+        let (stage, settings) = (&self.states.stage, &self.settings);
+        Look {
+            view: Some(stage.view),
+            share: stage.share(),
+            theme: settings.theme(),
+            colors: settings.colors(),
+            lengthen: settings.lengthen(),
+            legend: stage.legend,
+            caption: settings.caption,
+        }
+    }
+
+    /// Has pictures look like this from now on.
+    fn look_as(&mut self, look: Look) {
+        let Look { view, share, theme, colors, lengthen, legend, caption } = look;
+        let stage = &mut self.states.stage;
+        (stage.view, stage.blend, stage.legend) = (view.unwrap_or_default(), share.get(), legend);
+        self.settings.set_theme(theme);
+        self.settings.set_colors(colors);
+        self.settings.set_lengthen(lengthen);
+        self.settings.caption = caption;
     }
 
     /// Writes on another thread; a message tells the outcome.
@@ -226,7 +253,7 @@ impl App {
             estimator: estimator.boxed_clone(),
             frame: *frame,
             cursor: Some(shown.cursor),
-            look: self.look(),
+            look: self.look().into(),
             sight,
         }
     }

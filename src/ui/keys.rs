@@ -40,7 +40,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actio
             }
             Event::Paste(text) => {
                 if let Some(path) = open_dialog::parse(text) {
-                    actions.ask(Action::Open(path.into()));
+                    actions.ask(Action::Open(path));
                 }
                 false
             }

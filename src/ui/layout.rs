@@ -33,7 +33,7 @@ impl Pane {
         match self {
             Pane::Stage => "Stage",
             Pane::Parameters => "Parameters",
-            Pane::Why => "Why",
+            Pane::Why => "Explanation",
             Pane::Surface => "Cost surface",
             Pane::Surface3d => "3-D",
             Pane::Plot => "Plot",
@@ -65,7 +65,8 @@ const HIGH_LETTERS: f32 = 46.0;
 const WHY_LETTERS: f32 = 22.5;
 
 /// Where the window is small for its type: a small screen, or a projector's large letters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Tight {
     /// Too narrow for three panes beside each other.
     pub width: bool,

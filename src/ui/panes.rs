@@ -8,7 +8,8 @@ use eframe::egui_wgpu::RenderState;
 use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 use lucide_icons::Icon;
 use motionscope_core::scene::Readout;
-use motionscope_core::{Cursor, Error};
+use motionscope_core::{Clip, Cursor, Error};
+use serde::{Deserialize, Serialize};
 
 use super::action::{Action, Actions, Side};
 use super::commands::Command;
@@ -18,20 +19,24 @@ use super::model::loader::Loading;
 use super::model::walker::View;
 use super::parts::widgets;
 use super::{heat_map, parameters, series, stage, style, surface3d, tiles, why};
-use crate::paint::Theme;
+use crate::shot::Look;
 
-/// What the panes remember between frames.
-#[derive(Default)]
+/// What the panes remember between frames, and of it from one day to the next how they are looked at.
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct States {
     /// The stage.
     pub stage: stage::State,
     /// The explanation.
+    #[serde(skip)]
     pub why: why::State,
     /// The cost surface as a heat map.
+    #[serde(skip)]
     pub heat_map: heat_map::State,
     /// The cost surface in three dimensions.
     pub surface3d: surface3d::State,
     /// Small pictures with their numbers.
+    #[serde(skip)]
     pub tiles: tiles::State,
 }
 
@@ -55,8 +60,8 @@ pub struct Panes<'a> {
     pub animate: bool,
     /// The window's graphics card, if it has one.
     pub gpu: Option<&'a RenderState>,
-    /// The look.
-    pub theme: Theme,
+    /// How pictures look.
+    pub look: Look,
     /// What is asked for.
     pub actions: &'a mut Actions,
 }
@@ -76,11 +81,11 @@ impl Panes<'_> {
             pictures: &shown.pictures,
             frame: shown.subject.frame,
             scene: &shown.scene,
-            theme: self.theme,
-            colors: self.document.look().colors,
+            theme: self.look.theme,
+            colors: self.look.colors,
             heat: heat.unwrap_or_default(),
             gpu: self.gpu,
-            lengthen: self.document.look().lengthen,
+            lengthen: self.look.lengthen,
             animate: self.animate,
         };
         let response = stage::show(ui, input, &mut self.states.stage);
@@ -99,7 +104,8 @@ impl Panes<'_> {
         let failure = self.view.shown.as_ref().and_then(|shown| shown.failure.as_ref());
         let error = self.error.or(self.view.refused.as_ref()).or(self.document.refused()).or(failure);
         let Some(error) = error else { return };
-        let chrome = self.theme.chrome();
+        let told = sentence(error, self.document.clip());
+        let chrome = self.look.theme.chrome();
         let fill = style::color(chrome.panel.mix(chrome.error, 0.14));
         let edge = Stroke::new(1.0, style::color(chrome.error));
         let frame = Frame::new().fill(fill).stroke(edge).corner_radius(6).inner_margin(Margin::symmetric(12, 8));
@@ -115,8 +121,8 @@ impl Panes<'_> {
                         self.actions.command(Command::Open);
                     }
                     ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                        let label = ui.add(egui::Label::new(sentence(error)).wrap().selectable(true));
-                        label.widget_info(|| WidgetInfo::labeled(egui::Role::Alert, true, sentence(error)));
+                        let label = ui.add(egui::Label::new(&told).wrap().selectable(true));
+                        label.widget_info(|| WidgetInfo::labeled(egui::Role::Alert, true, &told));
                     });
                 });
             });
@@ -168,7 +174,7 @@ impl Panes<'_> {
     fn why(&mut self, ui: &mut Ui) {
         match &self.view.shown {
             Some(shown) => {
-                let input = why::Input { info: shown.info, step: &shown.step, theme: self.theme };
+                let input = why::Input { info: shown.info, step: &shown.step, theme: self.look.theme };
                 why::show(ui, input, &mut self.states.why);
             }
             None => empty(ui, "Here stands why each step happened, once a clip is open."),
@@ -179,7 +185,7 @@ impl Panes<'_> {
         let Some(shown) = self.view.shown.as_deref() else {
             return empty(ui, "There is nothing to show before a clip is open.");
         };
-        let (theme, colors) = (self.theme, self.document.look().colors);
+        let (theme, colors) = (self.look.theme, self.look.colors);
         let states = &mut *self.states;
         let mut clicked = None;
         for readout in &shown.step.readouts {
@@ -205,28 +211,30 @@ impl Panes<'_> {
             }
             return;
         }
-        empty(ui, absent(pane));
+        empty(ui, &absent(pane));
     }
 }
 
 /// What will stand in a chart that this step has nothing for, and what to do.
-fn absent(pane: Pane) -> &'static str {
-    match pane {
-        Pane::Surface | Pane::Surface3d => {
-            "Here stands the cost of every displacement tested. Step on (→) until a candidate is tested."
-        }
-        Pane::Plot => "Here stands how the cost goes from candidate to candidate. Step on (→) to see it grow.",
-        _ => "Here stand the pixels that are compared, as numbers. Step on (→) until a block is compared.",
-    }
+fn absent(pane: Pane) -> String {
+    let (what, until) = match pane {
+        Pane::Surface | Pane::Surface3d => ("stands the cost of every displacement tested", "a candidate is tested"),
+        Pane::Plot => ("stands how the cost goes from candidate to candidate", "there are some"),
+        _ => ("stand the pixels that are compared, as numbers", "a block is compared"),
+    };
+    format!("Here {what}. Step on ({}) until {until}.", Command::Into.key())
 }
 
-/// An error as a sentence: a capital letter and a full stop.
-fn sentence(error: &Error) -> String {
+/// An error as a sentence: a full stop, and a capital letter unless it begins with a name.
+fn sentence(error: &Error, clip: Option<&Clip>) -> String {
     let text = error.to_string();
+    let named = clip.is_some_and(|clip| text.starts_with(&clip.info().name));
+    let is_word = text.split(' ').next().is_some_and(|word| word.chars().all(char::is_alphabetic));
     let mut letters = text.chars();
-    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    let first = letters.next().filter(|_| is_word && !named).map(|first| first.to_uppercase().to_string());
+    let text = first.map_or_else(|| text.clone(), |first| first + letters.as_str());
     let end = if text.ends_with(['.', '!', '?']) { "" } else { "." };
-    first + letters.as_str() + end
+    text + end
 }
 
 /// A pane with nothing in it says why.
@@ -253,7 +261,7 @@ impl Behavior<Pane> for Panes<'_> {
             ui.set_clip_rect(ui.clip_rect().intersect(rect));
             match pane {
                 Pane::Stage => self.stage(ui),
-                Pane::Parameters => parameters::show(ui, self.document, self.theme, self.actions),
+                Pane::Parameters => parameters::show(ui, self.document, self.look.theme, self.actions),
                 Pane::Why => self.why(ui),
                 Pane::Surface | Pane::Surface3d | Pane::Plot | Pane::Numbers => self.chart(ui, *pane),
             }
@@ -268,7 +276,7 @@ impl Behavior<Pane> for Panes<'_> {
     fn tab_ui(&mut self, tiles: &mut Tiles<Pane>, ui: &mut Ui, id: Id, tile: TileId, state: &TabState) -> Response {
         let title = tiles.get_pane(&tile).map_or("Panes", |pane| pane.title());
         let alone = self.alone.contains(&tile);
-        let chrome = self.theme.chrome();
+        let chrome = self.look.theme.chrome();
         let font = egui::FontId::new(TextStyle::Small.resolve(ui.style()).size, style::bold());
         let galley = ui.painter().layout_no_wrap(title.into(), font, Color32::PLACEHOLDER);
         let margin = if alone { 16.0 } else { 12.0 };
@@ -339,7 +347,7 @@ impl Behavior<Pane> for Panes<'_> {
     fn resize_stroke(&self, style: &egui::Style, state: egui_tiles::ResizeState) -> Stroke {
         match state {
             egui_tiles::ResizeState::Idle => style.visuals.widgets.noninteractive.bg_stroke,
-            _ => Stroke::new(2.0, style::color(self.theme.chrome().accent)),
+            _ => Stroke::new(2.0, style::color(self.look.theme.chrome().accent)),
         }
     }
 
@@ -348,6 +356,22 @@ impl Behavior<Pane> for Panes<'_> {
     }
 
     fn drag_preview_color(&self, _visuals: &Visuals) -> Color32 {
-        style::color(self.theme.chrome().accent.alpha(60))
+        style::color(self.look.theme.chrome().accent.alpha(60))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::{Frame, Grid};
+
+    use super::*;
+
+    #[test]
+    fn names_are_told_as_they_are_written() {
+        let clip = Clip::from_frames("waves", vec![Frame::gray(Grid::new(4, 4, 0))]).unwrap();
+        let told = |text: &str| sentence(&Error::new(text), Some(&clip));
+        assert_eq!(told("only.png has a single frame"), "only.png has a single frame.");
+        assert_eq!(told("waves has a single frame"), "waves has a single frame.");
+        assert_eq!(told("cannot open a.mp4: it is empty"), "Cannot open a.mp4: it is empty.");
     }
 }

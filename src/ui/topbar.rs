@@ -4,13 +4,14 @@ use eframe::egui::{self, Align, Button, Layout, MenuBar, RichText, TextStyle, Ui
 use lucide_icons::Icon;
 
 use super::action::Actions;
-use super::commands::{Command, Menu, Now, Rungs, key_text};
+use super::commands::{Command, Menu, Now, Rungs};
 use super::dialogs::open as open_dialog;
 use super::layout::Folded;
 use super::model::document::Document;
 use super::parts::widgets;
 use super::{style, transport};
-use crate::paint::Theme;
+use crate::paint::{ColorMap, Lengthen, Theme};
+use crate::shot::Look;
 
 /// What the bar shows.
 pub struct Input<'a> {
@@ -26,8 +27,8 @@ pub struct Input<'a> {
     pub reduced_motion: bool,
     /// Clips that were open lately.
     pub recent: &'a [std::path::PathBuf],
-    /// The look.
-    pub theme: Theme,
+    /// How pictures look.
+    pub look: Look,
 }
 
 /// Width per point of type size below which the menus share one button.
@@ -38,7 +39,7 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let size = TextStyle::Body.resolve(ui.style()).size;
     let roomy = ui.available_width() / size > ROOMY;
     MenuBar::new().ui(ui, |ui| {
-        brand(ui, input.theme);
+        brand(ui, input.look.theme);
         if roomy {
             for menu in Menu::ALL {
                 ui.menu_button(menu.name(), |ui| items(ui, menu, input, actions));
@@ -106,7 +107,7 @@ fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
     for command in [Command::FullScreen, Command::Lecture] {
         button(ui, command, input, actions);
     }
-    theme(ui, input.theme, actions);
+    theme(ui, input.look.theme, actions);
     for command in [Command::ShowWhy, Command::ShowCharts, Command::ShowParameters] {
         button(ui, command, input, actions);
     }
@@ -117,10 +118,9 @@ fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
     }
     let dim = ui.visuals().weak_text_color();
     let words = RichText::new("Find").color(dim);
-    let keys = Command::Palette.face().keys.first().map_or_else(String::new, |key| key_text(*key));
     let search = Button::new((widgets::icon(ui, Icon::Search).color(dim), words))
-        .right_text(RichText::new(keys).small().color(dim));
-    let search = search.fill(style::color(input.theme.chrome().raised));
+        .right_text(RichText::new(Command::Palette.key()).small().color(dim));
+    let search = search.fill(style::color(input.look.theme.chrome().raised));
     let response = ui.add(search.min_size(egui::vec2(11.0 * TextStyle::Body.resolve(ui.style()).size, 0.0)));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Find a command"));
     if transport::tooltip(response, Command::Palette, &input.rungs).clicked() {
@@ -137,7 +137,8 @@ fn button(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
         if dim {
             ui.visuals_mut().widgets.inactive.fg_stroke.color = ui.visuals().weak_text_color();
         }
-        widgets::icon_button(ui, command.face().icon, &text, false)
+        ui.add_enabled_ui(command.enabled(&input.now), |ui| widgets::icon_button(ui, command.face().icon, &text, false))
+            .inner
     });
     let response = response.inner;
     if transport::tooltip(response, command, &input.rungs).clicked() {
@@ -152,7 +153,7 @@ fn theme(ui: &mut Ui, now: Theme, actions: &mut Actions) {
         Theme::Projector => Icon::Projector,
     };
     let response = widgets::icon_button(ui, glyph, &format!("Theme: {}", now.name()), false);
-    let response = response.on_hover_text("Dark, light, or projector\nT");
+    let response = response.on_hover_text(Command::NextTheme.with_key("Dark, light, or projector"));
     egui::Popup::menu(&response).show(|ui| {
         for (theme, command) in [
             (Theme::Dark, Command::DarkTheme),
@@ -168,32 +169,50 @@ fn theme(ui: &mut Ui, now: Theme, actions: &mut Actions) {
 
 /// Whether a command that toggles something is on.
 fn is_on(command: Command, input: &Input) -> Option<bool> {
+    let Look { theme, colors, lengthen, .. } = input.look;
     match command {
         Command::ShowParameters => Some(!input.folded.parameters),
         Command::ShowWhy => Some(!input.folded.why),
         Command::ShowCharts => Some(!input.folded.charts),
         Command::Lecture => Some(input.folded.lecture),
         Command::ReducedMotion => Some(input.reduced_motion),
-        Command::DarkTheme if input.theme == Theme::Dark => Some(true),
-        Command::LightTheme if input.theme == Theme::Light => Some(true),
-        Command::ProjectorTheme if input.theme == Theme::Projector => Some(true),
+        Command::DarkTheme => Some(theme == Theme::Dark),
+        Command::LightTheme => Some(theme == Theme::Light),
+        Command::ProjectorTheme => Some(theme == Theme::Projector),
+        Command::ViridisColors => Some(colors == ColorMap::Viridis),
+        Command::TurboColors => Some(colors == ColorMap::Turbo),
+        Command::FittingArrows => Some(lengthen == Lengthen::Auto),
+        Command::TrueArrows => Some(lengthen == Lengthen::Times(1.0)),
+        Command::DoubleArrows => Some(lengthen == Lengthen::Times(2.0)),
+        Command::FourfoldArrows => Some(lengthen == Lengthen::Times(4.0)),
         _ => None,
     }
 }
 
 fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
     ui.set_min_width(16.0 * TextStyle::Body.resolve(ui.style()).size);
-    let mut group = None;
-    for command in Command::ALL.iter().copied().filter(|command| command.face().menu == menu) {
-        if group.is_some_and(|group| group != section(command)) {
+    let listed = |command: &Command| command.face().menu == menu && command.is_listed(&input.rungs);
+    let commands: Vec<Command> = Command::ALL.iter().copied().filter(listed).collect();
+    for (index, group) in commands.chunk_by(|a, b| section(*a) == section(*b)).enumerate() {
+        if index > 0 {
             ui.separator();
         }
-        group = Some(section(command));
-        item(ui, command, input, actions);
-        if command == Command::Samples && !input.recent.is_empty() {
-            ui.menu_button((widgets::icon(ui, Icon::History), "Recent"), |ui| {
-                open_dialog::recents(ui, input.recent, actions);
-            });
+        for together in group.chunk_by(|a, b| a.submenu().is_some() && a.submenu() == b.submenu()) {
+            match together[0].submenu() {
+                Some(submenu) => {
+                    let (name, glyph) = submenu.face();
+                    let icon = widgets::icon(ui, glyph).color(ui.visuals().weak_text_color());
+                    ui.menu_button((icon, name), |ui| {
+                        together.iter().for_each(|command| item(ui, *command, input, actions));
+                    });
+                }
+                None => item(ui, together[0], input, actions),
+            }
+            if together[0] == Command::Samples && !input.recent.is_empty() {
+                ui.menu_button((widgets::icon(ui, Icon::History), "Recent"), |ui| {
+                    open_dialog::recents(ui, input.recent, actions);
+                });
+            }
         }
     }
 }
@@ -204,6 +223,8 @@ fn section(command: Command) -> u8 {
     match command {
         C::SaveSession | C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize | C::ResetParameters => 1,
         C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => 2,
+        C::ViridisColors | C::TurboColors => 2,
+        C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => 2,
         C::LargerInterface | C::SmallerInterface | C::NormalInterface => 2,
         C::Quit | C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::FullScreen => 3,
         C::ReducedMotion | C::ResetLayout => 4,
@@ -223,11 +244,10 @@ fn item(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
         _ => face.icon,
     };
     let dim = ui.visuals().weak_text_color();
-    let keys = face.keys.first().map_or_else(String::new, |key| key_text(*key));
-    let text = command.text(&input.rungs);
-    let button = Button::new((widgets::icon(ui, glyph).color(dim), text.as_str())).shortcut_text(keys);
-    let response = ui.add_enabled(command.enabled(&input.now), button);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::MenuItem, true, &text));
+    let (text, enabled) = (command.text(&input.rungs), command.enabled(&input.now));
+    let button = Button::new((widgets::icon(ui, glyph).color(dim), text.as_str())).shortcut_text(command.key());
+    let response = ui.add_enabled(enabled, button);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::MenuItem, enabled, &text));
     if response.on_hover_text(command.tip(&input.rungs)).clicked() {
         actions.command(command);
         ui.close();

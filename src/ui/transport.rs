@@ -6,7 +6,7 @@ use eframe::egui::{
 use lucide_icons::Icon;
 
 use super::action::{Action, Actions};
-use super::commands::{Command, Now, Rungs, key_text};
+use super::commands::{Command, Now, Rungs};
 use super::model::player::{Player, SPEEDS};
 use super::model::walker::Snapshot;
 use super::parts::widgets;
@@ -36,13 +36,15 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let named = ui.available_width() / size > ROOMY;
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        for command in [Command::Start, Command::OutBack, Command::OverBack, Command::IntoBack] {
+        let listed = |command: &Command| command.is_listed(&input.rungs);
+        let back = [Command::Start, Command::OutBack, Command::OverBack, Command::IntoBack];
+        for command in back.into_iter().filter(listed) {
             step(ui, command, named, input, actions);
         }
         ui.add_space(4.0);
         play(ui, input, actions);
         ui.add_space(4.0);
-        for command in [Command::Into, Command::Over, Command::Out, Command::End] {
+        for command in [Command::Into, Command::Over, Command::Out, Command::End].into_iter().filter(listed) {
             step(ui, command, named, input, actions);
         }
         ui.add_space(8.0);
@@ -61,22 +63,17 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
 
 /// A tooltip for a command: what it does, and its key.
 pub fn tooltip(response: Response, command: Command, rungs: &Rungs) -> Response {
-    let tip = command.tip(rungs);
-    match command.face().keys.first() {
-        Some(key) => response.on_hover_text(format!("{tip}\n{}", key_text(*key))),
-        None => response.on_hover_text(tip),
-    }
+    response.on_hover_text(command.with_key(&command.tip(rungs)))
 }
 
 /// What a command of the ladder is called on its button: the rung that it moves on, or where it leads.
 fn button_name(command: Command, rungs: &Rungs) -> Option<String> {
-    let outer = |side: &str| if rungs.group() == 0 { side.to_owned() } else { format!("{} {side}", rungs.outer()) };
     use Command as C;
     match command {
         C::Into | C::IntoBack => Some(rungs.name(rungs.event()).to_owned()),
         C::Over | C::OverBack => Some(rungs.name(rungs.unit()).to_owned()),
-        C::Out => Some(outer("end")),
-        C::OutBack => Some(outer("start")),
+        C::Out => Some(format!("{} end", rungs.outer())),
+        C::OutBack => Some(format!("{} start", rungs.outer())),
         _ => None,
     }
 }
@@ -140,5 +137,6 @@ fn speed(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     });
     let name = format!("Speed: {chosen}");
     shown.response.widget_info(|| WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
-    shown.response.on_hover_text("How fast to play. [ is slower, ] is faster.");
+    let (slower, faster) = (Command::Slower.key(), Command::Faster.key());
+    shown.response.on_hover_text(format!("How fast to play. {slower} is slower, {faster} is faster."));
 }

@@ -1,10 +1,12 @@
 //! Opening a clip: a typed path, the system's dialog beside it, and what was open lately.
 
-use std::path::PathBuf;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, RichText, TextEdit, TextStyle, Ui, vec2};
 use lucide_icons::Icon;
 
+use crate::source::Source;
 use crate::ui::action::{Action, Actions, Browse};
 use crate::ui::commands::Command;
 use crate::ui::parts::widgets;
@@ -18,17 +20,54 @@ pub struct State {
 }
 
 /// A path as typed or pasted: quotes, a leading `~` and `file://` are understood.
-pub fn parse(text: &str) -> Option<String> {
-    let text = text.trim().trim_matches(['"', '\'']);
-    let text = text.strip_prefix("file://").unwrap_or(text);
+///
+/// Of several lines the first that leads somewhere counts, or else the first.
+pub fn parse(text: &str) -> Option<OsString> {
+    // What file managers copy may begin with remarks.
+    let lines = text.lines().map(str::trim).filter(|line| !line.starts_with('#'));
+    let mut paths = lines.filter_map(line).peekable();
+    let first = paths.next()?;
+    if paths.peek().is_none() || leads_somewhere(&first) {
+        return Some(first);
+    }
+    Some(paths.find(leads_somewhere).unwrap_or(first))
+}
+
+fn leads_somewhere(path: &OsString) -> bool {
+    matches!(Source::parse(path), Ok(Source::Synth { .. })) || Path::new(path).exists()
+}
+
+fn line(text: &str) -> Option<OsString> {
+    let text = text.trim_matches(['"', '\'']);
     if text.is_empty() {
         return None;
     }
+    if let Some(url) = text.strip_prefix("file://") {
+        let path = url.strip_prefix("localhost").unwrap_or(url);
+        // A drive follows a slash: file:///C:/clips.
+        let path = if cfg!(windows) { path.trim_start_matches('/') } else { path };
+        return Some(decoded(path));
+    }
     let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE"));
     match (text.strip_prefix("~/"), home) {
-        (Some(rest), Some(home)) => Some(PathBuf::from(home).join(rest).display().to_string()),
-        _ => Some(text.to_owned()),
+        (Some(rest), Some(home)) => Some(PathBuf::from(home).join(rest).into()),
+        _ => Some(text.into()),
     }
+}
+
+/// A path with its `%20`s put back into bytes, as URLs have them.
+fn decoded(text: &str) -> OsString {
+    let (mut bytes, mut rest) = (Vec::new(), text.as_bytes());
+    while let [byte, tail @ ..] = rest {
+        let hex = tail.get(..2).filter(|_| *byte == b'%').and_then(|hex| std::str::from_utf8(hex).ok());
+        let code = hex.filter(|hex| !hex.starts_with('+')).and_then(|hex| u8::from_str_radix(hex, 16).ok());
+        bytes.push(code.unwrap_or(*byte));
+        rest = if code.is_some() { &tail[2..] } else { tail };
+    }
+    #[cfg(unix)]
+    return std::os::unix::ffi::OsStringExt::from_vec(bytes);
+    #[cfg(not(unix))]
+    String::from_utf8_lossy(&bytes).into_owned().into()
 }
 
 /// Shows the dialog; gives whether it is still open.
@@ -70,6 +109,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
 fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     let mut done = false;
     ui.horizontal(|ui| {
+        first_line_only(ui);
         let button = ui.spacing().interact_size.x + 32.0;
         let field = TextEdit::singleline(&mut state.path)
             .hint_text("Type or paste a path")
@@ -82,11 +122,25 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
         let wanted = parse(&state.path);
         let clicked = ui.add_enabled(wanted.is_some(), egui::Button::new("Open")).clicked();
         if let Some(path) = wanted.filter(|_| entered || clicked) {
-            actions.ask(Action::Open(path.into()));
+            actions.ask(Action::Open(path));
             done = true;
         }
     });
     done
+}
+
+/// The field has one line, and would make one path of several.
+fn first_line_only(ui: &Ui) {
+    ui.input_mut(|input| {
+        for event in &mut input.events {
+            if let egui::Event::Paste(text) = event
+                && text.trim().lines().nth(1).is_some()
+                && let Some(path) = parse(text)
+            {
+                *text = path.to_string_lossy().into_owned();
+            }
+        }
+    });
 }
 
 /// Clips that were open lately; gives whether one was chosen.
@@ -109,11 +163,34 @@ mod tests {
 
     #[test]
     fn pasted_paths_are_understood() {
-        assert_eq!(parse("  \"/a b/c.mp4\" \n"), Some("/a b/c.mp4".into()));
-        assert_eq!(parse("file:///a/b.mp4"), Some("/a/b.mp4".into()));
-        assert_eq!(parse("  "), None);
+        let parsed = |text: &str| parse(text).map(|path| path.to_string_lossy().into_owned());
+        assert_eq!(parsed("  \"/a b/c.mp4\" \n").as_deref(), Some("/a b/c.mp4"));
+        assert_eq!(parsed("  "), None);
         if let Some(home) = std::env::var_os("HOME") {
-            assert_eq!(parse("~/x.gif"), Some(std::path::Path::new(&home).join("x.gif").display().to_string()));
+            assert_eq!(parse("~/x.gif"), Some(std::path::Path::new(&home).join("x.gif").into()));
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_file_managers_copy_is_decoded() {
+        use std::os::unix::ffi::OsStrExt;
+        assert_eq!(parse("file:///a/b.mp4"), Some("/a/b.mp4".into()));
+        assert_eq!(parse("file:///a%20b/100%25.mp4"), Some("/a b/100%.mp4".into()));
+        assert_eq!(parse("file://localhost/%C3%BCbung.mp4"), Some("/übung.mp4".into()));
+        assert_eq!(parse("file:///caf%E9"), Some(std::ffi::OsStr::from_bytes(b"/caf\xE9").into()));
+        assert_eq!(parse("file:///50%.mp4"), Some("/50%.mp4".into()));
+        assert_eq!(parse("/a/100%20.mp4"), Some("/a/100%20.mp4".into()), "only a URL is coded");
+    }
+
+    #[test]
+    fn of_several_lines_one_is_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("b.mp4");
+        std::fs::write(&file, []).unwrap();
+        let there = file.display();
+        assert_eq!(parse(&format!("# copied\r\n/no/such/a.mp4\r\n{there}\r\n")), Some(file.clone().into()));
+        assert_eq!(parse("/no/a.mp4\n/no/b.mp4"), Some("/no/a.mp4".into()));
+        assert_eq!(parse("look at\nsynth:pillar"), Some("synth:pillar".into()));
     }
 }

@@ -12,7 +12,7 @@ use motionscope_core::{estimators, synth};
 use super::fuzzy;
 use crate::paint::Theme;
 use crate::ui::action::Action;
-use crate::ui::commands::{Command, Now, Rungs, key_text};
+use crate::ui::commands::{Command, Now, Rungs};
 use crate::ui::parts::widgets;
 use crate::ui::style;
 
@@ -132,11 +132,10 @@ fn found(query: &str, input: &Input) -> Vec<Entry> {
 }
 
 fn entries(input: &Input) -> Vec<Entry> {
-    let commands = Command::ALL.iter().filter(|c| **c != Command::Palette && c.enabled(&input.now)).map(|command| {
-        let face = command.face();
-        let keys = face.keys.first().map_or_else(String::new, |key| key_text(*key));
-        let (text, tip) = (command.text(&input.rungs), String::new());
-        Entry { icon: face.icon, text, tip, keys, action: Action::Command(*command) }
+    let wanted = |c: &&Command| **c != Command::Palette && c.is_listed(&input.rungs) && c.enabled(&input.now);
+    let commands = Command::ALL.iter().filter(wanted).map(|command| {
+        let (text, keys, tip) = (command.text(&input.rungs), command.key(), String::new());
+        Entry { icon: command.face().icon, text, tip, keys, action: Action::Command(*command) }
     });
     let estimators = estimators().into_iter().map(|estimator| {
         let info = estimator.info();

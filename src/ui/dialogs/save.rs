@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
 use motionscope_core::Cursor;
 
-use crate::shot::{Format, Look};
+use crate::shot::{Format, Look, Steps};
 use crate::ui::action::{Action, Actions, Browse};
 use crate::ui::commands::Rungs;
 use crate::ui::model::walker::Snapshot;
@@ -75,13 +75,17 @@ pub struct State {
     to: String,
     rung: usize,
     focused: bool,
+    /// The target that was looked up, and what lies there already.
+    found: Option<(PathBuf, bool)>,
 }
 
 impl State {
     /// The dialog for `kind`, with a name that says what it is, in `folder`.
     pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, look: Look) -> Self {
         let ending = kind.endings()[0].0;
-        let Cursor { unit, .. } = shown.cursor;
+        let from = Cursor { unit: shown.cursor.unit, event: 1 };
+        // Before the first step the steps of the first unit are meant.
+        let to = if shown.cursor < from { Cursor { event: usize::MAX, ..from } } else { shown.cursor };
         let name = match kind {
             Kind::Picture => format!("{stem}_{}.{ending}", shown.cursor),
             Kind::Steps => format!("{stem}_steps"),
@@ -95,17 +99,50 @@ impl State {
             scale: 2,
             legend: look.legend,
             caption: look.caption,
-            from: Cursor { unit, event: 1 }.to_string(),
-            to: shown.cursor.to_string(),
+            from: from.to_string(),
+            to: to.to_string(),
             rung: Rungs::new(shown.info.rungs).event(),
             focused: false,
+            found: None,
         }
+    }
+
+    /// Where it is written to: a file has one of the endings of its kind.
+    fn target(&self) -> Option<PathBuf> {
+        let path = PathBuf::from(super::open::parse(&self.path)?);
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        let is_known = ending.is_some_and(|ending| self.kind.endings().iter().any(|(known, _)| *known == ending));
+        if is_known || self.kind == Kind::Steps {
+            return Some(path);
+        }
+        Some(path.into_os_string()).map(|mut path| {
+            path.push(".");
+            path.push(self.ending);
+            path.into()
+        })
+    }
+
+    /// Whether `target` is there already: the file itself, or numbered pictures in the folder.
+    fn is_there(&mut self, target: &Path) -> bool {
+        let file = match self.kind {
+            Kind::Steps => target.join(Steps::file_name(0, self.format())),
+            _ => target.to_owned(),
+        };
+        // Looking may take a while on a drive far away: once for each name.
+        if self.found.as_ref().is_none_or(|(path, _)| *path != file) {
+            let is_there = file.exists();
+            self.found = Some((file, is_there));
+        }
+        self.found.as_ref().is_some_and(|(_, is_there)| *is_there)
+    }
+
+    fn format(&self) -> Format {
+        if self.ending == "svg" { Format::Svg } else { Format::Png }
     }
 
     /// What the dialog asks for, or what is wrong with it.
     fn order(&self, look: Look) -> Result<Order, String> {
-        let path = super::open::parse(&self.path).ok_or("Type where to write it.")?;
-        let format = if self.ending == "svg" { Format::Svg } else { Format::Png };
+        let path = self.target().ok_or("Type where to write it.")?;
         let what = match self.kind {
             Kind::Picture => What::Picture,
             Kind::Vectors => What::Vectors,
@@ -116,11 +153,11 @@ impl State {
                 if to < from {
                     return Err("The last step lies before the first.".into());
                 }
-                What::Steps { from, to, rung: self.rung, format }
+                What::Steps { from, to, rung: self.rung, format: self.format() }
             }
         };
         let look = Look { legend: self.legend, caption: self.caption, ..look };
-        Ok(Order { what, path: PathBuf::from(path), scale: self.scale, look })
+        Ok(Order { what, path, scale: self.scale, look })
     }
 
     fn set_ending(&mut self, ending: &'static str) {
@@ -238,32 +275,50 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     entered
 }
 
-fn buttons(ui: &mut Ui, state: &State, look: Look, entered: bool, actions: &mut Actions) -> bool {
+fn buttons(ui: &mut Ui, state: &mut State, look: Look, entered: bool, actions: &mut Actions) -> bool {
     let order = state.order(look);
+    let replaces = order.as_ref().is_ok_and(|order| state.is_there(&order.path));
     let mut done = false;
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let accent = ui.visuals().hyperlink_color;
             let on = ui.visuals().panel_fill;
-            let write = Button::new(RichText::new("Write").color(on)).fill(accent);
-            let clicked = ui.add_enabled(order.is_ok(), write).clicked();
+            let (text, fill) = if replaces {
+                ("Replace", ui.visuals().error_fg_color)
+            } else {
+                ("Write", ui.visuals().hyperlink_color)
+            };
+            let write = ui.add_enabled(order.is_ok(), Button::new(RichText::new(text).color(on)).fill(fill));
+            // Enter in the field does not replace anything; Enter once more, on the button, does.
+            if entered && replaces {
+                write.request_focus();
+            }
             done = ui.button("Cancel").clicked();
-            match order {
-                Ok(order) if clicked || entered => {
+            let (told, ink) = match order {
+                Ok(order) if write.clicked() || entered && !replaces => {
                     actions.ask(Action::Write(Box::new(order)));
                     done = true;
+                    return;
                 }
-                Ok(_) => {}
-                Err(why) => {
-                    let error = ui.visuals().error_fg_color;
-                    ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                        ui.add(egui::Label::new(RichText::new(why).small().color(error)).wrap());
-                    });
-                }
-            }
+                Ok(order) if replaces => (already(state.kind, &order.path), ui.visuals().text_color()),
+                Ok(_) => return,
+                Err(why) => (why, ui.visuals().error_fg_color),
+            };
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(egui::Label::new(RichText::new(told).small().color(ink)).wrap());
+            });
         });
     });
     done
+}
+
+/// Says what would be replaced.
+fn already(kind: Kind, path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let name = widgets::elide(&name, 40);
+    match kind {
+        Kind::Steps => format!("There are numbered pictures in {name} already."),
+        _ => format!("There is a {name} already."),
+    }
 }
 
 /// A name for files about a clip called `name`: letters, digits and dashes.

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use crate::paint::Theme;
-use crate::ui::commands::{Command, Face, Menu, Rungs, key_text};
+use crate::ui::commands::{Command, Menu, Rungs, key_text};
 use crate::ui::parts::widgets;
 use crate::ui::style;
 
@@ -43,8 +43,8 @@ fn column(ui: &mut Ui, menus: &[Menu], rungs: &Rungs, theme: Theme) {
 /// The keys of a menu, in a column of a given width, and what they do.
 fn group(ui: &mut Ui, menu: Menu, rungs: &Rungs, (theme, keys): (Theme, f32)) {
     Grid::new(menu.name()).num_columns(2).spacing([16.0, 4.0]).min_col_width(keys).show(ui, |ui| {
-        let here = Command::ALL.iter().map(|command| (command, command.face())).filter(|(_, face)| face.menu == menu);
-        for (command, Face { keys, .. }) in here.filter(|(_, face)| !face.keys.is_empty()) {
+        let here = Command::ALL.iter().filter(|command| command.face().menu == menu && command.is_listed(rungs));
+        for (command, keys) in here.map(|command| (command, command.keys(rungs))).filter(|(_, keys)| !keys.is_empty()) {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 for key in keys.iter().take(2) {

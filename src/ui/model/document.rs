@@ -8,7 +8,6 @@ use motionscope_core::{AnyEstimator, Clip, Error, Params, Value, estimators};
 
 use super::history::History;
 use super::walker::{Job, Place, Snapshot, Subject};
-use crate::shot::Look;
 use crate::source::Source;
 
 /// Where a clip comes from.
@@ -58,8 +57,6 @@ pub struct Document {
     frame: usize,
     /// Truth given by hand.
     truth: Option<PathBuf>,
-    /// How a session wants its pictures; view, theme and legend are the window's own.
-    look: Look,
     /// The sliders that the clip was made with, if it is synthetic.
     made: Option<Difficulty>,
     /// Why the clip could not be made with these sliders.
@@ -73,17 +70,7 @@ impl Default for Document {
     fn default() -> Self {
         let estimator = estimators().swap_remove(0);
         let setup = History::new(Setup { estimator, difficulty: None });
-        Self {
-            clip: None,
-            setup,
-            frame: 0,
-            truth: None,
-            look: Look::default(),
-            made: None,
-            refused: None,
-            run: None,
-            place: Place::default(),
-        }
+        Self { clip: None, setup, frame: 0, truth: None, made: None, refused: None, run: None, place: Place::default() }
     }
 }
 
@@ -151,11 +138,6 @@ impl Document {
         self.truth.as_deref()
     }
 
-    /// Colours, lengths and caption of the pictures.
-    pub fn look(&self) -> &Look {
-        &self.look
-    }
-
     /// Opens a clip with the truth that was given for it; the estimator keeps its parameters.
     pub fn open(&mut self, clip: Clip, source: Source, truth: Option<PathBuf>) {
         let (origin, difficulty) = match source {
@@ -167,18 +149,17 @@ impl Document {
         };
         self.clip = Some((clip, origin));
         self.frame = 0;
-        (self.truth, self.look, self.refused) = (truth, Look::default(), None);
+        (self.truth, self.refused) = (truth, None);
         self.made = difficulty.clone();
         let estimator = self.estimator().boxed_clone();
         self.setup = History::new(Setup { estimator, difficulty });
     }
 
-    /// Takes an estimator with its parameters, a frame and a look, as a session has them: without a past.
-    pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, frame: usize, look: Look) {
+    /// Takes an estimator with its parameters and a frame, as a session has them: without a past.
+    pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, frame: usize) {
         let difficulty = self.setup.now().difficulty.clone();
         self.setup = History::new(Setup { estimator, difficulty });
         self.go_to_frame(frame);
-        self.look = look;
     }
 
     /// Takes another estimator with its default parameters; undo brings the old one back.

@@ -1,14 +1,13 @@
 //! Opens a clip or a session on a thread of its own, with progress and cancel.
 
 use std::ffi::{OsStr, OsString};
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use motionscope_core::{Clip, Error};
 
 use crate::media::{Open, Progress};
-use crate::session::Session;
+use crate::session::{Named, Session};
 use crate::source::Source;
 
 /// A clip that was opened.
@@ -93,12 +92,7 @@ impl Shared {
 }
 
 fn open(name: &OsStr, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
-    let session = Session::is_named(Path::new(name)).then(|| Session::load(Path::new(name))).transpose()?;
-    let source = match &session {
-        Some(session) => session.source.clone(),
-        None => Source::parse(name)?,
-    };
-    let truth = session.as_ref().and_then(|session| session.truth.clone());
+    let Named { source, truth, session } = Named::find(name, None)?;
     let clip = source.open(&Open { progress: Some(progress), truth, ..Open::default() })?;
     Ok(Opened { clip, source, session })
 }

@@ -6,7 +6,7 @@ use egui_tiles::Tree;
 use serde::{Deserialize, Serialize};
 
 use super::player::Player;
-use crate::paint::Theme;
+use crate::paint::{ColorMap, Lengthen, Theme};
 use crate::ui::layout::{self, Folded, Pane, Tight};
 use crate::ui::style::{Look, ZOOM};
 
@@ -24,6 +24,12 @@ const TIGHT: Folded = Folded { parameters: true, why: false, charts: true, lectu
 pub struct Settings {
     /// Name of the theme.
     theme: String,
+    /// Name of the colours of heat.
+    colors: String,
+    /// How many times their length displacements are drawn, unless as it fits.
+    arrows: Option<f32>,
+    /// Whether pictures are written with a caption.
+    pub caption: bool,
     /// Interface scale.
     zoom: f32,
     /// Whether things change at once.
@@ -41,12 +47,17 @@ pub struct Settings {
     pub speed: usize,
     /// Where the panes lie.
     pub tree: Tree<Pane>,
+    /// How small the window was for its type when their widths were shared out.
+    pub tight: Tight,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Self {
             theme: Theme::default().name().into(),
+            colors: ColorMap::default().name().into(),
+            arrows: None,
+            caption: false,
             zoom: 1.0,
             reduced_motion: false,
             folded: Folded::default(),
@@ -55,6 +66,7 @@ impl Default for Settings {
             recent: Vec::new(),
             speed: Player::default().speed,
             tree: layout::tree(),
+            tight: Tight::default(),
         }
     }
 }
@@ -85,14 +97,38 @@ impl Settings {
         self.theme = theme.name().into();
     }
 
+    /// The colours of heat.
+    pub fn colors(&self) -> ColorMap {
+        ColorMap::ALL.into_iter().find(|colors| colors.name() == self.colors).unwrap_or_default()
+    }
+
+    /// Takes other colours of heat.
+    pub fn set_colors(&mut self, colors: ColorMap) {
+        self.colors = colors.name().into();
+    }
+
+    /// How long displacements are drawn.
+    pub fn lengthen(&self) -> Lengthen {
+        self.arrows.map_or(Lengthen::Auto, Lengthen::Times)
+    }
+
+    /// Draws displacements as long as this from now on.
+    pub fn set_lengthen(&mut self, lengthen: Lengthen) {
+        self.arrows = match lengthen {
+            Lengthen::Auto => None,
+            Lengthen::Times(factor) => Some(factor),
+        };
+    }
+
     /// The theme after this one.
     pub fn next_theme(&self) -> Theme {
         let at = Theme::ALL.iter().position(|theme| *theme == self.theme()).unwrap_or(0);
         Theme::ALL[(at + 1) % Theme::ALL.len()]
     }
 
-    /// What is folded away in a window with this much room.
-    pub fn folded(&self, tight: Tight) -> Folded {
+    /// What is folded away with this much room.
+    pub fn folded(&self) -> Folded {
+        let tight = self.tight;
         let (wide, small) = (self.folded, self.folded_tight);
         Folded {
             parameters: if tight.width { small.parameters } else { wide.parameters },
@@ -103,7 +139,8 @@ impl Settings {
     }
 
     /// Folds `pane` away or brings it back.
-    pub fn toggle(&mut self, pane: Pane, tight: Tight) {
+    pub fn toggle(&mut self, pane: Pane) {
+        let tight = self.tight;
         let folded = match pane {
             Pane::Parameters if tight.width => &mut self.folded_tight.parameters,
             Pane::Parameters => &mut self.folded.parameters,
@@ -117,8 +154,8 @@ impl Settings {
     /// Puts every pane back where it was at first.
     pub fn reset_layout(&mut self) {
         let usual = Self::default();
-        (self.folded, self.folded_tight, self.lecture, self.tree) =
-            (usual.folded, usual.folded_tight, usual.lecture, usual.tree);
+        (self.folded, self.folded_tight, self.lecture) = (usual.folded, usual.folded_tight, usual.lecture);
+        (self.tree, self.tight) = (usual.tree, usual.tight);
     }
 
     /// Interface scale.
@@ -164,6 +201,8 @@ mod tests {
         let mut settings = Settings::default();
         settings.set_theme(Theme::Projector);
         settings.set_zoom(99.0);
+        settings.set_colors(ColorMap::Turbo);
+        settings.set_lengthen(Lengthen::Times(4.0));
         settings.remember(Path::new("/a.mp4"));
         settings.remember(Path::new("/b.mp4"));
         #[cfg(unix)]
@@ -172,6 +211,7 @@ mod tests {
         let text = serde_json::to_string(&settings).unwrap();
         let back: Settings = serde_json::from_str(&text).unwrap();
         assert_eq!((back.theme(), back.zoom()), (Theme::Projector, ZOOM.1));
+        assert_eq!((back.colors(), back.lengthen()), (ColorMap::Turbo, Lengthen::Times(4.0)));
         assert_eq!(back.recent, [PathBuf::from("/a.mp4"), PathBuf::from("/b.mp4")]);
         assert_eq!(back.next_theme(), Theme::Dark);
     }
