@@ -13,9 +13,9 @@
 use std::ops::Range;
 
 use crate::block_search::{
-    BlockSearch, Cost, Displacement, Event, Match, Patch, Tester, Window, block_search_params, shorter,
+    BlockSearch, Displacement, Event, Match, Patch, Settings, Tester, Window, block_search_params, shorter,
 };
-use crate::{Block, Info, Observer, Promise, choices, cost};
+use crate::{Info, Observer, Promise, choices, cost};
 
 choices! {
     /// The order in which the candidates of a window are tested.
@@ -33,7 +33,7 @@ block_search_params! {
         /// The order in which the candidates are tested. It never changes the result.
         order: Order = Order::Raster;
         /// Stop adding up a candidate after the row at which its sum exceeds the best (partial distortion). It never
-        /// changes the result. The saving is told in rows; in time there is none here, where whole windows are summed at once.
+        /// changes the result, and only SAD, SSD and MSE can be given up. The saving is told in rows; in time there is none here, where whole windows are summed at once.
         early_exit: bool = false;
     }
 }
@@ -61,18 +61,33 @@ impl BlockSearch for FullSearch {
     const PROMISE: Promise = Promise::Translation;
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        // The kernel works out whole windows at once. An early exit is therefore only for the eye: what it passes
-        // over could not have won.
-        let Tester { pair, settings, block, window, .. } = *tester;
-        let work = &mut *tester.work;
+        let Tester { pair, settings: Settings { cost: kind, .. }, block, window, .. } = *tester;
+        let (observer, work) = (&mut *tester.observer, &mut *tester.work);
         work.patch.take_area(pair, block, window);
-        cost::window(settings.cost.sum(), &work.patch.block, &work.patch.area, window.size, &mut work.sums);
         if self.order == Order::Spiral && work.order.0 != Some(window) {
             work.order = (Some(window), spiral(window));
         }
-        let (patch, sums, order) = (&work.patch, &work.sums[..], &work.order.1[..]);
-        let early_exit = self.early_exit;
-        let best = Scan { patch, sums, order, window, block, cost: settings.cost, early_exit }.run(tester.observer);
+        let (Patch { block: cut, area }, order) = (&work.patch, &work.order.1[..]);
+        let best = if let Some(sum) = kind.sum() {
+            // The kernel works out whole windows at once. An early exit is therefore only for the eye: what it passes
+            // over could not have won.
+            cost::window(sum, cut, area, window.size, &mut work.sums);
+            let scan = Scan { window, order, costs: &work.sums[..], most: u32::MAX, of: |sum| kind.of(sum, block) };
+            scan.run(observer, |index, limit| {
+                let place = (index % window.size.0, index / window.size.0);
+                let whole = || (work.sums[index], block.height);
+                let (sum, rows) = if self.early_exit { cost::until(sum, cut, area, place, limit) } else { whole() };
+                (kind.of(sum, block), rows)
+            })
+        } else {
+            let (pixels, stride) = area.rows();
+            let places = (0..window.count()).map(|index| index / window.size.0 * stride + index % window.size.0);
+            work.window_costs.clear();
+            work.window_costs.extend(places.map(|first| kind.between(block, cut, &pixels[first..], stride)));
+            let costs = &work.window_costs[..];
+            let scan = Scan { window, order, costs, most: f64::INFINITY, of: |cost| cost };
+            scan.run(observer, |index, _| (costs[index], block.height))
+        };
         tester.settle(best, window.count());
     }
 
@@ -90,36 +105,32 @@ impl BlockSearch for FullSearch {
 /// How many candidates are passed over at once where none of them can win.
 const RUN: usize = 16;
 
-/// One block's pixels, those under its window, and the sums of all candidates.
-struct Scan<'a> {
-    patch: &'a Patch,
+/// The costs of all candidates of a window, or sums from which they follow.
+struct Scan<'a, T, F> {
     window: Window,
-    block: Block,
-    cost: Cost,
-    early_exit: bool,
-    /// By index into the window.
-    sums: &'a [u32],
     /// The indices into the window in the order of the search; empty for raster.
     order: &'a [u32],
+    /// By index into the window.
+    costs: &'a [T],
+    /// At least as much as any of them.
+    most: T,
+    /// The cost that follows.
+    of: F,
 }
 
-impl Scan<'_> {
+impl<T: Copy + PartialOrd, F: Fn(T) -> f64> Scan<'_, T, F> {
     /// Tests the candidates in order. This is the loop that is taught, timed and trusted: there is no other.
-    fn run(&self, observer: &mut impl Observer<Event>) -> Match {
+    /// `seen` gives what is seen of a candidate: its cost, and the rows that were looked at until it exceeded a limit.
+    fn run(&self, observer: &mut impl Observer<Event>, seen: impl Fn(usize, T) -> (f64, usize)) -> Match {
         let (window, count) = (self.window, self.window.count());
-        let found = |index| Match {
-            displacement: window.displacement(index),
-            cost: self.cost.of(self.sums[index], self.block),
-        };
+        let found = |index| Match { displacement: window.displacement(index), cost: (self.of)(self.costs[index]) };
         let event = |index, limit| {
-            let (sum, rows) =
-                if self.early_exit { self.until(index, limit) } else { (self.sums[index], self.block.height) };
-            let cost = self.cost.of(sum, self.block);
+            let (cost, rows) = seen(index, limit);
             Event::Candidate { displacement: window.displacement(index), cost, rows }
         };
         // An index: the displacement is only worked out where it is asked for.
         let mut best: Option<usize> = None;
-        let mut limit = u32::MAX;
+        let mut limit = self.most;
         for first in (0..count).step_by(RUN) {
             let run = first..count.min(first + RUN);
             if self.all_exceed(limit, run.clone()) {
@@ -128,13 +139,13 @@ impl Scan<'_> {
                 continue;
             }
             for index in run.map(|place| self.index(place)) {
-                let sum = self.sums[index];
+                let cost = self.costs[index];
                 observer.see(|| event(index, limit));
                 let wins_tie = |other| shorter(window.displacement(index), window.displacement(other));
-                if sum < limit || sum == limit && best.is_none_or(wins_tie) {
+                if cost < limit || cost == limit && best.is_none_or(wins_tie) {
                     observer.see(|| Event::NewBest { before: best.map(found) });
                     best = Some(index);
-                    limit = sum;
+                    limit = cost;
                 }
             }
         }
@@ -147,19 +158,13 @@ impl Scan<'_> {
         self.order.get(place).map_or(place, |&index| index as usize)
     }
 
-    /// Sum and number of rows of a candidate that is given up after the first row at which it exceeds `limit`.
-    fn until(&self, index: usize, limit: u32) -> (u32, usize) {
-        let place = (index % self.window.size.0, index / self.window.size.0);
-        cost::until(self.cost.sum(), &self.patch.block, &self.patch.area, place, limit)
-    }
-
-    /// Whether the sums at these places of the order all exceed `limit`.
+    /// Whether the costs at these places of the order all exceed `limit`.
     #[inline(always)]
-    fn all_exceed(&self, limit: u32, places: Range<usize>) -> bool {
+    fn all_exceed(&self, limit: T, places: Range<usize>) -> bool {
         match self.order.get(places.clone()) {
-            Some(order) if !order.is_empty() => order.iter().all(|&index| self.sums[index as usize] > limit),
+            Some(order) if !order.is_empty() => order.iter().all(|&index| self.costs[index as usize] > limit),
             // Without stopping at the first, so that it becomes vector instructions.
-            _ => self.sums[places].iter().fold(true, |all, &sum| all & (sum > limit)),
+            _ => self.costs[places].iter().fold(true, |all, &cost| all & (cost > limit)),
         }
     }
 }

@@ -7,6 +7,7 @@ mod search;
 mod settings;
 mod tell;
 mod tester;
+mod whole_readouts;
 
 use std::sync::Arc;
 

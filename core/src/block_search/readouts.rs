@@ -39,7 +39,7 @@ impl Probe<'_> {
     }
 
     /// The role of that candidate.
-    fn shown_role(&self) -> Role {
+    pub(super) fn shown_role(&self) -> Role {
         if self.is_over() { Role::Best } else { Role::Candidate }
     }
 
@@ -81,7 +81,9 @@ impl Probe<'_> {
         let (a, b) = self.patches(candidate.displacement);
         let [u, v] = candidate.displacement.map(signed);
         let name = || Math::text(format!("{}({u}, {v}) ", self.cost.label()));
-        let sum = self.cost.sum();
+        let Some(sum) = self.cost.sum() else {
+            return self.whole_equation(candidate, &a, &b);
+        };
         let (open, close) = if self.cost == Cost::Mse { ("1/N · ", "") } else { ("", "") };
         let difference = Math::Row(vec![
             Math::indexed(Math::Var("I"), Math::Var("t")),
@@ -139,8 +141,7 @@ impl Probe<'_> {
         let (i, j) = (x - block.x as isize, y - block.y as isize);
         let inside = (0..block.width as isize).contains(&i) && (0..rows as isize).contains(&j);
         let (i, j) = inside.then_some((i as usize, j as usize))?;
-        let (p, q) = (a.pixel(i, j), b.pixel(i, j));
-        let sum = self.cost.sum();
+        let (p, q, sum) = (a.pixel(i, j), b.pixel(i, j), self.cost.sum()?);
         let numbers = vec![
             Math::ink(Role::Reference, p.to_string()),
             Math::text(" − "),
@@ -156,15 +157,14 @@ impl Probe<'_> {
     fn tiles(&self, candidate: Match, rows: usize) -> Vec<Tile> {
         let block = self.block();
         let (a, b) = self.patches(candidate.displacement);
-        let sum = self.cost.sum();
         let grid = |f: &dyn Fn(usize, usize) -> f32| Grid::from_fn(block.width, block.height, f);
-        let (label, top) = match sum {
-            Sum::Absolute => ("|difference|", 255.0),
-            Sum::Squared => ("difference²", 255.0 * 255.0),
+        let terms =
+            |sum: Sum| grid(&|x, y| if y < rows { sum.term(a.pixel(x, y), b.pixel(x, y)) as f32 } else { f32::NAN });
+        let (label, differences, top) = match self.cost.sum() {
+            Some(sum @ Sum::Absolute) => ("|difference|", terms(sum), 255.0),
+            Some(sum @ Sum::Squared) => ("difference²", terms(sum), 255.0 * 255.0),
+            None => self.whole_tile(&a, &b),
         };
-        let differences = grid(&|x, y| {
-            if y < rows { sum.term(a.pixel(x, y), b.pixel(x, y)) as f32 } else { f32::NAN }
-        });
         let tile = |label, role, values, top| Tile { label, role, values, range: [0.0, top] };
         vec![
             tile("block", Some(Role::Reference), grid(&|x, y| f32::from(a.pixel(x, y))), 255.0),
@@ -209,7 +209,8 @@ impl Probe<'_> {
     }
 }
 
-fn offset(v: i32) -> String {
+/// What is added to a coordinate: ` + 3`.
+pub(super) fn offset(v: i32) -> String {
     match v {
         0 => String::new(),
         _ if v < 0 => format!(" − {}", v.unsigned_abs()),

@@ -1,7 +1,7 @@
 //! The parameters that all block searches have, declared once.
 
-use crate::cost::Sum;
-use crate::{Block, Border, choices};
+use crate::cost::{Cut, Sum, whole};
+use crate::{Block, Border, choices, cost};
 
 choices! {
     /// How unlike two blocks are.
@@ -12,15 +12,24 @@ choices! {
         Ssd = "ssd" "SSD",
         /// Mean squared error: SSD divided by the number of pixels N of the block, so it chooses the same vectors.
         Mse = "mse" "MSE",
+        /// Zero-mean SAD: each block's mean is taken off first, so that an offset of the light changes nothing.
+        Zsad = "zsad" "ZSAD",
+        /// Half the sum of the absolute coefficients of the differences' 4×4 Hadamard transform, near what coding them takes.
+        Satd = "satd" "SATD",
+        /// One less the normalised correlation of the blocks, each less its mean: neither gain nor offset of the light
+        /// changes it. 0 fits perfectly, 1 not at all.
+        Ncc = "ncc" "1 − NCC",
     }
 }
 
 impl Cost {
-    /// What is summed.
-    pub(crate) fn sum(self) -> Sum {
+    /// What is summed over the pixels, if it is such a sum.
+    #[inline(always)]
+    pub(crate) fn sum(self) -> Option<Sum> {
         match self {
-            Cost::Sad => Sum::Absolute,
-            Cost::Ssd | Cost::Mse => Sum::Squared,
+            Cost::Sad => Some(Sum::Absolute),
+            Cost::Ssd | Cost::Mse => Some(Sum::Squared),
+            Cost::Zsad | Cost::Satd | Cost::Ncc => None,
         }
     }
 
@@ -28,16 +37,31 @@ impl Cost {
     #[inline(always)]
     pub(crate) fn of(self, sum: u32, block: Block) -> f64 {
         match self {
-            Cost::Sad | Cost::Ssd => sum.into(),
             Cost::Mse => f64::from(sum) / (block.width * block.height) as f64,
+            _ => sum.into(),
+        }
+    }
+
+    /// The cost of `block`, whose pixels are `cut`, against the candidate whose first pixel is the first of `pixels`, in
+    /// rows of `stride` pixels.
+    #[inline]
+    pub(crate) fn between(self, block: Block, cut: &Cut, pixels: &[u8], stride: usize) -> f64 {
+        match self {
+            Cost::Sad => self.of(cost::candidate(Sum::Absolute, cut, pixels, stride), block),
+            Cost::Ssd | Cost::Mse => self.of(cost::candidate(Sum::Squared, cut, pixels, stride), block),
+            Cost::Zsad => whole::zero_mean(cut, pixels, stride),
+            Cost::Satd => whole::hadamard(cut, pixels, stride),
+            Cost::Ncc => whole::correlation(cut, pixels, stride),
         }
     }
 
     /// The cost of a block whose pixels differ by `levels` gray levels on average (for squares: in the root mean square).
+    /// Correlation knows no gray levels: there only a perfect fit will do.
     pub(crate) fn of_levels(self, levels: f64, block: Block) -> f64 {
         let pixels = (block.width * block.height) as f64;
         match self {
-            Cost::Sad => levels * pixels,
+            Cost::Sad | Cost::Zsad | Cost::Satd => levels * pixels,
+            Cost::Ncc => 0.0,
             Cost::Ssd => levels * levels * pixels,
             Cost::Mse => levels * levels,
         }
@@ -46,8 +70,9 @@ impl Cost {
     /// The cost as a person reads it.
     pub(super) fn show(self, cost: f64) -> String {
         match self {
-            Cost::Sad | Cost::Ssd => cost.to_string(),
-            Cost::Mse => format!("{cost:.2}"),
+            Cost::Sad | Cost::Ssd | Cost::Satd => cost.to_string(),
+            Cost::Mse | Cost::Zsad => format!("{cost:.2}"),
+            Cost::Ncc => format!("{cost:.4}"),
         }
     }
 }

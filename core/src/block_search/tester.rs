@@ -1,7 +1,7 @@
 //! Where a search tests displacements: the window, the costs, the best, and what an observer sees of it.
 
 use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Settings, Stage, Window, shorter};
-use crate::{Block, Observer, cost};
+use crate::{Block, Observer};
 
 /// Buffers that are used again from block to block.
 #[derive(Default)]
@@ -14,6 +14,8 @@ pub(crate) struct Workspace {
     costs: Vec<f64>,
     /// The sums of a whole window.
     pub sums: Vec<u32>,
+    /// The costs of a whole window, where they are no sums.
+    pub window_costs: Vec<f64>,
     /// An order in which to go through a window, and that window.
     pub order: (Option<Window>, Vec<u32>),
 }
@@ -123,18 +125,17 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
     #[inline]
     fn cost(&mut self, displacement: Displacement) -> f64 {
         let Self { pair, settings, block, .. } = *self;
-        let (picture, sum) = (pair.next.luma(), settings.cost.sum());
+        let picture = pair.next.luma();
         let [x, y] = [block.x as isize + displacement[0] as isize, block.y as isize + displacement[1] as isize];
         let inside = |start: isize, length: usize, extent: usize| start >= 0 && start as usize + length <= extent;
-        let total = if inside(x, block.width, picture.width()) && inside(y, block.height, picture.height()) {
+        if inside(x, block.width, picture.width()) && inside(y, block.height, picture.height()) {
             let first = y as usize * picture.width() + x as usize;
-            cost::candidate(sum, &self.work.patch.block, &picture.cells()[first..], picture.width())
+            settings.cost.between(block, &self.work.patch.block, &picture.cells()[first..], picture.width())
         } else {
             self.work.patch.take_area(pair, block, Window { min: displacement, size: (1, 1) });
             let (pixels, stride) = self.work.patch.area.rows();
-            cost::candidate(sum, &self.work.patch.block, pixels, stride)
-        };
-        settings.cost.of(total, block)
+            settings.cost.between(block, &self.work.patch.block, pixels, stride)
+        }
     }
 
     /// Takes the result of a search that tested `tested` displacements by its own means.

@@ -2,6 +2,7 @@
 //!
 //! The kernels of a whole window give exactly what [`until`] gives candidate by candidate; a test holds them to it.
 
+pub mod whole;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
