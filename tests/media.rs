@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use motionscope::media::{Open, Progress, open};
-use motionscope_core::{Clip, Error};
+use motionscope_core::{Clip, Error, Frame};
 use proptest::prelude::*;
 
 fn fixture(name: &str) -> PathBuf {
@@ -252,6 +252,38 @@ fn survive(bytes: &[u8]) -> Result<usize, Error> {
         }
     };
     Ok((0..frames.min(100)).filter(shown).count())
+}
+
+#[test]
+fn a_picture_with_a_hole_is_not_passed_off_as_whole() {
+    let whole = fs::read(fixture("h264_bframes.mp4")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flipped.mp4");
+    let mut told = 0;
+    for at in (whole.len() / 4..whole.len()).step_by(97) {
+        let mut bytes = whole.clone();
+        bytes[at..(at + 40).min(whole.len())].iter_mut().for_each(|byte| *byte ^= 0x5A);
+        fs::write(&path, &bytes).unwrap();
+        let Ok(clip) = open(&path, &ours()) else { continue };
+        for index in 0..clip.info().frames.unwrap_or(0) {
+            match clip.frame(index) {
+                Ok(frame) => assert!(!is_green_somewhere(&frame), "frame {index}, flipped at {at}"),
+                Err(error) => told += usize::from(error.to_string().contains("missing")),
+            }
+        }
+    }
+    assert!(told > 0, "no flip leaves a hole");
+}
+
+/// Whether a whole macroblock has the one green that means that nothing was decoded.
+fn is_green_somewhere(frame: &Frame) -> bool {
+    let rgb = frame.color().expect("colours");
+    let green = |x: usize, y: usize| {
+        let [r, g, b] = rgb[(x, y)];
+        r == 0 && g >= 100 && b == 0
+    };
+    let corners = |x: usize, y: usize| (0..16).all(|d| green(x + d, y + d) && green(x + 15 - d, y + d));
+    (0..rgb.height() / 16).any(|y| (0..rgb.width() / 16).any(|x| corners(16 * x, 16 * y)))
 }
 
 #[test]

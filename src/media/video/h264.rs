@@ -89,7 +89,11 @@ impl Codec for H264 {
         }
         // A sample is one whole picture, so there is nothing to wait for.
         let frame = self.decoder.flush().or(picture).ok_or_else(|| damaged("a picture is missing"))?;
-        Ok(Picture::Planes(self.picture(frame)))
+        let picture = self.picture(frame);
+        if has_gap(&picture) {
+            return Err(damaged("a part of this picture is missing"));
+        }
+        Ok(Picture::Planes(picture))
     }
 
     fn disposable(&self, sample: &[u8]) -> bool {
@@ -116,6 +120,27 @@ impl Codec for H264 {
         }
         warnings
     }
+}
+
+/// Whether a macroblock of the picture was never decoded: the decoder passes over errors and leaves it at zero, which
+/// is a green beyond all that can be shown, in all of its 8×8 chroma samples.
+fn has_gap(picture: &Yuv) -> bool {
+    const SIDE: usize = 8;
+    let [_, u, v] = &picture.planes;
+    let bytes = if picture.depth > 8 { 2 } else { 1 };
+    let (width, _) = Yuv::plane_sizes(picture.width, picture.height, picture.chroma)[1];
+    let stride = width * bytes;
+    if stride < SIDE * bytes {
+        return false;
+    }
+    let is_zero = |plane: &[u8], first: usize, x: usize| {
+        let rows = plane[first * stride..].chunks_exact(stride).take(SIDE);
+        rows.len() == SIDE && rows.into_iter().all(|row| row[x..x + SIDE * bytes].iter().all(|&sample| sample == 0))
+    };
+    let rows = u.len().min(v.len()) / stride;
+    let places =
+        (0..rows).step_by(SIDE).flat_map(|y| (0..=stride - SIDE * bytes).step_by(SIDE * bytes).map(move |x| (x, y)));
+    places.into_iter().any(|(x, y)| is_zero(u, y, x) && is_zero(v, y, x))
 }
 
 /// Refuses parameters that no real stream has before the decoder makes room for them.

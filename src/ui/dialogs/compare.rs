@@ -240,5 +240,12 @@ fn plot(rows: &[Arc<Row>], column: &Column) -> Series {
     }
     let most = lines.iter().flat_map(|(.., points)| points).map(|point| point[0]).fold(1.0, f32::max);
     let x_max = most.ceil() as usize;
-    Series { title: column.heading, x_label: "value swept", y_label: "by the value swept", x_max, events: Vec::new(), lines }
+    Series {
+        title: column.heading,
+        x_label: "value swept",
+        y_label: "by the value swept",
+        x_max,
+        events: Vec::new(),
+        lines,
+    }
 }
