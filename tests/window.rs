@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, Vec2, vec2};
+use eframe::egui::{Event, Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use motionscope::media::Open;
@@ -1112,4 +1112,26 @@ fn another_estimator_keeps_the_parameters_that_it_has_too() {
     window.key(Key::Enter);
     assert_eq!(window.app().document().estimator().info().id, "hexagon");
     assert_eq!(window.value("block"), Value::Int(24));
+}
+
+#[test]
+fn a_key_that_is_let_go_as_another_can_be_pressed_again() {
+    let mut window = Window::usual();
+    let key = |key, pressed, modifiers| Event::Key {
+        key,
+        physical_key: Some(Key::Slash),
+        pressed,
+        // What egui makes of it goes by the name of the key.
+        repeat: false,
+        modifiers,
+    };
+    for _ in 0..3 {
+        window.harness.event(key(Key::Questionmark, true, Modifiers::SHIFT));
+        window.settle();
+        assert!(window.harness.query_by_label("Esc closes this page.").is_some());
+        // Shift goes up first, and the key is a slash by then.
+        window.harness.event(key(Key::Slash, false, Modifiers::NONE));
+        window.key(Key::Escape);
+        assert!(window.harness.query_by_label("Esc closes this page.").is_none());
+    }
 }

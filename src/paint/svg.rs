@@ -142,8 +142,9 @@ fn text(line: &Line) -> Blob {
         Anchor::End => "end",
     };
     let [x, y, size, rim] = [line.at[0], line.at[1], line.size, line.size * 0.2].map(short);
-    let mut text =
-        format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" font-family=\"{SANS}\"");
+    let mut text = format!(
+        "<text xml:space=\"preserve\" x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" font-family=\"{SANS}\""
+    );
     if let Some(halo) = line.halo {
         let rim = format!(" stroke=\"{}\" stroke-width=\"{rim}\"", hex(halo));
         text += &format!("{rim} stroke-linejoin=\"round\" paint-order=\"stroke\"");

@@ -80,8 +80,8 @@ fn explain(error: &eframe::Error) -> Error {
     let instead = "pictures need no window: try `motionscope run CLIP --estimator full-search --overlay FILE.png`";
     Error::new(match error {
         eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => format!(
-            "no window can be opened here ({error}); start Motionscope on a desktop, or set DISPLAY or WAYLAND_DISPLAY \
-             to one; {instead}"
+            "no window can be opened here; start Motionscope on a desktop, or set DISPLAY or WAYLAND_DISPLAY to one; \
+             {instead}"
         ),
         eframe::Error::Wgpu(_) => format!(
             "no graphics driver can draw the window ({error}); install a Vulkan or OpenGL driver (on Debian: \

@@ -18,7 +18,8 @@ fn preference(a: Displacement, b: Displacement) -> &'static str {
 
 /// A displacement as a person reads it.
 pub(crate) fn vector([u, v]: Displacement) -> String {
-    format!("({}, {})", signed(u), signed(v))
+    // A space at which no line is broken.
+    format!("({},\u{a0}{})", signed(u), signed(v))
 }
 
 /// What a stage passes over of the points that it asks for.
