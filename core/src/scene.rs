@@ -249,9 +249,9 @@ impl Sentence {
         self
     }
 
-    /// The sentence without colours.
+    /// The sentence without colours, and with nothing but plain spaces.
     pub fn plain(&self) -> String {
-        self.0.iter().map(|(words, _)| words.as_str()).collect()
+        self.0.iter().map(|(words, _)| words.replace('\u{a0}', " ")).collect()
     }
 }
 

@@ -157,7 +157,8 @@ fn sentence(ui: &mut Ui, sentence: &Sentence, theme: Theme, leading: f32) {
         }
         job.append(words, 0.0, format);
     }
-    ui.add(egui::Label::new(job).wrap());
+    let label = ui.add(egui::Label::new(job).wrap());
+    label.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, sentence.plain()));
 }
 
 fn equation(ui: &mut Ui, lines: &[Math], theme: Theme, size_pt: f32) {
