@@ -457,6 +457,10 @@ fn the_step_is_exported_as_it_is_shown() {
     write_to(&mut window, &folder.path().join("no/such/folder/step.png"));
     let message = window.app().message().unwrap_or_default().to_owned();
     assert!(message.contains("Not written"), "{message}");
+    // The folder that was wrong is not offered again.
+    window.command(Command::ExportPicture);
+    let offered = window.harness.query_all_by_role(Role::TextInput).find_map(|node| node.accesskit_node().value());
+    assert!(offered.is_some_and(|path| !path.contains("no/such")), "the last good folder is offered");
 }
 
 #[test]

@@ -138,7 +138,7 @@ fn sentences(clip: &Clip, settings: &[(&str, &str)], unit: usize, start: &str) -
     walk.jump(Move::To(Cursor { unit, event: 0 }));
     while walk.cursor().unit <= unit && !walk.at_end() {
         walk.jump(Move::Rung(2, Way::Forward));
-        let told = walk.step(None).sentence.plain().replace('\u{a0}', " ");
+        let told = walk.step(None).sentence.plain();
         if walk.cursor().unit == unit && told.starts_with(start) {
             found.push(told);
         }

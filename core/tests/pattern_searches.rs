@@ -404,7 +404,7 @@ fn told(id: &str, settings: &[(&str, &str)], clip: &Clip, unit: usize) -> Vec<St
     let events = walk.events();
     let sentence = |event| {
         walk.jump(Move::To(Cursor { unit, event }));
-        walk.step(None).sentence.plain().replace('\u{a0}', " ")
+        walk.step(None).sentence.plain()
     };
     (1..=events).map(sentence).collect()
 }

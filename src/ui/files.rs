@@ -43,9 +43,13 @@ impl App {
             }
         }
         if let Some(outcome) = self.writing.as_ref().and_then(Writing::take) {
-            self.writing = None;
+            let folder = self.writing.take().and_then(|mut writing| writing.folder.take());
             match outcome {
-                Ok(text) => self.toasts.tell(text),
+                Ok(text) => {
+                    // Only where writing went well is the next file offered beside it.
+                    self.folder = folder;
+                    self.toasts.tell(text);
+                }
                 Err(error) => self.toasts.fail(format!("Not written: {error}.")),
             }
         }
@@ -222,10 +226,10 @@ impl App {
             self.toasts.fail("Something else is still being written. Wait for it or cancel it, then write this again.");
             return;
         }
-        self.folder = order.path.parent().map(Path::to_owned);
+        let folder = order.path.parent().map(Path::to_owned);
         let ctx = self.ctx.clone();
         let changed = move || ctx.request_repaint();
-        self.writing = Some(match order.what {
+        let mut writing = match order.what {
             What::Picture => Writing::new(changed, move |_| writer::picture(&order, &shown)),
             What::Steps { .. } => Writing::new(changed, move |progress| writer::steps(&order, &shown, progress)),
             What::Session => {
@@ -236,7 +240,9 @@ impl App {
                 let output = self.walker.output(&shown);
                 Writing::new(changed, move |progress| writer::vectors(&order.path, &output, progress))
             }
-        });
+        };
+        writing.folder = folder;
+        self.writing = Some(writing);
     }
 
     fn session(&self, shown: &Snapshot) -> Session {

@@ -49,6 +49,8 @@ pub struct Order {
 
 /// Something that is being written.
 pub struct Writing {
+    /// The folder that it is written into.
+    pub folder: Option<PathBuf>,
     shared: Arc<Shared>,
 }
 
@@ -87,7 +89,7 @@ impl Writing {
         if let Err(error) = std::thread::Builder::new().name("writer".into()).spawn(work) {
             shared.deliver(Err(Error::new(format!("no thread could be started to write: {error}"))));
         }
-        Self { shared }
+        Self { folder: None, shared }
     }
 
     /// Gives up at the next chance; the outcome tells how far it came.
