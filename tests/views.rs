@@ -3,8 +3,11 @@
 use std::cell::Cell;
 use std::sync::Arc;
 
-use eframe::egui::accesskit::Role;
-use eframe::egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, TouchPhase, Ui, Vec2, vec2};
+use eframe::egui::accesskit::Role as Node;
+use eframe::egui::epaint::ColorMode;
+use eframe::egui::{
+    Color32, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, Rect, Shape, TouchPhase, Ui, Vec2, vec2,
+};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use motionscope::paint::{ColorMap, Lengthen, Pictures, Theme, View};
@@ -12,7 +15,7 @@ use motionscope::ui::stage::{self, Zoom};
 use motionscope::ui::{heat_map, series, style, surface3d, tiles, why};
 use motionscope_core::block_matching::FullSearch;
 use motionscope_core::scene::{Readout, Surface};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Scene, Step, Walk};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Role, Scene, Step, Walk};
 
 /// A walk through a pair that moves by (2, 1), some way into a block.
 struct Fixture {
@@ -61,6 +64,19 @@ impl Fixture {
             lengthen: Lengthen::Auto,
             animate: false,
         }
+    }
+
+    /// What each view is called at this step, and how many there are of it.
+    fn names(&self) -> Vec<(String, usize)> {
+        let pictures = ["Stage: Frame t = 12", "Stage: Frame t+1 = 13"].map(|name| (name.to_owned(), 1));
+        let charts = self.step.readouts.iter().flat_map(|readout| match readout {
+            // Flat and in three dimensions.
+            Readout::Surface(surface) => vec![(heat_map::summary(surface), 2)],
+            Readout::Series(series) => vec![(format!("{}, {}", series.title, series.y_label), 1)],
+            _ => Vec::new(),
+        });
+        let told = (self.step.sentence.plain(), 1);
+        pictures.into_iter().chain(charts).chain([told]).collect()
     }
 
     fn surface(&self) -> &Surface {
@@ -250,12 +266,12 @@ fn every_view_of_the_pair_is_one_click_away() {
     });
     for wanted in View::ALL {
         let before = view.get();
-        harness.get_by_role_and_label(Role::Button, wanted.name()).click();
+        harness.get_by_role_and_label(Node::Button, wanted.name()).click();
         // A blinking stage is never at rest.
         harness.run_steps(3);
         // There is no prediction in the middle of a run.
         assert_eq!(view.get(), if wanted.is_of_the_end() { before } else { wanted });
-        let blend = harness.query_by_role_and_label(Role::Slider, "Share of frame t+1 in the blend");
+        let blend = harness.query_by_role_and_label(Node::Slider, "Share of frame t+1 in the blend");
         assert_eq!(blend.is_some(), wanted == View::Blend);
     }
 }
@@ -286,7 +302,7 @@ fn a_click_on_the_cost_map_tells_the_event_that_tested_it() {
             told.set(response);
         }
     });
-    let map = harness.get_by_role_and_label(Role::Image, &heat_map::summary(surface)).rect();
+    let map = harness.get_by_role_and_label(Node::Image, &heat_map::summary(surface)).rect();
     let cell = map.width() / surface.values.width() as f32;
     let place = map.min + vec2(2.5 * cell, 1.5 * cell);
     harness.hover_at(place);
@@ -312,7 +328,7 @@ fn tiles_light_the_same_pixel_and_tell_its_numbers() {
         let input = tiles::Input { tiles: shown, theme: Theme::Projector };
         hovered.set(tiles::show(ui, input, &mut state).hovered);
     });
-    let tile = harness.get_by_role_and_label(Role::Image, "candidate").rect();
+    let tile = harness.get_by_role_and_label(Node::Image, "candidate").rect();
     let cell = tile.width() / shown[1].values.width() as f32;
     harness.hover_at(tile.min + vec2(4.5 * cell, 9.5 * cell));
     harness.run();
@@ -357,9 +373,50 @@ fn every_view_stands_any_size_theme_and_step() {
                 harness.run_steps(2);
                 harness.key_press(Key::A);
                 harness.run_steps(1);
+                for (name, count) in fixture.names() {
+                    let found = harness.query_all_by_label_contains(&name).count();
+                    assert_eq!(found, count, "{name} in {theme:?} at {cursor:?} on {size:?}");
+                }
+                for painted in &harness.output().shapes {
+                    let bounds = painted.shape.visual_bounding_rect();
+                    assert!(!bounds.any_nan(), "{theme:?} at {cursor:?} on {size:?}: {:?}", painted.shape);
+                }
             }
         }
     }
+}
+
+#[test]
+fn marks_lie_in_their_picture_whatever_its_size() {
+    let fixture = fixture(MIDDLE);
+    for theme in Theme::ALL {
+        for size in [vec2(500.0, 700.0), vec2(900.0, 500.0), vec2(1900.0, 1000.0)] {
+            let mut state = stage::State::default();
+            let harness = harness(size, theme, |ui| {
+                stage::show(ui, stage::Input { theme, ..fixture.stage() }, &mut state);
+            });
+            for (role, pane) in [(Role::Reference, "Stage: Frame t = 12"), (Role::Candidate, "Stage: Frame t+1 = 13")] {
+                let pane = harness.get_by_label(pane).rect();
+                let shapes = harness.output().shapes.iter().filter(|painted| painted.clip_rect.intersects(pane));
+                let frames: Vec<Rect> = shapes.filter_map(|painted| frame_in(&painted.shape, role, theme)).collect();
+                let [frame] = frames.as_slice() else { panic!("{role:?} in {theme:?} on {size:?}: {frames:?}") };
+                // A block of 16 px of a picture of 64×48 that fits, and its line outside.
+                let zoom = (pane.size() / vec2(64.0, 48.0)).min_elem();
+                let side = frame.height() - theme.ink(role).width;
+                assert!(pane.contains_rect(*frame) && (14.0..16.5).contains(&(side / zoom)), "{frame:?} in {pane:?}");
+            }
+        }
+    }
+}
+
+/// Where a shape's corners lie, if it is a frame in the colour of `role`.
+fn frame_in(shape: &Shape, role: Role, theme: Theme) -> Option<Rect> {
+    let Shape::Path(path) = shape else { return None };
+    let [r, g, b, _] = theme.ink(role).color.0;
+    let inked = path.stroke.color == ColorMode::Solid(Color32::from_rgb(r, g, b));
+    // The legend's swatches are small.
+    let corners = Rect::from_points(&path.points);
+    (inked && path.points.len() == 4 && corners.height() > 20.0).then_some(corners)
 }
 
 #[derive(Default)]
