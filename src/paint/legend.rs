@@ -5,7 +5,7 @@ use std::sync::Arc;
 use motionscope_core::scene::{Mark, Shape};
 use motionscope_core::{Grid, Role};
 
-use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Run, Stroke};
+use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
 use super::{ColorMap, Face, Ink, Look, Theme, fonts, marks, number};
 
 /// Width and height of a swatch.
@@ -102,7 +102,7 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
             let Ink { color, halo, halo_width, .. } = ink;
             let width = ink.width.min(theme.ink(Role::Result).width);
             let (from, to) = ([x0 + width, middle], [rect.max[0], middle]);
-            out.push(Primitive::Arrow(Arrow { from, to, width, color, halo, halo_width }));
+            out.push(Primitive::Arrows(Arrows::one(from, to, Pen { width, color, halo, halo_width })));
         }
     }
     out
@@ -208,7 +208,7 @@ mod tests {
                     let inside = |p: &Point| (0..2).all(|i| p[i] >= room.min[i] && p[i] <= room.max[i]);
                     let points = primitives.iter().flat_map(|primitive| match primitive {
                         Primitive::Polygon { points, .. } | Primitive::Polyline { points, .. } => points.clone(),
-                        Primitive::Arrow(arrow) => vec![arrow.from, arrow.to],
+                        Primitive::Arrows(arrows) => arrows.iter().flat_map(|arrow| [arrow.from, arrow.to]).collect(),
                         other => other.bounds().grown(-1.0).corners(),
                     });
                     assert!(points.into_iter().all(|p| inside(&p)), "{theme:?} {role:?} {sample:?}");

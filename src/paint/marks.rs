@@ -7,7 +7,7 @@ use motionscope_core::scene::{self, Mark, Shape};
 use motionscope_core::{Grid, Role, Scene};
 
 use super::fonts::Face;
-use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Run, Stroke};
+use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
 use super::{ColorMap, Ink, PointShape, Theme};
 
 /// How near to each other displacements are drawn, in points of the window and pixels of a file; closer, they would hide the picture and each other.
@@ -147,27 +147,24 @@ impl Painter<'_> {
     }
 
     fn arrows(&mut self, role: Role, arrows: &[scene::Arrow]) {
-        let times = if is_lengthened(role) { self.look.lengthen } else { 1.0 } * self.place.zoom;
-        let offset = |arrow: &scene::Arrow| [0, 1].map(|i| (arrow.to[i] - arrow.from[i]) * times);
-        let room = self.place.zoom * self.look.density;
+        let Placement { zoom, .. } = self.place;
+        let room = zoom * self.look.density;
         self.thin_out(2.0 * self.ink.halo_width);
         match arrows {
             // One that points at a place is thin if it is short: it must not bury what it points at.
-            [arrow] if !is_lengthened(role) => self.thin_out((0.3 * length(offset(arrow))).max(0.8)),
+            [arrow] if !is_lengthened(role) => self.thin_out((0.3 * zoom * length(way(arrow))).max(0.8)),
             // Where neighbours are close, arrows are thinner.
-            [_, _, ..] => self.thin_out((0.1 * cell(arrows, room) * self.place.zoom).max(0.5)),
+            [_, _, ..] => self.thin_out((0.1 * cell(arrows, room) * zoom).max(0.5)),
             _ => {}
         }
         let Ink { color, halo, halo_width, width, .. } = self.ink;
-        for arrow in apart(arrows, room) {
-            let from = self.place.at(arrow.from);
-            let [x, y] = offset(arrow);
-            let long = length([x, y]);
-            // Any displacement at all reaches beyond its dot, so that its direction can be seen.
-            let stretch = if long > 0.0 { (width * 2.2 / long).max(1.0) } else { 0.0 };
-            let to = [from[0] + x * stretch, from[1] + y * stretch];
-            self.out.push(Primitive::Arrow(Arrow { from, to, width, color, halo, halo_width }));
-        }
+        self.out.push(Primitive::Arrows(Arrows {
+            ends: apart(arrows, room),
+            origin: self.place.at([0.0; 2]),
+            zoom,
+            lengthen: if is_lengthened(role) { self.look.lengthen } else { 1.0 },
+            pen: Pen { width, color, halo, halo_width },
+        }));
     }
 
     fn heat(&mut self, origin: [f32; 2], values: &Grid<f32>) {
@@ -269,14 +266,16 @@ pub(super) fn is_thinned(arrows: &[scene::Arrow], zoom: f32) -> bool {
 }
 
 /// Those of `arrows` that are drawn at `zoom`: the first in each cell, so that a regular field stays regular.
-fn apart(arrows: &[scene::Arrow], zoom: f32) -> impl Iterator<Item = &scene::Arrow> {
-    let thinned = is_thinned(arrows, zoom);
+fn apart(arrows: &[scene::Arrow], zoom: f32) -> Arc<[scene::Arrow]> {
+    if !is_thinned(arrows, zoom) {
+        return arrows.into();
+    }
     let side = cell(arrows, zoom);
     let first = arrows.first().map_or([0.0; 2], |arrow| arrow.from);
     let mut taken = HashSet::new();
     // A quarter of a pixel keeps rounding from moving a place into the cell before.
-    let place = move |arrow: &scene::Arrow| [0, 1].map(|i| ((arrow.from[i] - first[i] + 0.25) / side).floor() as i32);
-    arrows.iter().filter(move |arrow| !thinned || taken.insert(place(arrow)))
+    let place = |arrow: &scene::Arrow| [0, 1].map(|i| ((arrow.from[i] - first[i] + 0.25) / side).floor() as i32);
+    arrows.iter().filter(|arrow| taken.insert(place(arrow))).copied().collect()
 }
 
 /// Smallest and largest number of all heat in `scene`.
@@ -332,10 +331,14 @@ fn search(scene: &Scene) -> Option<(f32, f32)> {
 
 /// The length that one in ten displacements exceeds, of those that are any.
 fn typical(arrows: &[scene::Arrow]) -> Option<f32> {
-    let lengths = arrows.iter().map(|arrow| length([0, 1].map(|i| arrow.to[i] - arrow.from[i])));
+    let lengths = arrows.iter().map(|arrow| length(way(arrow)));
     let mut lengths: Vec<f32> = lengths.filter(|length| *length > 0.0).collect();
     lengths.sort_by(f32::total_cmp);
     lengths.get(lengths.len().saturating_sub(1) * 9 / 10).copied()
+}
+
+fn way(arrow: &scene::Arrow) -> [f32; 2] {
+    [0, 1].map(|i| arrow.to[i] - arrow.from[i])
 }
 
 fn length([x, y]: [f32; 2]) -> f32 {
@@ -393,9 +396,9 @@ mod tests {
     fn displacements_that_are_too_close_are_thinned_out_evenly() {
         let all = (0..40).flat_map(|y| (0..60).map(move |x| [1.5 + 4.0 * x as f32, 1.5 + 4.0 * y as f32]));
         let arrows: Vec<_> = all.map(|from| scene::Arrow { from, to: [from[0] + 1.0, from[1]] }).collect();
-        assert_eq!(apart(&arrows, 1.3).count(), 60 * 40);
+        assert_eq!(apart(&arrows, 1.3).len(), 60 * 40);
         // At a third of the size every fourth place is left: 5.3 points apart.
-        let kept: Vec<_> = apart(&arrows, 1.0 / 3.0).map(|arrow| arrow.from).collect();
+        let kept: Vec<_> = apart(&arrows, 1.0 / 3.0).iter().map(|arrow| arrow.from).collect();
         assert!(is_thinned(&arrows, 1.0 / 3.0) && !is_thinned(&arrows[..1], 0.01));
         assert_eq!(kept.len(), 15 * 10);
         assert!(kept.iter().all(|from| from.iter().all(|c| (c - 1.5) % 16.0 == 0.0)));
@@ -432,8 +435,8 @@ mod tests {
         let look = Look { lengthen: 2.0, ..Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto) };
         let tips: Vec<_> = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 3.0 })
             .into_iter()
-            .map(|primitive| match primitive {
-                Primitive::Arrow(arrow) => arrow.to[0],
+            .flat_map(|primitive| match primitive {
+                Primitive::Arrows(arrows) => arrows.iter().map(|arrow| arrow.to[0]).collect::<Vec<_>>(),
                 other => panic!("{other:?}"),
             })
             .collect();

@@ -196,7 +196,7 @@ impl Layout<'_> {
         let mut primitives = vec![Primitive::Image { pixels, rect }];
         primitives.extend(marks::resolve(shown(panel, scene), &self.look, placement));
         let beyond = if self.margin > 0.0 { BEYOND } else { 0.0 };
-        let is_arrow = |primitive: &Primitive| matches!(primitive, Primitive::Arrow(_));
+        let is_arrow = |primitive: &Primitive| matches!(primitive, Primitive::Arrows(_));
         for chunk in primitives.chunk_by(|a, b| is_arrow(a) == is_arrow(b)) {
             // Arrows end with the picture.
             let clip = if chunk.iter().any(is_arrow) { rect } else { rect.grown(beyond) };

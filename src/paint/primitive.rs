@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use motionscope_core::Grid;
+use motionscope_core::{Grid, scene};
 
 use super::Color;
 use super::fonts::{self, Face};
@@ -127,13 +127,31 @@ impl Line {
     }
 }
 
-/// A thin tapered arrow with a dot at its origin.
+/// The form of every arrow, whoever draws it; the window's shader is told the same numbers.
+pub mod form {
+    /// Radius of the dot at the origin, in widths.
+    pub const DOT: f32 = 1.1;
+    /// Least length of any displacement at all, in widths: it reaches beyond its dot, so that its direction is seen.
+    pub const REACH: f32 = 2.2;
+    /// Length of the head, in widths.
+    pub const HEAD: f32 = 4.0;
+    /// Most of an arrow's length that is head.
+    pub const HEAD_SHARE: f32 = 0.75;
+    /// Half the width of the head, as a share of its length.
+    pub const BARB: f32 = 0.4;
+    /// Half the width of the shaft where it meets the head, in widths.
+    pub const SHAFT: f32 = 0.5;
+    /// Most of half the head's width that is shaft.
+    pub const SHAFT_SHARE: f32 = 0.6;
+    /// Width of the shaft at its origin, as a share of that at the head.
+    pub const TAPER: f32 = 0.5;
+    /// How far the rim reaches beyond the tip, in rims: its point is cut short of the full mitre.
+    pub const TIP: f32 = 1.6;
+}
+
+/// What arrows are drawn with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arrow {
-    /// Centre of the dot.
-    pub from: Point,
-    /// Tip; equal to `from` for no displacement, which is drawn as the dot alone.
-    pub to: Point,
+pub struct Pen {
     /// Width of the shaft where it meets the head.
     pub width: f32,
     /// Colour.
@@ -144,10 +162,59 @@ pub struct Arrow {
     pub halo_width: f32,
 }
 
+/// Thin tapered arrows with a dot at their origin, one over the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arrows {
+    /// Where each starts and ends, in image pixels: these stay the same however close one looks.
+    pub ends: Arc<[scene::Arrow]>,
+    /// Where the centre of the first image pixel lies.
+    pub origin: Point,
+    /// Points per image pixel.
+    pub zoom: f32,
+    /// How many times their length displacements are drawn.
+    pub lengthen: f32,
+    /// What they are drawn with.
+    pub pen: Pen,
+}
+
+impl Arrows {
+    /// One arrow in points.
+    pub fn one(from: Point, to: Point, pen: Pen) -> Self {
+        Self { ends: Arc::new([scene::Arrow { from, to }]), origin: [0.0; 2], zoom: 1.0, lengthen: 1.0, pen }
+    }
+
+    /// The arrows in points, back to front.
+    pub fn iter(&self) -> impl Iterator<Item = Arrow> + '_ {
+        self.ends.iter().map(|ends| {
+            let from = [0, 1].map(|i| self.origin[i] + ends.from[i] * self.zoom);
+            let way = [0, 1].map(|i| (ends.to[i] - ends.from[i]) * self.lengthen * self.zoom);
+            let length = way[0].hypot(way[1]);
+            let stretch = if length > 0.0 { (form::REACH * self.pen.width / length).max(1.0) } else { 0.0 };
+            Arrow { from, to: [0, 1].map(|i| from[i] + way[i] * stretch), pen: self.pen }
+        })
+    }
+}
+
+/// One arrow in points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrow {
+    /// Centre of the dot.
+    pub from: Point,
+    /// Tip; equal to `from` for no displacement, which is drawn as the dot alone.
+    pub to: Point,
+    /// What it is drawn with.
+    pub pen: Pen,
+}
+
 impl Arrow {
     /// Radius of the dot at the origin.
     pub fn dot(&self) -> f32 {
-        self.width * 1.1
+        self.pen.width * form::DOT
+    }
+
+    /// A rectangle that holds everything that is painted.
+    pub fn bounds(&self) -> Rect {
+        around(&[self.from, self.to]).grown(self.pen.width * 2.0 + self.pen.halo_width * 3.0 + 1.0)
     }
 
     fn length(&self) -> f32 {
@@ -166,12 +233,12 @@ impl Arrow {
         let (head, half) = self.head();
         let along = [(self.to[0] - self.from[0]) / length, (self.to[1] - self.from[1]) / length];
         let slope = half / head;
-        // The rim runs parallel to the head's sides; its tip is cut short of the full mitre.
+        // The rim runs parallel to the head's sides.
         let barb = half + grow * slope + grow * slope.hypot(1.0);
-        let tip = length + grow * 1.6;
+        let tip = length + grow * form::TIP;
         let neck = length - head - grow;
-        let thick = (self.width * 0.5).min(half * 0.6);
-        let (thin, thick) = (thick * 0.5 + grow, thick + grow);
+        let thick = (self.pen.width * form::SHAFT).min(half * form::SHAFT_SHARE);
+        let (thin, thick) = (thick * form::TAPER + grow, thick + grow);
         let tail = neck.min(0.0);
         let at = |s: f32, side: f32| {
             [self.from[0] + along[0] * s - along[1] * side, self.from[1] + along[1] * s + along[0] * side]
@@ -195,8 +262,8 @@ impl Arrow {
 
     /// Length and half the width of the head; a short arrow has a small head.
     fn head(&self) -> (f32, f32) {
-        let head = (self.width * 4.0).min(self.length() * 0.75);
-        (head, head * 0.4)
+        let head = (self.pen.width * form::HEAD).min(self.length() * form::HEAD_SHARE);
+        (head, head * form::BARB)
     }
 }
 
@@ -228,8 +295,8 @@ pub enum Primitive {
         /// Colour.
         color: Color,
     },
-    /// An arrow.
-    Arrow(Arrow),
+    /// Arrows in one ink.
+    Arrows(Arrows),
     /// A line of text.
     Text(Line),
     /// A picture whose pixels are shown as squares, never blurred.
@@ -249,8 +316,10 @@ impl Primitive {
             // A mitred corner reaches at most four half widths out.
             Primitive::Polyline { points, stroke, .. } => around(points).grown(stroke.width * 2.0 + 1.0),
             Primitive::Disc { center, radius, .. } => around(&[*center]).grown(radius + 1.0),
-            Primitive::Arrow(arrow) => {
-                around(&[arrow.from, arrow.to]).grown(arrow.width * 2.0 + arrow.halo_width * 3.0 + 1.0)
+            Primitive::Arrows(arrows) => {
+                let corners: Vec<Point> =
+                    arrows.iter().map(|arrow| arrow.bounds()).flat_map(|r| [r.min, r.max]).collect();
+                around(&corners)
             }
             Primitive::Text(line) => {
                 let [x, y] = line.start();
@@ -275,7 +344,8 @@ mod tests {
     use super::*;
 
     fn arrow(to: Point) -> Arrow {
-        Arrow { from: [10.0, 10.0], to, width: 2.0, color: Color::WHITE, halo: Color::BLACK, halo_width: 1.0 }
+        let pen = Pen { width: 2.0, color: Color::WHITE, halo: Color::BLACK, halo_width: 1.0 };
+        Arrow { from: [10.0, 10.0], to, pen }
     }
 
     #[test]

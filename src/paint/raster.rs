@@ -110,11 +110,14 @@ impl Canvas {
             Primitive::Disc { center, radius, color } => {
                 self.fill(PathBuilder::from_circle(center[0], center[1], *radius), *color);
             }
-            Primitive::Arrow(arrow) => {
-                if arrow.halo_width > 0.0 {
-                    self.fill(silhouette(arrow, arrow.halo_width), arrow.halo);
+            Primitive::Arrows(arrows) => {
+                let covers = self.covers();
+                for arrow in arrows.iter().filter(|arrow| arrow.bounds().meets(&covers)) {
+                    if arrow.pen.halo_width > 0.0 {
+                        self.fill(silhouette(&arrow, arrow.pen.halo_width), arrow.pen.halo);
+                    }
+                    self.fill(silhouette(&arrow, 0.0), arrow.pen.color);
                 }
-                self.fill(silhouette(arrow, 0.0), arrow.color);
             }
             Primitive::Text(line) => self.text(line),
             Primitive::Image { pixels, rect } => self.image(pixels, *rect),

@@ -56,11 +56,13 @@ fn draw(group: &mut Group, primitive: &Primitive) -> Result<(), Error> {
         Primitive::Polygon { points, color } => group.append(fill(shape(points, true), *color)),
         Primitive::Polyline { points, closed, stroke } => group.append(stroked(shape(points, *closed), stroke)),
         Primitive::Disc { center, radius, color } => group.append(disc(*center, *radius, *color)),
-        Primitive::Arrow(arrow) => {
-            if arrow.halo_width > 0.0 {
-                silhouette(group, arrow, arrow.halo_width, arrow.halo);
+        Primitive::Arrows(arrows) => {
+            for arrow in arrows.iter() {
+                if arrow.pen.halo_width > 0.0 {
+                    silhouette(group, &arrow, arrow.pen.halo_width, arrow.pen.halo);
+                }
+                silhouette(group, &arrow, 0.0, arrow.pen.color);
             }
-            silhouette(group, arrow, 0.0, arrow.color);
         }
         Primitive::Text(line) => group.append(text(line)),
         Primitive::Image { pixels, rect } => group.append(image(pixels, *rect)?),

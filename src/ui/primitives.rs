@@ -4,9 +4,10 @@ use eframe::egui::epaint::PathShape;
 use eframe::egui::{self, Color32, ColorImage, Mesh, Painter, Pos2, Shape, TextureHandle, TextureOptions, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 
+use super::arrows::{Drawn, Sheet};
 use super::ink;
 use crate::paint::Primitive;
-use crate::paint::primitive::{self, Arrow, Line, Point};
+use crate::paint::primitive::{self, Arrows, Line, Point};
 
 /// `primitives` as shapes; pictures among them are left out, for they need textures that someone keeps.
 pub fn shapes(painter: &Painter, primitives: &[Primitive]) -> Vec<Shape> {
@@ -63,15 +64,14 @@ fn ribbon(colors: &[[u8; 4]], edge: impl Fn(f32) -> [Pos2; 2]) -> Shape {
 #[derive(Clone, Default)]
 pub struct Kept {
     pictures: Vec<TextureHandle>,
-    arrows: Vec<(Vec<Arrow>, Shape)>,
+    arrows: Vec<Drawn>,
 }
 
-/// Makes shapes of primitives. Arrows that follow each other become one mesh.
+/// Makes shapes of primitives.
 pub struct Maker<'a> {
     painter: &'a Painter,
     clip: primitive::Rect,
     shapes: Vec<Shape>,
-    arrows: Vec<Arrow>,
     gpu: Option<&'a RenderState>,
     before: Kept,
     now: Kept,
@@ -82,19 +82,15 @@ impl<'a> Maker<'a> {
     pub fn new(painter: &'a Painter, gpu: Option<&'a RenderState>, before: Kept) -> Self {
         let clip = painter.clip_rect();
         let clip = primitive::Rect { min: clip.min.into(), max: clip.max.into() };
-        Self { painter, clip, shapes: Vec::new(), arrows: Vec::new(), gpu, before, now: Kept::default() }
+        Self { painter, clip, shapes: Vec::new(), gpu, before, now: Kept::default() }
     }
 
     /// Adds one primitive on top, if any of it can be seen.
     pub fn add(&mut self, primitive: &Primitive) {
-        if !primitive.bounds().meets(&self.clip) {
+        // Arrows may be very many: those that cannot be seen are left out as they are drawn.
+        if !matches!(primitive, Primitive::Arrows(_)) && !primitive.bounds().meets(&self.clip) {
             return;
         }
-        if let Primitive::Arrow(arrow) = primitive {
-            self.arrows.push(*arrow);
-            return;
-        }
-        self.flush();
         match primitive {
             Primitive::Polygon { points, color } => {
                 self.shapes.push(Shape::convex_polygon(places(points), ink::color(*color), egui::Stroke::NONE));
@@ -112,7 +108,7 @@ impl<'a> Maker<'a> {
                 let whole = egui::Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
                 self.shapes.push(Shape::image(texture, rect, whole, Color32::WHITE));
             }
-            Primitive::Arrow(_) => {}
+            Primitive::Arrows(arrows) => self.arrows(arrows),
         }
     }
 
@@ -160,26 +156,19 @@ impl<'a> Maker<'a> {
         id
     }
 
-    fn flush(&mut self) {
-        if self.arrows.is_empty() {
-            return;
-        }
-        let arrows = std::mem::take(&mut self.arrows);
-        let known = self.before.arrows.iter().position(|(known, _)| *known == arrows);
-        let shape = match known {
-            Some(i) => self.before.arrows.swap_remove(i).1,
-            None => {
-                let clip = self.painter.clip_rect();
-                super::arrows::shape(&arrows, clip, self.painter.pixels_per_point(), self.gpu)
-            }
+    fn arrows(&mut self, arrows: &Arrows) {
+        let sheet = Sheet { clip: self.painter.clip_rect(), pixels_per_point: self.painter.pixels_per_point() };
+        let known = self.before.arrows.iter().position(|known| known.serves(arrows, sheet, self.gpu.is_some()));
+        let drawn = match known {
+            Some(i) => self.before.arrows.swap_remove(i),
+            None => Drawn::new(arrows, sheet, self.gpu),
         };
-        self.shapes.push(shape.clone());
-        self.now.arrows.push((arrows, shape));
+        self.shapes.push(drawn.shape(arrows, sheet));
+        self.now.arrows.push(drawn);
     }
 
     /// The shapes, and what they need to be kept.
-    pub fn finish(mut self) -> (Vec<Shape>, Kept) {
-        self.flush();
+    pub fn finish(self) -> (Vec<Shape>, Kept) {
         (self.shapes, self.now)
     }
 }
