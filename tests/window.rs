@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Event, Key, Modifiers, Pos2, Vec2, vec2};
+use eframe::egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, Rect, TouchPhase, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use motionscope::media::Open;
@@ -15,7 +15,7 @@ use motionscope::session::Session;
 use motionscope::shot::{Format, Look};
 use motionscope::source::Source;
 use motionscope::ui::app::App;
-use motionscope::ui::commands::{Command, Rungs};
+use motionscope::ui::commands::{Command, Menu, Rungs};
 use motionscope::ui::model::document::Owner;
 use motionscope::ui::model::walker::Snapshot;
 use motionscope::ui::model::writer::{Order, What};
@@ -108,7 +108,7 @@ impl Window {
 
     /// Everything that can be clicked can be reached: it lies in the window, unless it is scrolled out of sight.
     fn lies_inside(&self, size: Vec2, what: &str) {
-        let window = eframe::egui::Rect::from_min_size(Pos2::ZERO, size).expand(1.0);
+        let window = Rect::from_min_size(Pos2::ZERO, size).expand(1.0);
         let mut count = 0;
         for node in self.harness.query_all_by_role(Role::Button).filter(|node| !node.accesskit_node().is_hidden()) {
             let rect = node.rect();
@@ -317,7 +317,7 @@ fn the_timeline_is_scrubbed() {
     let mut window = Window::usual();
     let unit = window.cursor().unit;
     let rail = window.harness.get_by_label("Timeline, blocks").rect();
-    let at = |rail: eframe::egui::Rect, share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
+    let at = |rail: Rect, share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
     window.drag(at(rail, 0.1), at(rail, 0.9));
     let there = window.cursor();
     assert!(there.unit > unit && there.event == window.shown().events, "{there}");
@@ -751,6 +751,38 @@ fn colours_and_arrows_are_chosen_in_the_view_menu() {
 }
 
 #[test]
+fn every_menu_can_be_reached_on_a_projector() {
+    let size = vec2(1280.0, 720.0);
+    let mut window = Window::new(size);
+    window.command(Command::ProjectorTheme);
+    for menu in Menu::ALL {
+        window.harness.get_by_label_contains("Menu").click();
+        window.settle();
+        window.harness.get_by_role_and_label(Role::Button, menu.name()).click();
+        window.settle();
+        let items = |window: &Window| -> Vec<_> {
+            window.harness.query_all_by_role(Role::MenuItem).map(|node| node.rect()).collect()
+        };
+        let sight = Rect::from_min_size(Pos2::ZERO, size);
+        let first = items(&window)[0];
+        assert!(sight.contains_rect(first), "{}: {first}", menu.name());
+        window.harness.hover_at(first.center());
+        window.harness.event(Event::MouseWheel {
+            unit: MouseWheelUnit::Point,
+            delta: vec2(0.0, -500.0),
+            source: MouseWheelSource::Unknown,
+            phase: TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+        });
+        window.settle();
+        let last = *items(&window).last().expect("an item");
+        assert!(sight.contains_rect(last), "{}: {last}", menu.name());
+        window.key(Key::Escape);
+        window.key(Key::Escape);
+    }
+}
+
+#[test]
 fn what_cannot_be_done_is_announced_so() {
     let mut window = Window::usual();
     window.key(Key::Home);
@@ -773,7 +805,7 @@ fn several_pasted_lines_are_one_path() {
     let url = format!("file://{}/frame%200.png", folder.path().display());
     let mut window = Window::usual();
     window.press(Modifiers::COMMAND, Key::O);
-    window.harness.event(eframe::egui::Event::Paste(format!("{url}\n{url}\n")));
+    window.harness.event(Event::Paste(format!("{url}\n{url}\n")));
     window.settle();
     window.key(Key::Enter);
     assert_eq!(window.app().document().clip().map(|clip| clip.size()), Some((64, 48)), "{:?}", window.app().error());
@@ -818,7 +850,7 @@ fn a_path_is_typed_and_pasted() {
     assert_eq!(window.cursor(), Cursor::default(), "a clip of one's own begins at its start");
 
     let mut window = Window::usual();
-    window.harness.event(eframe::egui::Event::Paste(format!("\"{path}\"\n")));
+    window.harness.event(Event::Paste(format!("\"{path}\"\n")));
     window.settle();
     assert_eq!(window.app().document().clip().map(|clip| clip.size()), Some((64, 48)));
 }

@@ -94,14 +94,14 @@ commands! {
     ShowWhy,
     /// The panes below the stage.
     ShowCharts,
+    /// Panes where they were at first.
+    ResetLayout,
     /// Only stage, explanation and transport.
     Lecture,
     /// The whole screen.
     FullScreen,
     /// Animations off.
     ReducedMotion,
-    /// Panes where they were at first.
-    ResetLayout,
     /// Play or pause.
     Play,
     /// Next event.
@@ -187,6 +187,10 @@ impl Menu {
 /// A menu within a menu.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Submenu {
+    /// What of the two frames is seen.
+    Pictures,
+    /// How closely.
+    Zoom,
     /// Dark, light, projector.
     Theme,
     /// Colours of heat.
@@ -195,16 +199,21 @@ pub enum Submenu {
     ArrowLength,
     /// How large everything is.
     InterfaceSize,
+    /// What stands around the stage.
+    Panes,
 }
 
 impl Submenu {
     /// Its name and its icon.
     pub fn face(self) -> (&'static str, Icon) {
         match self {
+            Submenu::Pictures => ("Pictures", Icon::Images),
+            Submenu::Zoom => ("Zoom", Icon::ZoomIn),
             Submenu::Theme => ("Theme", Icon::Contrast),
             Submenu::Colours => ("Colours", Icon::Palette),
             Submenu::ArrowLength => ("Arrow length", Icon::MoveUpRight),
             Submenu::InterfaceSize => ("Interface size", Icon::CaseSensitive),
+            Submenu::Panes => ("Panes", Icon::LayoutDashboard),
         }
     }
 }
@@ -626,10 +635,14 @@ impl Command {
     pub fn submenu(self) -> Option<Submenu> {
         use Command as C;
         match self {
+            C::SideBySide | C::FrameT | C::FrameNext | C::Difference => Some(Submenu::Pictures),
+            C::Blend | C::Blink | C::Prediction | C::Residual => Some(Submenu::Pictures),
+            C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => Some(Submenu::Zoom),
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => Some(Submenu::Theme),
             C::ViridisColors | C::TurboColors => Some(Submenu::Colours),
             C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => Some(Submenu::ArrowLength),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => Some(Submenu::InterfaceSize),
+            C::ShowParameters | C::ShowWhy | C::ShowCharts | C::ResetLayout => Some(Submenu::Panes),
             _ => None,
         }
     }

@@ -191,6 +191,12 @@ fn is_on(command: Command, input: &Input) -> Option<bool> {
 
 fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
     ui.set_min_width(16.0 * TextStyle::Body.resolve(ui.style()).size);
+    // Large type in a small window: what does not fit is scrolled to.
+    let most = ui.ctx().content_rect().height() - 3.0 * ui.spacing().interact_size.y;
+    egui::ScrollArea::vertical().max_height(most).show(ui, |ui| all_items(ui, menu, input, actions));
+}
+
+fn all_items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
     let listed = |command: &Command| command.face().menu == menu && command.is_listed(&input.rungs);
     let commands: Vec<Command> = Command::ALL.iter().copied().filter(listed).collect();
     for (index, group) in commands.chunk_by(|a, b| section(*a) == section(*b)).enumerate() {
@@ -221,13 +227,13 @@ fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
 fn section(command: Command) -> u8 {
     use Command as C;
     match command {
-        C::SaveSession | C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize | C::ResetParameters => 1,
+        C::SaveSession | C::ResetParameters => 1,
         C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => 2,
         C::ViridisColors | C::TurboColors => 2,
         C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => 2,
         C::LargerInterface | C::SmallerInterface | C::NormalInterface => 2,
         C::Quit | C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::FullScreen => 3,
-        C::ReducedMotion | C::ResetLayout => 4,
+        C::ResetLayout | C::ReducedMotion => 3,
         C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => 5,
         C::NextUnit | C::PreviousUnit | C::Start | C::End => 6,
         C::Compare => 9,

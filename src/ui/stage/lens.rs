@@ -1,7 +1,6 @@
 //! Where a picture lies on the screen: zooming and panning, without any drawing.
 
 use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
-use serde::{Deserialize, Serialize};
 
 /// Largest size of an image pixel on the screen, in points.
 const LARGEST: f32 = 160.0;
@@ -9,7 +8,7 @@ const LARGEST: f32 = 160.0;
 const MARGIN: f32 = 0.97;
 
 /// How far one looks into a picture, shared by all panes that show it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Zoom {
     /// The whole picture, as large as it fits.
     #[default]

@@ -66,6 +66,7 @@ pub struct State {
     /// Share of frame t + 1 in a blend, 0 to 1.
     pub blend: f32,
     /// Where and how closely one looks.
+    #[serde(skip)]
     pub zoom: Zoom,
     /// Whether the legend is unfolded.
     pub legend: bool,
