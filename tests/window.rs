@@ -1123,7 +1123,9 @@ fn the_interface_scales_within_bounds() {
 #[test]
 fn estimators_are_compared_and_what_one_missed_is_visited() {
     let mut window = Window::new(vec2(1600.0, 1000.0));
-    window.key(Key::C);
+    // A spinner turns until all rows are there, so it does not come to rest at once.
+    window.harness.key_press(Key::C);
+    window.harness.run_steps(2);
     let begun = Instant::now();
     while !window.app().is_settled() {
         window.harness.run_steps(1);
