@@ -25,6 +25,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     task.clip.pair(task.frame)?;
     let (output, times) = timed(&task, &threads, args.repeat)?;
     let extent = task.estimator.extent(&task.clip, task.frame)?;
+    if let Some(step) = args.step.filter(|step| step.unit >= extent.units) {
+        return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
+    }
     let quality = Quality::of(&task.clip, task.frame, &output)?;
     match &quality.truth_error {
         Some(error) if task.truth_by_hand => return Err(error.clone()),
@@ -72,11 +75,18 @@ impl<'a> Outputs<'a> {
             return Err(Error::new("only one result fits into standard output; give the others a file"));
         }
         files.into_iter().flatten().try_for_each(|path| check_folder(path))?;
+        if let Some(path) = args.table.as_ref().filter(|path| !is_csv(path)) {
+            return Err(Error::new(format!("{} is no name of a table; one ends in .csv, or is -", path.display())));
+        }
         Ok(Self {
             overlay: args.overlay.as_ref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?,
             flow: args.flow.as_ref().map(|path| FlowFormat::of(path).map(|format| (path, format))).transpose()?,
         })
     }
+}
+
+fn is_csv(path: &Path) -> bool {
+    path == Path::new("-") || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
 }
 
 /// Refuses a file in a folder that does not exist, before any other is written.
