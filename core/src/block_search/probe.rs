@@ -78,7 +78,10 @@ impl Probe<'_> {
             |[u, v]: Displacement| Shape::pixels(block.x as i32 + u, block.y as i32 + v, block.width, block.height);
         scene.mark(Picture::Current, Role::Reference, at([0, 0]));
         scene.legend(Role::Reference, "block in frame t");
-        self.draw_window(block, scene);
+        // The end of the run shows what was found; nothing is searched any more.
+        if !self.is_over() || self.index + 1 < blocks.len() {
+            self.draw_window(block, scene);
+        }
         self.draw_stage(block, scene);
         if let Some(best) = self.best() {
             scene.mark(Picture::Next, Role::Best, at(best.displacement));
