@@ -159,6 +159,13 @@ impl Steps {
         format!("step_{index:05}.{}", format.extension())
     }
 
+    /// How much of the way from the first step to the last is done where `walk` stands, from 0 to 1.
+    fn share(&self, walk: &dyn Walk) -> f32 {
+        let place = |cursor: Cursor| cursor.unit as f32 + cursor.event.min(walk.events()) as f32 / walk.events() as f32;
+        let (from, to) = (place(self.from), place(self.to));
+        ((place(walk.cursor()) - from) / (to - from).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
+    }
+
     /// Writes `step_00000.png` … into `folder`, each whole or not at all; gives how many.
     ///
     /// # Errors
@@ -193,6 +200,9 @@ impl Steps {
             let name = Self::file_name(written, self.format);
             export::save(&folder.join(name), &moment.encode(&self.look, self.format, self.scale)?)?;
             written += 1;
+            if let Some(progress) = progress {
+                progress.report(self.share(&*walk));
+            }
             if walk.at_end() {
                 break;
             }

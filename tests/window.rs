@@ -1010,6 +1010,11 @@ fn what_is_still_being_written_is_not_cut_short_by_the_next() {
     window.harness.state_mut().write(order(steps, "steps"));
     window.harness.state_mut().write(order(What::Picture, "one.png"));
     assert!(window.app().message().is_some_and(|text| text.contains("still being written")));
+    let begun = Instant::now();
+    while window.app().written().expect("it is being written") < 1.0 {
+        std::thread::sleep(Duration::from_millis(1));
+        assert!(begun.elapsed() < Duration::from_secs(60), "the last picture is never told of");
+    }
     window.settle();
     assert_eq!(fs::read_dir(folder.path().join("steps")).expect("the folder").count(), 12);
     assert!(!folder.path().join("one.png").exists());

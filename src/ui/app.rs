@@ -122,6 +122,11 @@ impl App {
         &self.settings
     }
 
+    /// Share of what is being written that is done, from 0 to 1.
+    pub fn written(&self) -> Option<f32> {
+        self.writing.as_ref().map(Writing::fraction)
+    }
+
     /// The newest message, if one is shown.
     pub fn message(&self) -> Option<&str> {
         self.toasts.last()
@@ -269,8 +274,11 @@ impl App {
                 }
                 return;
             }
-            if self.writing.is_some() {
-                ui.spinner();
+            if let Some(writing) = &self.writing {
+                match writing.fraction() {
+                    0.0 => drop(ui.spinner()),
+                    done => drop(ui.add(egui::ProgressBar::new(done).desired_width(120.0).desired_height(6.0))),
+                }
                 ui.label(RichText::new("Writing…").small());
                 if ui.add(egui::Button::new(RichText::new("Cancel").small()).small()).clicked() {
                     actions.ask(Action::CancelWriting);

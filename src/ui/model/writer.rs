@@ -1,7 +1,7 @@
-//! Writes pictures, vectors and sessions on a thread of its own, until it is cancelled.
+//! Writes pictures, vectors and sessions on a thread of its own, with progress and cancel.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::Receiver;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -57,13 +57,18 @@ pub struct Writing {
 type Changed = Box<dyn Fn() + Send + Sync>;
 
 struct Shared {
+    /// Share of the work that is done, from 0 to 1, as the bits of an `f32`.
+    fraction: AtomicU32,
     cancelled: AtomicBool,
     outcome: Mutex<Option<Result<String, Error>>>,
     changed: Changed,
 }
 
 impl Progress for Shared {
-    fn report(&self, _fraction: f32) {}
+    fn report(&self, fraction: f32) {
+        self.fraction.store(fraction.to_bits(), Ordering::Relaxed);
+        (self.changed)();
+    }
 
     fn cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
@@ -77,6 +82,7 @@ impl Writing {
         write: impl FnOnce(&dyn Progress) -> Result<String, Error> + Send + 'static,
     ) -> Self {
         let shared = Arc::new(Shared {
+            fraction: AtomicU32::new(0),
             cancelled: AtomicBool::new(false),
             outcome: Mutex::default(),
             changed: Box::new(changed),
@@ -90,6 +96,11 @@ impl Writing {
             shared.deliver(Err(Error::new(format!("no thread could be started to write: {error}"))));
         }
         Self { folder: None, shared }
+    }
+
+    /// Share of the work that is done, from 0 to 1.
+    pub fn fraction(&self) -> f32 {
+        f32::from_bits(self.shared.fraction.load(Ordering::Relaxed))
     }
 
     /// Gives up at the next chance; the outcome tells how far it came.
