@@ -1,7 +1,7 @@
 //! Full search against a plain reference, and against what the issue of ties and borders demands.
 
 use motionscope_core::scene::Readout;
-use motionscope_core::{Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, Way, estimator};
+use motionscope_core::{Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, Walk, Way, estimator};
 use proptest::prelude::*;
 
 /// What a search is asked for.
@@ -206,7 +206,21 @@ fn an_early_exit_stops_at_the_first_row_that_is_too_much() {
     let mut search = estimator("full-search").unwrap();
     settings.iter().for_each(|(name, value)| search.set(name, value).unwrap());
     let mut walk = search.walk(&clip, 0).unwrap();
-    walk.jump(Move::Rung(1, Way::Forward));
+    // A sum over some rows is told as a bound.
+    let bounds = |walk: &dyn Walk| {
+        let readouts = walk.step(None).readouts;
+        let lines =
+            readouts.into_iter().find_map(|r| if let Readout::Equation(lines) = r { Some(lines) } else { None });
+        lines.is_some_and(|lines| lines.iter().any(|line| line.plain().starts_with('≥')))
+    };
+    let mut seen = [false; 2];
+    while walk.cursor().event < walk.events() || walk.cursor() == Cursor::default() {
+        walk.jump(Move::Rung(2, Way::Forward));
+        let is_given_up = walk.step(None).sentence.plain().contains("given up early");
+        assert!(!is_given_up || bounds(&*walk), "{}", walk.cursor());
+        seen[usize::from(is_given_up)] |= bounds(&*walk) == is_given_up;
+    }
+    assert_eq!(seen, [true; 2]);
     let readouts = walk.step(None).readouts;
     let surface = readouts.iter().find_map(|r| if let Readout::Surface(s) = r { Some(s) } else { None }).unwrap();
     let known = surface.values.cells().iter().filter(|v| v.is_finite()).count();

@@ -107,7 +107,9 @@ impl Probe<'_> {
             term(sum, Math::Row(pair))
         };
         let last = (block.width - 1, rows - 1);
-        let mut terms = vec![Math::text("= "), numbers(0, 0)];
+        // Some rows add up to no more than all of them.
+        let relation = if rows < block.height { "≥ " } else { "= " };
+        let mut terms = vec![Math::text(relation), numbers(0, 0)];
         if block.width > 1 {
             terms.extend([Math::text(" + "), numbers(1, 0)]);
         }
