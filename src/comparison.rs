@@ -6,6 +6,7 @@ use motionscope_core::compare::Figures;
 use motionscope_core::{AnyEstimator, Clip, Error, Threads, estimator};
 use serde_json::{Map, Value, json};
 
+use crate::quality::Quality;
 use crate::source::Source;
 
 /// One estimator with the parameters that it is to be compared with.
@@ -36,7 +37,9 @@ pub struct Row {
     pub swept: Option<(String, String)>,
     /// The least time of a run.
     pub time: Duration,
-    /// Everything else.
+    /// How good the result is, as a single run tells it.
+    pub quality: Quality,
+    /// What only a comparison has.
     pub figures: Figures,
 }
 
@@ -44,19 +47,24 @@ impl Row {
     /// Runs `contender` in `arena`.
     ///
     /// # Errors
-    /// If it cannot run there, or a frame or the truth cannot be read.
+    /// If it cannot run there, or a frame cannot be read.
     pub fn of(contender: &Contender, arena: &Arena<'_>) -> Result<Self, Error> {
         let Arena { clip, frame, threads, repeat } = *arena;
         let estimator = &*contender.estimator;
-        let figures = Figures::of(estimator, clip, frame, threads)?;
         let run = || {
             let start = Instant::now();
-            estimator.run(clip, frame, threads)?;
-            Ok(start.elapsed())
+            let output = estimator.run(clip, frame, threads)?;
+            Ok::<_, Error>((output, start.elapsed()))
         };
-        let times = (0..repeat.max(1)).map(|_| run()).collect::<Result<Vec<_>, Error>>()?;
-        let time = times.into_iter().min().unwrap_or_default();
-        Ok(Self { estimator: estimator.boxed_clone(), swept: contender.swept.clone(), time, figures })
+        // Decoded here, so that the time is of the estimation alone.
+        clip.pair(frame)?;
+        let (output, mut time) = run()?;
+        for _ in 1..repeat {
+            time = time.min(run()?.1);
+        }
+        let figures = Figures::of(estimator, &output, (clip, frame), threads)?;
+        let quality = Quality::of(clip, frame, &output)?;
+        Ok(Self { estimator: estimator.boxed_clone(), swept: contender.swept.clone(), time, quality, figures })
     }
 
     /// The estimator's id.
@@ -94,8 +102,8 @@ pub const COLUMNS: [Column; 12] = [
     Column { heading: "most", name: "candidates_most", value: |r| Some(r.figures.candidates_most.into()), digits: 0 },
     Column { heading: "ms", name: "ms", value: |r| Some(r.time.as_secs_f64() * 1e3), digits: 2 },
     Column { heading: "kB", name: "state_kb", value: |r| Some(r.figures.state_bytes as f64 / 1e3), digits: 1 },
-    Column { heading: "PSNR dB", name: "psnr_db", value: |r| finite(r.figures.psnr_db), digits: 2 },
-    Column { heading: "EPE px", name: "epe_px", value: |r| r.figures.error.map(|e| e.epe_px), digits: 3 },
+    Column { heading: "PSNR dB", name: "psnr_db", value: |r| r.quality.psnr_db, digits: 2 },
+    Column { heading: "EPE px", name: "epe_px", value: |r| r.quality.truth.map(|e| e.epe_px), digits: 3 },
     Column { heading: "missed %", name: "missed_percent", value: |r| percent(r.figures.missed_share()), digits: 1 },
     Column {
         heading: "noise %",
@@ -109,14 +117,9 @@ pub const COLUMNS: [Column; 12] = [
         value: |r| percent(r.figures.kept_in_light),
         digits: 1,
     },
-    Column {
-        heading: "residual kB",
-        name: "residual_kb",
-        value: |r| kilobytes(r.figures.coding.residual_bits),
-        digits: 2,
-    },
-    Column { heading: "vectors kB", name: "vectors_kb", value: |r| kilobytes(r.figures.coding.vector_bits), digits: 2 },
-    Column { heading: "anew kB", name: "frame_kb", value: |r| kilobytes(r.figures.coding.frame_bits), digits: 2 },
+    Column { heading: "residual kB", name: "residual_kb", value: |r| kilobytes(r.quality.residual_bits), digits: 2 },
+    Column { heading: "vectors kB", name: "vectors_kb", value: |r| kilobytes(r.quality.vector_bits), digits: 2 },
+    Column { heading: "anew kB", name: "frame_kb", value: |r| kilobytes(r.quality.frame_bits), digits: 2 },
 ];
 
 fn finite(value: f64) -> Option<f64> {

@@ -37,11 +37,6 @@ impl Coding {
             vector_bits: bits(vectors),
         })
     }
-
-    /// Bits with motion as a share of those without; below 1, motion pays.
-    pub fn share(&self) -> f64 {
-        (self.residual_bits + self.vector_bits) / self.frame_bits
-    }
 }
 
 /// Bits of all symbols at −log₂ p each, where p is how often a symbol comes among them.
@@ -77,7 +72,6 @@ mod tests {
         let frame = Grid::from_fn(16, 8, |x, _| x as u8);
         let coding = Coding::of(&output, &frame, &frame).unwrap();
         assert_eq!(coding, Coding { frame_bits: 512.0, residual_bits: 0.0, vector_bits: 2.0 });
-        assert_eq!(coding.share(), 2.0 / 512.0);
         assert!(Coding::of(&output, &frame, &Grid::new(3, 3, 0)).is_err());
     }
 }

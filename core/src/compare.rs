@@ -1,16 +1,16 @@
-//! Estimators beside each other on one pair of frames: what each tests, finds and misses.
+//! Estimators beside each other on one pair of frames: what each tests and misses, and what of it withstands.
 
 use std::sync::Arc;
 
 use crate::synth::disturb;
-use crate::{AnyEstimator, Clip, Coding, Error, Frame, Output, Threads, estimator, metrics};
+use crate::{AnyEstimator, Clip, Error, Frame, Output, Threads, estimator};
 
 /// Standard deviation of the noise under which an estimator is tried, in gray levels.
 pub const NOISE_SIGMA: f64 = 10.0;
 /// The change of light from frame t to t + 1 under which an estimator is tried: gain, and offset in gray levels.
 pub const LIGHT: (f64, f64) = (1.1, 8.0);
 
-/// One estimator in numbers, all but its time, which depends on the machine.
+/// One estimator in the numbers that only a comparison has; how good its result is, is told elsewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
     /// Candidates for a block, on average.
@@ -19,12 +19,6 @@ pub struct Figures {
     pub candidates_most: u32,
     /// Memory of all that the run reads and writes beside the two frames, in bytes.
     pub state_bytes: usize,
-    /// Peak signal-to-noise ratio of the prediction in dB; infinite if it is perfect.
-    pub psnr_db: f64,
-    /// Errors against the truth, where there is any.
-    pub error: Option<metrics::FlowError>,
-    /// What the prediction saves.
-    pub coding: Coding,
     /// Blocks for which full search, with the same parameters, finds a smaller cost.
     pub missed: Vec<usize>,
     /// Share of the blocks that keep their displacement, within 1 px, under noise of [`NOISE_SIGMA`] in both frames.
@@ -38,30 +32,29 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// The figures of `estimator` on frames `frame` and `frame + 1` of `clip`.
+    /// The figures of `estimator`, which made `output` of frames `frame` and `frame + 1` of `clip`.
     ///
     /// # Errors
-    /// If the estimator cannot run there, or a frame or the truth cannot be read.
-    pub fn of(estimator: &dyn AnyEstimator, clip: &Clip, frame: usize, threads: &Threads) -> Result<Self, Error> {
+    /// If the estimator cannot run there, or a frame cannot be read.
+    pub fn of(
+        estimator: &dyn AnyEstimator,
+        output: &Output,
+        (clip, frame): (&Clip, usize),
+        threads: &Threads,
+    ) -> Result<Self, Error> {
         let [current, next] = clip.pair(frame)?;
-        let output = estimator.run(clip, frame, threads)?;
-        let Output::Blocks(field) = &output;
+        let Output::Blocks(field) = output;
         let counts = || field.vectors.iter().flatten().map(|vector| vector.candidates);
-        let prediction = output.prediction(next.luma());
-        let truth = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten();
         let kept = |pair: [Frame; 2]| -> Result<f64, Error> {
             let disturbed = Clip::from_frames("disturbed", pair.into())?;
-            Ok(kept(&output, &estimator.run(&disturbed, 0, threads)?))
+            Ok(kept(output, &estimator.run(&disturbed, 0, threads)?))
         };
         let extent = estimator.extent(clip, frame)?;
         Ok(Self {
             candidates_mean: field.candidates() as f64 / field.vectors.len() as f64,
             candidates_most: counts().max().unwrap_or(0),
             state_bytes: extent.state_bytes,
-            psnr_db: metrics::psnr_db(&prediction, current.luma())?,
-            error: truth.map(|truth| metrics::flow_error(&output.flow(), &truth)).transpose()?.flatten(),
-            coding: Coding::of(&output, current.luma(), &prediction)?,
-            missed: missed(&output, &full_search_like(estimator)?.run(clip, frame, threads)?),
+            missed: missed(output, &full_search_like(estimator)?.run(clip, frame, threads)?),
             kept_in_noise: kept([noisy(&current, 1), noisy(&next, 2)])?,
             kept_in_light: kept([Frame::gray(current.luma().clone()), lit(&next)])?,
             blocks: field.vectors.len(),
@@ -134,7 +127,8 @@ mod tests {
     fn full_search_misses_nothing_and_the_others_are_told_where_they_do() {
         let (clip, threads) = (clip(), Threads::single());
         for estimator in estimators() {
-            let figures = Figures::of(&*estimator, &clip, 0, &threads).expect("figures");
+            let output = estimator.run(&clip, 0, &threads).expect("a run");
+            let figures = Figures::of(&*estimator, &output, (&clip, 0), &threads).expect("figures");
             let id = estimator.info().id;
             if id == "full-search" {
                 assert_eq!(figures.missed_share(), 0.0);
@@ -159,7 +153,9 @@ mod tests {
     fn a_flat_picture_has_nothing_to_miss_or_lose() {
         let flat = |v| Frame::gray(Grid::new(48, 32, v));
         let clip = Clip::from_frames("flat", vec![flat(90), flat(90)]).expect("a clip");
-        let figures = Figures::of(&*estimator("full-search").expect("it"), &clip, 0, &Threads::single()).expect("it");
-        assert_eq!((figures.kept_in_light, figures.missed_share(), figures.psnr_db), (1.0, 0.0, f64::INFINITY));
+        let (full, threads) = (estimator("full-search").expect("it"), Threads::single());
+        let output = full.run(&clip, 0, &threads).expect("a run");
+        let figures = Figures::of(&*full, &output, (&clip, 0), &threads).expect("figures");
+        assert_eq!((figures.kept_in_light, figures.missed_share()), (1.0, 0.0));
     }
 }

@@ -22,7 +22,13 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         let clip = source.open(&Open { truth: truth.clone(), ..Open::default() })?;
         let arena = Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat };
         for contender in &contenders {
-            rows.push(Row::of(contender, &arena)?);
+            let row = Row::of(contender, &arena)?;
+            match &row.quality.truth_error {
+                Some(error) if args.truth.is_some() => return Err(error.clone()),
+                Some(error) => eprintln!("warning: {error}"),
+                None => {}
+            }
+            rows.push(row);
         }
     }
     if let Some(path) = &args.csv {
