@@ -104,7 +104,12 @@ pub const COLUMNS: [Column; 12] = [
     Column { heading: "kB", name: "state_kb", value: |r| Some(r.figures.state_bytes as f64 / 1e3), digits: 1 },
     Column { heading: "PSNR dB", name: "psnr_db", value: |r| r.quality.psnr_db, digits: 2 },
     Column { heading: "EPE px", name: "epe_px", value: |r| r.quality.truth.map(|e| e.epe_px), digits: 3 },
-    Column { heading: "missed %", name: "missed_percent", value: |r| percent(r.figures.missed_share()), digits: 1 },
+    Column {
+        heading: "missed %",
+        name: "missed_percent",
+        value: |r| r.figures.missed_share().and_then(percent),
+        digits: 1,
+    },
     Column {
         heading: "noise %",
         name: "kept_in_noise_percent",
@@ -137,7 +142,7 @@ fn kilobytes(bits: f64) -> Option<f64> {
 /// What the columns mean, under the table.
 pub const KEY: &str = "\
 candidates, most: tested for a block, on average and at most; kB: memory of the run beside the frames;
-missed: blocks for which full search, set alike, finds a smaller cost; noise, light: blocks that keep their
+missed: blocks for which full search, set alike, finds a smaller cost (not told with lambda); noise, light: blocks that keep their
 displacement within 1 px under noise of 10 gray levels, and where frame t+1 is 1.1 times as bright plus 8;
 residual, vectors, anew: zero-order entropy of what is sent with motion, and of the frame without.
 ";
@@ -205,7 +210,10 @@ pub fn json(rows: &[Row]) -> Value {
             object.insert(column.name.into(), json!((column.value)(row)));
         }
         object.insert("blocks".into(), row.figures.blocks.into());
-        object.insert("missed".into(), row.figures.missed.iter().map(|block| block + 1).collect());
+        object.insert(
+            "missed".into(),
+            json!(row.figures.missed.as_ref().map(|missed| missed.iter().map(|block| block + 1).collect::<Vec<_>>())),
+        );
         Value::Object(object)
     };
     rows.iter().map(object).collect()

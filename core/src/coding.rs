@@ -67,8 +67,14 @@ mod tests {
         let blocks = BlockGrid { picture: (16, 8), size: 8, step: 8 };
         let vectors =
             [[0.0, 1.0], [0.25, 1.0]].map(|displacement| Some(BlockVector { displacement, cost: 0.0, candidates: 1 }));
-        let output =
-            Output::Blocks(BlockField { blocks, vectors: vectors.to_vec(), cost: "SAD", border: Border::Replicate });
+        let filter = crate::Interpolation::Bilinear;
+        let output = Output::Blocks(BlockField {
+            blocks,
+            vectors: vectors.to_vec(),
+            cost: "SAD",
+            border: Border::Replicate,
+            filter,
+        });
         let frame = Grid::from_fn(16, 8, |x, _| x as u8);
         let coding = Coding::of(&output, &frame, &frame).unwrap();
         assert_eq!(coding, Coding { frame_bits: 512.0, residual_bits: 0.0, vector_bits: 2.0 });

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::synth::disturb;
-use crate::{AnyEstimator, Clip, Error, Frame, Output, Threads, estimator};
+use crate::{AnyEstimator, Clip, Error, Frame, Output, Threads, Value, estimator};
 
 /// Standard deviation of the noise under which an estimator is tried, in gray levels.
 pub const NOISE_SIGMA: f64 = 10.0;
@@ -19,8 +19,9 @@ pub struct Figures {
     pub candidates_most: u32,
     /// Memory of all that the run reads and writes beside the two frames, in bytes.
     pub state_bytes: usize,
-    /// Blocks for which full search, with the same parameters, finds a smaller cost.
-    pub missed: Vec<usize>,
+    /// Blocks for which full search, with the same parameters, finds a smaller cost. `None` where a cost has the price
+    /// of its displacement in it, which depends on what the neighbours found: such costs cannot be compared.
+    pub missed: Option<Vec<usize>>,
     /// Share of the blocks that keep their displacement, within 1 px, under noise of [`NOISE_SIGMA`] in both frames.
     pub kept_in_noise: f64,
     /// The same under the change of light of [`LIGHT`].
@@ -54,7 +55,11 @@ impl Figures {
             candidates_mean: field.candidates() as f64 / field.vectors.len() as f64,
             candidates_most: counts().max().unwrap_or(0),
             state_bytes: extent.state_bytes,
-            missed: missed(output, &full_search_like(estimator)?.run(clip, frame, threads)?),
+            missed: if has_price(estimator) {
+                None
+            } else {
+                Some(missed(output, &full_search_like(estimator)?.run(clip, frame, threads)?))
+            },
             kept_in_noise: kept([noisy(&current, 1), noisy(&next, 2)])?,
             kept_in_light: kept([Frame::gray(current.luma().clone()), lit(&next)])?,
             blocks: field.vectors.len(),
@@ -64,12 +69,12 @@ impl Figures {
 
     /// The unit that missed the smallest cost of a block first. The blocks of the picture are the last units of a run.
     pub fn first_missed_unit(&self) -> Option<usize> {
-        self.missed.first().map(|block| self.units - self.blocks + block)
+        self.missed.as_ref()?.first().map(|block| self.units - self.blocks + block)
     }
 
     /// Share of the blocks for which the smallest cost was missed.
-    pub fn missed_share(&self) -> f64 {
-        self.missed.len() as f64 / self.blocks.max(1) as f64
+    pub fn missed_share(&self) -> Option<f64> {
+        self.missed.as_ref().map(|missed| missed.len() as f64 / self.blocks.max(1) as f64)
     }
 }
 
@@ -83,6 +88,11 @@ pub fn alike(other: &dyn AnyEstimator, mut estimator: Box<dyn AnyEstimator>) -> 
         }
     }
     estimator
+}
+
+/// Whether the price of a displacement is part of its cost.
+fn has_price(estimator: &dyn AnyEstimator) -> bool {
+    matches!(estimator.get("lambda"), Ok(Value::Real(lambda)) if lambda > 0.0)
 }
 
 fn full_search_like(other: &dyn AnyEstimator) -> Result<Box<dyn AnyEstimator>, Error> {
@@ -131,13 +141,15 @@ mod tests {
             let figures = Figures::of(&*estimator, &output, (&clip, 0), &threads).expect("figures");
             let id = estimator.info().id;
             if id == "full-search" {
-                assert_eq!(figures.missed_share(), 0.0);
+                assert_eq!(figures.missed_share(), Some(0.0));
                 assert_eq!(figures.candidates_most, 33 * 33);
             }
             assert!(f64::from(figures.candidates_most) >= figures.candidates_mean, "{id}");
             assert!((0.0..=1.0).contains(&figures.kept_in_noise) && (0.0..=1.0).contains(&figures.kept_in_light));
             // The first block that is said to be missed has a better displacement indeed.
-            let Some((&block, unit)) = figures.missed.first().zip(figures.first_missed_unit()) else { continue };
+            let Some((&block, unit)) = figures.missed.iter().flatten().next().zip(figures.first_missed_unit()) else {
+                continue;
+            };
             let result = |estimator: &dyn AnyEstimator, unit: usize| {
                 let mut walk = estimator.walk(&clip, 0).expect("a walk");
                 walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
@@ -150,12 +162,22 @@ mod tests {
     }
 
     #[test]
+    fn nothing_is_said_to_be_missed_where_costs_have_a_price() {
+        let (clip, threads) = (clip(), Threads::single());
+        let mut diamond = estimator("diamond").expect("it");
+        diamond.set("lambda", "4").expect("it has one");
+        let output = diamond.run(&clip, 0, &threads).expect("a run");
+        let figures = Figures::of(&*diamond, &output, (&clip, 0), &threads).expect("figures");
+        assert_eq!((figures.missed_share(), figures.first_missed_unit()), (None, None));
+    }
+
+    #[test]
     fn a_flat_picture_has_nothing_to_miss_or_lose() {
         let flat = |v| Frame::gray(Grid::new(48, 32, v));
         let clip = Clip::from_frames("flat", vec![flat(90), flat(90)]).expect("a clip");
         let (full, threads) = (estimator("full-search").expect("it"), Threads::single());
         let output = full.run(&clip, 0, &threads).expect("a run");
         let figures = Figures::of(&*full, &output, (&clip, 0), &threads).expect("figures");
-        assert_eq!((figures.kept_in_light, figures.missed_share()), (1.0, 0.0));
+        assert_eq!((figures.kept_in_light, figures.missed_share()), (1.0, Some(0.0)));
     }
 }

@@ -12,6 +12,7 @@ mod cost;
 mod error;
 mod estimator;
 mod grid;
+mod interpolation;
 pub mod metrics;
 mod output;
 pub mod params;
@@ -30,6 +31,7 @@ pub use estimator::{
     AnyEstimator, Count, Estimator, Extent, Info, Observer, Progress, Promise, Rung, Seen, run_observed,
 };
 pub use grid::{Border, Gray, Grid};
+pub use interpolation::Interpolation;
 pub use output::{Block, BlockField, BlockGrid, BlockVector, Output, predict};
 pub use params::{Params, Spec, Value};
 pub use registry::{estimator, estimators};

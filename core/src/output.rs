@@ -1,6 +1,6 @@
 //! What an estimator amounts to, whatever its kind.
 
-use crate::{Border, Flow, Gray, Grid};
+use crate::{Border, Flow, Gray, Grid, Interpolation};
 
 /// The result of a run, or of the part of it that was done.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +20,7 @@ impl Output {
     /// The motion-compensated prediction of frame t from `next`, frame t + 1.
     pub fn prediction(&self, next: &Gray) -> Gray {
         match self {
-            Output::Blocks(field) => predict(&field.flow(), next, field.border),
+            Output::Blocks(field) => predict(&field.flow(), next, (field.border, field.filter)),
         }
     }
 }
@@ -108,6 +108,8 @@ pub struct BlockField {
     pub cost: &'static str,
     /// How candidates outside the picture are read.
     pub border: Border,
+    /// How gray values between pixels are interpolated.
+    pub filter: Interpolation,
 }
 
 /// The displacement of one block.
@@ -142,13 +144,13 @@ impl BlockField {
 /// The motion-compensated prediction of frame t: each pixel is fetched from where it goes in `next`.
 ///
 /// Whole displacements are copied exactly, fractional ones interpolated; a pixel of unknown motion stays where it is.
-pub fn predict(flow: &Flow, next: &Gray, border: Border) -> Gray {
+pub fn predict(flow: &Flow, next: &Gray, (border, filter): (Border, Interpolation)) -> Gray {
     Grid::from_fn(flow.0.width(), flow.0.height(), |x, y| {
         let [u, v] = flow.at(x, y).unwrap_or([0.0; 2]);
         if u.fract() == 0.0 && v.fract() == 0.0 {
             next.at(x as isize + u as isize, y as isize + v as isize, border)
         } else {
-            (next.sample(x as f32 + u, y as f32 + v) + 0.5) as u8
+            filter.sample(next, [x as f32 + u, y as f32 + v], border)
         }
     })
 }

@@ -7,7 +7,7 @@ fn quality(id: &str, clip: &Clip, t: usize) -> (f64, u64) {
     let search = estimator(id).expect("it is there");
     let motionscope_core::Output::Blocks(field) = search.run(clip, t, &Threads::single()).expect("a run");
     let [current, next] = clip.pair(t).expect("a pair");
-    let prediction = predict(&field.flow(), next.luma(), field.border);
+    let prediction = predict(&field.flow(), next.luma(), (field.border, field.filter));
     (metrics::psnr_db(&prediction, current.luma()).expect("one size"), field.candidates())
 }
 

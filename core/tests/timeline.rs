@@ -78,6 +78,7 @@ impl Estimator for Toy {
             vectors: vec![Some(BlockVector { displacement: [0.0; 2], cost: 0.0, candidates: 1 }); state.0],
             cost: "none",
             border: Border::Replicate,
+            filter: motionscope_core::Interpolation::Bilinear,
         })
     }
 }

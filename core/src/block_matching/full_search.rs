@@ -50,9 +50,10 @@ impl BlockSearch for FullSearch {
             "for each block B of frame t",
             "  lay the window of ±range px around B in frame t+1",
             "  for each displacement (u, v) in the window",
-            "    cost ← difference of B and the block at (u, v)",
+            "    cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v)]",
             "    if cost < best, or equal and (u, v) shorter, then first",
             "      best ← cost at (u, v)",
+            "  refine the best to a fraction of a px, if asked for",
             "  displacement of B ← (u, v) of the best",
         ],
         rungs: &["frame", "block", "step"],
@@ -61,43 +62,55 @@ impl BlockSearch for FullSearch {
     const PROMISE: Promise = Promise::Translation;
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let Tester { pair, settings: Settings { cost: kind, .. }, block, window, .. } = *tester;
+        let Tester { pair, settings: Settings { cost: kind, .. }, block, window, rate, .. } = *tester;
         let (observer, work) = (&mut *tester.observer, &mut *tester.work);
         work.patch.take_area(pair, block, window);
         if self.order == Order::Spiral && work.order.0 != Some(window) {
             work.order = (Some(window), spiral(window));
         }
         let (Patch { block: cut, area }, order) = (&work.patch, &work.order.1[..]);
-        let best = if let Some(sum) = kind.sum() {
-            // The kernel works out whole windows at once. An early exit is therefore only for the eye: what it passes
-            // over could not have won.
-            cost::window(sum, cut, area, window.size, &mut work.sums);
-            let scan = Scan { window, order, costs: &work.sums[..], most: u32::MAX, of: |sum| kind.of(sum, block) };
-            scan.run(observer, |index, limit| {
-                let place = (index % window.size.0, index / window.size.0);
-                let whole = || (work.sums[index], block.height);
-                let (sum, rows) = if self.early_exit { cost::until(sum, cut, area, place, limit) } else { whole() };
-                (kind.of(sum, block), rows)
-            })
-        } else {
-            let (pixels, stride) = area.rows();
-            let places = (0..window.count()).map(|index| index / window.size.0 * stride + index % window.size.0);
-            work.window_costs.clear();
-            work.window_costs.extend(places.map(|first| kind.between(block, cut, &pixels[first..], stride)));
-            let costs = &work.window_costs[..];
-            let scan = Scan { window, order, costs, most: f64::INFINITY, of: |cost| cost };
-            scan.run(observer, |index, _| (costs[index], block.height))
+        let price = |index| rate.price(window.displacement(index).map(|c| 4 * c));
+        // The kernel works out whole windows at once. An early exit is therefore only for the eye: what it passes over
+        // could not have won.
+        let until = |sum, index: usize, limit| {
+            cost::until(sum, cut, area, (index % window.size.0, index / window.size.0), limit)
         };
-        tester.settle(best, window.count());
+        let summed = kind.sum().inspect(|&sum| cost::window(sum, cut, area, window.size, &mut work.sums));
+        if let Some(sum) = summed.filter(|_| rate.lambda == 0.0) {
+            let scan = Scan { window, order, costs: &work.sums[..], most: u32::MAX, of: |sum| kind.of(sum, block) };
+            let best = scan.run(observer, |index, limit| {
+                let whole = (work.sums[index], block.height);
+                let (sum, rows) = if self.early_exit { until(sum, index, limit) } else { whole };
+                (kind.of(sum, block), rows)
+            });
+            return tester.settle(best, |work, index| kind.of(work.sums[index], block));
+        }
+        let (pixels, stride) = area.rows();
+        let distortion = |index: usize| match summed {
+            Some(_) => kind.of(work.sums[index], block),
+            None => kind.between(block, cut, &pixels[index / window.size.0 * stride + index % window.size.0..], stride),
+        };
+        work.window_costs.clear();
+        work.window_costs.extend((0..window.count()).map(|index| distortion(index) + price(index)));
+        let scan = Scan { window, order, costs: &work.window_costs[..], most: f64::INFINITY, of: |cost| cost };
+        let best = scan.run(observer, |index, limit| match summed.filter(|_| self.early_exit) {
+            Some(sum) => {
+                let (sum, rows) = until(sum, index, kind.sum_within(limit - price(index), block));
+                (kind.of(sum, block) + price(index), rows)
+            }
+            None => (work.window_costs[index], block.height),
+        });
+        tester.settle(best, |work, index| work.window_costs[index]);
     }
 
     fn line(event: &Event) -> usize {
         match event {
             Event::Window => 1,
-            Event::Stage(_) => 2,
+            Event::Stage { .. } => 2,
             Event::Candidate { .. } => 3,
             Event::NewBest { .. } => 5,
-            Event::Found(_) => 6,
+            Event::Refine(_) | Event::Fit(_) => 6,
+            Event::Found(_) => 7,
         }
     }
 }
@@ -123,10 +136,10 @@ impl<T: Copy + PartialOrd, F: Fn(T) -> f64> Scan<'_, T, F> {
     /// `seen` gives what is seen of a candidate: its cost, and the rows that were looked at until it exceeded a limit.
     fn run(&self, observer: &mut impl Observer<Event>, seen: impl Fn(usize, T) -> (f64, usize)) -> Match {
         let (window, count) = (self.window, self.window.count());
-        let found = |index| Match { displacement: window.displacement(index), cost: (self.of)(self.costs[index]) };
+        let found = |index| Match::whole(window.displacement(index), (self.of)(self.costs[index]));
         let event = |index, limit| {
             let (cost, rows) = seen(index, limit);
-            Event::Candidate { displacement: window.displacement(index), cost, rows }
+            Event::Candidate { tested: Match::whole(window.displacement(index), cost), rows }
         };
         // An index: the displacement is only worked out where it is asked for.
         let mut best: Option<usize> = None;
@@ -149,7 +162,7 @@ impl<T: Copy + PartialOrd, F: Fn(T) -> f64> Scan<'_, T, F> {
                 }
             }
         }
-        best.map_or(Match { displacement: [0, 0], cost: f64::INFINITY }, found)
+        best.map_or(Match::whole([0, 0], f64::INFINITY), found)
     }
 
     /// The index into the window of the candidate at `place` in the order of the search.

@@ -19,14 +19,14 @@ use super::{
     ThreeStep,
 };
 use crate::block_search::{
-    BlockSearch, Displacement, Event, HasSettings, Match, Neighbours, Pair, Probe, Settings, Tester, Workspace,
-    block_search_params, unit_at, vector,
+    BlockSearch, Displacement, Event, HasSettings, Match, Neighbours, Pair, Probe, Settings, Subpixel, Tester,
+    Workspace, block_search_params, unit_at, vector,
 };
 use crate::scene::{Fact, Readout, Sentence};
 use crate::threads::Earlier;
 use crate::{
-    BlockField, BlockGrid, BlockVector, Clip, Error, Estimator, Frame, Info, Observer, Output, Progress, Promise, Role,
-    Rung, Scene, Seen, Step, Threads, choices, pyramid,
+    BlockGrid, BlockVector, Clip, Error, Estimator, Frame, Info, Observer, Output, Progress, Promise, Role, Rung,
+    Scene, Seen, Step, Threads, choices, pyramid,
 };
 
 choices! {
@@ -130,9 +130,14 @@ impl State {
 }
 
 impl Hierarchical {
-    /// The settings on a level: the range is that of the picture, in the level's pixels.
+    /// The settings on a level: the range is that of the picture, in the level's pixels. Only what is found on the
+    /// picture itself is refined, and sent.
     fn settings_on(&self, level: usize) -> Settings {
-        Settings { range: self.range.div_ceil(1 << level), ..self.settings() }
+        let settings = Settings { range: self.range.div_ceil(1 << level), ..self.settings() };
+        match level {
+            0 => settings,
+            _ => Settings { subpixel: Subpixel::None, lambda: 0.0, ..settings },
+        }
     }
 
     /// The state before the first block.
@@ -184,7 +189,7 @@ impl Hierarchical {
     ) -> (Match, usize) {
         observer.see(|| Event::Window);
         let (pair, settings) = (state.pair(), self.settings_on(state.level));
-        let neighbours = match state.is_coarsest() {
+        let neighbours = match state.is_coarsest() || settings.lambda > 0.0 {
             true => Neighbours::of(index, pair.blocks.counts().0, found, None),
             false => Neighbours::default(),
         };
@@ -217,10 +222,8 @@ impl Hierarchical {
 
     fn probe<'a>(&self, seen: &'a Seen<Self>, found: &'a [Match]) -> Probe<'a> {
         let Seen { before, events, focus, .. } = *seen;
-        let (settings, pair, index) = (self.settings_on(before.level), before.pair(), before.index());
         let focus = focus.map(|point| point.map(|c| c / before.scale()));
-        let window = pair.window(pair.blocks.block(index), settings.range);
-        Probe { pair, cost: settings.cost, index, window, range: settings.range, found, events, focus }
+        Probe::new(before.pair(), self.settings_on(before.level), found, (events, focus))
     }
 }
 
@@ -260,9 +263,10 @@ impl Estimator for Hierarchical {
             "    else",
             "      test twice what the nearest coarser blocks moved, and (0, 0)",
             "      test all within ±refine px of the best",
+            "    refine the best to a fraction of a px, if asked for and the level is the picture",
             "    displacement of B ← (u, v) of the best",
             "to test (u, v), if it is new and lies in the window",
-            "  cost ← difference of B and the block at (u, v)",
+            "  cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v), on the picture]",
             "  if cost < best, or equal and (u, v) shorter, then first",
             "    best ← cost at (u, v)",
         ],
@@ -312,11 +316,12 @@ impl Estimator for Hierarchical {
         let line = match seen.events.last() {
             None => 0,
             Some(Event::Window) => 2,
-            Some(Event::Stage(_)) if state.is_coarsest() => 4,
-            Some(Event::Stage(stage)) => stage.line,
-            Some(Event::Found(_)) => 8,
-            Some(Event::Candidate { .. }) => 10,
-            Some(Event::NewBest { .. }) => 12,
+            Some(Event::Stage { .. }) if state.is_coarsest() => 4,
+            Some(Event::Stage { line, .. }) => *line,
+            Some(Event::Refine(_) | Event::Fit(_)) => 8,
+            Some(Event::Found(_)) => 9,
+            Some(Event::Candidate { .. }) => 11,
+            Some(Event::NewBest { .. }) => 13,
         };
         let found = state.matches();
         let probe = self.probe(seen, &found);
@@ -352,8 +357,7 @@ impl Estimator for Hierarchical {
     fn output(&self, state: &State) -> Output {
         let blocks = state.levels[0].blocks;
         let vector = |(found, candidates): &(Match, u32)| {
-            let displacement = found.displacement.map(|c| c as f32);
-            Some(BlockVector { displacement, cost: found.cost, candidates: *candidates })
+            Some(BlockVector { displacement: found.vector(), cost: found.cost, candidates: *candidates })
         };
         let mut vectors: Vec<_> = state.found[0].iter().map(vector).collect();
         vectors.resize(blocks.len(), None);
@@ -366,7 +370,7 @@ impl Estimator for Hierarchical {
                 }
             }
         }
-        Output::Blocks(BlockField { blocks, vectors, cost: self.cost.label(), border: self.border.border() })
+        Output::Blocks(self.settings().field(blocks, vectors))
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {

@@ -2,9 +2,11 @@
 
 mod neighbours;
 mod probe;
+mod rate;
 mod readouts;
 mod search;
 mod settings;
+mod subpixel;
 mod tell;
 mod tester;
 mod whole_readouts;
@@ -16,11 +18,13 @@ use crate::{Block, BlockGrid, Clip, Error, Frame, Role};
 
 pub use neighbours::Neighbours;
 pub(crate) use probe::Probe;
+pub(crate) use rate::Rate;
 pub use search::BlockSearch;
 pub(crate) use search::pseudocode;
 pub(crate) use search::unit_at;
 pub(crate) use settings::block_search_params;
 pub use settings::{BorderRule, Cost, HasSettings, Settings};
+pub use subpixel::{Fit, Subpixel};
 pub(crate) use tell::vector;
 pub use tester::Tester;
 pub(crate) use tester::{Workspace, around};
@@ -54,6 +58,12 @@ impl Window {
     pub fn index(&self, [u, v]: Displacement) -> Option<usize> {
         let (column, row) = (usize::try_from(u - self.min[0]).ok()?, usize::try_from(v - self.min[1]).ok()?);
         (column < self.size.0 && row < self.size.1).then(|| row * self.size.0 + column)
+    }
+
+    /// Whether a displacement in quarters of a px lies in the window, or between its outermost columns and rows.
+    pub(super) fn holds_quarters(&self, [u, v]: [i32; 2]) -> bool {
+        let within = |c: i32, min: i32, size: usize| (4 * min..=4 * (min + size as i32 - 1)).contains(&c);
+        within(u, self.min[0], self.size.0) && within(v, self.min[1], self.size.1)
     }
 
     /// Whether a displacement of the window lies at its edge.
@@ -151,13 +161,20 @@ pub enum Event {
     /// The window was laid out.
     Window,
     /// The search decided what to test next, or that it is over.
-    Stage(Stage),
+    Stage {
+        /// Line of the pseudocode, from 0.
+        line: usize,
+        /// What it decided.
+        stage: Stage,
+    },
+    /// The best is looked at more closely.
+    Refine(Stage),
+    /// A parabola was laid through the costs around the best.
+    Fit(Fit),
     /// A candidate was tested.
     Candidate {
-        /// Its displacement.
-        displacement: Displacement,
-        /// The cost over the rows that were looked at.
-        cost: f64,
+        /// Its displacement, and the cost over the rows that were looked at.
+        tested: Match,
         /// The rows that were looked at; fewer than the block has if it was given up early.
         rows: usize,
     },
@@ -174,8 +191,8 @@ impl Event {
     /// The role of an event that is worth a mark on the timeline.
     pub(crate) fn landmark(&self) -> Option<Role> {
         match self {
-            Event::NewBest { .. } => Some(Role::Best),
-            Event::Stage(_) => Some(Role::Candidate),
+            Event::NewBest { .. } | Event::Fit(_) => Some(Role::Best),
+            Event::Stage { .. } | Event::Refine(_) => Some(Role::Candidate),
             _ => None,
         }
     }
@@ -184,23 +201,50 @@ impl Event {
 /// A decision of a search: the candidates that it tests next, and why these.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stage {
-    /// Line of the pseudocode, from 0.
-    pub line: usize,
     /// The part of the window to which the search has narrowed down, if it does so.
     pub narrowed: Option<Window>,
     /// How many points the search asked for.
     pub asked: usize,
     /// Those of them that will be tested: they lie in the window and were not tested before.
-    pub points: Vec<Displacement>,
+    pub points: Vec<[f32; 2]>,
     /// Why, in a sentence or two.
     pub why: String,
+}
+
+impl Stage {
+    /// The stage that `event` begins.
+    fn of(event: &Event) -> Option<&Stage> {
+        match event {
+            Event::Stage { stage, .. } | Event::Refine(stage) => Some(stage),
+            _ => None,
+        }
+    }
 }
 
 /// A displacement and its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Match {
-    /// The displacement.
+    /// The displacement in whole px.
     pub displacement: Displacement,
+    /// What is to be added to it for a fraction of a px: multiples of a quarter, or where a parabola is lowest.
+    pub fraction: [f32; 2],
     /// What it costs.
     pub cost: f64,
+}
+
+impl Match {
+    /// A match of whole px.
+    pub fn whole(displacement: Displacement, cost: f64) -> Self {
+        Self { displacement, fraction: [0.0; 2], cost }
+    }
+
+    /// The displacement `[u, v]` in px.
+    pub fn vector(&self) -> [f32; 2] {
+        [0, 1].map(|i| self.displacement[i] as f32 + self.fraction[i])
+    }
+
+    /// The displacement in quarters of a px, as it was tested; one that was fitted is rounded.
+    pub(crate) fn quarters(&self) -> [i32; 2] {
+        [0, 1].map(|i| 4 * self.displacement[i] + (4.0 * self.fraction[i]).round() as i32)
+    }
 }

@@ -31,8 +31,12 @@ impl Neighbours {
     /// The median, column and row apart, of the three blocks of this pair. One that is not there counts as zero; in the
     /// first row the left one stands alone.
     pub fn median(&self) -> Displacement {
-        let displacement = |found: Option<Match>| found.map_or([0, 0], |found| found.displacement);
-        let [a, b, c] = [self.left, self.above, self.above_right].map(displacement);
+        self.median_of(|found| found.displacement)
+    }
+
+    /// The same of whatever `part` tells of a match.
+    pub(crate) fn median_of(&self, part: impl Fn(Match) -> [i32; 2]) -> [i32; 2] {
+        let [a, b, c] = [self.left, self.above, self.above_right].map(|found| found.map_or([0, 0], &part));
         if self.above.is_none() {
             return a;
         }
@@ -45,7 +49,7 @@ mod tests {
     use super::*;
 
     fn at(u: i32, v: i32) -> Option<Match> {
-        Some(Match { displacement: [u, v], cost: 0.0 })
+        Some(Match::whole([u, v], 0.0))
     }
 
     #[test]
@@ -60,7 +64,7 @@ mod tests {
 
     #[test]
     fn neighbours_are_those_that_were_searched_before() {
-        let found = |i: usize| Match { displacement: [i as i32, 0], cost: 0.0 };
+        let found = |i: usize| Match::whole([i as i32, 0], 0.0);
         let index = |found: Option<Match>| found.map(|found| found.displacement[0]);
         let of = |i| {
             let Neighbours { left, above, above_right, .. } = Neighbours::of(i, 4, found, None);

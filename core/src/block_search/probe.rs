@@ -1,6 +1,6 @@
 //! A block search at a cursor: what it draws.
 
-use super::{Cost, Displacement, Event, Match, Pair, Window};
+use super::{Event, Match, Neighbours, Pair, Rate, Settings, Stage, Window};
 use crate::scene::{Arrow, Picture, Shape};
 use crate::{Block, Grid, Role, Scene};
 
@@ -8,20 +8,35 @@ use crate::{Block, Grid, Role, Scene};
 pub(crate) struct Probe<'a> {
     /// The pair of frames.
     pub pair: &'a Pair,
-    /// Its cost.
-    pub cost: Cost,
+    /// The parameters of the search, on this picture.
+    pub settings: Settings,
+    /// What a displacement costs to send.
+    pub rate: Rate,
     /// Index of the block.
     pub index: usize,
     /// The block's window.
     pub window: Window,
-    /// How far the window reaches where nothing cuts it, in px.
-    pub range: usize,
     /// Blocks found before.
     pub found: &'a [Match],
     /// Events of this block that were seen.
     pub events: &'a [Event],
     /// The pixel pointed at.
     pub focus: Option<[f32; 2]>,
+}
+
+impl<'a> Probe<'a> {
+    /// The block after those that were found, of whose `events` so many were seen; `focus` is pointed at.
+    pub fn new(
+        pair: &'a Pair,
+        settings: Settings,
+        found: &'a [Match],
+        (events, focus): (&'a [Event], Option<[f32; 2]>),
+    ) -> Self {
+        let index = found.len();
+        let window = pair.window(pair.blocks.block(index), settings.range);
+        let neighbours = Neighbours::of(index, pair.blocks.counts().0, |i| found[i], None);
+        Self { pair, settings, rate: Rate::new(&settings, &neighbours), index, window, found, events, focus }
+    }
 }
 
 impl Probe<'_> {
@@ -32,7 +47,7 @@ impl Probe<'_> {
     /// The candidate under test.
     pub(super) fn candidate(&self) -> Option<(Match, usize)> {
         self.events.iter().rev().find_map(|event| match event {
-            &Event::Candidate { displacement, cost, rows } => Some((Match { displacement, cost }, rows)),
+            &Event::Candidate { tested, rows } => Some((tested, rows)),
             _ => None,
         })
     }
@@ -40,7 +55,12 @@ impl Probe<'_> {
     /// The best candidate so far.
     pub(super) fn best(&self) -> Option<Match> {
         let newest = self.events.iter().rposition(|event| matches!(event, Event::NewBest { .. }))?;
-        Probe { events: &self.events[..newest], ..*self }.candidate().map(|(found, _)| found)
+        let (best, _) = Probe { events: &self.events[..newest], ..*self }.candidate()?;
+        let fitted = self.events[newest..].iter().find_map(|event| match event {
+            Event::Fit(fit) => Some(fit.fraction),
+            _ => None,
+        });
+        Some(Match { fraction: fitted.unwrap_or(best.fraction), ..best })
     }
 
     pub(super) fn tested(&self) -> usize {
@@ -54,19 +74,19 @@ impl Probe<'_> {
     /// Marks on the stage.
     pub fn draw(&self, scene: &mut Scene) {
         let blocks = &self.pair.blocks;
-        let arrow = |block: Block, [u, v]: Displacement| {
-            let [x, y] = block.center();
-            Arrow { from: [x, y], to: [x + u as f32, y + v as f32] }
+        let arrow = |block: Block, found: &Match| {
+            let ([x, y], [u, v]) = (block.center(), found.vector());
+            Arrow { from: [x, y], to: [x + u, y + v] }
         };
         let done = self.found.iter().enumerate();
-        let arrows: Vec<_> = done.map(|(i, found)| arrow(blocks.block(i), found.displacement)).collect();
+        let arrows: Vec<_> = done.map(|(i, found)| arrow(blocks.block(i), found)).collect();
         if !arrows.is_empty() {
             scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
             scene.legend(Role::Result, "displacement found");
         }
         // By itself: where there is no room for all of them, this one is still seen.
         if let Some(Event::Found(found)) = self.events.last() {
-            let found = arrow(self.block(), found.displacement);
+            let found = arrow(self.block(), found);
             scene.mark(Picture::Current, Role::Result, Shape::Arrows(vec![found]));
             scene.legend(Role::Result, "displacement found");
         }
@@ -74,9 +94,11 @@ impl Probe<'_> {
             return;
         }
         let block = self.block();
-        let at =
-            |[u, v]: Displacement| Shape::pixels(block.x as i32 + u, block.y as i32 + v, block.width, block.height);
-        scene.mark(Picture::Current, Role::Reference, at([0, 0]));
+        let at = |[u, v]: [f32; 2]| {
+            let min = [block.x as f32 + u - 0.5, block.y as f32 + v - 0.5];
+            Shape::Rect { min, max: [min[0] + block.width as f32, min[1] + block.height as f32] }
+        };
+        scene.mark(Picture::Current, Role::Reference, at([0.0; 2]));
         scene.legend(Role::Reference, "block in frame t");
         // The end of the run shows what was found; nothing is searched any more.
         if !self.is_over() || self.index + 1 < blocks.len() {
@@ -84,13 +106,13 @@ impl Probe<'_> {
         }
         self.draw_stage(block, scene);
         if let Some(best) = self.best() {
-            scene.mark(Picture::Next, Role::Best, at(best.displacement));
-            scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow(block, best.displacement)]));
+            scene.mark(Picture::Next, Role::Best, at(best.vector()));
+            scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow(block, &best)]));
             scene.legend(Role::Best, if self.is_over() { "best match" } else { "best so far" });
         }
         // On top: a new best is the candidate under test.
         if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
-            scene.mark(Picture::Next, Role::Candidate, at(candidate.displacement));
+            scene.mark(Picture::Next, Role::Candidate, at(candidate.vector()));
             scene.legend(Role::Candidate, "candidate");
         }
     }
@@ -112,8 +134,10 @@ impl Probe<'_> {
     pub(super) fn tests(&self) -> Grid<Option<usize>> {
         let mut tests = Grid::new(self.window.size.0, self.window.size.1, None);
         for (i, event) in self.events.iter().enumerate() {
-            if let &Event::Candidate { displacement, .. } = event {
-                tests[self.window.place(displacement)] = Some(i + 1);
+            if let Event::Candidate { tested, .. } = event
+                && tested.fraction == [0.0; 2]
+            {
+                tests[self.window.place(tested.displacement)] = Some(i + 1);
             }
         }
         tests
@@ -121,25 +145,25 @@ impl Probe<'_> {
 
     /// The points of the stage at hand: those tested, and those still to test.
     fn draw_stage(&self, block: Block, scene: &mut Scene) {
-        let last = self.events.iter().rposition(|event| matches!(event, Event::Stage(_)));
-        let Some((Event::Stage(stage), since)) = last.and_then(|last| self.events[last..].split_first()) else {
+        let mut stages = self.events.iter().enumerate().rev();
+        let Some((last, stage)) = stages.find_map(|(i, event)| Some((i, Stage::of(event)?))) else {
             return;
         };
-        let [x, y] = block.center();
+        let (since, [x, y]) = (&self.events[last + 1..], block.center());
         if let Some(part) = stage.narrowed.filter(|_| !self.is_over()) {
             let corner = [x + part.min[0] as f32 - 0.5, y + part.min[1] as f32 - 0.5];
             let far = [corner[0] + part.size.0 as f32, corner[1] + part.size.1 as f32];
             scene.mark(Picture::Next, Role::Window, Shape::Rect { min: corner, max: far });
         }
-        let is_tested = |point: Displacement| {
-            since.iter().any(|event| matches!(event, &Event::Candidate { displacement, .. } if displacement == point))
+        let is_tested = |point: [f32; 2]| {
+            since.iter().any(|event| matches!(event, Event::Candidate { tested, .. } if tested.vector() == point))
         };
         let (tested, waiting): (Vec<_>, Vec<_>) = stage.points.iter().copied().partition(|&point| is_tested(point));
         for (role, points, meaning) in
             [(Role::Rejected, tested, "tested in this stage"), (Role::Predicted, waiting, "still to test")]
         {
             if !points.is_empty() && !self.is_over() {
-                let places = points.iter().map(|[u, v]| [x + *u as f32, y + *v as f32]).collect();
+                let places = points.iter().map(|[u, v]| [x + u, y + v]).collect();
                 scene.mark(Picture::Next, role, Shape::Points(places));
                 scene.legend(role, meaning);
             }
@@ -150,10 +174,11 @@ impl Probe<'_> {
     pub(super) fn costs(&self) -> Grid<f32> {
         let mut costs = Grid::new(self.window.size.0, self.window.size.1, f32::NAN);
         for event in self.events {
-            if let &Event::Candidate { displacement, cost, rows } = event
+            if let &Event::Candidate { tested, rows } = event
                 && rows == self.block().height
+                && tested.fraction == [0.0; 2]
             {
-                costs[self.window.place(displacement)] = cost as f32;
+                costs[self.window.place(tested.displacement)] = tested.cost as f32;
             }
         }
         costs

@@ -1,9 +1,10 @@
 //! A block search at a cursor: its numbers.
 
 use super::probe::Probe;
-use super::tell::{signed, vector};
-use super::{Cost, Displacement, Event, Match, Patch, Window};
+use super::tell::{short, signed, vector};
+use super::{Cost, Event, Fit, Match, Patch, Settings, Subpixel, Window};
 use crate::cost::{Cut, Sum};
+use crate::interpolation::Between;
 use crate::scene::{Fact, Math, Readout, Series, Surface, Tile};
 use crate::{Grid, Role};
 
@@ -14,12 +15,20 @@ impl Probe<'_> {
             return Vec::new();
         }
         let mut readouts = vec![Readout::Facts(self.facts())];
+        if let Some(Event::Fit(fit)) = self.events.last() {
+            readouts.push(Readout::Equation(self.fitted(fit)));
+        } else if let Some((candidate, rows)) = self.shown() {
+            let mut lines = self.equation(candidate, rows);
+            lines.extend(self.priced(candidate));
+            readouts.push(Readout::Equation(lines));
+        }
         if let Some((candidate, rows)) = self.shown() {
-            readouts.push(Readout::Equation(self.equation(candidate, rows)));
-            readouts.push(Readout::Tiles(self.tiles(candidate, rows)));
+            let mut tiles = self.tiles(candidate, rows);
+            tiles.extend(self.between());
+            readouts.push(Readout::Tiles(tiles));
         }
         readouts.push(Readout::Surface(Surface {
-            title: self.cost.label(),
+            title: self.settings.label(),
             origin: self.window.min,
             values: self.costs(),
             events: self.tests(),
@@ -33,6 +42,10 @@ impl Probe<'_> {
     /// The candidate whose numbers are shown: the one under test, at the end the one that won.
     pub(super) fn shown(&self) -> Option<(Match, usize)> {
         match self.events.last() {
+            // A parabola was fitted to what was tested, and is no test itself.
+            Some(Event::Found(found)) if self.settings.subpixel == Subpixel::Parabola => {
+                Some((Match { fraction: [0.0; 2], ..*found }, self.block().height))
+            }
             Some(Event::Found(found)) => Some((*found, self.block().height)),
             _ => self.candidate(),
         }
@@ -53,10 +66,7 @@ impl Probe<'_> {
             },
             Fact { label: "Tested", value: format!("{} of {}", self.tested(), self.window.count()), role: None },
         ];
-        let of = |found: Match| {
-            let (cost, sum) = (self.cost.label(), self.cost.show(found.cost));
-            format!("{} px, {cost} {sum}", vector(found.displacement))
-        };
+        let of = |found: Match| format!("{} px, {}", vector(found.vector()), self.settings.show(found.cost));
         if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
             facts.push(Fact { label: "Candidate", value: of(candidate), role: Some(Role::Candidate) });
         }
@@ -69,27 +79,102 @@ impl Probe<'_> {
     }
 
     /// The pixels of the block and of the candidate: `(frame t, frame t + 1)`.
-    fn patches(&self, displacement: Displacement) -> (Cut, Cut) {
-        let mut patch = Patch::default();
-        patch.take_block(self.pair, self.block());
-        patch.take_area(self.pair, self.block(), Window { min: displacement, size: (1, 1) });
+    fn patches(&self, candidate: Match) -> (Cut, Cut) {
+        let (mut patch, block, [u, v]) = (Patch::default(), self.block(), candidate.displacement);
+        patch.take_block(self.pair, block);
+        patch.take_area(self.pair, block, Window { min: [u, v], size: (1, 1) });
+        if candidate.fraction != [0.0; 2] {
+            let (mut between, size) = (Between::default(), (block.width, block.height));
+            let corner = (block.x as isize + u as isize, block.y as isize + v as isize);
+            let source = (self.pair.next.luma(), self.pair.rule.border());
+            between.take(source, corner, size, self.settings.filter);
+            let (pixels, _) = between.moved(candidate.fraction.map(|c| (4.0 * c) as i32));
+            if let Ok(moved) = Grid::from_vec(size.0, size.1, pixels.to_vec()) {
+                patch.area.take(&moved, (0, 0), size, self.pair.rule.border());
+            }
+        }
         (patch.block, patch.area)
+    }
+
+    /// How badly a candidate fits, as a person reads it: its cost less the price of its displacement.
+    pub(super) fn distortion(&self, candidate: Match) -> String {
+        let free = Settings { lambda: 0.0, ..self.settings };
+        // Sums are of whole numbers, which the price must not spoil.
+        free.number(((candidate.cost - self.rate.price(candidate.quarters())) * 1e6).round() / 1e6)
+    }
+
+    /// The price of the displacement, and what that makes of the cost.
+    fn priced(&self, candidate: Match) -> Option<Math> {
+        let bits = self.rate.bits(candidate.quarters());
+        (self.settings.lambda > 0.0).then(|| {
+            Math::Row(vec![
+                Math::ink(self.shown_role(), format!("+ {} · {bits} bits", short(self.rate.lambda))),
+                Math::text(" for the difference from "),
+                Math::ink(Role::Predicted, vector(self.rate.predicted_px())),
+                Math::text(format!(": {}", self.settings.number(candidate.cost))),
+            ])
+        })
+    }
+
+    /// Where each parabola is lowest, with its numbers.
+    fn fitted(&self, fit: &Fit) -> Vec<Math> {
+        let best = self.best().map_or([0, 0], |best| best.displacement);
+        let along = |i: usize, name: &'static str| {
+            let [before, at, after] = fit.costs[i]?.map(|cost| self.settings.number(cost));
+            Some(Math::Row(vec![
+                Math::Var(name),
+                Math::text(format!(" = {} + ", signed(best[i]))),
+                Math::Frac(
+                    Box::new(Math::text(format!("{before} − {after}"))),
+                    Box::new(Math::text(format!("2 · ({before} − 2 · {at} + {after})"))),
+                ),
+                Math::text(" = "),
+                Math::ink(Role::Best, format!("{} px", signed(best[i] as f32 + fit.fraction[i]))),
+            ]))
+        };
+        [along(0, "u"), along(1, "v")].into_iter().flatten().collect()
+    }
+
+    /// The costs between pixels, by where they were tested around the best whole displacement.
+    fn between(&self) -> Option<Tile> {
+        let steps = self.settings.subpixel.steps_per_px();
+        let (label, reach) = match self.settings.subpixel {
+            Subpixel::Half => ("cost by ½ px", 1),
+            Subpixel::Quarter => ("cost by ¼ px", 3),
+            Subpixel::None | Subpixel::Parabola => return None,
+        };
+        let tested = || {
+            self.events.iter().filter_map(|event| match event {
+                Event::Candidate { tested, .. } => Some(*tested),
+                _ => None,
+            })
+        };
+        let centre = tested().find(|tested| tested.fraction != [0.0; 2])?.displacement;
+        let mut values = Grid::new(2 * reach + 1, 2 * reach + 1, f32::NAN);
+        for tested in tested().filter(|tested| tested.displacement == centre) {
+            let [i, j] = tested.fraction.map(|c| (c * steps as f32 + reach as f32) as usize);
+            values[(i, j)] = tested.cost as f32;
+        }
+        let known = || values.cells().iter().copied().filter(|cost| cost.is_finite());
+        let range = [known().fold(f32::INFINITY, f32::min), known().fold(0.0, f32::max)];
+        Some(Tile { label, role: None, values, range })
     }
 
     fn equation(&self, candidate: Match, rows: usize) -> Vec<Math> {
         let block = self.block();
-        let (a, b) = self.patches(candidate.displacement);
-        let [u, v] = candidate.displacement.map(signed);
-        let name = || Math::text(format!("{}({u}, {v}) ", self.cost.label()));
-        let Some(sum) = self.cost.sum() else {
+        let (a, b) = self.patches(candidate);
+        let cost = self.settings.cost;
+        let [u, v] = candidate.vector().map(signed);
+        let name = || Math::text(format!("{}({u}, {v}) ", cost.label()));
+        let Some(sum) = cost.sum() else {
             return self.whole_equation(candidate, &a, &b);
         };
-        let (open, close) = if self.cost == Cost::Mse { ("1/N · ", "") } else { ("", "") };
+        let (open, close) = if cost == Cost::Mse { ("1/N · ", "") } else { ("", "") };
         let difference = Math::Row(vec![
             Math::indexed(Math::Var("I"), Math::Var("t")),
             Math::text("(x, y) − "),
             Math::indexed(Math::Var("I"), Math::text("t+1")),
-            Math::text(format!("(x{}, y{})", offset(candidate.displacement[0]), offset(candidate.displacement[1]))),
+            Math::text(format!("(x{}, y{})", offset(candidate.vector()[0]), offset(candidate.vector()[1]))),
         ]);
         let general = vec![
             name(),
@@ -116,16 +201,17 @@ impl Probe<'_> {
         if last.0 > 1 || last.1 > 0 {
             terms.extend([Math::text(" + … + "), numbers(last.0, last.1)]);
         }
-        let mut result = vec![Math::text(format!("= {}", self.cost.show(candidate.cost)))];
-        if self.cost == Cost::Mse {
+        let mut result = vec![Math::text(format!("= {}", self.distortion(candidate)))];
+        if cost == Cost::Mse {
             let n = block.width * block.height;
-            let squares = (candidate.cost * n as f64).round();
+            let distortion = candidate.cost - self.rate.price(candidate.quarters());
+            let squares = (distortion * n as f64).round();
             terms.insert(1, Math::text("1/N · ("));
             terms.push(Math::text(")"));
             result = vec![
                 Math::text("= "),
                 Math::Frac(Box::new(Math::text(squares.to_string())), Box::new(Math::text(n.to_string()))),
-                Math::text(format!(" = {}", self.cost.show(candidate.cost))),
+                Math::text(format!(" = {}", self.distortion(candidate))),
             ];
         }
         if rows < block.height {
@@ -143,7 +229,7 @@ impl Probe<'_> {
         let (i, j) = (x - block.x as isize, y - block.y as isize);
         let inside = (0..block.width as isize).contains(&i) && (0..rows as isize).contains(&j);
         let (i, j) = inside.then_some((i as usize, j as usize))?;
-        let (p, q, sum) = (a.pixel(i, j), b.pixel(i, j), self.cost.sum()?);
+        let (p, q, sum) = (a.pixel(i, j), b.pixel(i, j), self.settings.cost.sum()?);
         let numbers = vec![
             Math::ink(Role::Reference, p.to_string()),
             Math::text(" − "),
@@ -158,11 +244,11 @@ impl Probe<'_> {
 
     fn tiles(&self, candidate: Match, rows: usize) -> Vec<Tile> {
         let block = self.block();
-        let (a, b) = self.patches(candidate.displacement);
+        let (a, b) = self.patches(candidate);
         let grid = |f: &dyn Fn(usize, usize) -> f32| Grid::from_fn(block.width, block.height, f);
         let terms =
             |sum: Sum| grid(&|x, y| if y < rows { sum.term(a.pixel(x, y), b.pixel(x, y)) as f32 } else { f32::NAN });
-        let (label, differences, top) = match self.cost.sum() {
+        let (label, differences, top) = match self.settings.cost.sum() {
             Some(sum @ Sum::Absolute) => ("|difference|", terms(sum), 255.0),
             Some(sum @ Sum::Squared) => ("difference²", terms(sum), 255.0 * 255.0),
             None => self.whole_tile(&a, &b),
@@ -185,11 +271,11 @@ impl Probe<'_> {
         for (i, event) in self.events.iter().enumerate() {
             let last = tested.last().copied();
             match (event, last) {
-                (&Event::Candidate { cost, rows, .. }, _) => {
+                (Event::Candidate { tested: candidate, rows }, _) => {
                     number += 1.0;
                     events.push(i + 1);
-                    if rows == self.block().height {
-                        tested.push([number, cost as f32]);
+                    if *rows == self.block().height {
+                        tested.push([number, candidate.cost as f32]);
                     }
                 }
                 (Event::NewBest { .. }, Some(point)) => best.push(point),
@@ -203,8 +289,9 @@ impl Probe<'_> {
         Series {
             title: "Cost by candidate",
             x_label: "candidate",
-            y_label: self.cost.label(),
-            x_max: self.window.count(),
+            y_label: self.settings.label(),
+            // What is tested between pixels comes on top.
+            x_max: self.window.count().max(self.tested()),
             events,
             lines: vec![("candidate", Role::Candidate, tested), ("best so far", Role::Best, best)],
         }
@@ -212,11 +299,11 @@ impl Probe<'_> {
 }
 
 /// What is added to a coordinate: ` + 3`.
-pub(super) fn offset(v: i32) -> String {
-    match v {
-        0 => String::new(),
-        _ if v < 0 => format!(" − {}", v.unsigned_abs()),
-        _ => format!(" + {v}"),
+pub(super) fn offset(v: f32) -> String {
+    match short(v.abs().into()).as_str() {
+        "0" => String::new(),
+        shown if v < 0.0 => format!(" − {shown}"),
+        shown => format!(" + {shown}"),
     }
 }
 

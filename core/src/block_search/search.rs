@@ -7,8 +7,8 @@ use super::tester::Workspace;
 use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
 use crate::threads::Earlier;
 use crate::{
-    BlockField, BlockGrid, BlockVector, Clip, Error, Estimator, Info, Observer, Output, Params, Progress, Promise,
-    Role, Rung, Scene, Seen, Step, Threads,
+    BlockGrid, BlockVector, Clip, Error, Estimator, Info, Observer, Output, Params, Progress, Promise, Role, Rung,
+    Scene, Seen, Step, Threads,
 };
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
@@ -37,7 +37,8 @@ pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 's
         let from_end = |lines| Self::INFO.pseudocode.len() - lines;
         match event {
             Event::Window => 1,
-            Event::Stage(stage) => stage.line,
+            Event::Stage { line, .. } => *line,
+            Event::Refine(_) | Event::Fit(_) => from_end(6),
             Event::Found(_) => from_end(5),
             Event::Candidate { .. } => from_end(3),
             Event::NewBest { .. } => from_end(1),
@@ -53,9 +54,10 @@ macro_rules! pseudocode {
             "for each block B of frame t",
             "  lay the window of ±range px around B in frame t+1",
             $($line,)*
+            "  refine the best to a fraction of a px, if asked for",
             "  displacement of B ← (u, v) of the best",
             "to test (u, v), if it is new and lies in the window",
-            "  cost ← difference of B and the block at (u, v)",
+            "  cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v)]",
             "  if cost < best, or equal and (u, v) shorter, then first",
             "    best ← cost at (u, v)",
         ]
@@ -83,11 +85,13 @@ fn search_block<S: BlockSearch>(
     observer: &mut impl Observer<Event>,
 ) -> (Match, usize) {
     observer.see(|| Event::Window);
-    let neighbours = match search.predicts() {
+    let settings = search.settings();
+    // The bits of a displacement are those of its difference from what the neighbours predict.
+    let neighbours = match search.predicts() || settings.lambda > 0.0 {
         true => Neighbours::of(index, pair.blocks.counts().0, found, before.as_deref()),
         false => Neighbours::default(),
     };
-    let mut tester = Tester::new((pair, index), search.settings(), neighbours, work, observer);
+    let mut tester = Tester::new((pair, index), settings, neighbours, work, observer);
     search.search(&mut tester);
     tester.finish()
 }
@@ -169,13 +173,13 @@ impl<S: BlockSearch> Estimator for S {
     }
 
     fn output(&self, state: &State) -> Output {
-        let cost = self.settings().cost.label();
+        let settings = self.settings();
         let vector = |(found, &candidates): (&Match, &u32)| {
-            Some(BlockVector { displacement: found.displacement.map(|c| c as f32), cost: found.cost, candidates })
+            Some(BlockVector { displacement: found.vector(), cost: found.cost, candidates })
         };
         let mut vectors: Vec<_> = state.found.iter().zip(&state.tested).map(vector).collect();
         vectors.resize(state.pair.blocks.len(), None);
-        Output::Blocks(BlockField { blocks: state.pair.blocks, vectors, cost, border: state.pair.rule.border() })
+        Output::Blocks(settings.field(state.pair.blocks, vectors))
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
@@ -193,7 +197,5 @@ pub(crate) fn unit_at(blocks: &BlockGrid, [x, y]: [f32; 2]) -> Option<usize> {
 
 fn probe<'a, S: BlockSearch>(search: &S, seen: &'a Seen<S>) -> Probe<'a> {
     let Seen { before: State { pair, found, .. }, events, focus, .. } = *seen;
-    let (settings, index) = (search.settings(), found.len());
-    let window = pair.window(pair.blocks.block(index), settings.range);
-    Probe { pair, cost: settings.cost, index, window, range: settings.range, found, events, focus }
+    Probe::new(pair, search.settings(), found, (events, focus))
 }

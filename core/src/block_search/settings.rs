@@ -1,7 +1,8 @@
 //! The parameters that all block searches have, declared once.
 
+use super::Subpixel;
 use crate::cost::{Cut, Sum, whole};
-use crate::{Block, Border, choices, cost};
+use crate::{Block, BlockField, BlockGrid, BlockVector, Border, Interpolation, choices, cost};
 
 choices! {
     /// How unlike two blocks are.
@@ -42,6 +43,14 @@ impl Cost {
         }
     }
 
+    /// The largest sum over `block` that amounts to no more than `cost`.
+    pub(crate) fn sum_within(self, cost: f64, block: Block) -> u32 {
+        match self {
+            Cost::Mse => (cost * (block.width * block.height) as f64) as u32,
+            _ => cost as u32,
+        }
+    }
+
     /// The cost of `block`, whose pixels are `cut`, against the candidate whose first pixel is the first of `pixels`, in
     /// rows of `stride` pixels.
     #[inline]
@@ -68,11 +77,23 @@ impl Cost {
     }
 
     /// The cost as a person reads it.
-    pub(super) fn show(self, cost: f64) -> String {
+    fn show(self, cost: f64) -> String {
         match self {
             Cost::Sad | Cost::Ssd | Cost::Satd => cost.to_string(),
             Cost::Mse | Cost::Zsad => format!("{cost:.2}"),
             Cost::Ncc => format!("{cost:.4}"),
+        }
+    }
+
+    /// Its label where the price of the displacement is added.
+    fn priced_label(self) -> &'static str {
+        match self {
+            Cost::Sad => "SAD + λR",
+            Cost::Ssd => "SSD + λR",
+            Cost::Mse => "MSE + λR",
+            Cost::Zsad => "ZSAD + λR",
+            Cost::Satd => "SATD + λR",
+            Cost::Ncc => "1 − NCC + λR",
         }
     }
 }
@@ -100,7 +121,7 @@ impl BorderRule {
 }
 
 /// The values of the parameters that all block searches have.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Side of the blocks in px.
     pub block: usize,
@@ -108,6 +129,12 @@ pub struct Settings {
     pub range: usize,
     /// How unlike two blocks are.
     pub cost: Cost,
+    /// How closely a displacement is found.
+    pub subpixel: Subpixel,
+    /// How gray values between pixels are interpolated.
+    pub filter: Interpolation,
+    /// Cost of a bit of the displacement.
+    pub lambda: f32,
     /// From one block to the next in px; 0 sets them edge to edge.
     pub spacing: usize,
     /// What happens where the window leaves the picture.
@@ -115,9 +142,29 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// A cost as a person reads it: `SAD 120`.
+    /// The result of a search: `vectors` for `blocks`.
+    pub(crate) fn field(&self, blocks: BlockGrid, vectors: Vec<Option<BlockVector>>) -> BlockField {
+        BlockField { blocks, vectors, cost: self.label(), border: self.border.border(), filter: self.filter }
+    }
+
+    /// A cost as a person reads it, with its name: `SAD 120`.
     pub(crate) fn show(&self, cost: f64) -> String {
-        format!("{} {}", self.cost.label(), self.cost.show(cost))
+        format!("{} {}", self.label(), self.number(cost))
+    }
+
+    /// A cost as a person reads it.
+    pub(super) fn number(&self, cost: f64) -> String {
+        if self.lambda == 0.0 {
+            return self.cost.show(cost);
+        }
+        let digits = if self.cost == Cost::Ncc { 4 } else { 2 };
+        let shown = format!("{cost:.digits$}");
+        shown.trim_end_matches('0').trim_end_matches('.').into()
+    }
+
+    /// What the cost is called.
+    pub(crate) fn label(&self) -> &'static str {
+        if self.lambda == 0.0 { self.cost.label() } else { self.cost.priced_label() }
     }
 }
 
@@ -145,6 +192,13 @@ macro_rules! block_search_params {
                 /// How unlike two blocks are. SSD and MSE are one divided by the other, so they choose the same vectors.
                 cost: $crate::block_search::Cost = $crate::block_search::Cost::Sad;
                 $($own)*
+                /// How closely a displacement is found: the best in whole px is refined.
+                subpixel: $crate::block_search::Subpixel = $crate::block_search::Subpixel::None;
+                /// How gray values between pixels are interpolated, for the refinement and for the prediction.
+                filter: $crate::Interpolation = $crate::Interpolation::Bilinear;
+                /// Cost of each bit that the displacement takes when it is sent as its difference from the median of the
+                /// neighbours' displacements; 0 leaves the bits out.
+                lambda: f32 = 0.0, 0.0..=100.0, "per bit";
                 /// Distance from one block to the next; 0 sets them edge to edge, less than the block lets them overlap.
                 spacing: usize = 0, 0..=64, "px";
                 /// What happens where the window leaves the picture.
@@ -154,8 +208,8 @@ macro_rules! block_search_params {
 
         impl $crate::block_search::HasSettings for $name {
             fn settings(&self) -> $crate::block_search::Settings {
-                let Self { block, range, cost, spacing, border, .. } = *self;
-                $crate::block_search::Settings { block, range, cost, spacing, border }
+                let Self { block, range, cost, subpixel, filter, lambda, spacing, border, .. } = *self;
+                $crate::block_search::Settings { block, range, cost, subpixel, filter, lambda, spacing, border }
             }
         }
     };

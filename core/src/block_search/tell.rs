@@ -1,23 +1,31 @@
 //! A block search at a cursor: why the last event happened, in words.
 
 use super::probe::Probe;
-use super::{Displacement, Event, Match, Stage, shorter};
+use super::{Event, Fit, Match, Stage, shorter};
 use crate::Role;
 use crate::scene::Sentence;
 
 /// A number with a true minus sign.
-pub(super) fn signed(v: i32) -> String {
-    if v < 0 { format!("−{}", v.unsigned_abs()) } else { v.to_string() }
+pub(super) fn signed(v: impl Into<f64>) -> String {
+    let v = v.into();
+    let shown = short(v.abs());
+    if v < 0.0 && shown != "0" { format!("−{shown}") } else { shown }
+}
+
+/// A number with at most two digits after the point.
+pub(super) fn short(v: f64) -> String {
+    let shown = format!("{v:.2}");
+    shown.trim_end_matches('0').trim_end_matches('.').into()
 }
 
 /// Why `a` is preferred to `b`, which costs the same.
-fn preference(a: Displacement, b: Displacement) -> &'static str {
-    let length = |[u, v]: Displacement| u * u + v * v;
+fn preference(a: Match, b: Match) -> &'static str {
+    let length = |found: Match| found.quarters().map(|c| c * c).iter().sum::<i32>();
     if length(a) < length(b) { "is shorter" } else { "is as short and comes first, row by row" }
 }
 
 /// A displacement as a person reads it.
-pub(crate) fn vector([u, v]: Displacement) -> String {
+pub(crate) fn vector([u, v]: [impl Into<f64>; 2]) -> String {
     // A space at which no line is broken.
     format!("({},\u{a0}{})", signed(u), signed(v))
 }
@@ -37,40 +45,43 @@ impl Probe<'_> {
     pub fn sentence(&self) -> Sentence {
         let block = self.block();
         let place = format!("{}×{} px at ({}, {})", block.width, block.height, block.x, block.y);
-        let show = |found: Match| self.cost.show(found.cost);
+        let show = |found: Match| self.settings.number(found.cost);
         let said = Sentence::default();
         match (self.events.last(), self.candidate()) {
             (Some(Event::Window), _) | (Some(Event::Candidate { .. } | Event::NewBest { .. }), None) => {
                 let (columns, rows) = self.window.size;
                 let of = format!("{columns}×{rows} = {} candidates", self.window.count());
-                let is_cut = self.window.count() < (2 * self.range + 1).pow(2);
+                let is_cut = self.window.count() < (2 * self.settings.range + 1).pow(2);
                 let cut = if is_cut { "; the picture's border cuts it." } else { "." };
                 said.ink(Role::Reference, format!("Block {}", self.index + 1))
                     .text(format!(" is the {place} of frame t. Its "))
                     .ink(Role::Window, "search window")
                     .text(format!(" in frame t+1 holds {of}{cut}"))
             }
-            (Some(Event::Stage(stage)), _) => said.text(stage.why.clone()).text(left_out(stage)),
+            (Some(Event::Stage { stage, .. } | Event::Refine(stage)), _) => {
+                said.text(stage.why.clone()).text(left_out(stage))
+            }
+            (Some(Event::Fit(fit)), _) => self.why_fit(fit),
             (Some(Event::Candidate { .. }), Some((candidate, rows))) => self.why_candidate(candidate, rows),
             (Some(Event::NewBest { before }), Some((best, _))) => {
-                let said = said.ink(Role::Best, format!("{} at {}", show(best), vector(best.displacement)));
+                let said = said.ink(Role::Best, format!("{} at {}", show(best), vector(best.vector())));
                 match *before {
                     None => said.text(" is the first cost, so it is the best so far."),
                     Some(old) if old.cost == best.cost => said.text(format!(
                         " equals the best so far at {}, and the displacement {}: it is preferred.",
-                        vector(old.displacement),
-                        preference(best.displacement, old.displacement)
+                        vector(old.vector()),
+                        preference(best, old)
                     )),
                     Some(old) => {
-                        said.text(format!(" is less than {} at {}: the new best.", show(old), vector(old.displacement)))
+                        said.text(format!(" is less than {} at {}: the new best.", show(old), vector(old.vector())))
                     }
                 }
             }
             (Some(Event::Found(found)), _) => said
                 .ink(Role::Reference, format!("Block {}", self.index + 1))
                 .text(" moves by ")
-                .ink(Role::Result, format!("{} px", vector(found.displacement)))
-                .text(format!(": {} {} is the smallest of {} tested", self.cost.label(), show(*found), self.tested()))
+                .ink(Role::Result, format!("{} px", vector(found.vector())))
+                .text(format!(": {} is the smallest of {} tested", self.settings.show(found.cost), self.tested()))
                 .text(self.saved_candidates())
                 .text(self.saved_rows()),
             (None, _) => said.text(format!(
@@ -83,9 +94,12 @@ impl Probe<'_> {
 
     /// What not testing every candidate has saved, if it has.
     fn saved_candidates(&self) -> String {
-        match self.window.count() {
-            all if all == self.tested() => ".".into(),
-            all => format!("; full search would test {all}."),
+        let all = self.window.count();
+        let whole = self.tests().cells().iter().flatten().count();
+        match self.tested() - whole {
+            _ if whole < all => format!("; full search would test {all}."),
+            0 => ".".into(),
+            between => format!(", {between} of them between pixels."),
         }
     }
 
@@ -103,17 +117,32 @@ impl Probe<'_> {
         )
     }
 
+    /// What was fitted, along u and along v.
+    fn why_fit(&self, fit: &Fit) -> Sentence {
+        let along = |i: usize, name: &str| match fit.costs[i] {
+            Some(costs) => {
+                let [before, at, after] = costs.map(|cost| self.settings.number(cost));
+                let lowest = signed(fit.fraction[i]);
+                format!(
+                    "Along {name} a parabola through {before}, {at} and {after} is lowest {lowest} px from the best."
+                )
+            }
+            None => format!("Along {name} a neighbour of the best lies outside the window: nothing is fitted."),
+        };
+        Sentence::default().text(format!("{} {}", along(0, "u"), along(1, "v")))
+    }
+
     fn why_candidate(&self, candidate: Match, rows: usize) -> Sentence {
         let block = self.block();
-        let show = |found: Match| self.cost.show(found.cost);
+        let show = |found: Match| self.settings.number(found.cost);
         let said = Sentence::default()
             .text("Candidate ")
-            .ink(Role::Candidate, vector(candidate.displacement))
+            .ink(Role::Candidate, vector(candidate.vector()))
             .text(format!(" costs {}", show(candidate)));
         let Some(best) = self.best() else {
             return said.text(", the first cost of this block.");
         };
-        let best_shown = format!("{} at {}", show(best), vector(best.displacement));
+        let best_shown = format!("{} at {}", show(best), vector(best.vector()));
         if rows < block.height {
             let given_up = format!(" after {rows} of {} rows, already more than the best, ", block.height);
             return said.text(given_up).ink(Role::Best, best_shown).text(": given up early.");
@@ -124,8 +153,8 @@ impl Probe<'_> {
             std::cmp::Ordering::Greater => ", more than the best so far, ",
         };
         let said = said.text(verdict).ink(Role::Best, best_shown);
-        if candidate.cost == best.cost && shorter(best.displacement, candidate.displacement) {
-            return said.text(format!(", which {} and stays.", preference(best.displacement, candidate.displacement)));
+        if candidate.cost == best.cost && shorter(best.quarters(), candidate.quarters()) {
+            return said.text(format!(", which {} and stays.", preference(best, candidate)));
         }
         said.text(".")
     }

@@ -1,6 +1,8 @@
 //! Where a search tests displacements: the window, the costs, the best, and what an observer sees of it.
 
-use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Settings, Stage, Window, shorter};
+use super::subpixel::BESIDE;
+use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Rate, Settings, Stage, Window, shorter};
+use crate::interpolation::Between;
 use crate::{Block, Observer};
 
 /// Buffers that are used again from block to block.
@@ -12,6 +14,8 @@ pub(crate) struct Workspace {
     tested: Vec<u64>,
     /// What those that were tested cost.
     costs: Vec<f64>,
+    /// The block's best match, moved by fractions of a pixel.
+    pub between: Between,
     /// The sums of a whole window.
     pub sums: Vec<u32>,
     /// The costs of a whole window, where they are no sums.
@@ -33,8 +37,10 @@ pub struct Tester<'a, O> {
     pub(crate) observer: &'a mut O,
     /// The part of the window to which the search has narrowed down, if it does so.
     pub(crate) narrowed: Option<Window>,
-    best: Option<Match>,
-    tested: usize,
+    /// What a displacement costs to send.
+    pub(crate) rate: Rate,
+    pub(super) best: Option<Match>,
+    pub(super) tested: usize,
 }
 
 impl<'a, O: Observer<Event>> Tester<'a, O> {
@@ -52,7 +58,8 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         work.tested.clear();
         work.tested.resize(window.count().div_ceil(64), 0);
         work.costs.resize(window.count(), f64::NAN);
-        Self { pair, settings, block, window, neighbours, work, observer, narrowed: None, best: None, tested: 0 }
+        let rate = Rate::new(&settings, &neighbours);
+        Self { pair, settings, block, window, neighbours, work, observer, narrowed: None, rate, best: None, tested: 0 }
     }
 
     /// The best displacement so far; at the very start, the zero displacement.
@@ -88,16 +95,27 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         points: impl Iterator<Item = Displacement> + Clone,
         why: impl FnOnce() -> String,
     ) {
+        self.announce(points, |stage| Event::Stage { line, stage }, why);
+    }
+
+    /// Tells of a stage, as `event` makes an event of it, and tests its points.
+    pub(super) fn announce(
+        &mut self,
+        points: impl Iterator<Item = Displacement> + Clone,
+        event: impl FnOnce(Stage) -> Event,
+        why: impl FnOnce() -> String,
+    ) {
         let (window, tested, narrowed) = (self.window, &self.work.tested, self.narrowed);
         self.observer.see(|| {
             let is_new = |point| window.index(point).is_some_and(|index| !is_set(tested, index));
             let mut new = Vec::new();
             for point in points.clone() {
-                if is_new(point) && !new.contains(&point) {
-                    new.push(point);
+                let place = point.map(|c| c as f32);
+                if is_new(point) && !new.contains(&place) {
+                    new.push(place);
                 }
             }
-            Event::Stage(Stage { line, narrowed, asked: points.clone().count(), points: new, why: why() })
+            event(Stage { narrowed, asked: points.clone().count(), points: new, why: why() })
         });
         points.for_each(|point| self.test(point));
     }
@@ -108,22 +126,36 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         let Some(index) = self.window.index(displacement).filter(|&index| !is_set(&self.work.tested, index)) else {
             return;
         };
+        let cost = self.distortion(displacement) + self.rate.price(displacement.map(|c| 4 * c));
+        self.note(index, cost);
+        self.take(Match::whole(displacement, cost));
+    }
+
+    /// Remembers that displacement `index` of the window was tested.
+    #[inline]
+    fn note(&mut self, index: usize, cost: f64) {
         self.work.tested[index / 64] |= 1 << (index % 64);
-        self.tested += 1;
-        let (cost, rows) = (self.cost(displacement), self.block.height);
         self.work.costs[index] = cost;
-        self.observer.see(|| Event::Candidate { displacement, cost, rows });
+    }
+
+    /// Takes `found`, which was tested, as the best if it is.
+    #[inline]
+    pub(super) fn take(&mut self, found: Match) {
+        self.tested += 1;
+        self.observer.see(|| Event::Candidate { tested: found, rows: self.block.height });
         let before = self.best;
-        let wins = |best: Match| cost < best.cost || cost == best.cost && shorter(displacement, best.displacement);
+        let wins = |best: Match| {
+            found.cost < best.cost || found.cost == best.cost && shorter(found.quarters(), best.quarters())
+        };
         if before.is_none_or(wins) {
             self.observer.see(|| Event::NewBest { before });
-            self.best = Some(Match { displacement, cost });
+            self.best = Some(found);
         }
     }
 
-    /// What `displacement` costs. The candidate is read straight from frame t + 1 where it lies inside.
+    /// How badly `displacement` fits. The candidate is read straight from frame t + 1 where it lies inside.
     #[inline]
-    fn cost(&mut self, displacement: Displacement) -> f64 {
+    fn distortion(&mut self, displacement: Displacement) -> f64 {
         let Self { pair, settings, block, .. } = *self;
         let picture = pair.next.luma();
         let [x, y] = [block.x as isize + displacement[0] as isize, block.y as isize + displacement[1] as isize];
@@ -138,14 +170,22 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         }
     }
 
-    /// Takes the result of a search that tested `tested` displacements by its own means.
-    pub(crate) fn settle(&mut self, best: Match, tested: usize) {
-        (self.best, self.tested) = (Some(best), tested);
+    /// Takes the result of a search that tested the whole window by its own means; `cost` gives each by its index.
+    pub(crate) fn settle(&mut self, best: Match, cost: impl Fn(&Workspace, usize) -> f64) {
+        (self.best, self.tested) = (Some(best), self.window.count());
+        // Only a parabola asks again what the neighbours of the best cost.
+        for point in around(best.displacement, &BESIDE, 1) {
+            if let Some(index) = self.window.index(point) {
+                let cost = cost(self.work, index);
+                self.note(index, cost);
+            }
+        }
     }
 
-    /// The best of all, and how many displacements were tested.
-    pub(crate) fn finish(self) -> (Match, usize) {
-        let best = self.best.unwrap_or(Match { displacement: [0, 0], cost: f64::INFINITY });
+    /// The best of all, refined, and how many displacements were tested.
+    pub(crate) fn finish(mut self) -> (Match, usize) {
+        self.refine();
+        let best = self.best.unwrap_or(Match::whole([0, 0], f64::INFINITY));
         self.observer.see(|| Event::Found(best));
         (best, self.tested)
     }

@@ -3,7 +3,7 @@
 use super::probe::Probe;
 use super::readouts::offset;
 use super::tell::signed;
-use super::{Cost, Displacement, Match};
+use super::{Cost, Match};
 use crate::cost::{Cut, whole};
 use crate::scene::Math;
 use crate::{Grid, Role};
@@ -11,13 +11,13 @@ use crate::{Grid, Role};
 impl Probe<'_> {
     /// The formula of the cost with the numbers of block `a` and candidate `b` put in.
     pub(super) fn whole_equation(&self, candidate: Match, a: &Cut, b: &Cut) -> Vec<Math> {
-        let [u, v] = candidate.displacement.map(signed);
-        let name = Math::text(format!("{}({u}, {v}) = ", self.cost.label()));
-        let result = Math::text(format!("= {}", self.cost.show(candidate.cost)));
-        let mut lines = match self.cost {
+        let [u, v] = candidate.vector().map(signed);
+        let name = Math::text(format!("{}({u}, {v}) = ", self.settings.cost.label()));
+        let result = Math::text(format!("= {}", self.distortion(candidate)));
+        let mut lines = match self.settings.cost {
             Cost::Satd => vec![hadamard(), self.first_coefficients(a, b)],
-            Cost::Ncc => vec![correlation(candidate.displacement), self.moments(a, b)],
-            _ => vec![zero_mean(candidate.displacement), self.off_means(a, b)],
+            Cost::Ncc => vec![correlation(candidate.vector()), self.moments(a, b)],
+            _ => vec![zero_mean(candidate.vector()), self.off_means(a, b)],
         };
         lines[0] = Math::Row(vec![name, lines[0].clone()]);
         lines.push(result);
@@ -79,7 +79,7 @@ impl Probe<'_> {
     /// What the cost sees of each pixel, its name, and the largest there may be.
     pub(super) fn whole_tile(&self, a: &Cut, b: &Cut) -> (&'static str, Grid<f32>, f32) {
         let block = self.block();
-        if self.cost == Cost::Satd {
+        if self.settings.cost == Cost::Satd {
             let (pixels, stride) = b.rows();
             let coefficient = |x: usize, y: usize| {
                 let tile = whole::coefficients(a, pixels, stride, (x / 4 * 4, y / 4 * 4));
@@ -105,7 +105,7 @@ fn off_mean_of_current() -> Math {
 }
 
 /// `(I_t+1(x + u, y + v) − m_t+1)`.
-fn off_mean_of_next(displacement: Displacement) -> Math {
+fn off_mean_of_next(displacement: [f32; 2]) -> Math {
     Math::Row(vec![
         Math::text("("),
         Math::indexed(Math::Var("I"), Math::text("t+1")),
@@ -115,7 +115,7 @@ fn off_mean_of_next(displacement: Displacement) -> Math {
     ])
 }
 
-fn zero_mean(displacement: Displacement) -> Math {
+fn zero_mean(displacement: [f32; 2]) -> Math {
     let difference = vec![off_mean_of_current(), Math::text(" − "), off_mean_of_next(displacement)];
     Math::Row(vec![Math::Sum(Box::new(Math::text("x, y"))), Math::Abs(Box::new(Math::Row(difference)))])
 }
@@ -132,7 +132,7 @@ fn hadamard() -> Math {
     ])
 }
 
-fn correlation(displacement: Displacement) -> Math {
+fn correlation(displacement: [f32; 2]) -> Math {
     let sum = |what: Vec<Math>| Math::Row([vec![Math::Sum(Box::new(Math::text("x, y")))], what].concat());
     let (current, next) = (off_mean_of_current(), off_mean_of_next(displacement));
     let square = |base: &Math| Math::power(base.clone(), Math::text("2"));

@@ -85,6 +85,7 @@ mod tests {
             vectors: vec![vector(2.0, 12.0), None, vector(0.5, 3.25)],
             cost: "SAD",
             border: Border::Replicate,
+            filter: motionscope_core::Interpolation::Bilinear,
         });
         let golden = "x_px,y_px,width_px,height_px,u_px,v_px,cost\n7.5,7.5,16,16,2,-1,12\n35.5,7.5,8,16,0.5,-1,3.25\n";
         assert_eq!(csv(&output), golden);
