@@ -140,6 +140,21 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
         None
     }
 
+    /// The units that lead to the result of block `block`, the last one being that which finds it.
+    fn way_to(&self, _state: &Self::State, block: usize) -> Vec<usize> {
+        vec![block]
+    }
+
+    /// Whether a candidate is tested at `event`: what estimators beside each other are counted by.
+    fn is_evaluation(&self, _event: &Self::Event) -> bool {
+        false
+    }
+
+    /// How many such events each unit had that `state` has behind it.
+    fn evaluations(&self, _state: &Self::State) -> Vec<u32> {
+        Vec::new()
+    }
+
     /// Memory that one state takes, in bytes, for the budget of checkpoints.
     fn state_bytes(&self, state: &Self::State) -> usize;
 
@@ -224,6 +239,12 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// # Errors
     /// If the clip, the frame or the parameters do not allow a run.
     fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error>;
+
+    /// How many candidates each unit of a whole run tests.
+    ///
+    /// # Errors
+    /// If the clip, the frame or the parameters do not allow a run.
+    fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error>;
 }
 
 impl<E: Estimator> AnyEstimator for E {
@@ -251,5 +272,9 @@ impl<E: Estimator> AnyEstimator for E {
         let mut events = crate::Count::default();
         let (state, units) = run_observed(self, clip, frame, &mut events)?;
         Ok(Extent { units, events: events.0, state_bytes: self.state_bytes(&state) })
+    }
+
+    fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error> {
+        Estimator::run(self, clip, frame, threads).map(|state| Estimator::evaluations(self, &state))
     }
 }

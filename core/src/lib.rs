@@ -13,6 +13,7 @@ mod error;
 mod estimator;
 mod grid;
 mod interpolation;
+pub mod lockstep;
 pub mod metrics;
 mod output;
 pub mod params;
@@ -32,6 +33,7 @@ pub use estimator::{
 };
 pub use grid::{Border, Gray, Grid};
 pub use interpolation::Interpolation;
+pub use lockstep::{Beside, Lockstep, Pace};
 pub use output::{Block, BlockField, BlockGrid, BlockVector, Output, predict};
 pub use params::{Params, Spec, Value};
 pub use registry::{estimator, estimators};

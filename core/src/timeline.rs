@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::lockstep::Beside;
 use crate::{Clip, Error, Estimator, Info, Output, Progress, Role, Rung, Scene, Seen, Step};
 
 /// A place in a run: the unit at hand and how many of its events were seen.
@@ -103,6 +104,17 @@ pub trait Walk: Send {
     fn scene(&self, focus: Option<[f32; 2]>) -> Scene;
     /// What the run amounts to at the cursor: all units whose events were all seen.
     fn output(&self) -> Output;
+    /// Events of the unit at hand at which a candidate was tested: how many were seen by then.
+    fn evaluations(&self) -> Vec<usize>;
+    /// Candidates that were tested up to the cursor.
+    fn evaluated(&self) -> u64;
+    /// The units that lead to the result of block `block`, the last one being that which finds it.
+    fn way_to(&self, block: usize) -> Vec<usize>;
+
+    /// The runs that stand side by side, the first leading; none where there is but one.
+    fn beside(&self, _focus: Option<[f32; 2]>) -> Vec<Beside> {
+        Vec::new()
+    }
 
     /// Goes there and returns when it is done.
     fn jump(&mut self, to: Move) {
@@ -482,5 +494,20 @@ impl<E: Estimator> Walk for Timeline<E> {
 
     fn output(&self) -> Output {
         self.estimator.output(if self.unit_is_over() { &self.unit.after } else { &self.unit.before })
+    }
+
+    fn evaluations(&self) -> Vec<usize> {
+        let tests = self.unit.events.iter().map(|event| self.estimator.is_evaluation(event));
+        tests.enumerate().filter_map(|(i, tests)| tests.then_some(i + 1)).collect()
+    }
+
+    fn evaluated(&self) -> u64 {
+        let before: u64 = self.estimator.evaluations(&self.unit.before).into_iter().map(u64::from).sum();
+        let seen = self.unit.events[..self.seen].iter().filter(|event| self.estimator.is_evaluation(event));
+        before + seen.count() as u64
+    }
+
+    fn way_to(&self, block: usize) -> Vec<usize> {
+        self.estimator.way_to(&self.unit.before, block)
     }
 }

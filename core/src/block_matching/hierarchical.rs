@@ -92,12 +92,23 @@ impl State {
         self.level + 1 == self.levels.len()
     }
 
+    /// Column and row of the block of the coarser level that is nearest to block `index` of `level`.
+    fn parent(&self, level: usize, index: usize) -> (usize, usize) {
+        let coarser = &self.levels[level + 1].blocks;
+        let [x, y] = self.levels[level].blocks.block(index).center().map(|c| (c / 2.0) as usize);
+        coarser.nearest(x.min(coarser.picture.0 - 1), y.min(coarser.picture.1 - 1))
+    }
+
+    /// The first unit of a level.
+    fn first_unit(&self, level: usize) -> usize {
+        self.levels[level + 1..].iter().map(|pair| pair.blocks.len()).sum()
+    }
+
     /// Twice what was found for the block of the coarser level that is nearest to block `index`, and for those around it.
     fn inherited(&self, index: usize) -> Vec<Displacement> {
         let (coarser, found) = (&self.levels[self.level + 1].blocks, &self.found[self.level + 1]);
-        let [x, y] = self.pair().blocks.block(index).center().map(|c| (c / 2.0) as usize);
         let (columns, rows) = coarser.counts();
-        let (column, row) = coarser.nearest(x.min(coarser.picture.0 - 1), y.min(coarser.picture.1 - 1));
+        let (column, row) = self.parent(self.level, index);
         let around = [(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)];
         let places =
             around.iter().filter_map(|(i, j)| Some((column.checked_add_signed(*i)?, row.checked_add_signed(*j)?)));
@@ -299,8 +310,29 @@ impl Estimator for Hierarchical {
     }
 
     fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let before: usize = state.levels[state.level + 1..].iter().map(|pair| pair.blocks.len()).sum();
-        unit_at(&state.pair().blocks, point.map(|c| c / state.scale())).map(|index| before + index)
+        let index = unit_at(&state.pair().blocks, point.map(|c| c / state.scale()))?;
+        Some(state.first_unit(state.level) + index)
+    }
+
+    /// From the coarsest level on: the nearest block of each, from which the one below inherits.
+    fn way_to(&self, state: &State, block: usize) -> Vec<usize> {
+        let mut way = vec![block + state.first_unit(0)];
+        let mut index = block;
+        for level in 1..state.levels.len() {
+            let (column, row) = state.parent(level - 1, index);
+            index = row * state.levels[level].blocks.counts().0 + column;
+            way.push(state.first_unit(level) + index);
+        }
+        way.reverse();
+        way
+    }
+
+    fn is_evaluation(&self, event: &Event) -> bool {
+        event.is_candidate()
+    }
+
+    fn evaluations(&self, state: &State) -> Vec<u32> {
+        state.found.iter().rev().flatten().map(|(_, candidates)| *candidates).collect()
     }
 
     fn state_bytes(&self, state: &State) -> usize {

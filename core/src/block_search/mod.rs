@@ -188,6 +188,11 @@ pub enum Event {
 }
 
 impl Event {
+    /// Whether a candidate was tested.
+    pub(crate) fn is_candidate(&self) -> bool {
+        matches!(self, Event::Candidate { .. })
+    }
+
     /// The role of an event that is worth a mark on the timeline.
     pub(crate) fn landmark(&self) -> Option<Role> {
         match self {

@@ -64,7 +64,7 @@ impl Probe<'_> {
     }
 
     pub(super) fn tested(&self) -> usize {
-        self.events.iter().filter(|event| matches!(event, Event::Candidate { .. })).count()
+        self.events.iter().filter(|event| event.is_candidate()).count()
     }
 
     pub(super) fn is_over(&self) -> bool {

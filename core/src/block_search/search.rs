@@ -154,6 +154,14 @@ impl<S: BlockSearch> Estimator for S {
         unit_at(&state.pair.blocks, point)
     }
 
+    fn is_evaluation(&self, event: &Event) -> bool {
+        event.is_candidate()
+    }
+
+    fn evaluations(&self, state: &State) -> Vec<u32> {
+        state.tested.clone()
+    }
+
     fn state_bytes(&self, state: &State) -> usize {
         size_of::<State>() + state.found.len() * (size_of::<Match>() + size_of::<u32>())
     }
