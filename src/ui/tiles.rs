@@ -32,7 +32,8 @@ pub struct Input<'a> {
 /// The pixel under the pointer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    hovered: Option<[usize; 2]>,
+    /// The pixel, and the size of the tiles that it is lit in: others show something else there.
+    hovered: Option<([usize; 2], (usize, usize))>,
 }
 
 /// What the person did.
@@ -52,7 +53,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let scroll = egui::ScrollArea::both().id_salt("tiles").auto_shrink(false).max_height(room);
     scroll.show(ui, |ui| response = side_by_side(ui, input, state));
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), line), Sense::hover());
-    let words = (told(tiles, response.hovered), ink::font(Face::Sans, small), ink::color(theme.chrome().dim));
+    let words = (told(tiles, state.hovered), ink::font(Face::Sans, small), ink::color(theme.chrome().dim));
     ink::line(ui.painter(), rect.left_center(), (&words.0, words.1, words.2), rect.width());
     response
 }
@@ -61,22 +62,23 @@ fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let Input { tiles, theme } = input;
     let line = (1.7 * theme.sizes().small).round();
     let area = ui.available_rect_before_wrap();
-    let labels = tiles.iter().map(|tile| label_width(ui.painter(), tile, theme)).fold(0.0, f32::max);
-    let frame = Frame::new(tiles, area, line, labels).readable(tiles, labels);
-    let width = frame.step * tiles.len() as f32;
+    let labels: Vec<_> = tiles.iter().map(|tile| label_width(ui.painter(), tile, theme)).collect();
+    let frame = Frame::new(tiles, area, line).readable(tiles);
+    let lefts = frame.lefts(tiles, &labels);
+    let width = lefts.last().copied().unwrap_or(0.0);
     let (rect, whole) = ui.allocate_exact_size(vec2(width, frame.height + line), Sense::hover());
     ink::name(&whole, || told(tiles, state.hovered));
     let mut hovered = None;
-    for (i, tile) in tiles.iter().enumerate() {
-        let place = frame.place(rect.min, i, tile);
+    for (i, (tile, left)) in tiles.iter().zip(lefts).enumerate() {
+        let place = frame.place(rect.min + vec2(left, 0.0), tile);
         label(ui.painter(), tile, pos2(place.min.x, rect.min.y), line, theme);
         let sensed = ui.interact(place, ui.scope_id().with(("tile", i)), Sense::hover());
         let gain = paint(ui.painter(), tile, place, frame.cell, theme);
         sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, caption(tile, gain)));
         if let Some(at) = sensed.hover_pos() {
-            hovered = pixel(at, place, frame.cell, tile);
+            hovered = pixel(at, place, frame.cell, tile).map(|pixel| (pixel, tile.values.size()));
         }
-        if let Some([x, y]) = state.hovered.filter(|&[x, y]| tile.values.get(x, y).is_some()) {
+        if let Some(([x, y], _)) = state.hovered.filter(|(_, size)| *size == tile.values.size()) {
             let min = place.min + vec2(x as f32, y as f32) * frame.cell;
             let lit = Rect::from_min_size(min, vec2(frame.cell, frame.cell));
             ui.painter().rect_stroke(lit, 0.0, Stroke::new(4.0, Color32::BLACK), StrokeKind::Outside);
@@ -84,43 +86,51 @@ fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
         }
     }
     state.hovered = hovered;
-    Response { hovered }
+    Response { hovered: hovered.map(|(pixel, _)| pixel) }
 }
 
 /// Where tiles stand.
 struct Frame {
     cell: f32,
-    step: f32,
     height: f32,
     top: f32,
 }
 
 impl Frame {
-    /// Tiles whose labels are `labels` points wide at most, as large as fits into `area`.
-    fn new(tiles: &[Tile], area: Rect, line: f32, labels: f32) -> Self {
-        let size = |tile: &Tile| [tile.values.width() as f32, tile.values.height() as f32];
-        let [width, height] = tiles.iter().map(size).fold([1.0f32; 2], |[w, h], size| [w.max(size[0]), h.max(size[1])]);
-        let across = (area.width() / tiles.len().max(1) as f32 - GAP) / width;
+    /// Tiles as large as fits into `area`.
+    fn new(tiles: &[Tile], area: Rect, line: f32) -> Self {
+        let width = tiles.iter().map(|tile| tile.values.width()).sum::<usize>().max(1) as f32;
+        let height = tiles.iter().map(|tile| tile.values.height()).fold(1, usize::max) as f32;
+        let across = (area.width() - GAP * tiles.len() as f32) / width;
         let down = (area.height() - line - 4.0) / height;
         let cell = across.min(down).clamp(2.0, LARGEST);
         let cell = if cell >= 4.0 { cell.floor() } else { cell };
-        Self { cell, step: (cell * width).max(labels) + GAP, height: cell * height + 4.0, top: line }
+        Self { cell, height: cell * height + 4.0, top: line }
     }
 
     /// The same with pixels large enough for their numbers, unless there are too many.
-    fn readable(self, tiles: &[Tile], labels: f32) -> Self {
+    fn readable(self, tiles: &[Tile]) -> Self {
         let sizes = tiles.iter().map(|tile| tile.values.size());
         let (width, height) = sizes.fold((1, 1), |(w, h), size| (w.max(size.0), h.max(size.1)));
         if self.cell >= NUMBERS || width.max(height) > MOST_PIXELS {
             return self;
         }
-        let step = (READABLE * width as f32).max(labels) + GAP;
-        Self { cell: READABLE, step, height: READABLE * height as f32 + 4.0, ..self }
+        Self { cell: READABLE, height: READABLE * height as f32 + 4.0, ..self }
     }
 
-    fn place(&self, origin: Pos2, index: usize, tile: &Tile) -> Rect {
+    /// Where each tile begins, with labels so many points wide, and after them where they end.
+    fn lefts(&self, tiles: &[Tile], labels: &[f32]) -> Vec<f32> {
+        let widths = tiles.iter().zip(labels).map(|(tile, label)| (self.cell * tile.values.width() as f32).max(*label));
+        let ends = widths.scan(0.0, |end, width| {
+            *end += width + GAP;
+            Some(*end)
+        });
+        std::iter::once(0.0).chain(ends).collect()
+    }
+
+    fn place(&self, origin: Pos2, tile: &Tile) -> Rect {
         let (width, height) = tile.values.size();
-        let min = origin + vec2(index as f32 * self.step, self.top);
+        let min = origin + vec2(0.0, self.top);
         Rect::from_min_size(min, vec2(width as f32, height as f32) * self.cell)
     }
 }
@@ -193,13 +203,13 @@ fn paint(painter: &Painter, tile: &Tile, place: Rect, cell: f32, theme: Theme) -
     gain
 }
 
-fn told(tiles: &[Tile], hovered: Option<[usize; 2]>) -> String {
-    let Some([x, y]) = hovered else { return "Point at a pixel to compare its numbers.".into() };
+fn told(tiles: &[Tile], hovered: Option<([usize; 2], (usize, usize))>) -> String {
+    let Some(([x, y], size)) = hovered else { return "Point at a pixel to compare its numbers.".into() };
     let number = |tile: &Tile| {
         let v = tile.values.get(x, y).copied().unwrap_or(f32::NAN);
         format!("{} {}", tile.label, number(v))
     };
-    let numbers: Vec<_> = tiles.iter().map(number).collect();
+    let numbers: Vec<_> = tiles.iter().filter(|tile| tile.values.size() == size).map(number).collect();
     format!("column {x}, row {y}: {}", numbers.join(", "))
 }
 
@@ -218,10 +228,12 @@ mod tests {
         for side in [4, 16, 64] {
             let tiles = [tile(side, Role::Reference, 255.0), tile(side, Role::Candidate, 255.0)];
             let area = Rect::from_min_size(pos2(5.0, 7.0), vec2(500.0, 300.0));
-            let frame = Frame::new(&tiles, area, 20.0, 90.0);
-            let last = frame.place(area.min, 1, &tiles[1]);
+            let frame = Frame::new(&tiles, area, 20.0);
+            let lefts = frame.lefts(&tiles, &[30.0; 2]);
+            let place = |i: usize| frame.place(area.min + vec2(lefts[i], 0.0), &tiles[i]);
+            let last = place(1);
             assert!(area.contains_rect(last), "{last:?}");
-            assert!(frame.place(area.min, 0, &tiles[0]).max.x < last.min.x);
+            assert!(place(0).max.x < last.min.x);
             let cell = frame.cell;
             let middle = last.min + vec2(2.5, 3.5) * cell;
             assert_eq!(pixel(middle, last, cell, &tiles[1]), Some([2, 3]));
@@ -233,7 +245,7 @@ mod tests {
         let small = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 160.0));
         let cell = |side| {
             let tiles = [tile(side, Role::Reference, 255.0), tile(side, Role::Candidate, 255.0)];
-            Frame::new(&tiles, small, 20.0, 90.0).readable(&tiles, 90.0).cell
+            Frame::new(&tiles, small, 20.0).readable(&tiles).cell
         };
         assert!(cell(4) >= NUMBERS && cell(16) >= NUMBERS && cell(64) < NUMBERS);
     }

@@ -23,16 +23,17 @@ impl Probe<'_> {
             readouts.push(Readout::Equation(lines));
         }
         if let Some((candidate, rows)) = self.shown() {
-            let mut tiles = self.tiles(candidate, rows);
-            tiles.extend(self.between());
+            // The costs between pixels are on no map, so they come first.
+            let tiles = self.between().into_iter().chain(self.tiles(candidate, rows)).collect();
             readouts.push(Readout::Tiles(tiles));
         }
+        let is_on_map = |candidate: &Match| !self.is_over() && candidate.fraction == [0.0; 2];
         readouts.push(Readout::Surface(Surface {
             title: self.settings.label(),
             origin: self.window.min,
             values: self.costs(),
             events: self.tests(),
-            probe: self.candidate().filter(|_| !self.is_over()).map(|(candidate, _)| candidate.displacement),
+            probe: self.candidate().map(|(candidate, _)| candidate).filter(is_on_map).map(|at| at.displacement),
             best: self.best().map(|best| best.displacement),
         }));
         readouts.push(Readout::Series(self.series()));
@@ -66,7 +67,7 @@ impl Probe<'_> {
             },
             Fact { label: "Tested", value: format!("{} of {}", self.tested(), self.window.count()), role: None },
         ];
-        let of = |found: Match| format!("{} px, {}", vector(found.vector()), self.settings.show(found.cost));
+        let of = |found: Match| format!("{} px, {}", vector(found.vector()), self.cost_of(found));
         if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
             facts.push(Fact { label: "Candidate", value: of(candidate), role: Some(Role::Candidate) });
         }
@@ -76,6 +77,13 @@ impl Probe<'_> {
             facts.push(Fact { label, value: of(best), role: Some(role) });
         }
         facts
+    }
+
+    /// What a match costs, and where that was tested if a parabola has moved it from there since.
+    pub(super) fn cost_of(&self, found: Match) -> String {
+        let cost = self.settings.show(found.cost);
+        let is_fitted = self.settings.subpixel == Subpixel::Parabola && found.fraction != [0.0; 2];
+        if is_fitted { format!("{cost} at {}", vector(found.displacement)) } else { cost }
     }
 
     /// The pixels of the block and of the candidate: `(frame t, frame t + 1)`.
@@ -103,17 +111,19 @@ impl Probe<'_> {
         free.number(((candidate.cost - self.rate.price(candidate.quarters())) * 1e6).round() / 1e6)
     }
 
-    /// The price of the displacement, and what that makes of the cost.
-    fn priced(&self, candidate: Match) -> Option<Math> {
+    /// The price of the displacement, and what that makes of the cost; nothing where it has none.
+    fn priced(&self, candidate: Match) -> Vec<Math> {
+        if self.settings.lambda == 0.0 {
+            return Vec::new();
+        }
         let bits = self.rate.bits(candidate.quarters());
-        (self.settings.lambda > 0.0).then(|| {
-            Math::Row(vec![
-                Math::ink(self.shown_role(), format!("+ {} · {bits} bits", short(self.rate.lambda))),
-                Math::text(" for the difference from "),
-                Math::ink(Role::Predicted, vector(self.rate.predicted_px())),
-                Math::text(format!(": {}", self.settings.number(candidate.cost))),
-            ])
-        })
+        let sum = Math::Row(vec![
+            Math::text(format!("{} + λR = {} + ", self.settings.cost.label(), self.distortion(candidate))),
+            Math::text(format!("{} · {bits} bits = ", short(self.rate.lambda))),
+            Math::ink(self.shown_role(), self.settings.number(candidate.cost)),
+        ]);
+        let predicted = Math::ink(Role::Predicted, vector(self.rate.predicted_px()));
+        vec![sum, Math::Row(vec![Math::text("bits of the difference from "), predicted])]
     }
 
     /// Where each parabola is lowest, with its numbers.

@@ -81,7 +81,7 @@ impl Probe<'_> {
                 .ink(Role::Reference, format!("Block {}", self.index + 1))
                 .text(" moves by ")
                 .ink(Role::Result, format!("{} px", vector(found.vector())))
-                .text(format!(": {} is the smallest of {} tested", self.settings.show(found.cost), self.tested()))
+                .text(format!(": {} is the smallest of {} tested", self.cost_of(*found), self.tested()))
                 .text(self.saved_candidates())
                 .text(self.saved_rows()),
             (None, _) => said.text(format!(
