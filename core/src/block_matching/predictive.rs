@@ -6,13 +6,15 @@
 //! │ │a│r│. . . . . . . . . .     m        their median, tested first: often that is good enough
 //! ├─┼─┴─┘3 . . 3 . 2 2 l . 3     0        the zero displacement; and what this block moved one frame before, if asked for
 //! │l│?│  . . . . . 2 m 2 . .     2        a square around the best of them walks downhill
-//! └─┴─┘  . . . . . 2 2 2 . r     3        if that is still poor: a grid all over the window, and downhill once more
+//! └─┴─┘  . . . . . 2 2 2 . r     3        if that is still poor: a grid all over the window, and downhill from its best
 //!        3 . . 0 . . 3 . . 3
 //! ```
 
 use super::diamond::walk_downhill;
 use super::three_step::SQUARE;
-use crate::block_search::{BlockSearch, Displacement, Event, Match, Tester, block_search_params, pseudocode, vector};
+use crate::block_search::{
+    BlockSearch, Displacement, Event, Match, Tester, around, block_search_params, pseudocode, vector,
+};
 use crate::{Info, Observer};
 
 block_search_params! {
@@ -24,6 +26,8 @@ block_search_params! {
         poor: f32 = 2.0, 0.0..=16.0, "gray levels";
         /// From one point of that grid to the next; at 1 it is a full search.
         grid: usize = 3, 1..=16, "px";
+        /// From how many points of that grid, the best ones, the search walks downhill.
+        starts: usize = 12, 1..=64;
         /// Predict from the motion one frame before as well. That pair of frames is then searched first.
         temporal: bool = false;
     }
@@ -46,7 +50,8 @@ impl BlockSearch for Predictive {
             "    test the 8 points next to the best",
             "  until the best stays",
             "  if the best cost is more than poor per pixel, then",
-            "    test a grid of points all over the window, and repeat as above",
+            "    test a grid of points all over the window",
+            "    from each of the starts best of them, walk downhill as above",
         ],
         rungs: &["frame", "block", "step"],
         frames: 2,
@@ -100,7 +105,11 @@ impl BlockSearch for Predictive {
                 let (cost, most) = (settings.show(cost), settings.show(most));
                 format!("{cost} is more than {most}: nothing nearby fits, so a grid in steps of {step} px is tested.")
             });
-            walk_downhill(tester, &SQUARE, 7, "square");
+            let mut starts: Vec<_> = (-reach..=reach).flat_map(row).filter(|&at| tester.known(at).is_some()).collect();
+            starts.sort_by(|&a, &b| tester.compare(a, b));
+            for (place, &start) in starts.iter().take(self.starts).enumerate() {
+                descend(tester, start, || format!("number {} of the grid's best", place + 1));
+            }
         }
     }
 }
@@ -117,6 +126,29 @@ impl Predictive {
             });
         }
         is_enough
+    }
+}
+
+/// Walks with the square to the best point around until that is its centre, from `start`, which is called `name`.
+fn descend(tester: &mut Tester<impl Observer<Event>>, start: Displacement, name: impl Fn() -> String) {
+    let mut centre = start;
+    loop {
+        // Where another walk has been, there is nothing to test any more, but perhaps somewhere to go.
+        if around(centre, &SQUARE, 1).any(|at| tester.is_new(at)) {
+            tester.stage(11, around(centre, &SQUARE, 1), || {
+                format!(
+                    "From {}, {}, the square walks downhill; it stands at {}.",
+                    vector(start),
+                    name(),
+                    vector(centre)
+                )
+            });
+        }
+        let known = around(centre, &SQUARE, 1).filter(|&at| tester.known(at).is_some());
+        match known.min_by(|&a, &b| tester.compare(a, b)) {
+            Some(next) if next != centre => centre = next,
+            _ => return,
+        }
     }
 }
 

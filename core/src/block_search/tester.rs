@@ -1,5 +1,7 @@
 //! Where a search tests displacements: the window, the costs, the best, and what an observer sees of it.
 
+use std::cmp::Ordering;
+
 use super::subpixel::BESIDE;
 use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Rate, Settings, Stage, Window, shorter};
 use crate::interpolation::Between;
@@ -81,6 +83,18 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
     pub fn known(&self, displacement: Displacement) -> Option<f64> {
         let index = self.window.index(displacement)?;
         is_set(&self.work.tested, index).then(|| self.work.costs[index])
+    }
+
+    /// Whether `displacement` lies in the window and was not tested yet.
+    pub fn is_new(&self, displacement: Displacement) -> bool {
+        self.window.index(displacement).is_some_and(|index| !is_set(&self.work.tested, index))
+    }
+
+    /// Which of two displacements is better, of those that were tested; of equal ones the shorter.
+    pub fn compare(&self, a: Displacement, b: Displacement) -> Ordering {
+        let cost = |displacement| self.known(displacement).unwrap_or(f64::INFINITY);
+        let by_length = if shorter(a, b) { Ordering::Less } else { Ordering::Greater };
+        cost(a).total_cmp(&cost(b)).then(if a == b { Ordering::Equal } else { by_length })
     }
 
     /// Tells of a decision after which nothing is tested at once; `line` is its line of the pseudocode.
