@@ -76,7 +76,7 @@ impl Threads {
                     return;
                 }
                 for index in row * columns..(row + 1) * columns {
-                    let value = f(&mut desk, index, Earlier::SoFar(&cells, &is_lost));
+                    let value = f(&mut desk, index, Earlier::SoFar { cells: &cells, columns, is_lost: &is_lost });
                     // Nobody else takes this row.
                     let _ = cells[index].set(value);
                 }
@@ -91,9 +91,20 @@ impl Threads {
 pub(crate) enum Earlier<'a, T> {
     /// One thread: all of them are done.
     All(&'a [T]),
-    /// Several: some may not be done yet. The flag says that one of the threads has panicked.
-    SoFar(&'a [OnceLock<T>], &'a AtomicBool),
+    /// Several: some may not be done yet.
+    SoFar {
+        /// What is done.
+        cells: &'a [OnceLock<T>],
+        /// Places in a row.
+        columns: usize,
+        /// Whether one of the threads has panicked.
+        is_lost: &'a AtomicBool,
+    },
 }
+
+/// How far a thread that has to wait lets the row above get ahead. Two that work close behind each other would pass the
+/// memory between them back and forth, which takes longer than a block does.
+const LEAD: usize = 16;
 
 impl<T: Copy> Earlier<'_, T> {
     /// What was given at `index`.
@@ -103,16 +114,23 @@ impl<T: Copy> Earlier<'_, T> {
     pub fn at(&self, index: usize) -> T {
         match self {
             Earlier::All(done) => done[index],
-            Earlier::SoFar(cells, is_lost) => loop {
-                for _ in 0..1000 {
-                    if let Some(value) = cells[index].get() {
-                        return *value;
-                    }
-                    std::hint::spin_loop();
+            Earlier::SoFar { cells, columns, is_lost } => {
+                if let Some(value) = cells[index].get() {
+                    return *value;
                 }
-                assert!(!is_lost.load(Ordering::Relaxed), "another thread of the sweep has panicked");
-                std::thread::yield_now();
-            },
+                let end_of_row = index - index % columns + columns - 1;
+                let ahead = (index + LEAD).min(end_of_row);
+                loop {
+                    for _ in 0..1000 {
+                        if let Some(value) = cells[ahead].get().and(cells[index].get()) {
+                            return *value;
+                        }
+                        std::hint::spin_loop();
+                    }
+                    assert!(!is_lost.load(Ordering::Relaxed), "another thread of the sweep has panicked");
+                    std::thread::yield_now();
+                }
+            }
         }
     }
 }
