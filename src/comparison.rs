@@ -98,8 +98,18 @@ impl Column {
 
 /// The columns behind the estimator's name and what is swept.
 pub const COLUMNS: [Column; 12] = [
-    Column { heading: "candidates", name: "candidates_mean", value: |r| Some(r.figures.candidates_mean), digits: 1 },
-    Column { heading: "most", name: "candidates_most", value: |r| Some(r.figures.candidates_most.into()), digits: 0 },
+    Column {
+        heading: "candidates",
+        name: "candidates_mean",
+        value: |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_mean),
+        digits: 1,
+    },
+    Column {
+        heading: "most",
+        name: "candidates_most",
+        value: |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_most.into()),
+        digits: 0,
+    },
     Column { heading: "ms", name: "ms", value: |r| Some(r.time.as_secs_f64() * 1e3), digits: 2 },
     Column { heading: "kB", name: "state_kb", value: |r| Some(r.figures.state_bytes as f64 / 1e3), digits: 1 },
     Column { heading: "PSNR dB", name: "psnr_db", value: |r| r.quality.psnr_db, digits: 2 },
@@ -107,7 +117,7 @@ pub const COLUMNS: [Column; 12] = [
     Column {
         heading: "missed %",
         name: "missed_percent",
-        value: |r| r.figures.missed_share().and_then(percent),
+        value: |r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)),
         digits: 1,
     },
     Column {
@@ -123,7 +133,12 @@ pub const COLUMNS: [Column; 12] = [
         digits: 1,
     },
     Column { heading: "residual kB", name: "residual_kb", value: |r| kilobytes(r.quality.residual_bits), digits: 2 },
-    Column { heading: "vectors kB", name: "vectors_kb", value: |r| kilobytes(r.quality.vector_bits), digits: 2 },
+    Column {
+        heading: "vectors kB",
+        name: "vectors_kb",
+        value: |r| r.quality.vector_bits.and_then(kilobytes),
+        digits: 2,
+    },
     Column { heading: "anew kB", name: "frame_kb", value: |r| kilobytes(r.quality.frame_bits), digits: 2 },
 ];
 
@@ -142,9 +157,10 @@ fn kilobytes(bits: f64) -> Option<f64> {
 /// What the columns mean, under the table.
 pub const KEY: &str = "\
 candidates, most: tested for a block, on average and at most; kB: memory of the run beside the frames;
-missed: blocks for which full search, set alike, finds a smaller cost (not told with lambda); noise, light: blocks that keep their
-displacement within 1 px under noise of 10 gray levels, and where frame t+1 is 1.1 times as bright plus 8;
-residual, vectors, anew: zero-order entropy of what is sent with motion, and of the frame without.
+missed: blocks for which full search, set alike, finds a smaller cost (not told with lambda); noise, light: blocks
+(or pixels) that keep their displacement within 1 px under noise of 10 gray levels, and where frame t+1 is 1.1 times
+as bright plus 8; residual, vectors, anew: zero-order entropy of what is sent with motion, and of the frame without;
+–: what only blocks have, or what is not known.
 ";
 
 /// Heading and cells of a table for a person.
@@ -164,29 +180,21 @@ fn cells(rows: &[Row]) -> Vec<Vec<String>> {
 
 /// The table in columns, and what they mean.
 pub fn text(rows: &[Row]) -> String {
-    columns(&cells(rows)) + "\n" + KEY
-}
-
-/// Lines of cells in columns, the first to the left, the others to the right.
-pub fn columns(lines: &[Vec<String>]) -> String {
+    let lines = cells(rows);
     let width = |i: usize| lines.iter().map(|line| line[i].chars().count()).max().unwrap_or(0);
     let mut text = String::new();
-    for line in lines {
+    for line in &lines {
         for (i, cell) in line.iter().enumerate() {
             text += &if i == 0 { format!("{cell:<0$}", width(i)) } else { format!("  {cell:>0$}", width(i)) };
         }
         text += "\n";
     }
-    text
+    text + "\n" + KEY
 }
 
 /// The table as Markdown.
 pub fn markdown(rows: &[Row]) -> String {
-    markdown_table(&cells(rows))
-}
-
-/// Lines of cells as a table of Markdown, the first line its heading.
-pub fn markdown_table(lines: &[Vec<String>]) -> String {
+    let lines = cells(rows);
     let row = |line: &Vec<String>| format!("| {} |\n", line.join(" | "));
     let rule = lines.first().map_or(String::new(), |line| format!("| --- |{}\n", " ---: |".repeat(line.len() - 1)));
     let mut table = lines.iter().map(row);
@@ -206,7 +214,7 @@ pub fn csv(rows: &[Row]) -> String {
     names.join(",") + "\n" + &rows.iter().map(line).collect::<String>()
 }
 
-/// The table as JSON: an array of one object per row, with the blocks that were missed.
+/// The table as JSON: an array of one object per row, with the blocks that were missed where there are blocks.
 pub fn json(rows: &[Row]) -> Value {
     let object = |row: &Row| {
         let mut object = Map::new();
@@ -217,11 +225,12 @@ pub fn json(rows: &[Row]) -> Value {
         for column in &COLUMNS {
             object.insert(column.name.into(), json!((column.value)(row)));
         }
-        object.insert("blocks".into(), row.figures.blocks.into());
-        object.insert(
-            "missed".into(),
-            json!(row.figures.missed.as_ref().map(|missed| missed.iter().map(|block| block + 1).collect::<Vec<_>>())),
-        );
+        if let Some(blocks) = &row.figures.blocks {
+            object.insert("blocks".into(), blocks.count.into());
+            let missed = blocks.missed.as_ref();
+            let numbers = missed.map(|missed| missed.iter().map(|block| block + 1).collect::<Vec<_>>());
+            object.insert("missed".into(), json!(numbers));
+        }
         Value::Object(object)
     };
     rows.iter().map(object).collect()

@@ -1,6 +1,5 @@
 //! Motionscope's window and command line over `motionscope-core`.
 
-pub mod claims;
 pub mod cli;
 pub mod comparison;
 pub mod media;

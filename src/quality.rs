@@ -1,7 +1,7 @@
 //! How good an estimate is, for the command line and for the window.
 
 use motionscope_core::scene::Fact;
-use motionscope_core::{Clip, Coding, Error, Output, metrics};
+use motionscope_core::{BlockField, Clip, Coding, Error, Output, metrics};
 use serde::Serialize;
 
 use crate::paint::grouped;
@@ -9,16 +9,16 @@ use crate::paint::grouped;
 /// An estimate in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Quality {
-    /// Candidates that were tested.
-    pub candidates: u64,
+    /// Candidates that were tested, where there are such.
+    pub candidates: Option<u64>,
     /// Peak signal-to-noise ratio in dB of the motion-compensated prediction of frame t; `None` if it is perfect.
     pub psnr_db: Option<f64>,
     /// Bits of the frame sent anew, by zero-order entropy.
     pub frame_bits: f64,
     /// Bits of the residual that the prediction leaves.
     pub residual_bits: f64,
-    /// Bits of the displacements.
-    pub vector_bits: f64,
+    /// Bits of the displacements of blocks.
+    pub vector_bits: Option<f64>,
     /// Errors against the true flow, where it is known.
     #[serde(flatten)]
     pub truth: Option<AgainstTruth>,
@@ -55,7 +55,6 @@ impl Quality {
     /// If a frame cannot be read.
     pub fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Self, Error> {
         let [current, next] = clip.pair(frame)?;
-        let Output::Blocks(field) = output;
         let prediction = output.prediction(next.luma());
         let psnr = metrics::psnr_db(&prediction, current.luma())?;
         let Coding { frame_bits, residual_bits, vector_bits } = Coding::of(output, current.luma(), &prediction)?;
@@ -64,7 +63,7 @@ impl Quality {
             Err(error) => (None, Some(error)),
         };
         Ok(Self {
-            candidates: field.candidates(),
+            candidates: output.blocks().map(BlockField::candidates),
             psnr_db: psnr.is_finite().then_some(psnr),
             frame_bits,
             residual_bits,
@@ -74,22 +73,20 @@ impl Quality {
         })
     }
 
-    /// What motion saves, in words: `8.1 + 0.4 kB, anew 40.2`.
+    /// What motion saves, in words: `8.1 + 0.4 kB, anew 40.2`; without the vectors where nobody would send them.
     pub fn coding(&self) -> String {
         let kilobytes = |bits: f64| format!("{:.1}", bits / 8000.0);
-        let [residual, vectors, frame] = [self.residual_bits, self.vector_bits, self.frame_bits].map(kilobytes);
-        format!("{residual} + {vectors} kB, anew {frame}")
+        let vectors = self.vector_bits.map_or_else(String::new, |bits| format!(" + {}", kilobytes(bits)));
+        format!("{}{vectors} kB, anew {}", kilobytes(self.residual_bits), kilobytes(self.frame_bits))
     }
 
     /// The same for a person.
     pub fn facts(&self) -> Vec<Fact> {
         let fact = |label, value| Fact { label, value, role: None };
         let psnr = self.psnr_db.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
-        let mut facts = vec![
-            fact("Candidates", grouped(self.candidates as usize)),
-            fact("Prediction", psnr),
-            fact("Entropy", self.coding()),
-        ];
+        let mut facts = Vec::new();
+        facts.extend(self.candidates.map(|count| fact("Candidates", grouped(count as usize))));
+        facts.extend([fact("Prediction", psnr), fact("Entropy", self.coding())]);
         if let Some(truth) = self.truth {
             facts.push(fact("Endpoint error", format!("{:.3} px", truth.epe_px)));
             facts.push(fact("Angular error", format!("{:.2}°", truth.aae_deg)));

@@ -320,6 +320,31 @@ fn a_session_keeps_its_parameters_when_its_own_estimator_is_named() {
 }
 
 #[test]
+fn a_dense_flow_is_written_and_told_without_what_only_blocks_have() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for id in ["normal-flow", "horn-schunck"] {
+        let told = json(here, &format!("run {SMALL} --estimator {id} --flow {id}.flo --table {id}.csv --json"));
+        let metrics = &told["metrics"];
+        assert!(metrics["candidates"].is_null() && metrics["vector_bits"].is_null(), "{id}: {metrics}");
+        assert!(metrics["epe_px"].is_f64() && metrics["residual_bits"].is_f64(), "{id}: {metrics}");
+        let known = metrics["known"].as_u64().unwrap() as usize;
+        let table = fs::read_to_string(here.join(format!("{id}.csv"))).unwrap();
+        assert!(table.starts_with("x_px,y_px,u_px,v_px"), "{id}");
+        assert_eq!(table.lines().count() - 1, known, "{id}: a row for each pixel of known motion");
+        assert!(!table.contains("NaN"));
+        // The file is a truth in its turn: against itself nothing is wrong.
+        let again = json(here, &format!("run {SMALL} --estimator {id} --truth {id}.flo --json"));
+        assert!(again["metrics"]["epe_px"].as_f64() < Some(1e-6), "{id}");
+    }
+    let text = stdout(here, &format!("run {SMALL} --estimator horn-schunck --overlay flow.svg --legend"));
+    assert!(!text.contains("candidates") && !text.contains("vectors"), "{text}");
+    let picture = fs::read_to_string(here.join("flow.svg")).unwrap();
+    assert!(picture.contains("full colour at"), "the legend tells what the colours mean");
+    assert!(picture.matches("<image").count() >= 2, "the colours lie over the picture");
+}
+
+#[test]
 fn an_export_that_is_refused_makes_no_folder() {
     let folder = tempfile::tempdir().unwrap();
     refusal(folder.path(), &format!("export {SMALL} --estimator full-search --steps 99..100 --out steps"));

@@ -1,10 +1,10 @@
-//! How fast the block searches are: `cargo bench -p motionscope-core`.
+//! How fast the block searches are: `cargo bench -p motionscope-core --bench block_matching`.
 //!
 //! 16×16 blocks, ±16 px, SAD, candidates inside the picture, on a texture that moves by (7, −5) px:
 //! whole runs on one and on two threads, and one step back in the middle of a walk.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::{Clip, Cursor, Frame, Grid, Move, Threads, Way, estimators};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Threads, Way, estimators};
 
 fn clip(width: usize, height: usize) -> Clip {
     let texture = |x: i64, y: i64| {
@@ -20,10 +20,14 @@ fn clip(width: usize, height: usize) -> Clip {
     Clip::from_frames("texture", vec![frame((0, 0)), frame((7, -5))]).expect("two frames of one size")
 }
 
+fn block_searches() -> impl Iterator<Item = Box<dyn AnyEstimator>> {
+    estimators().into_iter().filter(|estimator| estimator.info().family == "Block matching")
+}
+
 fn whole_runs(c: &mut Criterion) {
     for (name, width, height) in [("VGA", 640, 480), ("1080p", 1920, 1080)] {
         let clip = clip(width, height);
-        for estimator in estimators() {
+        for estimator in block_searches() {
             for threads in [1, 2] {
                 let pool = Threads::new(threads).expect("threads");
                 c.bench_function(&format!("{} {name} {threads} thread(s)", estimator.info().id), |b| {
@@ -36,7 +40,7 @@ fn whole_runs(c: &mut Criterion) {
 
 fn steps_back(c: &mut Criterion) {
     let clip = clip(1920, 1080);
-    for estimator in estimators() {
+    for estimator in block_searches() {
         let mut walk = estimator.walk(&clip, 0).expect("a walk");
         let innermost = walk.info().rungs.len() - 1;
         c.bench_function(&format!("{} 1080p one step back over a unit's start", walk.info().id), |b| {

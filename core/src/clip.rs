@@ -51,8 +51,17 @@ impl Frame {
 }
 
 /// A dense displacement field in px/frame from frame t to t+1; a pixel whose motion is not known holds NaN.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Flow(pub Grid<[f32; 2]>);
+
+/// Two are equal where both are unknown as well.
+impl PartialEq for Flow {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |(a, b): (&f32, &f32)| a == b || a.is_nan() && b.is_nan();
+        let [cells, others] = [self, other].map(|flow| flow.0.cells().as_flattened());
+        self.0.size() == other.0.size() && cells.iter().zip(others).all(same)
+    }
+}
 
 impl Flow {
     /// What a pixel of unknown motion holds.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{Error, Gray, Output};
+use crate::{BlockField, Error, Gray, Output};
 
 /// Bits to send frame t, by zero-order entropy (C. E. Shannon, A Mathematical Theory of Communication, 1948).
 ///
@@ -13,8 +13,8 @@ pub struct Coding {
     pub frame_bits: f64,
     /// The residual: frame t less its prediction.
     pub residual_bits: f64,
-    /// The displacements, each block's as one symbol.
-    pub vector_bits: f64,
+    /// The displacements, each block's as one symbol; `None` where they are not of blocks: those are not meant to be sent.
+    pub vector_bits: Option<f64>,
 }
 
 impl Coding {
@@ -27,14 +27,14 @@ impl Coding {
             return Err(Error::new("a prediction must have the size of its picture"));
         }
         let pairs = frame.cells().iter().zip(prediction.cells());
-        let Output::Blocks(field) = output;
         // Displacements are multiples of a quarter of a pixel, or finer by a fit: a hundredth tells them apart.
         let symbol = |c: f32| (c * 100.0).round() as i32;
-        let vectors = field.vectors.iter().flatten().map(|vector| vector.displacement.map(symbol));
+        let vectors =
+            |field: &BlockField| bits(field.vectors.iter().flatten().map(|vector| vector.displacement.map(symbol)));
         Ok(Self {
             frame_bits: bits(frame.cells().iter().copied()),
             residual_bits: bits(pairs.map(|(&a, &b)| i16::from(a) - i16::from(b))),
-            vector_bits: bits(vectors),
+            vector_bits: output.blocks().map(vectors),
         })
     }
 }
@@ -52,7 +52,7 @@ fn bits<T: Ord>(symbols: impl Iterator<Item = T>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BlockField, BlockGrid, BlockVector, Border, Grid};
+    use crate::{BlockGrid, BlockVector, Border, Grid};
 
     #[test]
     fn bits_are_those_of_the_textbook() {
@@ -77,7 +77,7 @@ mod tests {
         });
         let frame = Grid::from_fn(16, 8, |x, _| x as u8);
         let coding = Coding::of(&output, &frame, &frame).unwrap();
-        assert_eq!(coding, Coding { frame_bits: 512.0, residual_bits: 0.0, vector_bits: 2.0 });
+        assert_eq!(coding, Coding { frame_bits: 512.0, residual_bits: 0.0, vector_bits: Some(2.0) });
         assert!(Coding::of(&output, &frame, &Grid::new(3, 3, 0)).is_err());
     }
 }

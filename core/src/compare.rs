@@ -1,9 +1,9 @@
-//! Estimators beside each other on one pair of frames: what each tests and misses, and what of it withstands.
+//! Estimators beside each other on one pair of frames: what each needs and misses, and what of it withstands.
 
 use std::sync::Arc;
 
 use crate::synth::disturb;
-use crate::{AnyEstimator, Clip, Error, Frame, Gray, Output, Threads, Value, estimator};
+use crate::{AnyEstimator, BlockField, Clip, DenseField, Error, Frame, Output, Threads, Value, estimator};
 
 /// Standard deviation of the noise under which an estimator is tried, in gray levels.
 pub const NOISE_SIGMA: f64 = 10.0;
@@ -13,23 +13,31 @@ pub const LIGHT: (f64, f64) = (1.1, 8.0);
 /// One estimator in the numbers that only a comparison has; how good its result is, is told elsewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
+    /// Memory of all that the run reads and writes beside the two frames, in bytes.
+    pub state_bytes: usize,
+    /// Share of the blocks, or of the pixels of known motion, that keep their displacement, within 1 px, under noise of
+    /// [`NOISE_SIGMA`] in both frames.
+    pub kept_in_noise: f64,
+    /// The same under the change of light of [`LIGHT`].
+    pub kept_in_light: f64,
+    /// Units of the run: blocks, and those of coarser levels before them; rows; iterations.
+    pub units: usize,
+    /// What is known only of displacements of blocks.
+    pub blocks: Option<BlockFigures>,
+}
+
+/// A block search in numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockFigures {
     /// Candidates for a block, on average.
     pub candidates_mean: f64,
     /// Candidates for the block that took most.
     pub candidates_most: u32,
-    /// Memory of all that the run reads and writes beside the two frames, in bytes.
-    pub state_bytes: usize,
     /// Blocks for which full search, with the same parameters, finds a smaller cost. `None` where a cost has the price
     /// of its displacement in it, which depends on what the neighbours found: such costs cannot be compared.
     pub missed: Option<Vec<usize>>,
-    /// Share of the blocks that keep their displacement, within 1 px, under noise of [`NOISE_SIGMA`] in both frames.
-    pub kept_in_noise: f64,
-    /// The same under the change of light of [`LIGHT`].
-    pub kept_in_light: f64,
     /// Blocks.
-    pub blocks: usize,
-    /// Units of the run: the blocks, and those of coarser levels before them.
-    pub units: usize,
+    pub count: usize,
 }
 
 impl Figures {
@@ -44,65 +52,53 @@ impl Figures {
         threads: &Threads,
     ) -> Result<Self, Error> {
         let [current, next] = clip.pair(frame)?;
-        let Output::Blocks(field) = output;
-        let counts = || field.vectors.iter().flatten().map(|vector| vector.candidates);
         let kept = |pair: [Frame; 2]| -> Result<f64, Error> {
             let disturbed = Clip::from_frames("disturbed", pair.into())?;
-            Ok(kept(output, &estimator.run(&disturbed, 0, threads)?, [0.0; 2]))
+            Ok(kept(output, &estimator.run(&disturbed, 0, threads)?))
         };
         let extent = estimator.extent(clip, frame)?;
+        let blocks = |field| BlockFigures::of(estimator, field, (clip, frame), threads);
         Ok(Self {
-            candidates_mean: field.candidates() as f64 / field.vectors.len() as f64,
-            candidates_most: counts().max().unwrap_or(0),
             state_bytes: extent.state_bytes,
-            missed: if has_price(estimator) {
-                None
-            } else {
-                Some(missed(output, &full_search_like(estimator)?.run(clip, frame, threads)?))
-            },
             kept_in_noise: kept([noisy(&current, 1), noisy(&next, 2)])?,
             kept_in_light: kept([Frame::gray(current.luma().clone()), lit(&next)])?,
-            blocks: field.vectors.len(),
             units: extent.units,
+            blocks: output.blocks().map(blocks).transpose()?,
         })
     }
 
     /// The unit that missed the smallest cost of a block first. The blocks of the picture are the last units of a run.
     pub fn first_missed_unit(&self) -> Option<usize> {
-        self.missed.as_ref()?.first().map(|block| self.units - self.blocks + block)
+        let blocks = self.blocks.as_ref()?;
+        blocks.missed.as_ref()?.first().map(|block| self.units - blocks.count + block)
+    }
+}
+
+impl BlockFigures {
+    fn of(
+        estimator: &dyn AnyEstimator,
+        field: &BlockField,
+        (clip, frame): (&Clip, usize),
+        threads: &Threads,
+    ) -> Result<Self, Error> {
+        let missed = if has_price(estimator) {
+            None
+        } else {
+            let best = full_search_like(estimator)?.run(clip, frame, threads)?;
+            best.blocks().map(|best| missed(field, best))
+        };
+        Ok(Self {
+            candidates_mean: field.candidates() as f64 / field.vectors.len() as f64,
+            candidates_most: field.vectors.iter().flatten().map(|vector| vector.candidates).max().unwrap_or(0),
+            missed,
+            count: field.vectors.len(),
+        })
     }
 
     /// Share of the blocks for which the smallest cost was missed.
     pub fn missed_share(&self) -> Option<f64> {
-        self.missed.as_ref().map(|missed| missed.len() as f64 / self.blocks.max(1) as f64)
+        self.missed.as_ref().map(|missed| missed.len() as f64 / self.count.max(1) as f64)
     }
-}
-
-/// Share of the blocks that `estimator` finds within 1 px although the camera pans by `pan_px` on top of what moves
-/// between frames `frame` and `frame + 1` of `clip`. What moves there is what full search finds within ±16 px.
-///
-/// # Errors
-/// If the picture is not wider than the pan, or the estimator cannot run there.
-pub fn kept_in_pan(
-    estimator: &dyn AnyEstimator,
-    (clip, frame): (&Clip, usize),
-    pan_px: usize,
-    threads: &Threads,
-) -> Result<f64, Error> {
-    let [current, next] = clip.pair(frame)?;
-    if current.size() != next.size() || current.size().0 <= pan_px {
-        return Err(Error::new(format!("a pan by {pan_px} px leaves nothing of this picture")));
-    }
-    let run = |estimator: &dyn AnyEstimator, pair: [&Gray; 2]| {
-        let pair = pair.map(|picture| Frame::gray(picture.clone()));
-        estimator.run(&Clip::from_frames("pan", pair.into())?, 0, threads)
-    };
-    let cut = |frame: &Arc<Frame>, left| disturb::cut(frame.luma(), left, current.size().0 - pan_px);
-    let (here, still, panned) = (cut(&current, pan_px), cut(&next, pan_px), cut(&next, 0));
-    let mut full = full_search_like(estimator)?;
-    full.set("range", "16")?;
-    let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
-    Ok(kept(&still, &moved, [pan_px as f32, 0.0]))
 }
 
 /// `estimator` with all parameters that it has in common with `other`, as far as their values are allowed.
@@ -127,7 +123,7 @@ fn full_search_like(other: &dyn AnyEstimator) -> Result<Box<dyn AnyEstimator>, E
 }
 
 /// Blocks whose cost in `output` is larger than in `best`.
-fn missed(Output::Blocks(output): &Output, Output::Blocks(best): &Output) -> Vec<usize> {
+fn missed(output: &BlockField, best: &BlockField) -> Vec<usize> {
     let is_worse = |index: &usize| match (output.vectors[*index], best.vectors[*index]) {
         (Some(found), Some(best)) => found.cost > best.cost,
         _ => false,
@@ -135,12 +131,24 @@ fn missed(Output::Blocks(output): &Output, Output::Blocks(best): &Output) -> Vec
     (0..output.vectors.len().min(best.vectors.len())).filter(is_worse).collect()
 }
 
-/// Share of the blocks whose displacements in `b` are those in `a` plus `shift`, within 1 px.
-fn kept(Output::Blocks(a): &Output, Output::Blocks(b): &Output, shift: [f32; 2]) -> f64 {
-    let close = |a: [f32; 2], b: [f32; 2]| (a[0] + shift[0] - b[0]).hypot(a[1] + shift[1] - b[1]) <= 1.0;
-    let both = a.vectors.iter().flatten().zip(b.vectors.iter().flatten());
-    let same = both.filter(|(a, b)| close(a.displacement, b.displacement)).count();
-    same as f64 / a.vectors.len().max(1) as f64
+/// Share of the displacements of `a` that are the same in `b` within 1 px.
+fn kept(a: &Output, b: &Output) -> f64 {
+    let [a, b] = [a, b].map(displacements);
+    let close = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= 1.0;
+    let both = a.iter().zip(&b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+    let same = both.filter(|(a, b)| close(*a, *b)).count();
+    same as f64 / a.iter().flatten().count().max(1) as f64
+}
+
+/// The displacement of every block or pixel, where it is known.
+fn displacements(output: &Output) -> Vec<Option<[f32; 2]>> {
+    match output {
+        Output::Blocks(field) => field.vectors.iter().map(|vector| vector.map(|vector| vector.displacement)).collect(),
+        Output::Dense(DenseField { flow, .. }) => {
+            let known = |uv: &[f32; 2]| Some(*uv).filter(|uv| uv.iter().all(|c| c.is_finite()));
+            flow.0.cells().iter().map(known).collect()
+        }
+    }
 }
 
 fn noisy(frame: &Arc<Frame>, seed: u64) -> Frame {
@@ -167,39 +175,26 @@ mod tests {
             let output = estimator.run(&clip, 0, &threads).expect("a run");
             let figures = Figures::of(&*estimator, &output, (&clip, 0), &threads).expect("figures");
             let id = estimator.info().id;
-            if id == "full-search" {
-                assert_eq!(figures.missed_share(), Some(0.0));
-                assert_eq!(figures.candidates_most, 33 * 33);
-            }
-            assert!(f64::from(figures.candidates_most) >= figures.candidates_mean, "{id}");
             assert!((0.0..=1.0).contains(&figures.kept_in_noise) && (0.0..=1.0).contains(&figures.kept_in_light));
+            assert_eq!(figures.blocks.is_some(), estimator.info().family == "Block matching", "{id}");
+            let Some(blocks) = &figures.blocks else { continue };
+            if id == "full-search" {
+                assert_eq!(blocks.missed_share(), Some(0.0));
+                assert_eq!(blocks.candidates_most, 33 * 33);
+            }
+            assert!(f64::from(blocks.candidates_most) >= blocks.candidates_mean, "{id}");
             // The first block that is said to be missed has a better displacement indeed.
-            let Some((&block, unit)) = figures.missed.iter().flatten().next().zip(figures.first_missed_unit()) else {
+            let Some((&block, unit)) = blocks.missed.iter().flatten().next().zip(figures.first_missed_unit()) else {
                 continue;
             };
             let result = |estimator: &dyn AnyEstimator, unit: usize| {
                 let mut walk = estimator.walk(&clip, 0).expect("a walk");
                 walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
-                let Output::Blocks(field) = walk.output();
-                field.vectors[block].expect("it was searched").cost
+                walk.output().blocks().expect("blocks").vectors[block].expect("it was searched").cost
             };
             let full = full_search_like(&*estimator).expect("full search");
             assert!(result(&*estimator, unit) > result(&*full, block), "{id}");
         }
-    }
-
-    #[test]
-    fn a_pan_is_found_by_whoever_looks_far_enough() {
-        let (clip, threads) = (clip(), Threads::single());
-        let kept = |id: &str, range: &str, pan_px| {
-            let mut search = estimator(id).expect("it");
-            search.set("range", range).expect("in range");
-            kept_in_pan(&*search, (&clip, 0), pan_px, &threads)
-        };
-        assert_eq!(kept("full-search", "16", 0), Ok(1.0));
-        assert_eq!(kept("full-search", "16", 40), Ok(0.0));
-        assert!(kept("full-search", "64", 40).expect("a share") > 0.7);
-        assert!(kept("full-search", "16", 5000).is_err());
     }
 
     #[test]
@@ -209,7 +204,8 @@ mod tests {
         diamond.set("lambda", "4").expect("it has one");
         let output = diamond.run(&clip, 0, &threads).expect("a run");
         let figures = Figures::of(&*diamond, &output, (&clip, 0), &threads).expect("figures");
-        assert_eq!((figures.missed_share(), figures.first_missed_unit()), (None, None));
+        let missed = figures.blocks.as_ref().and_then(BlockFigures::missed_share);
+        assert_eq!((missed, figures.first_missed_unit()), (None, None));
     }
 
     #[test]
@@ -219,6 +215,7 @@ mod tests {
         let (full, threads) = (estimator("full-search").expect("it"), Threads::single());
         let output = full.run(&clip, 0, &threads).expect("a run");
         let figures = Figures::of(&*full, &output, (&clip, 0), &threads).expect("figures");
-        assert_eq!((figures.kept_in_light, figures.missed_share()), (1.0, Some(0.0)));
+        let missed = figures.blocks.as_ref().and_then(BlockFigures::missed_share);
+        assert_eq!((figures.kept_in_light, missed), (1.0, Some(0.0)));
     }
 }

@@ -52,7 +52,8 @@ pub struct Info {
     pub frames: usize,
 }
 
-/// What an estimator finds where the whole picture moves by a whole number of px, not farther than it looks.
+/// What an estimator finds where the whole picture moves alike, by a whole number of px unless it says otherwise, and not
+/// farther than it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Promise {
     /// That displacement, on any texture that differs from place to place.
@@ -65,6 +66,13 @@ pub enum Promise {
     },
     /// A displacement that fits at least as well as none at all.
     Better,
+    /// A displacement of a fraction of a px on any smooth texture, on average this near.
+    SubPixel {
+        /// Mean error in hundredths of a px.
+        off_centi_px: u8,
+    },
+    /// The part along the gradient of a displacement of a fraction of a px, on any smooth texture.
+    AlongGradient,
 }
 
 /// Where a run stands on one rung of the ladder.

@@ -165,11 +165,14 @@ impl Lockstep {
             Ok(Member { walk, spent, trails: Vec::new(), seen: 0 })
         };
         let members = estimators.iter().map(member).collect::<Result<Vec<_>, Error>>()?;
-        let blocks = members.iter().map(|member| {
-            let Output::Blocks(field) = member.walk.output();
-            field.blocks
+        let blocks = members.iter().map(|member| match member.walk.output() {
+            Output::Blocks(field) => Ok(field.blocks),
+            Output::Dense(_) => {
+                let id = member.walk.info().id;
+                Err(Error::new(format!("{id} has no blocks to be walked in lockstep; choose block searches")))
+            }
         });
-        let blocks: Vec<BlockGrid> = blocks.collect();
+        let blocks = blocks.collect::<Result<Vec<BlockGrid>, Error>>()?;
         if let Some(other) = blocks.iter().position(|grid| *grid != blocks[0]) {
             let [first, other] = [0, other].map(|index| estimators[index].info().id);
             return Err(Error::new(format!(

@@ -7,6 +7,8 @@ use crate::{Border, Flow, Gray, Grid, Interpolation};
 pub enum Output {
     /// One displacement per block.
     Blocks(BlockField),
+    /// One displacement per pixel.
+    Dense(DenseField),
 }
 
 impl Output {
@@ -14,6 +16,7 @@ impl Output {
     pub fn flow(&self) -> Flow {
         match self {
             Output::Blocks(field) => field.flow(),
+            Output::Dense(field) => field.flow.clone(),
         }
     }
 
@@ -21,6 +24,15 @@ impl Output {
     pub fn prediction(&self, next: &Gray) -> Gray {
         match self {
             Output::Blocks(field) => predict(&field.flow(), next, (field.border, field.filter)),
+            Output::Dense(field) => predict(&field.flow, next, (Border::Replicate, Interpolation::Bilinear)),
+        }
+    }
+
+    /// The displacements of the blocks, if it has any.
+    pub fn blocks(&self) -> Option<&BlockField> {
+        match self {
+            Output::Blocks(field) => Some(field),
+            Output::Dense(_) => None,
         }
     }
 }
@@ -139,6 +151,24 @@ impl BlockField {
             self.vectors[rows_of[y] * columns + columns_of[x]].map_or(Flow::UNKNOWN, |v| v.displacement)
         }))
     }
+}
+
+/// One displacement per pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DenseField {
+    /// Displacements in px/frame; unknown where nothing could be said, or has not been yet.
+    pub flow: Flow,
+    /// How far each is to be trusted, larger is better, if the estimator tells.
+    pub confidence: Option<Confidence>,
+}
+
+/// How far displacements are to be trusted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Confidence {
+    /// What is measured, in lower case and without spaces, with its unit: a column of a table.
+    pub name: &'static str,
+    /// Its value at each pixel.
+    pub values: Grid<f32>,
 }
 
 /// The motion-compensated prediction of frame t: each pixel is fetched from where it goes in `next`.

@@ -1,6 +1,7 @@
 //! Gaussian pyramids.
 
-use crate::{Border, Gray, Grid};
+use crate::differential::{Sampling, filter};
+use crate::{Border, Gray, Grid, Threads};
 
 /// The weights of the 5×5 px over which a pixel of the next level is taken, along each axis; they sum to 16
 /// (P. J. Burt and E. H. Adelson, IEEE Trans. Communications 31(4), 1983).
@@ -35,9 +36,75 @@ pub fn halve(picture: &Gray) -> Gray {
     half
 }
 
+/// The smallest side of a level in px.
+const SMALLEST: usize = 16;
+
+/// The levels of a pyramid over `picture`, itself first, each `factor` (between 0 and 1) times as wide and high as the one
+/// before: `count` of them, or as many as leave no side of less than 16 px.
+pub fn levels(picture: Grid<f32>, factor: f32, count: usize, threads: &Threads) -> Vec<Grid<f32>> {
+    let mut levels = vec![picture];
+    while let Some(finest) = levels.last().filter(|_| levels.len() < count) {
+        let size = [finest.width(), finest.height()].map(|side| (side as f32 * factor).round() as usize);
+        if size[0].min(size[1]) < SMALLEST {
+            break;
+        }
+        let next = shrunk(finest, (size[0], size[1]), factor, threads);
+        levels.push(next);
+    }
+    levels
+}
+
+/// `picture` smoothed for a sampling `factor` times as dense (E. Meinhardt-Llopis and J. Sánchez, Image Processing On Line 3,
+/// 2013), and sampled to `size`.
+fn shrunk(picture: &Grid<f32>, size: (usize, usize), factor: f32, threads: &Threads) -> Grid<f32> {
+    let sigma_px = 0.6 * (factor.powi(-2) - 1.0).sqrt();
+    let smooth = filter::smooth(picture.clone(), sigma_px, threads);
+    resampled(&smooth, size, Sampling::Bicubic, threads)
+}
+
+/// `picture` sampled to `size`; both cover the same area.
+pub fn resampled(
+    picture: &Grid<f32>,
+    (width, height): (usize, usize),
+    sampling: Sampling,
+    threads: &Threads,
+) -> Grid<f32> {
+    let place = |i: usize, of: usize, count: usize| (i as f32 + 0.5) * (of as f32 / count as f32) - 0.5;
+    let mut sampled = Grid::new(width, height, 0.0);
+    threads.rows(&mut sampled, |y, row| {
+        let y = place(y, picture.height(), height);
+        for (x, value) in row.iter_mut().enumerate() {
+            *value = sampling.sample(picture, place(x, picture.width(), width), y);
+        }
+    });
+    sampled
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn levels_shrink_by_their_factor_and_keep_waves_in_place() {
+        let wave = |x: f32, y: f32| 100.0 + 40.0 * (x / 15.0).sin() + 30.0 * (y / 12.0).cos();
+        let picture = Grid::from_fn(120, 90, |x, y| wave(x as f32, y as f32));
+        for factor in [0.5, 0.8] {
+            let levels = levels(picture.clone(), factor, 3, &Threads::single());
+            assert_eq!(levels.len(), 3);
+            for level in &levels {
+                let scale = [120.0 / level.width() as f32, 90.0 / level.height() as f32];
+                for (x, y) in (4..level.height() - 4).flat_map(|y| (4..level.width() - 4).map(move |x| (x, y))) {
+                    let place = |i: usize, scale: f32| (i as f32 + 0.5) * scale - 0.5;
+                    let truth = wave(place(x, scale[0]), place(y, scale[1]));
+                    // Smoothing takes a little of the waves away.
+                    assert!((level[(x, y)] - truth).abs() < 1.5, "{factor} at {x}, {y}: {}", level[(x, y)]);
+                }
+            }
+        }
+        let most = levels(picture, 0.5, 10, &Threads::single());
+        assert_eq!(most.iter().map(Grid::size).collect::<Vec<_>>(), [(120, 90), (60, 45), (30, 23)]);
+        assert_eq!(levels(Grid::new(1, 200, 0.0), 0.5, 10, &Threads::single()).len(), 1);
+    }
 
     #[test]
     fn a_level_is_the_weighted_mean_of_the_one_below() {

@@ -4,6 +4,7 @@ use crate::block_matching::{
     AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
     QuadrantSearch, ThreeStep,
 };
+use crate::optical_flow::{HornSchunck, NormalFlow};
 use crate::{AnyEstimator, Error};
 
 /// Every estimator with its default parameters, in the order of the course.
@@ -20,6 +21,8 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(AdaptiveRood::default()),
         Box::new(Predictive::default()),
         Box::new(Hierarchical::default()),
+        Box::new(NormalFlow::default()),
+        Box::new(HornSchunck::default()),
     ]
 }
 

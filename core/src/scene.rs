@@ -101,6 +101,13 @@ pub enum Shape {
         /// The values.
         values: Grid<f32>,
     },
+    /// A displacement `[u, v]` in px for every pixel, painted half-transparent in the colours of a wheel; NaN stays clear.
+    Flow {
+        /// Pixel of the grid's first cell.
+        origin: [f32; 2],
+        /// The displacements.
+        values: Grid<[f32; 2]>,
+    },
 }
 
 impl Shape {
@@ -121,12 +128,22 @@ impl Shape {
         }
     }
 
+    /// Whether it is a layer of colours, one for each pixel, below all lines.
+    pub fn is_layer(&self) -> bool {
+        matches!(self, Shape::Heat { .. } | Shape::Flow { .. })
+    }
+
     /// As [`Scene::same`].
     fn same(&self, other: &Shape) -> bool {
+        let bits =
+            |a: &[f32], b: &[f32]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
         match (self, other) {
             (Shape::Heat { origin, values }, Shape::Heat { origin: place, values: others }) => {
-                let bits = |grid: &'_ Grid<f32>| -> Vec<u32> { grid.cells().iter().map(|v| v.to_bits()).collect() };
-                origin == place && values.size() == others.size() && bits(values) == bits(others)
+                origin == place && values.size() == others.size() && bits(values.cells(), others.cells())
+            }
+            (Shape::Flow { origin, values }, Shape::Flow { origin: place, values: others }) => {
+                let [cells, others_cells] = [values, others].map(|grid| grid.cells().as_flattened());
+                origin == place && values.size() == others.size() && bits(cells, others_cells)
             }
             _ => self == other,
         }
@@ -137,6 +154,8 @@ impl Shape {
     pub fn enlarged(self, factor: usize) -> Self {
         let times = |c: f32| c * factor as f32;
         let place = |point: [f32; 2]| point.map(times);
+        // The outer edge of the first pixel is enlarged, not its middle.
+        let first = |origin: [f32; 2]| origin.map(|c| times(c - 0.5) + 0.5);
         match self {
             Shape::Rect { min, max } => Shape::Rect { min: place(min), max: place(max) },
             Shape::Arrows(arrows) => {
@@ -151,8 +170,13 @@ impl Shape {
             Shape::Heat { origin, values } => {
                 let (width, height) = values.size();
                 let values = Grid::from_fn(width * factor, height * factor, |x, y| values[(x / factor, y / factor)]);
-                // The outer edge of the first pixel is enlarged, not its middle.
-                Shape::Heat { origin: origin.map(|c| times(c - 0.5) + 0.5), values }
+                Shape::Heat { origin: first(origin), values }
+            }
+            Shape::Flow { origin, values } => {
+                let (width, height) = values.size();
+                let values =
+                    Grid::from_fn(width * factor, height * factor, |x, y| values[(x / factor, y / factor)].map(times));
+                Shape::Flow { origin: first(origin), values }
             }
         }
     }
@@ -167,7 +191,7 @@ impl Shape {
             }
             Shape::Path { points, .. } | Shape::Points(points) => points.concat(),
             Shape::Text { at, .. } => at.to_vec(),
-            Shape::Heat { origin, .. } => origin.to_vec(),
+            Shape::Heat { origin, .. } | Shape::Flow { origin, .. } => origin.to_vec(),
         }
     }
 }
@@ -325,6 +349,8 @@ pub enum Readout {
     Series(Series),
     /// A cost over displacements, as a heat map and as a 3-D surface.
     Surface(Surface),
+    /// Lines and points in the plane of displacements.
+    Plane(Plane),
 }
 
 /// One labelled number.
@@ -396,6 +422,66 @@ impl Surface {
     }
 }
 
+/// What pixels say about their displacement (u, v): lines and points in the plane of displacements, v downwards.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane {
+    /// What is shown: `Gradient constraint`.
+    pub title: &'static str,
+    /// Displacements from `-reach` to `reach` px are shown on both axes.
+    pub reach: f32,
+    /// The lines on which pixels allow the displacement to lie.
+    pub lines: Vec<Constraint>,
+    /// Displacements with their names.
+    pub points: Vec<(&'static str, Role, [f32; 2])>,
+    /// How certain a displacement is, where that is known: an ellipse of one standard deviation.
+    pub ellipse: Option<Spread>,
+}
+
+/// A line a u + b v + c = 0 in the plane of displacements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constraint {
+    /// The factors a, b and c; a and b are not both 0.
+    pub factors: [f32; 3],
+    /// How much it counts, 0 to 1.
+    pub weight: f32,
+    /// What it stands for.
+    pub role: Role,
+}
+
+impl Constraint {
+    /// The ends of the part that lies within ±`reach`, if any does.
+    pub fn within(&self, reach: f32) -> Option<[[f32; 2]; 2]> {
+        let [a, b, c] = self.factors;
+        let norm = a.hypot(b);
+        // Along the line from its point nearest to zero, as far as each pair of edges allows.
+        let (foot, way) = ([-a * c, -b * c].map(|p| p / (norm * norm)), [-b / norm, a / norm]);
+        let mut span = [f32::NEG_INFINITY, f32::INFINITY];
+        for i in 0..2 {
+            if way[i].abs() < 1e-6 {
+                if foot[i].abs() > reach {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [-reach, reach].map(|edge| (edge - foot[i]) / way[i]);
+            span = [span[0].max(ends[0].min(ends[1])), span[1].min(ends[0].max(ends[1]))];
+        }
+        let at = |s: f32| [0, 1].map(|i| foot[i] + s * way[i]);
+        (span[0] < span[1] && span.iter().all(|s| s.is_finite())).then(|| span.map(at))
+    }
+}
+
+/// An ellipse in the plane of displacements, in px.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Its centre.
+    pub center: [f32; 2],
+    /// Half axes.
+    pub radii: [f32; 2],
+    /// Angle of the first axis, from u towards v, in radians.
+    pub angle_rad: f32,
+}
+
 /// What a step tells: the line of the pseudocode, why, and the numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Step {
@@ -405,4 +491,23 @@ pub struct Step {
     pub sentence: Sentence,
     /// What the panels show.
     pub readouts: Vec<Readout>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_constraint_is_cut_where_the_plane_ends() {
+        let line = |factors| Constraint { factors, weight: 1.0, role: Role::Candidate };
+        for factors in [[1.0, 0.0, -2.0], [3.0, -4.0, 5.0], [-0.5, 0.25, 0.0], [1.0, 1.0, 7.9]] {
+            let ends = line(factors).within(4.0).expect("it passes through");
+            for [u, v] in ends {
+                assert!((factors[0] * u + factors[1] * v + factors[2]).abs() < 1e-4, "{factors:?}");
+                assert!((u.abs().max(v.abs()) - 4.0).abs() < 1e-4, "{factors:?} ends at {u}, {v}");
+            }
+        }
+        assert_eq!(line([1.0, 0.0, 5.0]).within(4.0), None);
+        assert_eq!(line([1.0, 1.0, 9.0]).within(4.0), None);
+    }
 }

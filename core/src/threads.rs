@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use crate::Error;
+use crate::{Error, Grid};
 
 /// A number of threads to spread work over.
 pub struct Threads(Option<rayon::ThreadPool>);
@@ -45,6 +45,25 @@ impl Threads {
         match &self.0 {
             None => (0..n).map(f).collect(),
             Some(pool) => pool.install(|| (0..n).into_par_iter().with_max_len(1).map(f).collect()),
+        }
+    }
+
+    /// Has `f` write every row of `grid`, given its number; the rows are written in any order.
+    pub(crate) fn rows<T: Send>(&self, grid: &mut Grid<T>, f: impl Fn(usize, &mut [T]) + Sync) {
+        let width = grid.width().max(1);
+        match &self.0 {
+            None => grid.cells_mut().chunks_exact_mut(width).enumerate().for_each(|(y, row)| f(y, row)),
+            Some(pool) => pool.install(|| {
+                grid.cells_mut().par_chunks_exact_mut(width).enumerate().for_each(|(y, row)| f(y, row));
+            }),
+        }
+    }
+
+    /// Has `f` work on each of `parts`, in any order.
+    pub(crate) fn each<T: Send>(&self, parts: Vec<T>, f: impl Fn(T) + Send + Sync) {
+        match &self.0 {
+            None => parts.into_iter().for_each(f),
+            Some(pool) => pool.install(|| parts.into_par_iter().with_max_len(1).for_each(f)),
         }
     }
 

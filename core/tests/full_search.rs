@@ -83,7 +83,7 @@ proptest! {
         ] {
             search.set(name, &value).unwrap();
         }
-        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap();
+        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap() else { panic!("no blocks") };
         for (i, found) in field.vectors.iter().enumerate() {
             let at = field.blocks.block(i);
             let found = found.expect("every block is searched");
@@ -100,7 +100,7 @@ fn mse_is_ssd_divided_and_chooses_the_same() {
     let run = |cost: &str| {
         let mut search = estimator("full-search").unwrap();
         search.set("cost", cost).unwrap();
-        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap();
+        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap() else { panic!("no blocks") };
         field
     };
     let (ssd, mse) = (run("ssd"), run("mse"));
@@ -117,7 +117,7 @@ fn a_flat_picture_does_not_move() {
     for order in ["raster", "spiral"] {
         let mut search = estimator("full-search").unwrap();
         search.set("order", order).unwrap();
-        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap();
+        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap() else { panic!("no blocks") };
         assert!(field.vectors.iter().all(|v| v.is_some_and(|v| v.displacement == [0.0, 0.0])));
     }
 }

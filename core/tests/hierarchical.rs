@@ -130,7 +130,7 @@ proptest! {
         for (name, value) in [("block", block), ("range", range as usize), ("levels", count), ("refine", refine as usize)] {
             search.set(name, &value.to_string()).expect("sound");
         }
-        let Output::Blocks(field) = search.run(&clip, 0, &Threads::new(2).expect("sound")).expect("sound");
+        let Output::Blocks(field) = search.run(&clip, 0, &Threads::new(2).expect("sound")).expect("sound") else { panic!("no blocks") };
         let (expected, candidates) = reference(&levels, refine);
         for (i, (found, (u, v))) in field.vectors.iter().zip(expected).enumerate() {
             prop_assert_eq!(found.expect("searched").displacement, [u as f32, v as f32], "block {}", i);

@@ -5,7 +5,8 @@ use motionscope_core::{Clip, Threads, estimator, metrics, predict, synth};
 /// PSNR in dB of the prediction of frame `t` that `id` makes, and its candidates.
 fn quality(id: &str, clip: &Clip, t: usize) -> (f64, u64) {
     let search = estimator(id).expect("it is there");
-    let motionscope_core::Output::Blocks(field) = search.run(clip, t, &Threads::single()).expect("a run");
+    let output = search.run(clip, t, &Threads::single()).expect("a run");
+    let field = output.blocks().expect("blocks");
     let [current, next] = clip.pair(t).expect("a pair");
     let prediction = predict(&field.flow(), next.luma(), (field.border, field.filter));
     (metrics::psnr_db(&prediction, current.luma()).expect("one size"), field.candidates())

@@ -26,7 +26,7 @@ fn searches() -> impl Iterator<Item = Box<dyn AnyEstimator>> {
 fn field(search: &dyn AnyEstimator, clip: &Clip, settings: &[(&str, &str)]) -> BlockField {
     let mut search = search.boxed_clone();
     settings.iter().for_each(|(name, value)| search.set(name, value).expect("it has it"));
-    let Output::Blocks(field) = search.run(clip, 0, &Threads::single()).expect("a run");
+    let Output::Blocks(field) = search.run(clip, 0, &Threads::single()).expect("a run") else { panic!("no blocks") };
     field
 }
 

@@ -92,7 +92,7 @@ fn toy(items: usize, levels: usize, damaged: usize) -> Timeline<Toy> {
 }
 
 fn done(walk: &dyn Walk) -> u64 {
-    let Output::Blocks(field) = walk.output();
+    let Output::Blocks(field) = walk.output() else { panic!("no blocks") };
     field.candidates()
 }
 

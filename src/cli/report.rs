@@ -66,13 +66,15 @@ impl Report {
         let params: Vec<_> = params.iter().map(|(name, value)| format!("{name}={}", bare(value))).collect();
         let mut text = format!("{estimator} on {clip}, frame {frame} to {}\n", frame + 1);
         text += &format!("parameters  {}\n", params.join(" "));
-        text += &format!("work        {} units, {events} events, {} candidates\n", units, metrics.candidates);
+        let candidates = metrics.candidates.map_or_else(String::new, |count| format!(", {count} candidates"));
+        text += &format!("work        {units} units, {events} events{candidates}\n");
         text += &format!("time        {:.3} ms (median), {:.3} ms (least), threads: {threads}\n", ms.median, ms.min);
         text += &match metrics.psnr_db {
             Some(psnr) => format!("prediction  {psnr:.2} dB PSNR\n"),
             None => "prediction  perfect\n".into(),
         };
-        text += &format!("entropy     {} (residual + vectors)\n", metrics.coding());
+        let sent = if metrics.vector_bits.is_some() { "residual + vectors" } else { "residual" };
+        text += &format!("entropy     {} ({sent})\n", metrics.coding());
         text += &match &metrics.truth {
             Some(AgainstTruth { epe_px, aae_deg, known }) => {
                 format!(

@@ -6,7 +6,7 @@ use motionscope_core::scene::{Mark, Shape};
 use motionscope_core::{Grid, Role};
 
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
-use super::{ColorMap, Face, Ink, Look, Theme, fonts, marks, number};
+use super::{ColorMap, Face, Ink, Look, Theme, flow_color, fonts, marks, number};
 
 /// Width and height of a swatch.
 pub const SWATCH: [f32; 2] = [28.0, 16.0];
@@ -37,6 +37,8 @@ pub enum Sample {
     Point,
     /// A line.
     Line,
+    /// The wheel of colours.
+    Wheel,
 }
 
 impl Sample {
@@ -47,6 +49,7 @@ impl Sample {
             Shape::Arrows(_) => Some(Sample::Arrow),
             Shape::Points(_) => Some(Sample::Point),
             Shape::Path { .. } => Some(Sample::Line),
+            Shape::Flow { .. } => Some(Sample::Wheel),
             Shape::Text { .. } | Shape::Heat { .. } => None,
         }
     }
@@ -62,6 +65,9 @@ pub fn entries<'a>(
     let entry = |&(role, meaning): &(Role, &'static str)| {
         let sample = marks.clone().filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min()?;
         let long = match look.lengthen {
+            _ if sample == Sample::Wheel => {
+                look.wheel.map_or_else(String::new, |longest| format!(", full colour at {} px", number(longest)))
+            }
             _ if sample != Sample::Arrow || !marks::is_lengthened(role) => String::new(),
             1.0 => String::new(),
             0.5 => ", drawn at half length".to_owned(),
@@ -98,6 +104,7 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
             let radii = [(x1 - x0) / 2.0, (y1 - y0) / 2.0];
             marks::line(&mut out, &ink, marks::ellipse([x0 + radii[0], middle], radii, 0.0), true);
         }
+        Sample::Wheel => out.extend(wheel([(rect.min[0] + rect.max[0]) / 2.0, middle], SWATCH[1] / 2.0)),
         Sample::Arrow => {
             let Ink { color, halo, halo_width, .. } = ink;
             let width = ink.width.min(theme.ink(Role::Result).width);
@@ -105,6 +112,30 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
             out.push(Primitive::Arrows(Arrows::one(from, to, Pen { width, color, halo, halo_width })));
         }
     }
+    out
+}
+
+/// The wheel of colours in rings, white in the middle: where a colour lies there, its displacement leads.
+fn wheel(center: Point, radius: f32) -> Vec<Primitive> {
+    const SLICES: usize = 24;
+    let at = |slice: usize, share: f32| {
+        let (sin, cos) = (slice as f32 / SLICES as f32 * std::f32::consts::TAU).sin_cos();
+        [center[0] + cos * share * radius, center[1] + sin * share * radius]
+    };
+    let cell = |ring: usize, slice: usize| {
+        let (inner, outer) = (ring as f32 / 3.0, (ring + 1) as f32 / 3.0);
+        let points = vec![at(slice, inner), at(slice, outer), at(slice + 1, outer), at(slice + 1, inner)];
+        let angle = (slice as f32 + 0.5) / SLICES as f32 * std::f32::consts::TAU;
+        let color = flow_color([angle.cos() * outer, angle.sin() * outer], 1.0);
+        Primitive::Polygon { points, color }
+    };
+    (0..3).flat_map(|ring| (0..SLICES).map(move |slice| (ring, slice))).map(|(ring, slice)| cell(ring, slice)).collect()
+}
+
+/// A point in the ink of `role` at `at`.
+pub fn point(role: Role, theme: Theme, at: Point) -> Vec<Primitive> {
+    let mut out = Vec::new();
+    marks::point(&mut out, &theme.ink(role), at);
     out
 }
 
@@ -198,7 +229,7 @@ mod tests {
 
     #[test]
     fn every_swatch_stays_in_its_box() {
-        let samples = [Sample::Frame, Sample::Ellipse, Sample::Arrow, Sample::Point, Sample::Line];
+        let samples = [Sample::Frame, Sample::Ellipse, Sample::Arrow, Sample::Point, Sample::Line, Sample::Wheel];
         for theme in Theme::ALL {
             for role in Role::ALL {
                 for sample in samples {

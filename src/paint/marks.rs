@@ -8,12 +8,14 @@ use motionscope_core::{Grid, Role, Scene};
 
 use super::fonts::Face;
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
-use super::{ColorMap, Ink, PointShape, Theme};
+use super::{ColorMap, Ink, PointShape, Theme, flow_color};
 
 /// How near to each other displacements are drawn, in points of the window and pixels of a file; closer, they would hide the picture and each other.
 const CLOSEST: f32 = 5.0;
 /// Opacity of heat over footage.
 const HEAT_ALPHA: u8 = 0xb8;
+/// Opacity of a flow's colours over footage: it covers all of it.
+const FLOW_ALPHA: u8 = 0x9c;
 
 /// How a scene is to look, the same in every painter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +26,8 @@ pub struct Look {
     pub colors: ColorMap,
     /// The numbers shown in the first and last of those colours.
     pub heat: Option<[f32; 2]>,
+    /// The length in px of displacements whose colour of the wheel is full.
+    pub wheel: Option<f32>,
     /// How many times their length displacements are drawn.
     pub lengthen: f32,
     /// Pixels that a point becomes, as far as they make room for more marks; 1 in the window.
@@ -48,7 +52,7 @@ impl Look {
             Lengthen::Times(factor) if factor.is_finite() && factor > 0.0 => factor,
             Lengthen::Times(_) => 1.0,
         };
-        Self { theme, colors, heat: heat_range(scene), lengthen, density: 1.0 }
+        Self { theme, colors, heat: heat_range(scene), wheel: wheel(scene), lengthen, density: 1.0 }
     }
 }
 
@@ -82,7 +86,7 @@ pub fn is_lengthened(role: Role) -> bool {
 pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place: Placement) -> Vec<Primitive> {
     let mut primitives = Vec::new();
     // What is under test is seen also where it lies on the best; its costs lie below all lines.
-    let is_under_test = |mark: &&Mark| mark.role == Role::Candidate && !matches!(mark.shape, Shape::Heat { .. });
+    let is_under_test = |mark: &&Mark| mark.role == Role::Candidate && !mark.shape.is_layer();
     let (under_test, others): (Vec<_>, Vec<_>) = marks.into_iter().partition(is_under_test);
     for mark in others.into_iter().chain(under_test) {
         if mark.shape.is_finite() {
@@ -129,6 +133,7 @@ impl Painter<'_> {
                 halo: Some(self.ink.halo),
             })),
             Shape::Heat { origin, values } => self.heat(*origin, values),
+            Shape::Flow { origin, values } => self.flow(*origin, values),
         }
     }
 
@@ -168,12 +173,31 @@ impl Painter<'_> {
     }
 
     fn heat(&mut self, origin: [f32; 2], values: &Grid<f32>) {
-        let (Some([low, high]), (width @ 1.., height @ 1..)) = (self.look.heat, values.size()) else { return };
+        let Some([low, high]) = self.look.heat else { return };
         let span = (high - low).max(f32::MIN_POSITIVE);
-        let pixels = values.map(|&v| match self.look.colors.at((v - low) / span) {
-            color if v.is_finite() => color.alpha(HEAT_ALPHA).0,
-            _ => [0; 4],
-        });
+        self.layer(
+            origin,
+            values.map(|&v| match self.look.colors.at((v - low) / span) {
+                color if v.is_finite() => color.alpha(HEAT_ALPHA).0,
+                _ => [0; 4],
+            }),
+        );
+    }
+
+    fn flow(&mut self, origin: [f32; 2], values: &Grid<[f32; 2]>) {
+        let Some(longest) = self.look.wheel else { return };
+        self.layer(
+            origin,
+            values.map(|&uv| match flow_color(uv, longest) {
+                color if color.0[3] > 0 => color.alpha(FLOW_ALPHA).0,
+                _ => [0; 4],
+            }),
+        );
+    }
+
+    /// A picture whose first pixel lies over pixel `origin`.
+    fn layer(&mut self, origin: [f32; 2], pixels: Grid<[u8; 4]>) {
+        let (width @ 1.., height @ 1..) = pixels.size() else { return };
         let min = origin.map(|c| c - 0.5);
         let rect = self.place.rect(min, [min[0] + width as f32, min[1] + height as f32]);
         self.out.push(Primitive::Image { pixels: Arc::new(pixels), rect });
@@ -288,6 +312,18 @@ fn heat_range(scene: &Scene) -> Option<[f32; 2]> {
         None => Some([v, v]),
         Some([low, high]) => Some([v.min(low), v.max(high)]),
     })
+}
+
+/// The length that one in a hundred displacements in the wheel's colours exceeds: a few that went astray would pale all others.
+fn wheel(scene: &Scene) -> Option<f32> {
+    let flows = scene.marks.iter().filter_map(|mark| match &mark.shape {
+        Shape::Flow { values, .. } => Some(values.cells()),
+        _ => None,
+    });
+    let mut lengths: Vec<f32> = flows.flatten().map(|uv| length(*uv)).filter(|length| length.is_finite()).collect();
+    let place = lengths.len().checked_sub(1)? * 99 / 100;
+    // Where nothing moves, any length will do.
+    Some(*lengths.select_nth_unstable_by(place, f32::total_cmp).1).map(|longest| longest.max(1e-3))
 }
 
 /// The power of two, ½ to 4, by which displacements are drawn so that few are longer than a step between them.
@@ -424,6 +460,20 @@ mod tests {
         let primitives = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 2.0 });
         let heat = primitives.iter().position(|primitive| matches!(primitive, Primitive::Image { .. }));
         assert_eq!((heat, primitives.len()), (Some(0), 3), "the best's rim and line come after");
+    }
+
+    #[test]
+    fn a_flow_is_a_layer_in_the_colours_of_the_wheel() {
+        let mut scene = field(8.0, 3.0);
+        let values = Grid::from_fn(20, 10, |x, _| if x == 0 { [f32::NAN; 2] } else { [x as f32 / 10.0, 0.0] });
+        scene.mark(Picture::Current, Role::Estimate, Shape::Flow { origin: [0.0; 2], values });
+        let look = Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto);
+        assert_eq!(look.wheel, Some(1.9), "few are longer");
+        let primitives = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 2.0 });
+        let Some(Primitive::Image { pixels, rect }) = primitives.last() else { panic!("{primitives:?}") };
+        assert_eq!((pixels.size(), rect.size()), ((20, 10), [40.0, 20.0]));
+        assert_eq!((pixels[(0, 3)][3], pixels[(1, 3)][3]), (0, FLOW_ALPHA), "what is not known is clear");
+        assert!(pixels[(19, 3)][2] < pixels[(5, 3)][2], "the farther, the fuller its red");
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 mod color;
 mod color_map;
+mod flow_color;
 pub mod fonts;
 pub mod legend;
 mod marks;
@@ -21,6 +22,7 @@ mod wrap;
 
 pub use color::Color;
 pub use color_map::ColorMap;
+pub use flow_color::flow_color;
 pub use fonts::Face;
 pub use marks::{Lengthen, Look, Placement, is_lengthened, resolve};
 pub use number::{grouped, number};

@@ -18,6 +18,7 @@ pub mod model;
 pub mod panes;
 pub mod parameters;
 pub mod parts;
+pub mod plane;
 pub mod primitives;
 pub mod rungs;
 pub mod series;

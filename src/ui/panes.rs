@@ -18,7 +18,8 @@ use super::model::document::Document;
 use super::model::loader::Loading;
 use super::model::walker::View;
 use super::parts::widgets;
-use super::{heat_map, parameters, series, stage, style, surface3d, tiles, why};
+use super::{heat_map, parameters, plane, series, stage, style, surface3d, tiles, why};
+use crate::paint::Theme;
 use crate::shot::Look;
 
 /// What the panes remember between frames, and of it from one day to the next how they are looked at.
@@ -194,13 +195,12 @@ impl Panes<'_> {
                     let input = heat_map::Input { surface, colors, theme };
                     clicked = heat_map::show(ui, input, &mut states.heat_map).clicked;
                 }
+                (Pane::Surface, Readout::Plane(plane)) => plane::show(ui, plane::Input { plane, theme }),
                 (Pane::Surface3d, Readout::Surface(surface)) => {
                     let input = surface3d::Input { surface, colors, theme, gpu: self.gpu };
                     surface3d::show(ui, input, &mut states.surface3d);
                 }
-                (Pane::Plot, Readout::Series(series)) => {
-                    clicked = series::show(ui, series::Input { series, theme }).clicked;
-                }
+                (Pane::Plot, Readout::Series(_)) => clicked = plots(ui, &shown.step.readouts, theme),
                 (Pane::Numbers, Readout::Tiles(tiles)) => {
                     tiles::show(ui, tiles::Input { tiles, theme }, &mut states.tiles);
                 }
@@ -211,8 +211,29 @@ impl Panes<'_> {
             }
             return;
         }
-        empty(ui, &absent(pane));
+        match (pane, shown.step.readouts.iter().any(|readout| matches!(readout, Readout::Plane(_)))) {
+            (Pane::Surface3d, true) => {
+                empty(ui, "This estimator tests no candidates, so there are no costs to be seen.")
+            }
+            _ => empty(ui, &absent(pane)),
+        }
     }
+}
+
+/// All quantities over steps, one below the other; gives the event that was clicked.
+fn plots(ui: &mut Ui, readouts: &[Readout], theme: Theme) -> Option<usize> {
+    let all = readouts.iter().filter_map(|readout| match readout {
+        Readout::Series(series) => Some(series),
+        _ => None,
+    });
+    let (count, gap) = (all.clone().count().max(1) as f32, ui.spacing().item_spacing.y);
+    let size = vec2(ui.available_width(), (ui.available_height() - gap * (count - 1.0)) / count);
+    let mut clicked = None;
+    for series in all {
+        let show = |ui: &mut Ui| ui.allocate_ui(size, |ui| series::show(ui, series::Input { series, theme }).clicked);
+        clicked = clicked.or(ui.push_id(series.title, show).inner.inner);
+    }
+    clicked
 }
 
 /// What will stand in a chart that this step has nothing for, and what to do.

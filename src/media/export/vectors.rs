@@ -2,16 +2,34 @@
 
 use std::path::Path;
 
-use motionscope_core::{BlockField, Error, Flow, Output};
+use motionscope_core::{BlockField, Confidence, Error, Flow, Output};
 
 use super::{Cell, Table, flo, kitti, npy};
 use crate::media::names::extension;
 
-/// `output` as CSV, one row per block, without those that have no result yet.
+/// `output` as CSV, one row per block or pixel, without those that have no result.
 pub fn csv(output: &Output) -> String {
     match output {
         Output::Blocks(field) => blocks(field).csv(),
+        Output::Dense(field) => match &field.confidence {
+            Some(Confidence { name, values }) => {
+                let rows = pixels(&field.flow).map(|([x, y], [u, v])| {
+                    [Cell::Int(x as i64), Cell::Int(y as i64), u, v, Cell::Single(values[(x, y)])]
+                });
+                Table { columns: ["x_px", "y_px", "u_px", "v_px", name], rows: rows.collect() }.csv()
+            }
+            None => {
+                let rows = pixels(&field.flow).map(|([x, y], [u, v])| [Cell::Int(x as i64), Cell::Int(y as i64), u, v]);
+                Table { columns: ["x_px", "y_px", "u_px", "v_px"], rows: rows.collect() }.csv()
+            }
+        },
     }
+}
+
+/// Place and displacement of the pixels whose motion is known, row by row.
+fn pixels(flow: &Flow) -> impl Iterator<Item = ([usize; 2], [Cell; 2])> + '_ {
+    let places = (0..flow.0.height()).flat_map(|y| (0..flow.0.width()).map(move |x| [x, y]));
+    places.filter_map(|[x, y]| Some(([x, y], flow.at(x, y)?.map(Cell::Single))))
 }
 
 /// Centre and size of each block, its displacement per frame, and what that costs.
@@ -73,7 +91,7 @@ impl FlowFormat {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{BlockGrid, BlockVector, Border, Grid};
+    use motionscope_core::{BlockGrid, BlockVector, Border, DenseField, Grid};
 
     use super::*;
 
@@ -89,6 +107,15 @@ mod tests {
         });
         let golden = "x_px,y_px,width_px,height_px,u_px,v_px,cost\n7.5,7.5,16,16,2,-1,12\n35.5,7.5,8,16,0.5,-1,3.25\n";
         assert_eq!(csv(&output), golden);
+    }
+
+    #[test]
+    fn a_pixel_of_known_motion_is_a_row() {
+        let flow = Flow(Grid::from_fn(2, 2, |x, y| if x == y { [0.5, -1.0] } else { Flow::UNKNOWN }));
+        let table = |confidence| csv(&Output::Dense(DenseField { flow: flow.clone(), confidence }));
+        assert_eq!(table(None), "x_px,y_px,u_px,v_px\n0,0,0.5,-1\n1,1,0.5,-1\n");
+        let confidence = Confidence { name: "gradient", values: Grid::from_fn(2, 2, |x, _| x as f32) };
+        assert_eq!(table(Some(confidence)), "x_px,y_px,u_px,v_px,gradient\n0,0,0.5,-1,0\n1,1,0.5,-1,1\n");
     }
 
     #[test]

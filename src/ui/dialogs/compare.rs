@@ -214,8 +214,8 @@ fn cell(ui: &mut Ui, column: &Column, row: &Arc<Row>, actions: &mut Actions) -> 
     let text = RichText::new(column.text(row)).monospace();
     // Where the clip itself was swept, the block is missed in another clip.
     let is_here = row.swept.as_ref().is_none_or(|(name, _)| row.estimator.get(name).is_ok());
-    let mut missed = row.figures.missed.iter().flatten();
-    let Some(first) = missed.next().filter(|_| is_here && column.name == "missed_percent") else {
+    let missed = row.figures.blocks.as_ref().and_then(|blocks| blocks.missed.as_ref()?.first());
+    let Some(first) = missed.filter(|_| is_here && column.name == "missed_percent") else {
         ui.label(text);
         return false;
     };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use eframe::egui::{Painter, Rect, Shape};
 use motionscope_core::Scene;
-use motionscope_core::scene::{Mark, Shape as MarkShape};
+use motionscope_core::scene::Mark;
 
 use super::{Input, Lens, pixels};
 use crate::paint::{ColorMap, Lengthen, Look, Panel, Placement, Theme, resolve};
@@ -68,9 +68,9 @@ impl Marks {
         let fresh = at.is_some_and(|i| Arc::ptr_eq(&self.slots[i].scene, input.scene) && self.slots[i].key == key);
         if !fresh {
             let kept = at.map(|i| self.slots.swap_remove(i).kept).unwrap_or_default();
-            // Where numbers stand in the pixels, heat would hide them.
+            // Where numbers stand in the pixels, a layer of colours would hide them.
             let has_numbers = pixels::has_numbers(lens);
-            let clear = |mark: &Mark| !has_numbers || !matches!(mark.shape, MarkShape::Heat { .. });
+            let clear = |mark: &Mark| !has_numbers || !mark.shape.is_layer();
             let shown = |(i, mark): &(usize, &Mark)| panel.shows(mark.on) && clear(mark) && !key.without.contains(i);
             let still = input.scene.marks.iter().enumerate().filter(shown).map(|(_, mark)| mark);
             let mut maker = Maker::new(painter, input.gpu, kept);

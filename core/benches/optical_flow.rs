@@ -1,0 +1,43 @@
+//! How fast optical flow is: `cargo bench -p motionscope-core --bench optical_flow`.
+//!
+//! A smooth texture that moves by (0.6, −0.4) px, on one and on two threads. Horn and Schunck's method as in the paper: 100
+//! Jacobi iterations, no pyramid. The others with their defaults.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use motionscope_core::{AnyEstimator, Clip, Frame, Grid, Threads, estimators};
+
+fn clip(width: usize, height: usize) -> Clip {
+    let wave = |x: f64, y: f64| {
+        let part =
+            |k: f64| (x * (0.1 + 0.03 * k) * (k * 0.7).cos() + y * (0.1 + 0.03 * k) * (k * 0.7).sin() + k * k).sin();
+        (128.0 + 15.0 * (0..8).map(|k| part(f64::from(k))).sum::<f64>()) as u8
+    };
+    let frame = |t: f64| Frame::gray(Grid::from_fn(width, height, |x, y| wave(x as f64 - 0.6 * t, y as f64 + 0.4 * t)));
+    Clip::from_frames("waves", vec![frame(0.0), frame(1.0)]).expect("two frames of one size")
+}
+
+fn tuned(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
+    if estimator.info().id == "horn-schunck" {
+        for name in ["levels", "warps"] {
+            estimator.set(name, "1").expect("in range");
+        }
+    }
+    estimator
+}
+
+fn whole_runs(c: &mut Criterion) {
+    for (name, width, height) in [("VGA", 640, 480), ("1080p", 1920, 1080)] {
+        let clip = clip(width, height);
+        for estimator in estimators().into_iter().filter(|e| e.info().family == "Optical flow").map(tuned) {
+            for threads in [1, 2] {
+                let pool = Threads::new(threads).expect("threads");
+                c.bench_function(&format!("{} {name} {threads} thread(s)", estimator.info().id), |b| {
+                    b.iter(|| estimator.run(&clip, 0, &pool).expect("a run"));
+                });
+            }
+        }
+    }
+}
+
+criterion_group!(benches, whole_runs);
+criterion_main!(benches);

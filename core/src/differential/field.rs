@@ -1,0 +1,101 @@
+//! A displacement for every pixel, its two parts apart so that loops over rows stay plain.
+
+use super::Sampling;
+use crate::pyramid::resampled;
+use crate::scene::{Arrow, Picture, Role, Scene, Shape};
+use crate::{Flow, Grid, Threads};
+
+/// Displacements (u, v) in px/frame; NaN where they are not known.
+#[derive(Clone, Debug)]
+pub struct Field {
+    /// To the right.
+    pub u: Grid<f32>,
+    /// Down.
+    pub v: Grid<f32>,
+}
+
+impl Field {
+    /// `value` for each of `width × height` pixels.
+    pub fn new((width, height): (usize, usize), [u, v]: [f32; 2]) -> Self {
+        Self { u: Grid::new(width, height, u), v: Grid::new(width, height, v) }
+    }
+
+    /// The displacement at `(x, y)`, NaN where it is not known.
+    pub fn at(&self, x: usize, y: usize) -> [f32; 2] {
+        [self.u[(x, y)], self.v[(x, y)]]
+    }
+
+    /// The same field on a picture of another `size`, displacements longer or shorter by as much.
+    pub fn resized(&self, size: (usize, usize), threads: &Threads) -> Self {
+        let part = |grid: &Grid<f32>, times: f32| {
+            let mut part = resampled(grid, size, Sampling::Bilinear, threads);
+            part.cells_mut().iter_mut().for_each(|c| *c *= times);
+            part
+        };
+        let (width, height) = self.u.size();
+        Self { u: part(&self.u, size.0 as f32 / width as f32), v: part(&self.v, size.1 as f32 / height as f32) }
+    }
+
+    /// The field as others know it.
+    pub fn flow(&self) -> Flow {
+        let cells = self.u.cells().iter().zip(self.v.cells()).map(|(&u, &v)| [u, v]);
+        let mut cells = cells.map(|uv| if uv.iter().all(|c| c.is_finite()) { uv } else { Flow::UNKNOWN });
+        let (width, height) = self.u.size();
+        Flow(Grid::from_fn(width, height, |_, _| cells.next().unwrap_or(Flow::UNKNOWN)))
+    }
+}
+
+/// About how many arrows stand along the longer side of a picture; a painter leaves out those it has no room for.
+const ARROWS: usize = 36;
+
+/// From one arrow of a dense field to the next, in px.
+pub fn arrow_spacing((width, height): (usize, usize)) -> usize {
+    (width.max(height) / ARROWS).max(5)
+}
+
+/// Draws a dense field: in the colours of the wheel, and arrows on a grid.
+pub fn draw(values: Grid<[f32; 2]>, scene: &mut Scene) {
+    let spacing = arrow_spacing(values.size());
+    let arrow = |(x, y): (usize, usize)| {
+        let [u, v] = values[(x, y)];
+        let from = [x as f32, y as f32];
+        (u.is_finite() && v.is_finite()).then(|| Arrow { from, to: [from[0] + u, from[1] + v] })
+    };
+    let along = |extent: usize| (spacing / 2..extent).step_by(spacing);
+    let places = along(values.height()).flat_map(|y| along(values.width()).map(move |x| (x, y)));
+    let arrows: Vec<_> = places.filter_map(arrow).collect();
+    scene.mark(Picture::Current, Role::Estimate, Shape::Flow { origin: [0.0; 2], values });
+    scene.legend(Role::Estimate, "direction of motion");
+    if !arrows.is_empty() {
+        scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
+        scene.legend(Role::Result, "displacements found");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_resized_field_moves_the_same_places() {
+        // A turn about the middle of the picture, on twice as many pixels.
+        let turn = |size: usize, middle: f32| {
+            let part =
+                |f: fn(f32, f32) -> f32| Grid::from_fn(size, size, |x, y| f(x as f32 - middle, y as f32 - middle));
+            Field { u: part(|_, y| -0.1 * y), v: part(|x, _| 0.1 * x) }
+        };
+        let (coarse, fine) = (turn(20, 9.5), turn(40, 19.5));
+        let resized = coarse.resized((40, 40), &Threads::single());
+        for (x, y) in (1..39).flat_map(|y| (1..39).map(move |x| (x, y))) {
+            let (found, truth) = (resized.at(x, y), fine.at(x, y));
+            assert!((found[0] - truth[0]).abs() < 1e-4 && (found[1] - truth[1]).abs() < 1e-4, "{x}, {y}");
+        }
+    }
+
+    #[test]
+    fn half_known_is_unknown() {
+        let field =
+            Field { u: Grid::new(2, 1, 1.0), v: Grid::from_fn(2, 1, |x, _| if x == 0 { f32::NAN } else { 2.0 }) };
+        assert_eq!((field.flow().at(0, 0), field.flow().at(1, 0)), (None, Some([1.0, 2.0])));
+    }
+}

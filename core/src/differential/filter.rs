@@ -1,0 +1,140 @@
+//! Filters that go along rows and columns.
+
+use crate::{Border, Grid, Threads};
+
+/// The sums of `image` weighted by `across` along each row and by `down` along each column.
+///
+/// The middle weight belongs to the pixel itself; of an even number, the one left of (above) the middle.
+///
+/// # Panics
+/// If the image or one of the filters is empty.
+pub fn separable(image: &Grid<f32>, (across, down): (&[f32], &[f32]), border: Border, threads: &Threads) -> Grid<f32> {
+    let (width, height) = image.size();
+    let (left, above) = ((across.len() - 1) / 2, (down.len() - 1) / 2);
+    let mut filtered = Grid::new(width, height, 0.0);
+    threads.rows(&mut filtered, |y, target| {
+        // A row with room on either side for what `across` reaches.
+        let mut row = vec![0.0; width + across.len() - 1];
+        for (k, &weight) in down.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+            let source = image.row(border.index((y + k) as isize - above as isize, height));
+            add_scaled(&mut row[left..left + width], source, weight);
+        }
+        for i in (0..left).chain(left + width..row.len()) {
+            row[i] = row[left + border.index(i as isize - left as isize, width)];
+        }
+        for (k, &weight) in across.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+            add_scaled(target, &row[k..], weight);
+        }
+    });
+    filtered
+}
+
+/// Adds `weight` times `source` to `target`.
+fn add_scaled(target: &mut [f32], source: &[f32], weight: f32) {
+    for (sum, value) in target.iter_mut().zip(source) {
+        *sum += weight * value;
+    }
+}
+
+/// The weights of a Gaussian of `sigma_px`, cut at three of it; they sum to 1, and are a single 1 for no smoothing.
+pub fn gaussian(sigma_px: f32) -> Vec<f32> {
+    gaussian_within(sigma_px, (3.0 * sigma_px).ceil() as usize)
+}
+
+/// The weights of a Gaussian of `sigma_px` at −`reach` to `reach` px; they sum to 1.
+pub fn gaussian_within(sigma_px: f32, reach: usize) -> Vec<f32> {
+    let weight = |i: usize| {
+        let along = (i as f64 - reach as f64) / f64::from(sigma_px.max(1e-3));
+        (-0.5 * along * along).exp()
+    };
+    let weights: Vec<f64> = (0..=2 * reach).map(weight).collect();
+    let sum: f64 = weights.iter().sum();
+    weights.iter().map(|weight| (weight / sum) as f32).collect()
+}
+
+/// `image` smoothed by a Gaussian of `sigma_px`, mirrored at its edge.
+pub fn smooth(image: Grid<f32>, sigma_px: f32, threads: &Threads) -> Grid<f32> {
+    if sigma_px <= 0.0 {
+        return image;
+    }
+    let weights = gaussian(sigma_px);
+    separable(&image, (&weights, &weights), Border::Mirror, threads)
+}
+
+/// The median of the 3×3 px around each pixel, the edge repeated.
+pub fn median(image: &Grid<f32>, threads: &Threads) -> Grid<f32> {
+    let (width, height) = image.size();
+    let mut medians = Grid::new(width, height, 0.0);
+    threads.rows(&mut medians, |y, target| {
+        let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| {
+            let row = image.row(y);
+            [&row[..1], row, &row[width - 1..]].concat()
+        });
+        let [above, here, below] = rows.each_ref().map(|row| &row[..width + 2]);
+        for (x, median) in target.iter_mut().enumerate() {
+            let row = |row: &[f32]| [row[x], row[x + 1], row[x + 2]];
+            *median = median_of([row(above), row(here), row(below)]);
+        }
+    });
+    medians
+}
+
+/// The median of nine: the middle one of the largest of the smallest, the middle of the middle and the smallest of the
+/// largest, once each row is in order.
+#[inline(always)]
+fn median_of(rows: [[f32; 3]; 3]) -> f32 {
+    let middle = |a: f32, b: f32, c: f32| a.min(b).max(a.max(b).min(c));
+    let [low, mid, high] = [
+        rows.map(|[a, b, c]| a.min(b).min(c)),
+        rows.map(|[a, b, c]| middle(a, b, c)),
+        rows.map(|[a, b, c]| a.max(b).max(c)),
+    ];
+    middle(low[0].max(low[1]).max(low[2]), middle(mid[0], mid[1], mid[2]), high[0].min(high[1]).min(high[2]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_the_fifth_of_nine() {
+        let image = Grid::from_fn(8, 6, |x, y| ((x * 37 + y * 101 + x * y * 13) % 29) as f32);
+        let medians = median(&image, &Threads::single());
+        for (x, y) in (0..6).flat_map(|y| (0..8).map(move |x| (x, y))) {
+            let around = |i: isize, j: isize| image.at(x as isize + i, y as isize + j, Border::Replicate);
+            let mut nine: Vec<f32> = (-1..2).flat_map(|j| (-1..2).map(move |i| around(i, j))).collect();
+            nine.sort_by(f32::total_cmp);
+            assert_eq!(medians[(x, y)], nine[4], "{x}, {y}");
+        }
+        assert_eq!(median(&Grid::new(1, 1, 3.0), &Threads::single())[(0, 0)], 3.0);
+    }
+
+    #[test]
+    fn a_filter_is_the_weighted_sum_over_its_reach() {
+        let image = Grid::from_fn(9, 7, |x, y| ((x * 37 + y * 101 + x * y * 13) % 256) as f32);
+        let (across, down) = ([0.5, -2.0, 1.0, 0.25], [1.0, 3.0, -1.0]);
+        for border in [Border::Mirror, Border::Replicate] {
+            let filtered = separable(&image, (&across, &down), border, &Threads::single());
+            for (x, y) in (0..7).flat_map(|y| (0..9).map(move |x| (x, y))) {
+                let mut sum = 0.0;
+                for (i, a) in across.iter().enumerate() {
+                    for (j, d) in down.iter().enumerate() {
+                        sum += a * d * image.at((x + i) as isize - 1, (y + j) as isize - 1, border);
+                    }
+                }
+                assert!((filtered[(x, y)] - sum).abs() < 1e-3, "{border:?} at {x}, {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn smoothing_has_the_spread_it_is_named_by_and_keeps_flat_pictures() {
+        let weights = gaussian(1.5);
+        let middle = (weights.len() / 2) as f32;
+        let variance: f32 = weights.iter().enumerate().map(|(i, w)| w * (i as f32 - middle).powi(2)).sum();
+        assert!((variance.sqrt() - 1.5).abs() < 0.02, "{}", variance.sqrt());
+        assert_eq!(gaussian(0.0), [1.0]);
+        let flat = smooth(Grid::new(1, 5, 7.0), 2.0, &Threads::single());
+        assert!(flat.cells().iter().all(|v| (v - 7.0).abs() < 1e-5));
+    }
+}

@@ -1,0 +1,17 @@
+//! What the methods that work on derivatives share: derivatives of a pair of pictures, smoothing, reading between pixels
+//! and warping, fields of displacements, and how a gradient constraint is told and drawn.
+
+mod derivatives;
+pub mod field;
+pub mod filter;
+mod given;
+mod linear;
+pub mod relax;
+pub mod tell;
+mod warp;
+
+pub use derivatives::{Derivatives, Scheme};
+pub use field::Field;
+pub use given::Given;
+pub use linear::Linear;
+pub use warp::{Sampling, backward};

@@ -1,0 +1,267 @@
+//! Normal flow: what a single pixel says about its motion.
+//!
+//! ```text
+//!     v
+//!     ↑   ╲  Iₓ u + I_y v + Iₜ = 0
+//!     │    ╲        every (u, v) on the line explains what the pixel sees;
+//!     │   ↗ ╲       the shortest of them lies along the gradient: the normal flow
+//!     └──────╲──→ u
+//! ```
+
+use std::sync::Arc;
+
+use crate::differential::{Derivatives, Given, Scheme, field, tell};
+use crate::scene::{Fact, Math, Picture, Plane, Readout, Sentence, Shape};
+use crate::{
+    Clip, Confidence, DenseField, Error, Estimator, Flow, Grid, Info, Observer, Output, Progress, Promise, Role, Rung,
+    Scene, Seen, Step, Threads, params,
+};
+
+params! {
+    /// Normal flow: the part of the motion along the gradient, which is all that one pixel can tell.
+    pub struct NormalFlow {
+        /// How derivatives are estimated from pixels.
+        derivatives: Scheme = Scheme::Central;
+        /// Standard deviation of the Gaussian that smooths both frames first; 0 leaves them as they are.
+        smoothing: f32 = 1.0, 0.0..=5.0, "px";
+        /// Where the gradient is smaller, in gray levels per px, nothing is said: noise would decide.
+        threshold: f32 = 3.0, 0.0..=50.0;
+    }
+}
+
+/// The square of a gradient that comes from rounding alone.
+const FLAT: f32 = 1e-6;
+
+/// What a run reads and writes.
+#[derive(Clone)]
+pub struct State {
+    fixed: Arc<Fixed>,
+    /// The displacements of the rows that are done.
+    found: Vec<[f32; 2]>,
+}
+
+/// What stays the same all along.
+struct Fixed {
+    given: Given,
+    derivatives: Derivatives,
+}
+
+/// The next pixel of the row has this displacement; NaN where nothing is said.
+pub type Event = [f32; 2];
+
+impl NormalFlow {
+    fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let given = Given::new(clip, frame, self.smoothing, threads)?;
+        let derivatives = self.derivatives.of(&given.pictures[0], &given.pictures[1], threads);
+        Ok(State { fixed: Arc::new(Fixed { given, derivatives }), found: Vec::new() })
+    }
+
+    /// The point of the line a u + b v + c = 0 that is nearest to zero, if the gradient (a, b) is large enough.
+    #[inline(always)]
+    fn nearest(&self, [a, b, c]: [f32; 3]) -> [f32; 2] {
+        let squared = a * a + b * b;
+        if squared > FLAT && squared >= self.threshold * self.threshold {
+            [-c * a / squared, -c * b / squared]
+        } else {
+            Flow::UNKNOWN
+        }
+    }
+
+    /// Works out the displacements of row `y`.
+    fn row(&self, of: &Derivatives, y: usize, row: &mut [[f32; 2]], observer: &mut impl Observer<Event>) {
+        let gradients = of.x.row(y).iter().zip(of.y.row(y));
+        for (found, ((&a, &b), &c)) in row.iter_mut().zip(gradients.zip(of.t.row(y))) {
+            *found = self.nearest([a, b, c]);
+            observer.see(|| *found);
+        }
+    }
+}
+
+impl State {
+    fn width(&self) -> usize {
+        self.fixed.given.size().0
+    }
+
+    /// The row that comes next.
+    fn y(&self) -> usize {
+        self.found.len() / self.width()
+    }
+
+    /// What was found by now, with `more` of the next row.
+    fn flow(&self, more: &[Event]) -> Grid<[f32; 2]> {
+        let (width, height) = self.fixed.given.size();
+        let mut found = self.found.iter().chain(more).copied();
+        Grid::from_fn(width, height, |_, _| found.next().unwrap_or(Flow::UNKNOWN))
+    }
+}
+
+impl Estimator for NormalFlow {
+    const INFO: Info = Info {
+        id: "normal-flow",
+        name: "Normal flow",
+        family: "Optical flow",
+        summary: "Takes from every pixel what it can tell alone: the motion along its gradient.",
+        source: "C. L. Fennema and W. B. Thompson, Velocity determination in scenes containing several moving objects, \
+                 Computer Graphics and Image Processing 9(4), 1979; aperture problem: S. Ullman, The Interpretation of \
+                 Visual Motion, MIT Press 1979",
+        pseudocode: &[
+            "smooth both frames",
+            "Iₓ, I_y, Iₜ ← derivatives of the pair",
+            "for each pixel",
+            "  the gradient constraint Iₓ u + I_y v + Iₜ = 0 is a line in (u, v)",
+            "  if |∇I| < threshold, then nothing can be said",
+            "  else (u, v) ← the point of the line nearest to (0, 0)",
+        ],
+        rungs: &["frame", "row", "pixel"],
+        frames: 2,
+    };
+    const PROMISE: Promise = Promise::AlongGradient;
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        self.prepare(clip, frame, &Threads::single())
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let mut row = vec![Flow::UNKNOWN; state.width()];
+        self.row(&state.fixed.derivatives, state.y(), &mut row, observer);
+        state.found.extend(row);
+        Ok(if state.y() == state.fixed.given.size().1 { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        Some(state.fixed.given.size().1)
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        vec![Rung { index: 0, of: Some(1) }, Rung { index: state.y(), of: self.units(state) }]
+    }
+
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        state.fixed.given.pixel_at(point).map(|(_, y)| y)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + size_of_val(&state.found[..])
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        let Some(pixel) = pixel(seen) else {
+            let sentence = "Both frames are smoothed and their derivatives taken. Each pixel is asked by itself.";
+            return Step { line: 1, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+        };
+        let of = &seen.before.fixed.derivatives;
+        let found = self.nearest(of.at(pixel));
+        let is_known = found[0].is_finite();
+        Step {
+            line: if is_known { 5 } else { 4 },
+            sentence: self.sentence(pixel, of.at(pixel), found),
+            readouts: self.readouts(&seen.before.fixed, pixel, found),
+        }
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        field::draw(seen.before.flow(seen.events), scene);
+        if let Some((x, y)) = pixel(seen) {
+            scene.mark(Picture::Current, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
+            scene.legend(Role::Reference, "pixel");
+        }
+    }
+
+    fn output(&self, state: &State) -> Output {
+        let Derivatives { x, y, .. } = &state.fixed.derivatives;
+        let mut gradients = x.cells().iter().zip(y.cells()).map(|(x, y)| x.hypot(*y));
+        let values = x.map(|_| gradients.next().unwrap_or(0.0));
+        let confidence = Some(Confidence { name: "gradient", values });
+        Output::Dense(DenseField { flow: Flow(state.flow(&[])), confidence })
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let mut state = self.prepare(clip, frame, threads)?;
+        let mut flow = state.flow(&[]);
+        threads.rows(&mut flow, |y, row| self.row(&state.fixed.derivatives, y, row, &mut ()));
+        state.found = flow.into_cells();
+        Ok(state)
+    }
+}
+
+/// The pixel that is explained: the one pointed at, else the one at work.
+fn pixel(seen: &Seen<NormalFlow>) -> Option<(usize, usize)> {
+    let last = seen.events.len().checked_sub(1)?;
+    let pointed_at = seen.focus.and_then(|point| seen.before.fixed.given.pixel_at(point));
+    Some(pointed_at.unwrap_or((last, seen.before.y())))
+}
+
+impl NormalFlow {
+    fn sentence(&self, (x, y): (usize, usize), [a, b, c]: [f32; 3], found: [f32; 2]) -> Sentence {
+        let said = Sentence::default().ink(Role::Reference, format!("Pixel ({x}, {y})"));
+        let size = tell::number(a.hypot(b));
+        if !found[0].is_finite() {
+            let threshold = tell::number(self.threshold);
+            let why = if a.hypot(b) > 0.0 { format!("below the threshold of {threshold}") } else { "flat".into() };
+            return said.text(format!(" has a gradient of {size} gray levels per px, {why}: it says nothing."));
+        }
+        said.text(format!(
+            " grows brighter by {size} gray levels per px along its gradient, and by {} per frame",
+            tell::number(c)
+        ))
+        .text(": the pattern moves by ")
+        .ink(Role::Result, format!("{} px", tell::vector(found)))
+        .text(" across the edge. How far it moves along the edge cannot be seen through one pixel (aperture problem).")
+    }
+
+    fn readouts(&self, Fixed { given, derivatives }: &Fixed, pixel: (usize, usize), found: [f32; 2]) -> Vec<Readout> {
+        let factors = derivatives.at(pixel);
+        let truth = given.true_displacement(pixel);
+        let is_known = found[0].is_finite();
+        let fact = |label, value, role| Fact { label, value, role };
+        let mut facts = vec![
+            fact("Pixel", format!("({}, {})", pixel.0, pixel.1), Some(Role::Reference)),
+            derivatives.fact(pixel),
+            fact("Gradient", format!("{} gray levels per px", tell::number(factors[0].hypot(factors[1]))), None),
+        ];
+        if is_known {
+            facts.push(fact("Normal flow", format!("{} px", tell::vector(found)), Some(Role::Result)));
+        }
+        facts.extend(truth.map(|truth| fact("Truth", format!("{} px", tell::vector(truth)), Some(Role::Truth))));
+        let mut equation = tell::constraint_equation(factors, Role::Reference).to_vec();
+        if is_known {
+            equation.push(nearest_equation(found));
+        }
+        let mut points = vec![("zero", Role::Reference, [0.0; 2])];
+        points.extend(is_known.then_some(("normal flow", Role::Result, found)));
+        points.extend(truth.map(|truth| ("truth", Role::Truth, truth)));
+        let plane = Plane {
+            title: "Gradient constraint",
+            reach: tell::reach(points.iter().map(|(.., point)| *point)),
+            lines: tell::line(factors, 1.0, Role::Candidate).into_iter().collect(),
+            points,
+            ellipse: None,
+        };
+        let [current, next] = &given.pictures;
+        vec![
+            Readout::Facts(facts),
+            Readout::Equation(equation),
+            Readout::Plane(plane),
+            Readout::Tiles(derivatives.tiles([current, next], pixel, 3)),
+        ]
+    }
+}
+
+/// (u, v) = −Iₜ ∇I / |∇I|², and what it is here.
+fn nearest_equation(found: [f32; 2]) -> Math {
+    let gradient = || Math::Row(vec![Math::text("∇"), Math::Var("I")]);
+    let top = Math::Row(vec![tell::derivative("t"), Math::text(" "), gradient()]);
+    let bottom = Math::power(Math::Abs(Box::new(gradient())), Math::text("2"));
+    Math::Row(vec![
+        Math::text("("),
+        Math::Var("u"),
+        Math::text(", "),
+        Math::Var("v"),
+        Math::text(") = − "),
+        Math::Frac(Box::new(top), Box::new(bottom)),
+        Math::text(" = "),
+        Math::ink(Role::Result, tell::vector(found)),
+    ])
+}

@@ -1,0 +1,247 @@
+//! Optical flow against plain references and against motion that is known exactly.
+
+use motionscope_core::{
+    AnyEstimator, Clip, Cursor, Flow, Frame, Grid, Move, Output, Threads, Way, estimator, metrics, scene, synth,
+};
+
+fn set(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
+    let mut estimator = estimator(id).expect("it is there");
+    settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
+    estimator
+}
+
+fn flow(id: &str, settings: &[(&str, &str)], clip: &Clip) -> Flow {
+    set(id, settings).run(clip, 0, &Threads::single()).expect("a run").flow()
+}
+
+/// Waves in all directions.
+fn waves(x: f64, y: f64) -> f64 {
+    let wave = |k: f64| {
+        let (period, angle) = (13.0 + 0.7 * k, k * std::f64::consts::PI / 8.0);
+        ((x * angle.cos() + y * angle.sin()) * std::f64::consts::TAU / period + k * k).sin()
+    };
+    128.0 + 15.0 * (0..8).map(|k| wave(f64::from(k))).sum::<f64>()
+}
+
+const SIZE: (usize, usize) = (96, 80);
+
+/// Two frames of waves; what frame t + 1 shows at a place lay at `before` in frame t.
+fn moving(before: impl Fn([f64; 2]) -> [f64; 2]) -> Clip {
+    let frame = |place: &dyn Fn([f64; 2]) -> [f64; 2]| {
+        Frame::gray(Grid::from_fn(SIZE.0, SIZE.1, |x, y| {
+            let [x, y] = place([x as f64, y as f64]);
+            (waves(x, y) + 0.5) as u8
+        }))
+    };
+    Clip::from_frames("waves", vec![frame(&|place| place), frame(&before)]).expect("frames of one size")
+}
+
+/// A linear motion about the middle of the picture, x ← x + A (x − middle) + d, and frames that move so.
+fn linear_motion(a: [[f64; 2]; 2], d: [f64; 2]) -> (Clip, Flow) {
+    let middle = [(SIZE.0 as f64 - 1.0) / 2.0, (SIZE.1 as f64 - 1.0) / 2.0];
+    let times = |m: [[f64; 2]; 2], p: [f64; 2]| [0, 1].map(|i| m[i][0] * p[0] + m[i][1] * p[1]);
+    let forward = [[1.0 + a[0][0], a[0][1]], [a[1][0], 1.0 + a[1][1]]];
+    let det = forward[0][0] * forward[1][1] - forward[0][1] * forward[1][0];
+    let inverse = [[forward[1][1] / det, -forward[0][1] / det], [-forward[1][0] / det, forward[0][0] / det]];
+    let clip = moving(|p| {
+        let from_middle = [0, 1].map(|i| p[i] - middle[i] - d[i]);
+        let back = times(inverse, from_middle);
+        [0, 1].map(|i| middle[i] + back[i])
+    });
+    let truth = Grid::from_fn(SIZE.0, SIZE.1, |x, y| {
+        let moved = times(a, [x as f64 - middle[0], y as f64 - middle[1]]);
+        [0, 1].map(|i| (moved[i] + d[i]) as f32)
+    });
+    (clip, Flow(truth))
+}
+
+/// Mean endpoint error in px, `margin` px away from the border.
+fn error(found: &Flow, truth: &Flow, margin: usize) -> f64 {
+    let inside = |x: usize, y: usize| (margin..SIZE.0 - margin).contains(&x) && (margin..SIZE.1 - margin).contains(&y);
+    let truth = Flow(Grid::from_fn(SIZE.0, SIZE.1, |x, y| if inside(x, y) { truth.0[(x, y)] } else { Flow::UNKNOWN }));
+    metrics::flow_error(found, &truth).expect("one size").expect("known pixels").epe_px
+}
+
+/// A shift, a turn by 1.2°, and a growth by 2 %.
+fn motions() -> [(&'static str, Clip, Flow); 3] {
+    let of = |name, (clip, truth)| (name, clip, truth);
+    [
+        of("shift", linear_motion([[0.0; 2]; 2], [0.55, -0.35])),
+        of("turn", linear_motion([[0.0, -0.021], [0.021, 0.0]], [0.0; 2])),
+        of("growth", linear_motion([[0.02, 0.0], [0.0, 0.02]], [0.0; 2])),
+    ]
+}
+
+/// How far off each may be on average.
+const MOST_PX: [(&str, f64); 1] = [("horn-schunck", 0.05)];
+
+#[test]
+fn shifts_turns_and_growths_are_recovered() {
+    for (name, clip, truth) in motions() {
+        for (id, most_px) in MOST_PX {
+            let off = error(&flow(id, &[], &clip), &truth, 8);
+            assert!(off < most_px, "{id}: {off:.3} px off for a {name}");
+        }
+    }
+}
+
+#[test]
+fn several_levels_find_what_one_cannot() {
+    let (clip, truth) = linear_motion([[0.0; 2]; 2], [6.0, 4.5]);
+    let off = |levels| error(&flow("horn-schunck", &[("levels", levels), ("warps", "5")], &clip), &truth, 16);
+    let (one, many) = (off("1"), off("3"));
+    assert!(many < 0.3 && one > 2.0, "{many:.2} px off with three levels, {one:.2} with one");
+}
+
+#[test]
+fn normal_flow_is_the_point_of_the_line_nearest_to_zero() {
+    let clip = moving(|[x, y]| [x - 0.4, y + 0.3]);
+    let [a, b] = clip.pair(0).unwrap();
+    let found = flow("normal-flow", &[("smoothing", "0"), ("threshold", "0")], &clip);
+    let at = |frame: &Frame, x: usize, y: usize| f64::from(frame.luma()[(x, y)]);
+    for (x, y) in (1..79).flat_map(|y| (1..95).map(move |x| (x, y))) {
+        let mean = |x: usize, y: usize| (at(&a, x, y) + at(&b, x, y)) / 2.0;
+        let gradient = [(mean(x + 1, y) - mean(x - 1, y)) / 2.0, (mean(x, y + 1) - mean(x, y - 1)) / 2.0];
+        let (change, squared) = (at(&b, x, y) - at(&a, x, y), gradient[0].powi(2) + gradient[1].powi(2));
+        let Some(uv) = found.at(x, y) else {
+            assert!(squared < 1e-6, "({x}, {y}) is left out");
+            continue;
+        };
+        for i in 0..2 {
+            let plain = -change * gradient[i] / squared;
+            assert!((f64::from(uv[i]) - plain).abs() < 1e-4 * (1.0 + plain.abs()), "{uv:?} at ({x}, {y}), not {plain}");
+        }
+    }
+}
+
+/// Horn and Schunck's method as plainly as can be: one level, central differences, Jacobi iterations, all in f64.
+fn plain_horn_schunck(clip: &Clip, alpha: f64, iterations: usize) -> Vec<[f64; 2]> {
+    let [a, b] = clip.pair(0).expect("a pair");
+    let (width, height) = clip.size();
+    let inside =
+        |x: isize, y: isize| (x.clamp(0, width as isize - 1) as usize, y.clamp(0, height as isize - 1) as usize);
+    let value = |frame: &Frame, x: isize, y: isize| f64::from(frame.luma()[inside(x, y)]);
+    let mean = |x: isize, y: isize| (value(&a, x, y) + value(&b, x, y)) / 2.0;
+    let mut field = vec![[0.0f64; 2]; width * height];
+    for _ in 0..iterations {
+        let before = field.clone();
+        for y in 0..height as isize {
+            for x in 0..width as isize {
+                let at = |i: isize, j: isize, part: usize| {
+                    let (x, y) = inside(x + i, y + j);
+                    before[y * width + x][part]
+                };
+                let average = [0, 1].map(|p| {
+                    (at(1, 0, p) + at(-1, 0, p) + at(0, 1, p) + at(0, -1, p)) / 6.0
+                        + (at(1, 1, p) + at(-1, 1, p) + at(1, -1, p) + at(-1, -1, p)) / 12.0
+                });
+                let ix = (mean(x + 1, y) - mean(x - 1, y)) / 2.0;
+                let iy = (mean(x, y + 1) - mean(x, y - 1)) / 2.0;
+                let it = value(&b, x, y) - value(&a, x, y);
+                let off = (ix * average[0] + iy * average[1] + it) / (alpha * alpha + ix * ix + iy * iy);
+                field[y as usize * width + x as usize] = [average[0] - ix * off, average[1] - iy * off];
+            }
+        }
+    }
+    field
+}
+
+const PAPER: [(&str, &str); 5] =
+    [("levels", "1"), ("warps", "1"), ("smoothing", "0"), ("derivatives", "central"), ("alpha", "10")];
+
+#[test]
+fn horn_schunck_agrees_with_a_plain_one() {
+    let (clip, _) = linear_motion([[0.0, -0.01], [0.01, 0.0]], [0.3, -0.2]);
+    // More than are done at once while the rows are in the cache, and not a multiple of it.
+    let found = flow("horn-schunck", &[&PAPER[..], &[("iterations", "41")]].concat(), &clip);
+    let plain = plain_horn_schunck(&clip, 10.0, 41);
+    for (found, plain) in found.0.cells().iter().zip(plain) {
+        assert!((0..2).all(|i| (f64::from(found[i]) - plain[i]).abs() < 1e-4), "{found:?}, plainly {plain:?}");
+    }
+}
+
+#[test]
+fn all_solvers_come_to_the_same_field_and_the_faster_ones_sooner() {
+    let (clip, _) = linear_motion([[0.02, 0.0], [0.0, 0.02]], [0.3, 0.0]);
+    let solve = |solver, iterations| {
+        let more = [("solver", solver), ("iterations", iterations), ("relaxation", "1.7")];
+        flow("horn-schunck", &[&PAPER[..], &more].concat(), &clip)
+    };
+    let end = solve("jacobi", "1000");
+    let off = |other: &Flow| -> f32 {
+        let pairs = other.0.cells().iter().flatten().zip(end.0.cells().iter().flatten());
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+    };
+    assert!(off(&solve("gauss-seidel", "600")) < 1e-3 && off(&solve("sor", "300")) < 1e-3);
+    let [jacobi, gauss_seidel, sor] = ["jacobi", "gauss-seidel", "sor"].map(|solver| off(&solve(solver, "20")));
+    assert!(sor < gauss_seidel && gauss_seidel < jacobi, "{sor} {gauss_seidel} {jacobi}");
+}
+
+/// The values of a line of a plot, at the end of the run.
+fn plotted(estimator: &dyn AnyEstimator, clip: &Clip, title: &str, line: &str) -> Vec<f32> {
+    let mut walk = estimator.walk(clip, 0).expect("a walk");
+    walk.jump(Move::End);
+    let series = walk.step(None).readouts.into_iter().find_map(|readout| match readout {
+        scene::Readout::Series(series) if series.title == title => Some(series),
+        _ => None,
+    });
+    let lines = series.expect("a plot").lines;
+    let points = lines.into_iter().find(|(name, ..)| *name == line).expect("a line").2;
+    points.into_iter().map(|[_, y]| y).collect()
+}
+
+#[test]
+fn energy_never_rises_and_the_error_falls() {
+    let scene = synth::scene("sub-pixel").unwrap();
+    let clip = scene.clip(&scene.difficulty()).unwrap();
+    for solver in ["jacobi", "gauss-seidel", "sor"] {
+        let settings = [("levels", "1"), ("warps", "1"), ("iterations", "60"), ("solver", solver)];
+        let estimator = set("horn-schunck", &settings);
+        let energy = plotted(&*estimator, &clip, "Energy per pixel", "energy");
+        assert_eq!(energy.len(), 60);
+        assert!(energy.windows(2).all(|pair| pair[1] <= pair[0] * (1.0 + 1e-6)), "{solver}: {energy:?}");
+        let error = plotted(&*estimator, &clip, "Mean endpoint error", "error");
+        assert!(error[59] < 0.5 * error[0], "{solver}: {} px, then {}", error[0], error[59]);
+    }
+}
+
+#[test]
+fn horn_schunck_stops_when_little_changes() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [0.3, 0.1]);
+    let estimator = set("horn-schunck", &[&PAPER[..], &[("tolerance", "0.002"), ("iterations", "500")]].concat());
+    let mut walk = estimator.walk(&clip, 0).unwrap();
+    assert_eq!(walk.units(), None, "nobody knows before");
+    walk.jump(Move::End);
+    let units = walk.units().expect("the end is reached");
+    assert!((5..400).contains(&units), "{units} iterations");
+    assert_eq!(walk.output(), estimator.run(&clip, 0, &Threads::new(2).unwrap()).unwrap());
+    let change = plotted(&*estimator, &clip, "Mean change", "change");
+    assert!(change[units - 1] < 0.002 && change[units - 2] >= 0.002);
+}
+
+#[test]
+fn the_update_that_is_told_is_the_one_that_is_done() {
+    let (clip, _) = linear_motion([[0.01, 0.0], [0.0, 0.01]], [0.2, 0.4]);
+    for solver in ["jacobi", "gauss-seidel", "sor"] {
+        let estimator = set("horn-schunck", &[&PAPER[..], &[("solver", solver), ("relaxation", "1")]].concat());
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        walk.jump(Move::To(Cursor { unit: 6, event: usize::MAX }));
+        let focus = [40.0, 30.0];
+        let Output::Dense(field) = walk.output() else { panic!("a dense field") };
+        let step = walk.step(Some(focus));
+        let plane = step.readouts.iter().find_map(|readout| match readout {
+            scene::Readout::Plane(plane) => Some(plane),
+            _ => None,
+        });
+        let plane = plane.expect("a plane");
+        let point = |name: &str| plane.points.iter().find(|(known, ..)| *known == name).expect("a point").2;
+        let (mean, after) = (point("average"), point("after"));
+        assert_eq!(after, field.flow.at(40, 30).unwrap());
+        let [a, b, c] = plane.lines[0].factors;
+        let off = (a * mean[0] + b * mean[1] + c) / (100.0 + a * a + b * b);
+        let told = [mean[0] - a * off, mean[1] - b * off];
+        assert!((0..2).all(|i| (told[i] - after[i]).abs() < 1e-4), "{solver}: {told:?}, done {after:?}");
+        walk.jump(Move::Rung(4, Way::Back));
+        assert!(walk.step(Some(focus)).sentence.plain().contains("pixel (40, 30)"));
+    }
+}

@@ -1,0 +1,146 @@
+//! The plane of displacements: what pixels allow, as lines, and displacements as points.
+
+use eframe::egui::{self, Align2, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use motionscope_core::scene::{Plane, Spread};
+
+use super::axis::Axis;
+use super::{ink, primitives};
+use crate::paint::{Face, Theme, legend, number};
+
+/// What is shown.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// The lines and points.
+    pub plane: &'a Plane,
+    /// The look.
+    pub theme: Theme,
+}
+
+/// Where the plane lies.
+struct Map {
+    rect: Rect,
+    across: Axis,
+    down: Axis,
+}
+
+impl Map {
+    fn new(area: Rect, reach: f32, small: f32) -> Self {
+        // Room for the title and for the numbers at the axes.
+        let room = Rect::from_min_max(area.min + vec2(4.0 * small, 2.2 * small), area.max - vec2(small, 3.2 * small));
+        let side = room.width().min(room.height()).max(8.0);
+        let rect = Rect::from_min_size(room.min, vec2(side, side));
+        let axis = |from, to| Axis { values: [-reach, reach], places: [from, to] };
+        Self { rect, across: axis(rect.min.x, rect.max.x), down: axis(rect.min.y, rect.max.y) }
+    }
+
+    fn at(&self, [u, v]: [f32; 2]) -> Pos2 {
+        pos2(self.across.place(u), self.down.place(v))
+    }
+}
+
+/// Shows the plane as large as it fits.
+pub fn show(ui: &mut Ui, input: Input<'_>) {
+    let Input { plane, theme } = input;
+    let size = ui.available_size().max(vec2(80.0, 80.0));
+    let (area, response) = ui.allocate_exact_size(size, Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, summary(plane)));
+    let small = theme.sizes().small;
+    let map = Map::new(area, plane.reach, small);
+    let painter = ui.painter_at(area);
+    let font = ink::font(Face::Sans, small);
+    painter.text(area.min, Align2::LEFT_TOP, plane.title, font, ink::color(theme.chrome().dim));
+    axes(&painter, &map, theme);
+    let inside = painter.with_clip_rect(map.rect);
+    for line in &plane.lines {
+        if let Some(ends) = line.within(plane.reach) {
+            let ink = theme.ink(line.role);
+            let color = ink::color(ink.color).gamma_multiply(0.25 + 0.75 * line.weight);
+            inside.line_segment(ends.map(|end| map.at(end)), Stroke::new(1.0 + line.weight, color));
+        }
+    }
+    if let Some(spread) = &plane.ellipse {
+        ellipse(&inside, &map, spread, theme);
+    }
+    names(&painter, &map, area, input);
+}
+
+fn axes(painter: &Painter, map: &Map, theme: Theme) {
+    let chrome = theme.chrome();
+    let small = theme.sizes().small;
+    let font = ink::font(Face::Sans, small);
+    let (dim, faint) = (ink::color(chrome.dim), Stroke::new(1.0, ink::color(chrome.line)));
+    painter.rect_stroke(map.rect, 0.0, faint, egui::StrokeKind::Outside);
+    for u in map.across.ticks(4.0 * small, 0.0) {
+        painter.vline(map.across.place(u), map.rect.y_range(), faint);
+        let below = pos2(map.across.place(u), map.rect.max.y + 4.0);
+        painter.text(below, Align2::CENTER_TOP, number(u), font.clone(), dim);
+    }
+    for v in map.down.ticks(3.0 * small, 0.0) {
+        painter.hline(map.rect.x_range(), map.down.place(v), faint);
+        let beside = pos2(map.rect.min.x - 6.0, map.down.place(v));
+        painter.text(beside, Align2::RIGHT_CENTER, number(v), font.clone(), dim);
+    }
+    let under = pos2(map.rect.center().x, map.rect.max.y + 4.0 + 1.3 * small);
+    painter.text(under, Align2::CENTER_TOP, "u, v in px", font, dim);
+}
+
+fn ellipse(painter: &Painter, map: &Map, spread: &Spread, theme: Theme) {
+    let (sin, cos) = spread.angle_rad.sin_cos();
+    let on_rim = |i: usize| {
+        let (y, x) = (i as f32 / 64.0 * std::f32::consts::TAU).sin_cos();
+        let (x, y) = (x * spread.radii[0], y * spread.radii[1]);
+        map.at([spread.center[0] + x * cos - y * sin, spread.center[1] + x * sin + y * cos])
+    };
+    let ink = theme.ink(motionscope_core::Role::Estimate);
+    painter.add(Shape::closed_line((0..64).map(on_rim).collect(), Stroke::new(ink.width, ink::color(ink.color))));
+}
+
+/// The points, and beside the plane what each is called.
+fn names(painter: &Painter, map: &Map, area: Rect, Input { plane, theme }: Input<'_>) {
+    let small = theme.sizes().small;
+    let font = ink::font(Face::Sans, small);
+    let mut at = pos2(map.rect.max.x + small, map.rect.min.y);
+    for (name, role, uv) in &plane.points {
+        let is_inside = map.rect.contains(map.at(*uv));
+        if is_inside {
+            painter.extend(primitives::shapes(painter, &legend::point(*role, theme, map.at(*uv).into())));
+        }
+        let sample = legend::point(*role, theme, (at + vec2(small, small) / 2.0).into());
+        painter.extend(primitives::shapes(painter, &sample));
+        let told = format!("{name} ({}, {})", number(uv[0]), number(uv[1]));
+        if at.x + 2.0 * small < area.max.x {
+            let text = ink::color(theme.chrome().text);
+            painter.text(at + vec2(1.8 * small, -0.2 * small), Align2::LEFT_TOP, told, font.clone(), text);
+        }
+        at.y += 1.6 * small;
+    }
+}
+
+/// What the plane shows, for those who cannot see it.
+fn summary(plane: &Plane) -> String {
+    let points = plane.points.iter().map(|(name, _, [u, v])| format!("{name} at ({}, {})", number(*u), number(*v)));
+    let lines = match plane.lines.len() {
+        1 => "one line".to_owned(),
+        count => format!("{count} lines"),
+    };
+    [format!("{}: {lines}", plane.title)].into_iter().chain(points).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::Role;
+    use motionscope_core::scene::Constraint;
+
+    use super::*;
+
+    #[test]
+    fn the_plane_is_told_in_words_and_lies_the_right_way_up() {
+        let line = Constraint { factors: [1.0, 0.0, -1.0], weight: 1.0, role: Role::Candidate };
+        let points = vec![("normal flow", Role::Result, [1.0, -0.25])];
+        let plane = Plane { title: "Gradient constraint", reach: 2.0, lines: vec![line], points, ellipse: None };
+        assert_eq!(summary(&plane), "Gradient constraint: one line, normal flow at (1, −0.250)");
+        let map = Map::new(Rect::from_min_size(Pos2::ZERO, vec2(300.0, 200.0)), 2.0, 10.0);
+        assert!(map.at([1.0, 0.0]).x > map.at([0.0, 0.0]).x && map.at([0.0, 1.0]).y > map.at([0.0, 0.0]).y);
+        assert_eq!(map.at([0.0, 0.0]), map.rect.center());
+    }
+}
