@@ -96,6 +96,8 @@ pub(crate) struct Between {
     /// The pixels under all taps, and their sums along the rows.
     pixels: Vec<u8>,
     sums: Vec<i32>,
+    /// Their sums down the columns of one row.
+    sums_down: Vec<i32>,
     moved: Vec<u8>,
 }
 
@@ -122,29 +124,29 @@ impl Between {
 
     /// Fills the planes from the pixels, in rows of `width`.
     fn interpolate(&mut self, width: usize) {
-        let Self { pixels, sums, halves: [whole, right, below, both], size, filter, .. } = self;
+        let Self { pixels, sums, sums_down, halves: [whole, right, below, both], size, filter, .. } = self;
         let (columns, rows) = (size.0 + 2, size.1 + 2);
-        let taps = |values: &[u8]| TAPS.iter().zip(values).map(|(tap, &value)| tap * i32::from(value)).sum::<i32>();
-        whole.clear();
-        for row in pixels.chunks_exact(width).skip(REACH).take(rows) {
-            whole.extend_from_slice(&row[REACH..REACH + columns]);
+        let line = |y: usize, x: usize| &pixels[y * width + x..][..columns];
+        for plane in [&mut *whole, right, below, both] {
+            plane.clear();
         }
+        (0..rows).for_each(|y| whole.extend_from_slice(line(y + REACH, REACH)));
         if *filter != Some(Interpolation::SixTap) {
             return;
         }
         sums.clear();
-        for row in pixels.chunks_exact(width) {
-            sums.extend((0..columns).map(|x| taps(&row[x..x + TAPS.len()])));
+        for y in 0..rows + TAPS.len() - 1 {
+            weigh([0, 1, 2, 3, 4, 5].map(|i| line(y, i)), sums);
         }
-        let down = |y: usize, x: usize| filter_down(|j| i32::from(pixels[(y + j) * width + x + REACH]));
-        let down_sums = |y: usize, x: usize| filter_down(|j| sums[(y + j) * columns + x]);
-        for plane in [&mut *right, below, both] {
-            plane.clear();
-        }
+        let sum_line = |y: usize| &sums[y * columns..][..columns];
         for y in 0..rows {
-            right.extend((0..columns).map(|x| rounded(sums[(y + REACH) * columns + x], 5)));
-            below.extend((0..columns).map(|x| rounded(down(y, x), 5)));
-            both.extend((0..columns).map(|x| rounded(down_sums(y, x), 10)));
+            right.extend(sum_line(y + REACH).iter().map(|&sum| rounded(sum, 5)));
+            sums_down.clear();
+            weigh([0, 1, 2, 3, 4, 5].map(|j| line(y + j, REACH)), sums_down);
+            below.extend(sums_down.iter().map(|&sum| rounded(sum, 5)));
+            sums_down.clear();
+            weigh([0, 1, 2, 3, 4, 5].map(|j| sum_line(y + j)), sums_down);
+            both.extend(sums_down.iter().map(|&sum| rounded(sum, 10)));
         }
     }
 
@@ -171,9 +173,10 @@ impl Between {
                     let (i, j) = (usize::from(i.min(fx)), usize::from(j.min(fy)));
                     &halves[0][(row + j) * stride + column + i..][..width]
                 };
-                let corners = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+                let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
                 let weights = [(4 - fx) * (4 - fy), fx * (4 - fy), (4 - fx) * fy, fx * fy];
-                let sum = |x: usize| (0..4).map(|i| weights[i] * u16::from(corners[i][x])).sum::<u16>();
+                let term = |i: usize, value: u8| weights[i] * u16::from(value);
+                let sum = |x: usize| term(0, a[x]) + term(1, b[x]) + term(2, c[x]) + term(3, d[x]);
                 moved.extend((0..width).map(|x| ((sum(x) + 8) >> 4) as u8));
             }
         }
@@ -181,10 +184,14 @@ impl Between {
     }
 }
 
-/// The weighted sum of the values at 0 to 5.
+/// Adds to `sums` those of six lines of equal length, each weighted as its tap: plain loops, which become vector
+/// instructions.
 #[inline(always)]
-fn filter_down(value: impl Fn(usize) -> i32) -> i32 {
-    TAPS.iter().enumerate().map(|(j, tap)| tap * value(j)).sum()
+fn weigh<T: Copy + Into<i32>>(lines: [&[T]; 6], sums: &mut Vec<i32>) {
+    let length = lines[0].len();
+    let [a, b, c, d, e, f] = lines.map(|line| &line[..length]);
+    let both = |a: T, b: T| a.into() + b.into();
+    sums.extend((0..length).map(|x| both(a[x], f[x]) - 5 * both(b[x], e[x]) + 20 * both(c[x], d[x])));
 }
 
 #[cfg(test)]
