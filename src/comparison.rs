@@ -180,21 +180,29 @@ fn cells(rows: &[Row]) -> Vec<Vec<String>> {
 
 /// The table in columns, and what they mean.
 pub fn text(rows: &[Row]) -> String {
-    let lines = cells(rows);
+    columns(&cells(rows)) + "\n" + KEY
+}
+
+/// Lines of cells in columns, the first to the left, the others to the right.
+pub fn columns(lines: &[Vec<String>]) -> String {
     let width = |i: usize| lines.iter().map(|line| line[i].chars().count()).max().unwrap_or(0);
     let mut text = String::new();
-    for line in &lines {
+    for line in lines {
         for (i, cell) in line.iter().enumerate() {
             text += &if i == 0 { format!("{cell:<0$}", width(i)) } else { format!("  {cell:>0$}", width(i)) };
         }
         text += "\n";
     }
-    text + "\n" + KEY
+    text
 }
 
 /// The table as Markdown.
 pub fn markdown(rows: &[Row]) -> String {
-    let lines = cells(rows);
+    markdown_table(&cells(rows))
+}
+
+/// Lines of cells as a table of Markdown, the first line its heading.
+pub fn markdown_table(lines: &[Vec<String>]) -> String {
     let row = |line: &Vec<String>| format!("| {} |\n", line.join(" | "));
     let rule = lines.first().map_or(String::new(), |line| format!("| --- |{}\n", " ---: |".repeat(line.len() - 1)));
     let mut table = lines.iter().map(row);

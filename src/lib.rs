@@ -1,5 +1,6 @@
 //! Motionscope's window and command line over `motionscope-core`.
 
+pub mod claims;
 pub mod cli;
 pub mod comparison;
 pub mod media;

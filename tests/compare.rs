@@ -112,3 +112,29 @@ fn what_cannot_be_compared_is_told() {
         assert!(sentence.lines().count() == 1 && output.stdout.is_empty(), "{more}: {sentence}");
     }
 }
+
+#[test]
+fn the_courses_table_is_measured_cell_by_cell() {
+    let clip = "synth:pillar,frames=3";
+    let claims = json(&format!("compare {clip} --course --repeat 1 --json"));
+    let claim = |feature: &str| {
+        let mut all = claims.as_array().unwrap().iter();
+        all.find(|claim| claim["feature"].as_str().unwrap().starts_with(feature)).unwrap()
+    };
+    assert_eq!(claim("complexity")["sequential"], "289 → 1089 → 4225");
+    for feature in ["search space", "complexity", "accuracy", "large motion", "memory"] {
+        assert_eq!(claim(feature)["holds"], true, "{feature}");
+    }
+    // The cells are those of the table that everyone can ask for.
+    let rows = json(&format!("compare {clip} --estimators full-search,quadrant-search,hierarchical --json"));
+    for (i, name) in ["sequential", "logarithmic", "hierarchical"].into_iter().enumerate() {
+        let percent = format!("{:.1}", rows[i]["kept_in_noise_percent"].as_f64().unwrap());
+        assert_eq!(claim("noise")[name], percent, "{name}");
+    }
+    let table = stdout(&format!("compare {clip} --course --repeat 1"));
+    assert!(table.contains("the course says") || !table.contains("does not hold"), "{table}");
+    // A picture that is too small for any pyramid is refused with what to do.
+    let refused = motionscope("compare synth:pillar,width=32,height=32 --course");
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(!refused.status.success() && told.contains("smaller block"), "{told}");
+}

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::synth::disturb;
-use crate::{AnyEstimator, BlockField, Clip, DenseField, Error, Frame, Output, Threads, Value, estimator};
+use crate::{AnyEstimator, BlockField, Clip, DenseField, Error, Frame, Gray, Output, Threads, Value, estimator};
 
 /// Standard deviation of the noise under which an estimator is tried, in gray levels.
 pub const NOISE_SIGMA: f64 = 10.0;
@@ -54,7 +54,7 @@ impl Figures {
         let [current, next] = clip.pair(frame)?;
         let kept = |pair: [Frame; 2]| -> Result<f64, Error> {
             let disturbed = Clip::from_frames("disturbed", pair.into())?;
-            Ok(kept(output, &estimator.run(&disturbed, 0, threads)?))
+            Ok(kept(output, &estimator.run(&disturbed, 0, threads)?, [0.0; 2]))
         };
         let extent = estimator.extent(clip, frame)?;
         let blocks = |field| BlockFigures::of(estimator, field, (clip, frame), threads);
@@ -101,6 +101,33 @@ impl BlockFigures {
     }
 }
 
+/// Share of the blocks that `estimator` finds within 1 px although the camera pans by `pan_px` on top of what moves
+/// between frames `frame` and `frame + 1` of `clip`. What moves there is what full search finds within ±16 px.
+///
+/// # Errors
+/// If the picture is not wider than the pan, or the estimator cannot run there.
+pub fn kept_in_pan(
+    estimator: &dyn AnyEstimator,
+    (clip, frame): (&Clip, usize),
+    pan_px: usize,
+    threads: &Threads,
+) -> Result<f64, Error> {
+    let [current, next] = clip.pair(frame)?;
+    if current.size() != next.size() || current.size().0 <= pan_px {
+        return Err(Error::new(format!("a pan by {pan_px} px leaves nothing of this picture")));
+    }
+    let run = |estimator: &dyn AnyEstimator, pair: [&Gray; 2]| {
+        let pair = pair.map(|picture| Frame::gray(picture.clone()));
+        estimator.run(&Clip::from_frames("pan", pair.into())?, 0, threads)
+    };
+    let cut = |frame: &Arc<Frame>, left| disturb::cut(frame.luma(), left, current.size().0 - pan_px);
+    let (here, still, panned) = (cut(&current, pan_px), cut(&next, pan_px), cut(&next, 0));
+    let mut full = full_search_like(estimator)?;
+    full.set("range", "16")?;
+    let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
+    Ok(kept(&still, &moved, [pan_px as f32, 0.0]))
+}
+
 /// `estimator` with all parameters that it has in common with `other`, as far as their values are allowed.
 #[must_use]
 pub fn alike(other: &dyn AnyEstimator, mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
@@ -131,10 +158,10 @@ fn missed(output: &BlockField, best: &BlockField) -> Vec<usize> {
     (0..output.vectors.len().min(best.vectors.len())).filter(is_worse).collect()
 }
 
-/// Share of the displacements of `a` that are the same in `b` within 1 px.
-fn kept(a: &Output, b: &Output) -> f64 {
+/// Share of the displacements of `a` that are in `b` what they are there plus `shift`, within 1 px.
+fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> f64 {
     let [a, b] = [a, b].map(displacements);
-    let close = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= 1.0;
+    let close = |a: [f32; 2], b: [f32; 2]| (a[0] + shift[0] - b[0]).hypot(a[1] + shift[1] - b[1]) <= 1.0;
     let both = a.iter().zip(&b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
     let same = both.filter(|(a, b)| close(*a, *b)).count();
     same as f64 / a.iter().flatten().count().max(1) as f64
@@ -195,6 +222,20 @@ mod tests {
             let full = full_search_like(&*estimator).expect("full search");
             assert!(result(&*estimator, unit) > result(&*full, block), "{id}");
         }
+    }
+
+    #[test]
+    fn a_pan_is_found_by_whoever_looks_far_enough() {
+        let (clip, threads) = (clip(), Threads::single());
+        let kept = |id: &str, range: &str, pan_px| {
+            let mut search = estimator(id).expect("it");
+            search.set("range", range).expect("in range");
+            kept_in_pan(&*search, (&clip, 0), pan_px, &threads)
+        };
+        assert_eq!(kept("full-search", "16", 0), Ok(1.0));
+        assert_eq!(kept("full-search", "16", 40), Ok(0.0));
+        assert!(kept("full-search", "64", 40).expect("a share") > 0.7);
+        assert!(kept("full-search", "16", 5000).is_err());
     }
 
     #[test]

@@ -113,8 +113,11 @@ pub struct CompareArgs {
     /// The clip or session.
     pub clip: OsString,
     /// Ids of estimators, with commas between them; `motionscope list` names them.
-    #[arg(long, value_name = "A,B,..", required = true, value_delimiter = ',', num_args = 1)]
+    #[arg(long, value_name = "A,B,..", required_unless_present = "course", value_delimiter = ',', num_args = 1)]
     pub estimators: Vec<String>,
+    /// Measures the course's table of sequential, logarithmic and hierarchical search instead, and says what of it holds.
+    #[arg(long, conflicts_with_all = ["estimators", "set", "sweep", "csv", "truth"])]
+    pub course: bool,
     /// Sets a parameter of one, e.g. diamond.block=8, or of all that have it, e.g. block=8; may be repeated.
     #[arg(long, value_name = "A.K=V")]
     pub set: Vec<String>,

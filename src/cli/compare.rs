@@ -4,9 +4,11 @@ use motionscope_core::{Error, Threads};
 
 use super::args::CompareArgs;
 use super::say;
+use crate::claims;
 use crate::comparison::{self, Arena, Row};
 use crate::media::{Open, export};
 use crate::session::Named;
+use crate::source::Source;
 
 /// Compares what `args` name.
 ///
@@ -15,6 +17,9 @@ use crate::session::Named;
 pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     let Named { source, truth, session } = Named::find(&args.clip, args.truth.clone())?;
     let frame = args.frame.or(session.map(|session| session.frame)).unwrap_or(0);
+    if args.course {
+        return course(args, &source, frame);
+    }
     let estimators = comparison::contenders(&args.estimators, &args.set)?;
     let threads = Threads::new(args.threads as usize)?;
     let mut rows = Vec::new();
@@ -39,5 +44,17 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         (_, true, _) => say(&comparison::markdown(&rows)),
         (_, _, Some(path)) if path.as_os_str() == "-" => Ok(()),
         _ => say(&comparison::text(&rows)),
+    }
+}
+
+/// The course's table, measured.
+fn course(args: &CompareArgs, source: &Source, frame: usize) -> Result<(), Error> {
+    let clip = source.open(&Open::default())?;
+    let threads = Threads::new(args.threads as usize)?;
+    let claims = claims::claims(&Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat })?;
+    match (args.json, args.markdown) {
+        (true, _) => say(&claims::json(&claims).to_string()),
+        (_, true) => say(&claims::markdown(&claims)),
+        _ => say(&claims::text(&claims)),
     }
 }

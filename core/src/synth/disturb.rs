@@ -16,6 +16,15 @@ pub fn light(picture: &Gray, (gain, offset): (f64, f64)) -> Gray {
     picture.map(|&v| level(gain * f64::from(v) + offset))
 }
 
+/// `picture` without the `left` leftmost of its columns and as many of the rightmost as leave `width` of them. Two frames
+/// that are cut at different places move by the difference more.
+///
+/// # Panics
+/// If the picture is not wide enough.
+pub fn cut(picture: &Gray, left: usize, width: usize) -> Gray {
+    Grid::from_fn(width, picture.height(), |x, y| picture.row(y)[x + left])
+}
+
 fn level(value: f64) -> u8 {
     // A cast clips to the range.
     value.round() as u8
@@ -24,6 +33,14 @@ fn level(value: f64) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_cut_further_left_moves_everything_to_the_right() {
+        let picture = Grid::from_fn(9, 2, |x, y| (x + 10 * y) as u8);
+        let [current, next] = [3, 0].map(|left| cut(&picture, left, 6));
+        assert_eq!(current.row(1), [13, 14, 15, 16, 17, 18]);
+        assert_eq!(next.row(1), [10, 11, 12, 13, 14, 15]);
+    }
 
     #[test]
     fn noise_has_the_deviation_that_was_asked_for_and_light_is_exact() {
