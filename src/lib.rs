@@ -2,6 +2,7 @@
 
 pub mod claims;
 pub mod cli;
+pub mod company;
 pub mod comparison;
 pub mod media;
 pub mod paint;
@@ -9,4 +10,5 @@ pub mod quality;
 pub mod session;
 pub mod shot;
 pub mod source;
+pub mod tile;
 pub mod ui;

@@ -4,11 +4,16 @@
 //! motionscope = 1
 //! clip = "clips/ball.mp4"          # beside the session file, or synth:NAME,SLIDER=VALUE
 //! estimator = "full-search"
+//! pace = "block"                   # of those in lockstep: the same block, or the same budget
 //! frame = 12
 //! step = "35.412"
 //!
 //! [set]
 //! block = 8
+//!
+//! [[beside]]                       # up to three more, which go in lockstep with it
+//! estimator = "hierarchical"
+//! set = { levels = 4 }             # what it does not share with the first
 //!
 //! [picture]
 //! view = "side-by-side"
@@ -19,9 +24,11 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use motionscope_core::{AnyEstimator, Cursor, Error, Value, estimator};
+use motionscope_core::params::Parameter;
+use motionscope_core::{AnyEstimator, Cursor, Error, Pace, Value, estimator};
 use serde::{Deserialize, Serialize};
 
+use crate::company::Company;
 use crate::media::{self, export};
 use crate::paint::{ColorMap, Lengthen, Share, Theme, View};
 use crate::shot::Look;
@@ -40,6 +47,8 @@ pub struct Session {
     pub truth: Option<PathBuf>,
     /// The estimator with its parameters.
     pub estimator: Box<dyn AnyEstimator>,
+    /// Who goes in lockstep with it.
+    pub company: Company,
     /// Frame t.
     pub frame: usize,
     /// Where the run stands; `None` for its end.
@@ -153,12 +162,47 @@ struct Text {
     frame: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     step: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pace: Option<String>,
     #[serde(default)]
     set: BTreeMap<String, toml::Value>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    beside: Vec<Companion>,
     #[serde(default)]
     picture: Picture,
     #[serde(skip_serializing_if = "Option::is_none")]
     sight: Option<Sight>,
+}
+
+/// An estimator in lockstep with the first, and what it does not share with that.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Companion {
+    estimator: String,
+    #[serde(default)]
+    set: BTreeMap<String, toml::Value>,
+}
+
+impl Companion {
+    fn of(estimator: &dyn AnyEstimator, leader: &dyn AnyEstimator) -> Self {
+        let own = estimator.values().into_iter().filter(|(name, _)| leader.get(name).is_err());
+        Self {
+            estimator: estimator.info().id.into(),
+            set: own.map(|(name, value)| (name.to_string(), told(value))).collect(),
+        }
+    }
+
+    /// The company of `leader` that `all` name.
+    fn company(all: &[Self], leader: &mut dyn AnyEstimator, pace: Pace) -> Result<Company, Error> {
+        let ids: Vec<_> = all.iter().map(|companion| companion.estimator.as_str()).collect();
+        let mut company = if all.is_empty() { Company::default() } else { Company::of(leader, &ids, pace)? };
+        for Self { estimator, set } in all {
+            for (name, value) in set {
+                company.set(leader, &format!("{estimator}.{name}={}", plain(value)))?;
+            }
+        }
+        Ok(company)
+    }
 }
 
 #[derive(Default, Serialize, Deserialize)]
@@ -240,10 +284,13 @@ impl Session {
             estimator.set(name, &plain(value))?;
         }
         let whole = |path: &Path| folder.join(path);
+        let pace = text.pace.as_deref().map_or(Ok(Pace::Block), pace)?;
+        let company = Companion::company(&text.beside, &mut *estimator, pace)?;
         Ok(Self {
             source: Source::parse(&text.clip)?.map_path(whole),
             truth: text.truth.map(|path| folder.join(path)),
             estimator,
+            company,
             frame: text.frame,
             cursor: text.step.map(|step| step.parse()).transpose()?,
             look: text.picture.look()?,
@@ -276,7 +323,9 @@ impl Session {
             estimator: self.estimator.info().id.into(),
             frame: self.frame,
             step: self.cursor.map(|cursor| cursor.to_string()),
+            pace: (!self.company.is_empty()).then(|| self.company.pace.to_value().to_string()),
             set,
+            beside: self.company.beside.iter().map(|one| Companion::of(&**one, &*self.estimator)).collect(),
             picture: Picture::of(&self.look),
             sight: self.sight,
         };
@@ -319,6 +368,14 @@ impl Picture {
 /// A sentence with the views there are.
 pub fn view(id: &str) -> Result<View, Error> {
     named("view", id, View::ALL.map(|view| (view.id().to_string(), view)))
+}
+
+/// The pace called `id`.
+///
+/// # Errors
+/// A sentence with the paces there are.
+pub fn pace(id: &str) -> Result<Pace, Error> {
+    named("pace", id, [Pace::Block, Pace::Budget].map(|pace| (pace.to_value().to_string(), pace)))
 }
 
 /// The theme called `id`.
@@ -410,11 +467,13 @@ mod tests {
         let mut estimator = estimator("full-search").unwrap();
         estimator.set("block", "8").unwrap();
         estimator.set("early-exit", "on").unwrap();
+        let mut company = Company::of(&*estimator, &["diamond", "hierarchical"], Pace::Budget).unwrap();
+        company.set(&mut *estimator, "hierarchical.levels=4").unwrap();
         let share = Share::new(0.8).unwrap();
         let look = Look { view: Some(View::Blend), share, theme: Theme::Projector, legend: true, ..Look::default() };
         let sight = Some(Sight { center: [10.5, 3.0], zoom: 4.0 });
         let cursor = Some(Cursor { unit: 35, event: 412 });
-        Session { source, truth: None, estimator, frame: 12, cursor, look: look.into(), sight }
+        Session { source, truth: None, estimator, company, frame: 12, cursor, look: look.into(), sight }
     }
 
     #[test]
@@ -430,6 +489,7 @@ mod tests {
             assert_eq!(read.estimator.values(), saved.estimator.values());
             assert_eq!((read.frame, read.cursor, read.sight), (saved.frame, saved.cursor, saved.sight));
             assert_eq!(read.look, saved.look);
+            assert!(read.company == saved.company, "those beside it have their own parameters");
             match (read.source, source) {
                 (Source::File(read), Source::File(_)) => {
                     assert!(fs::read_to_string(&path).unwrap().contains("clip = \"../clips/a.mp4\""));
@@ -512,6 +572,9 @@ mod tests {
             ("motionscope = 2\nclip = \"a\"\nestimator = \"full-search\"", "its format is 2"),
             (&format!("{start}estimator = \"magic\""), "full-search"),
             (&format!("{start}estimator = \"full-search\"\nstep = \"x\""), "UNIT.EVENT"),
+            (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"magic\""), "no estimator magic"),
+            (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"full-search\""), "beside itself"),
+            (&format!("{start}estimator = \"full-search\"\npace = \"slow\""), "block, budget"),
             (&format!("{start}estimator = \"full-search\"\n[set]\nblock = 400"), "4 to 64 px"),
             (&format!("{start}estimator = \"full-search\"\n[picture]\nview = \"up\""), "side-by-side"),
             (&format!("{start}estimator = \"full-search\"\n[picture]\nblend = 1.5"), "from 0 to 1"),

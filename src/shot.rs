@@ -2,16 +2,17 @@
 
 use std::fs;
 use std::path::Path;
-use std::sync::Arc;
 
 use motionscope_core::params::Kind;
-use motionscope_core::scene::Readout;
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Frame, Move, Scene, Spec, Step, Value, Walk, Way};
+use motionscope_core::scene::{Readout, Sentence};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Move, Scene, Spec, Step, Value, Walk, Way};
 
+use crate::company::Company;
 use crate::media::{Progress, export};
 use crate::paint::{
-    Caption, ColorMap, Lengthen, Pictures, Plate, PlateOptions, Share, Theme, View, export_png, export_svg,
+    Caption, ColorMap, Lengthen, Part, Pictures, Plate, PlateOptions, Share, Theme, View, export_png, export_svg,
 };
+use crate::tile::{self, Tile, endings, predicted, tiles};
 
 /// An SVG can be looked at from near: it has the marks of a PNG of this scale.
 const SVG_SCALE: u32 = 2;
@@ -51,6 +52,8 @@ pub struct Moment<'a> {
     pub scene: &'a Scene,
     /// The frames, and at the end what the run has made of them.
     pub pictures: &'a Pictures,
+    /// Each of those that go in lockstep; none where there is but one.
+    pub tiles: &'a [Tile],
 }
 
 /// Frames `t` and `t + 1` of `clip`, and what their files are called.
@@ -63,22 +66,43 @@ pub fn pair(clip: &Clip, t: usize) -> Result<Pictures, Error> {
 
 /// What can be looked at where `walk` stands, which runs on `pair`.
 pub fn pictures(walk: &dyn Walk, pair: &Pictures) -> Pictures {
-    let predicted = || Arc::new(Frame::gray(walk.output().prediction(pair.pair[1].luma())));
-    Pictures { prediction: walk.at_end().then(predicted), ..pair.clone() }
+    Pictures { prediction: walk.at_end().then(|| predicted(&walk.output(), pair)), ..pair.clone() }
 }
 
-impl<'a> Moment<'a> {
-    /// Where `walk` stands; `told` is its step and scene.
-    pub fn of(
-        walk: &dyn Walk,
-        estimator: &'a dyn AnyEstimator,
-        told: &'a (Step, Scene),
-        pictures: &'a Pictures,
-    ) -> Self {
-        let (step, scene) = told;
-        Self { estimator, frame: walk.frame(), cursor: walk.cursor(), at_end: walk.at_end(), step, scene, pictures }
+/// Everything that a walk shows where it stands.
+pub struct Still {
+    frame: usize,
+    cursor: Cursor,
+    at_end: bool,
+    step: Step,
+    scene: Scene,
+    pictures: Pictures,
+    tiles: Vec<Tile>,
+}
+
+impl Still {
+    /// Where `walk` stands, which runs on `pair` of `clip`.
+    pub fn of(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Self {
+        let tiles = tiles(walk, None, &endings(walk, clip, pair));
+        Self {
+            frame: walk.frame(),
+            cursor: walk.cursor(),
+            at_end: walk.at_end(),
+            step: walk.step(None),
+            scene: tile::scene(walk, None, &tiles),
+            pictures: pictures(walk, pair),
+            tiles,
+        }
     }
 
+    /// The step of a run of `estimator`.
+    pub fn moment<'a>(&'a self, estimator: &'a dyn AnyEstimator) -> Moment<'a> {
+        let Self { frame, cursor, at_end, ref step, ref scene, ref pictures, ref tiles } = *self;
+        Moment { estimator, frame, cursor, at_end, step, scene, pictures, tiles }
+    }
+}
+
+impl Moment<'_> {
     /// The picture of this step as a file; a PNG has `scale` pixels for each pixel of the clip.
     ///
     /// # Errors
@@ -98,8 +122,9 @@ impl<'a> Moment<'a> {
             Readout::Surface(surface) => Some(surface.title.to_string()),
             _ => None,
         });
+        let view = look.view.unwrap_or(fitting).or_current(self.pictures);
         let options = PlateOptions {
-            view: look.view.unwrap_or(fitting).or_current(self.pictures),
+            view: if self.tiles.is_empty() { view } else { view.alone(self.at_end) },
             theme: look.theme,
             colors: look.colors,
             lengthen: look.lengthen,
@@ -111,16 +136,35 @@ impl<'a> Moment<'a> {
             heat: heat.unwrap_or_default(),
             caption: look.caption.then(|| self.caption()),
         };
-        Plate::new(self.pictures, self.scene, &options)
+        if self.tiles.is_empty() {
+            return Plate::new(self.pictures, self.scene, &options);
+        }
+        let parts: Vec<_> = self
+            .tiles
+            .iter()
+            .map(|tile| Part {
+                pictures: tile.pictures(self.pictures),
+                scene: &tile.scene,
+                heading: Some((tile.info.name, tile.is_done, &tile.words)),
+            })
+            .collect();
+        Plate::of(&parts, self.scene, &options)
     }
 
     fn caption(&self) -> Caption {
         let details = self.estimator.specs().iter().zip(self.estimator.values()).map(|(spec, (_, v))| said(spec, v));
+        let names: Vec<_> = self.tiles.iter().map(|tile| tile.info.name).collect();
         Caption {
-            title: self.estimator.info().name.into(),
+            title: if names.is_empty() { self.estimator.info().name.into() } else { names.join(", ") },
             details: details.collect::<Vec<_>>().join(" · "),
             place: format!("step {}", self.cursor),
-            sentence: self.step.sentence.clone(),
+            sentence: match self.tiles.first() {
+                Some(tile) => {
+                    let name = (format!("{}: ", tile.info.name), None);
+                    Sentence([vec![name], self.step.sentence.0.clone()].concat())
+                }
+                None => self.step.sentence.clone(),
+            },
         }
     }
 }
@@ -172,13 +216,13 @@ impl Steps {
     /// If the run cannot start or breaks off, a file cannot be written, or the work was cancelled.
     pub fn write(
         &self,
+        (estimator, company): (&dyn AnyEstimator, &Company),
         clip: &Clip,
-        estimator: &dyn AnyEstimator,
         frame: usize,
         folder: &Path,
         progress: Option<&dyn Progress>,
     ) -> Result<usize, Error> {
-        let mut walk = estimator.walk(clip, frame)?;
+        let mut walk = company.walk(estimator, clip, frame)?;
         let pair = pair(clip, frame)?;
         travel(&mut *walk, Move::To(self.from), 0, progress)?;
         if walk.cursor().unit < self.from.unit {
@@ -194,11 +238,9 @@ impl Steps {
         })?;
         let mut written = 0;
         while walk.cursor() <= self.to {
-            let told = (walk.step(None), walk.scene(None));
-            let pictures = pictures(&*walk, &pair);
-            let moment = Moment::of(&*walk, estimator, &told, &pictures);
-            let name = Self::file_name(written, self.format);
-            export::save(&folder.join(name), &moment.encode(&self.look, self.format, self.scale)?)?;
+            let still = Still::of(&*walk, clip, &pair);
+            let picture = still.moment(estimator).encode(&self.look, self.format, self.scale)?;
+            export::save(&folder.join(Self::file_name(written, self.format)), &picture)?;
             written += 1;
             if let Some(progress) = progress {
                 progress.report(self.share(&*walk));

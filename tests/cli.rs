@@ -245,6 +245,16 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (format!("run {SMALL} --estimator full-search --step 13 --json"), "ends at 12"),
         (run(SMALL, "--flow no/such/folder/out.flo"), "out.flo"),
         (format!("run {SMALL} --estimator no-search"), "full-search"),
+        (run(SMALL, "--beside magic"), "no estimator magic"),
+        (run(SMALL, "--beside diamond,full-search"), "beside itself"),
+        (run(SMALL, "--beside diamond,hexagon,three-step,four-step"), "two to four"),
+        (run(SMALL, "--beside hierarchical --set hierarchical.levels=6"), "hierarchical: 6 levels"),
+        (run(SMALL, "--beside diamond --set diamond.block=8"), "set block=8"),
+        (run(SMALL, "--beside diamond --pace slow"), "block, budget"),
+        (run(SMALL, "--beside horn-schunck"), "has no blocks"),
+        (run(SMALL, "--pace budget"), "--beside"),
+        (run(SMALL, "--beside diamond --step 13"), "ends at 12"),
+        (format!("run {SMALL} --estimator full-search --beside diamond"), "--overlay"),
         (format!("run {SMALL}"), "--estimator"),
         (format!("export {SMALL} --estimator full-search --steps 5..2 --out o"), "forwards"),
         (format!("export {SMALL} --estimator full-search --steps 99..100 --out o"), "ends"),
@@ -342,6 +352,37 @@ fn a_dense_flow_is_written_and_told_without_what_only_blocks_have() {
     let picture = fs::read_to_string(here.join("flow.svg")).unwrap();
     assert!(picture.contains("full colour at"), "the legend tells what the colours mean");
     assert!(picture.matches("<image").count() >= 2, "the colours lie over the picture");
+}
+
+#[test]
+fn estimators_in_lockstep_are_drawn_side_by_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let text = "[[beside]]\nestimator = \"diamond\"\n[[beside]]\nestimator = \"three-step\"\n";
+    let session = format!("motionscope = 1\nclip = \"{SMALL}\"\nestimator = \"full-search\"\nstep = \"5.4\"\n{text}");
+    fs::write(here.join("lesson.motionscope"), session).unwrap();
+    let run = |what: &str, out: &str| {
+        stdout(here, &format!("run {what} --overlay {out}"));
+        let picture = image::open(here.join(out)).unwrap();
+        (picture.width(), picture.height(), picture.into_rgb8().into_raw())
+    };
+    let of = |ids: &str, step: &str| format!("{SMALL} --estimator full-search --beside {ids} --step {step}");
+    let three = run(&of("diamond,three-step", "5.4"), "three.png");
+    assert!(three == run("lesson.motionscope", "session.png"), "a session keeps who stands there");
+    assert!(three != run(&of("diamond,three-step", "5.5"), "next.png"), "one candidate more is seen");
+    assert!(three != run(&(of("diamond,three-step", "5.4") + " --pace budget"), "budget.png"));
+    let [two, four] = ["diamond", "diamond,three-step,hexagon"].map(|ids| run(&of(ids, "5.4"), "more.png"));
+    assert!(three.0 >= 3 * 64 && three.1 < 2 * 48 + 100, "in a row: {}×{}", three.0, three.1);
+    assert!(four.1 > two.1 + 48 && four.0 == two.0, "two by two: {}×{}", four.0, four.1);
+    let steps = stdout(
+        here,
+        &format!("export {SMALL} --estimator full-search --beside diamond --steps 5..5 --every candidate --out steps"),
+    );
+    let last = fs::read_dir(here.join("steps")).unwrap().count();
+    assert_eq!(steps.trim(), format!("{last} pictures in steps"));
+    let end = run(&of("diamond", "5"), "end.png");
+    let written = image::open(here.join(format!("steps/step_{:05}.png", last - 1))).unwrap();
+    assert!(written.into_rgb8().into_raw() == end.2, "the last step is the block's end");
 }
 
 #[test]

@@ -39,7 +39,7 @@ struct Scene {
     commands: &'static [Command],
 }
 
-const SCENES: [Scene; 4] = [
+const SCENES: [Scene; 5] = [
     Scene { name: "dark", size: vec2(1280.0, 800.0), theme: Theme::Dark, open: "", commands: &[] },
     Scene {
         name: "light",
@@ -54,6 +54,28 @@ const SCENES: [Scene; 4] = [
         theme: Theme::Projector,
         open: "",
         commands: &[Command::Over, Command::Lecture],
+    },
+    Scene {
+        name: "lockstep",
+        size: vec2(1280.0, 800.0),
+        theme: Theme::Light,
+        open: "",
+        commands: const {
+            &[
+                Command::OverBack,
+                Command::Lockstep,
+                Command::Into,
+                Command::Into,
+                Command::Into,
+                Command::Into,
+                Command::Into,
+                Command::Into,
+                Command::Into,
+                Command::Into,
+                Command::Into,
+                Command::Into,
+            ]
+        },
     },
     Scene { name: "samples", size: vec2(960.0, 600.0), theme: Theme::Dark, open: "", commands: &[Command::Samples] },
 ];

@@ -57,6 +57,7 @@ impl Fixture {
             pictures: &self.pictures,
             frame: 12,
             scene: &self.scene,
+            lockstep: None,
             theme: Theme::Dark,
             colors: ColorMap::Viridis,
             heat: "SAD",

@@ -1,5 +1,8 @@
 //! The window driven headlessly: no display, no graphics card, but real keys, clicks and drags.
 
+#[path = "window/lockstep.rs"]
+mod lockstep;
+
 use std::ffi::OsString;
 use std::fs;
 use std::path::Path;
@@ -60,6 +63,17 @@ impl Window {
         for _ in 0..3 {
             self.harness.state_mut().wait();
             self.harness.run_steps(2);
+        }
+        self.harness.run();
+    }
+
+    /// Draws until a comparison is there: a spinner turns all the while, so the window does not come to rest at once.
+    fn compared(&mut self) {
+        self.harness.run_steps(2);
+        let begun = Instant::now();
+        while !self.app().is_settled() {
+            self.harness.run_steps(1);
+            assert!(begun.elapsed() < Duration::from_secs(60), "the comparison does not end");
         }
         self.harness.run();
     }
@@ -1128,15 +1142,8 @@ fn the_interface_scales_within_bounds() {
 #[test]
 fn estimators_are_compared_and_what_one_missed_is_visited() {
     let mut window = Window::new(vec2(1600.0, 1000.0));
-    // A spinner turns until all rows are there, so it does not come to rest at once.
     window.harness.key_press(Key::C);
-    window.harness.run_steps(2);
-    let begun = Instant::now();
-    while !window.app().is_settled() {
-        window.harness.run_steps(1);
-        assert!(begun.elapsed() < Duration::from_secs(60), "the comparison does not end");
-    }
-    window.harness.run();
+    window.compared();
     assert!(window.harness.query_by_label("969.2").is_some(), "full search's candidates");
     let links = window.harness.query_all_by_role(Role::Link).count();
     assert_eq!(links, 2, "three-step and diamond search have missed something, full search has not");

@@ -41,6 +41,9 @@ pub struct Beside {
     pub output: Output,
     /// Candidates that it tested for the block at hand.
     pub candidates: usize,
+    /// Which of the units that lead to the block it is at, from 1, and how many there are: more than one where levels
+    /// are gone through.
+    pub leg: (usize, usize),
     /// Candidates that its run has tested in all, to get there.
     pub candidates_in_all: u64,
     /// Whether nothing is left to do for it: for this block, or in all where the budget counts.
@@ -69,6 +72,13 @@ struct Member {
 impl Member {
     fn candidates(&self) -> usize {
         self.trails.iter().map(|trail| trail.evaluations.len()).sum()
+    }
+
+    /// Which of the units that lead to what is shown the member is at, from 1, and how many there are.
+    fn leg(&self) -> (usize, usize) {
+        let unit = self.walk.cursor().unit;
+        let at = self.trails.iter().position(|trail| trail.unit == unit).unwrap_or(0);
+        (at + 1, self.trails.len())
     }
 
     /// The number of the candidate that was tested at `event` of the unit at hand, among all those of its trails.
@@ -446,6 +456,7 @@ impl Walk for Lockstep {
             scene: member.walk.scene(focus),
             output: member.walk.output(),
             candidates: member.seen.min(member.candidates()),
+            leg: member.leg(),
             candidates_in_all: member.walk.evaluated(),
             is_done: self.is_done(member),
         };

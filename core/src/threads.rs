@@ -35,6 +35,14 @@ impl Threads {
         }
     }
 
+    /// As many as there are cores.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn all() -> Result<Self, Error> {
+        Self::new(std::thread::available_parallelism().map_or(1, usize::from).min(Self::MAX))
+    }
+
     /// How many there are.
     pub fn count(&self) -> usize {
         self.0.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)

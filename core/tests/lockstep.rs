@@ -128,6 +128,8 @@ fn each_shows_what_it_shows_alone_at_the_same_candidate() {
                 let id = member.info.id;
                 assert!(shows(member, stop), "{id} at {}: {} and not {}", walk.cursor(), member.cursor, stop.cursor);
                 assert_eq!(member.is_done, stop.ends_unit && stop.cursor.unit == way[way.len() - 1], "{id}");
+                let leg = way.iter().position(|unit| *unit == stop.cursor.unit).expect("a unit of its way");
+                assert_eq!(member.leg, (leg + 1, way.len()), "{id}");
                 let named = told(member.step.clone()).1;
                 assert!(named.windows(2).all(|pair| pair[0] + 1 == pair[1]), "candidates one after the other");
                 assert!(named.last().is_none_or(|last| *last == member.candidates), "{id}: {named:?}");

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args as Group, Parser, Subcommand};
-use motionscope_core::{Cursor, Threads};
+use motionscope_core::{Cursor, Pace, Threads};
 
 use crate::paint::{ColorMap, Share, Theme, View};
 use crate::session;
@@ -90,6 +90,7 @@ Examples:
   motionscope run frame10.png --estimator full-search --truth flow10.flo --json
   motionscope run synth:pillar --estimator full-search --set block=8 --flow pillar.flo --table pillar.csv
   motionscope run synth:pillar --estimator full-search --step 35.412 --overlay step.svg
+  motionscope run synth:pillar --estimator full-search --beside diamond,three-step --step 35.9 --overlay three.png
   motionscope run lesson.motionscope --overlay lesson.png --scale 4")]
     Run(RunArgs),
     /// Writes pictures of a range of steps.
@@ -158,7 +159,13 @@ pub struct TaskArgs {
     /// Frame t, from 0.
     #[arg(long, value_name = "N")]
     pub frame: Option<usize>,
-    /// Sets a parameter, e.g. block=8; may be repeated.
+    /// Up to three more estimators that go in lockstep with it, with commas between them; each has its own picture.
+    #[arg(long, value_name = "B,C,..", value_delimiter = ',', num_args = 1)]
+    pub beside: Vec<String>,
+    /// What they have in common at every step: block (the same block, one candidate each) or budget (as many candidates in all).
+    #[arg(long, value_parser = pace)]
+    pub pace: Option<Pace>,
+    /// Sets a parameter, e.g. block=8, for all that have it; of one beside it, e.g. hierarchical.levels=4; may be repeated.
     #[arg(long, value_name = "K=V")]
     pub set: Vec<String>,
     /// Truth given by hand; otherwise it is looked for beside the clip.
@@ -257,6 +264,10 @@ fn theme(id: &str) -> Result<Theme, String> {
 
 fn colors(id: &str) -> Result<ColorMap, String> {
     session::colors(id).map_err(|error| error.to_string())
+}
+
+fn pace(id: &str) -> Result<Pace, String> {
+    session::pace(id).map_err(|error| error.to_string())
 }
 
 fn cursor(text: &str) -> Result<Cursor, String> {

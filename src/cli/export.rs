@@ -13,16 +13,17 @@ use crate::shot::{Format, Steps};
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn export(args: &ExportArgs) -> Result<(), Error> {
     let task = Task::open(&args.task)?;
-    let rung = args.every.as_deref().map(|name| rung(task.estimator.info(), name)).transpose()?;
+    let info = task.company.info(&*task.estimator);
+    let rung = args.every.as_deref().map(|name| rung(info, name)).transpose()?;
     let steps = Steps {
         from: args.steps.0,
         to: args.steps.1,
-        rung: rung.unwrap_or(task.estimator.info().rungs.len() - 1),
+        rung: rung.unwrap_or(info.rungs.len() - 1),
         format: if args.format == "svg" { Format::Svg } else { Format::Png },
         scale: args.look.scale,
         look: task.look(&args.look)?,
     };
-    let written = steps.write(&task.clip, &*task.estimator, task.frame, &args.out, None)?;
+    let written = steps.write((&*task.estimator, &task.company), &task.clip, task.frame, &args.out, None)?;
     say(&format!("{written} pictures in {}", args.out.display()))
 }
 

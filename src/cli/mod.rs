@@ -15,11 +15,11 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use motionscope_core::{Error, Params};
+use motionscope_core::Error;
 
 use crate::media::{self, Info};
 use crate::session::Named;
-use crate::source::{self, Source};
+use crate::source::Source;
 use crate::ui;
 use args::{Args, Command};
 
@@ -83,11 +83,6 @@ fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {
     media::export::clip(&clip, out, None)?;
     let frames = clip.info().frames.unwrap_or_default();
     say(&format!("{}: {frames} frames and their truth in {}", clip.info().name, out.display()))
-}
-
-/// Sets parameters from `NAME=VALUE`, in order.
-fn set_all<P: Params + ?Sized>(params: &mut P, settings: &[String]) -> Result<(), Error> {
-    settings.iter().try_for_each(|setting| source::set(params, setting))
 }
 
 /// Writes `text` to standard output; a reader that has gone away is no error.

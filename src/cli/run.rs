@@ -11,7 +11,7 @@ use super::say;
 use super::task::Task;
 use crate::media::export::{self, FlowFormat};
 use crate::quality::Quality;
-use crate::shot::{self, Format, Moment};
+use crate::shot::{self, Format, Still};
 
 /// Runs what `args` ask for. Files are made in full before the first is written.
 ///
@@ -20,12 +20,15 @@ use crate::shot::{self, Format, Moment};
 pub fn run(args: &RunArgs) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
     let task = Task::open(&args.task)?;
-    let threads = Threads::new(args.threads.map_or_else(cores, |n| n as usize))?;
+    if !args.task.beside.is_empty() && outputs.overlay.is_none() {
+        return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
+    }
+    let threads = args.threads.map_or_else(Threads::all, |n| Threads::new(n as usize))?;
     // Decoded here, so that the time is of the estimation alone.
     task.clip.pair(task.frame)?;
     let (output, times) = timed(&task, &threads, args.repeat)?;
     let extent = task.estimator.extent(&task.clip, task.frame)?;
-    if let Some(step) = args.step.filter(|step| step.unit >= extent.units) {
+    if let Some(step) = args.step.filter(|step| task.company.is_empty() && step.unit >= extent.units) {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
     let quality = Quality::of(&task.clip, task.frame, &output)?;
@@ -99,10 +102,6 @@ fn check_folder(path: &Path) -> Result<(), Error> {
     }
 }
 
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from).min(Threads::MAX)
-}
-
 fn timed(task: &Task, threads: &Threads, repeat: u32) -> Result<(Output, Vec<std::time::Duration>), Error> {
     let run = || {
         let start = Instant::now();
@@ -115,7 +114,7 @@ fn timed(task: &Task, threads: &Threads, repeat: u32) -> Result<(Output, Vec<std
 }
 
 fn overlay(task: &Task, args: &RunArgs, format: Format) -> Result<Vec<u8>, Error> {
-    let mut walk = task.estimator.walk(&task.clip, task.frame)?;
+    let mut walk = task.company.walk(&*task.estimator, &task.clip, task.frame)?;
     let step = args.step.or(task.cursor);
     walk.jump(step.map_or(Move::End, Move::To));
     if let Some(failure) = walk.failure() {
@@ -131,7 +130,6 @@ fn overlay(task: &Task, args: &RunArgs, format: Format) -> Result<Vec<u8>, Error
             "the {view} is made at the end of the run; leave --step away or choose another --view"
         )));
     }
-    let pictures = shot::pictures(&*walk, &shot::pair(&task.clip, task.frame)?);
-    let told = (walk.step(None), walk.scene(None));
-    Moment::of(&*walk, &*task.estimator, &told, &pictures).encode(&look, format, args.look.scale)
+    let pair = shot::pair(&task.clip, task.frame)?;
+    Still::of(&*walk, &task.clip, &pair).moment(&*task.estimator).encode(&look, format, args.look.scale)
 }

@@ -3,7 +3,7 @@
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, estimator};
 
 use super::args::{LookArgs, TaskArgs};
-use super::set_all;
+use crate::company::Company;
 use crate::media::Open;
 use crate::paint::View;
 use crate::session::{Named, Session, Wanted};
@@ -17,6 +17,8 @@ pub struct Task {
     pub clip: Clip,
     /// The estimator with its parameters.
     pub estimator: Box<dyn AnyEstimator>,
+    /// Who goes in lockstep with it.
+    pub company: Company,
     /// Frame t.
     pub frame: usize,
     /// Whether its truth was given by hand, and so has to be right.
@@ -36,19 +38,32 @@ impl Task {
         let Named { source, truth, session } = Named::find(&args.clip, args.truth.clone())?;
         let missing = || Error::new("which estimator? Give --estimator ID; `motionscope list` names them");
         let chosen = args.estimator.as_deref().map(estimator).transpose()?;
-        let (estimator, frame, cursor, look) = match session {
-            Some(Session { estimator, frame, cursor, look, .. }) => {
+        let (estimator, mut company, frame, cursor, look) = match session {
+            Some(Session { estimator, mut company, frame, cursor, look, .. }) => {
                 // Its own estimator once more, with the parameters that it gives, or another one.
                 let other = chosen.filter(|chosen| chosen.info().id != estimator.info().id);
-                (other.unwrap_or(estimator), frame, cursor, look)
+                let leader = other.unwrap_or_else(|| estimator.boxed_clone());
+                company.relieve(&*estimator, &*leader);
+                (leader, company, frame, cursor, look)
             }
-            None => (chosen.ok_or_else(missing)?, 0, None, Wanted::default()),
+            None => (chosen.ok_or_else(missing)?, Company::default(), 0, None, Wanted::default()),
         };
+        let pace = args.pace.unwrap_or(company.pace);
+        if !args.beside.is_empty() {
+            company = Company::of(&*estimator, &args.beside, pace)?;
+        }
+        if args.pace.is_some() && company.is_empty() {
+            return Err(Error::new("--pace is that of several estimators in lockstep; give --beside as well"));
+        }
+        company.pace = pace;
         let (name, look, truth_by_hand) = (source.to_string(), look.over(Look::default()), truth.is_some());
         let clip = source.open(&Open { truth, ..Open::default() })?;
-        let mut task = Self { name, clip, estimator, frame, truth_by_hand, cursor, look };
+        let mut task = Self { name, clip, estimator, company, frame, truth_by_hand, cursor, look };
         task.frame = args.frame.unwrap_or(task.frame);
-        set_all(&mut *task.estimator, &args.set)?;
+        for setting in &args.set {
+            task.company.set(&mut *task.estimator, setting)?;
+        }
+        task.company.check(&*task.estimator)?;
         Ok(task)
     }
 

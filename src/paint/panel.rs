@@ -89,6 +89,16 @@ impl View {
         View::Residual,
     ];
 
+    /// This view where each of several estimators has one picture: during the search frame t + 1, at the end frame t.
+    #[must_use]
+    pub fn alone(self, at_end: bool) -> Self {
+        match self {
+            View::SideBySide | View::Blink if at_end => View::Current,
+            View::SideBySide | View::Blink => View::Next,
+            view => view,
+        }
+    }
+
     /// Stable name, for sessions and the command line.
     pub fn id(self) -> &'static str {
         match self {

@@ -7,7 +7,7 @@ use motionscope_core::{Grid, Scene};
 
 use super::legend::{self, line_height};
 use super::primitive::{Anchor, Line, Primitive, Rect, Run, Stroke};
-use super::wrap::{inked, wrap};
+use super::wrap::{brevity, inked, wrap};
 use super::{
     Color, ColorMap, Face, Lengthen, Look, Panel, Pictures, Placement, Share, Shown, Theme, TypeSizes, View, fonts,
     marks,
@@ -62,6 +62,18 @@ pub struct Caption {
     pub sentence: Sentence,
 }
 
+/// What one estimator shows on a plate.
+#[derive(Clone, Debug)]
+pub struct Part<'a> {
+    /// The frames, and what was made of them.
+    pub pictures: Pictures,
+    /// The marks.
+    pub scene: &'a Scene,
+    /// Where there are several: the estimator's name, whether it waits for the others, and what it has come to, the
+    /// first that there is room for being told.
+    pub heading: Option<(&'a str, bool, &'a [Sentence])>,
+}
+
 /// Primitives that are seen only inside a rectangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
@@ -91,9 +103,14 @@ pub struct Plate {
 impl Plate {
     /// Lays out `scene` over `pictures`.
     pub fn new(pictures: &Pictures, scene: &Scene, options: &PlateOptions) -> Self {
+        Self::of(&[Part { pictures: pictures.clone(), scene, heading: None }], scene, options)
+    }
+
+    /// Lays out `parts`, two or three in a row and four in a square; `scene` has the marks of all.
+    pub fn of(parts: &[Part<'_>], scene: &Scene, options: &PlateOptions) -> Self {
         let look = Look::new(scene, options.theme, options.colors, options.lengthen);
         let look = Look { density: options.scale.max(1) as f32, ..look };
-        let is_framed = options.legend || options.caption.is_some();
+        let is_framed = options.legend || options.caption.is_some() || parts.len() > 1;
         let mut layout = Layout {
             options,
             look,
@@ -105,8 +122,8 @@ impl Plate {
             pictures: Vec::new(),
             panels: Vec::new(),
         };
-        layout.lay_out(pictures, scene, is_framed);
-        let description = description(options, pictures);
+        layout.lay_out(parts, scene, is_framed);
+        let description = description(options, parts);
         let Layout { margin, width, y, words, mut pictures, panels, .. } = layout;
         pictures.push(Layer { clip: None, primitives: words });
         Self {
@@ -119,10 +136,15 @@ impl Plate {
     }
 }
 
-fn description(options: &PlateOptions, pictures: &Pictures) -> String {
+fn description(options: &PlateOptions, parts: &[Part<'_>]) -> String {
+    let Some(Part { pictures, .. }) = parts.first() else { return String::new() };
     let shown = options.view.panels().iter().map(|&panel| Shown { panel, share: options.share, gain: 1 });
     let titles: Vec<_> = shown.map(|shown| shown.title(options.frame, &pictures.names)).collect();
-    let pictures = titles.join(" and ");
+    let told = parts.iter().filter_map(|part| part.heading).map(|(name, _, words)| {
+        let words = words.first().map_or_else(String::new, Sentence::plain);
+        format!("{name}: {words}")
+    });
+    let pictures = std::iter::once(titles.join(" and ")).chain(told).collect::<Vec<_>>().join(". ");
     match &options.caption {
         None => pictures,
         Some(caption) => {
@@ -148,28 +170,41 @@ struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    fn lay_out(&mut self, of: &Pictures, scene: &Scene, is_framed: bool) {
+    fn lay_out(&mut self, parts: &[Part<'_>], scene: &Scene, is_framed: bool) {
         let zoom = f32::from(self.options.zoom.max(1));
-        let pictures: Vec<_> =
-            self.options.view.panels().iter().map(|panel| (*panel, panel.pixels(of, self.options.share))).collect();
-        let widths = pictures.iter().map(|(_, (pixels, _))| pixels.width() as f32 * zoom);
-        let total = widths.sum::<f32>() + GAP * (pictures.len() - 1) as f32;
+        let panels = self.options.view.panels();
+        let pictures: Vec<_> = parts
+            .iter()
+            .flat_map(|part| panels.iter().map(move |panel| (part, *panel)))
+            .map(|(part, panel)| (part, panel, panel.pixels(&part.pictures, self.options.share)))
+            .collect();
+        let columns = if parts.len() == 4 { 2 * panels.len() } else { pictures.len() }.max(1);
+        let widths = pictures.iter().take(columns).map(|(.., (pixels, _))| pixels.width() as f32 * zoom);
+        let total = widths.sum::<f32>() + GAP * (columns - 1) as f32;
         self.width = if is_framed { on_grid(total.max(LEAST_WIDTH * self.sizes.body)) } else { total };
         if let Some(caption) = &self.options.caption {
             self.header(caption);
         }
-        let mut x = self.margin;
-        let (top, mut bottom) = (self.y, self.y);
-        for (panel, (pixels, gain)) in pictures {
+        let column = pictures.first().map_or(0.0, |(.., (pixels, _))| pixels.width() as f32 * zoom);
+        let said = parts.iter().filter_map(|part| part.heading).map(|(.., words)| words);
+        let way = brevity(said, |words| fonts::width(&words.plain(), Face::Sans, self.sizes.small) <= column);
+        let (mut x, mut top, mut bottom) = (self.margin, self.y, self.y);
+        for (index, (part, panel, (pixels, gain))) in pictures.into_iter().enumerate() {
+            if index > 0 && index % columns == 0 {
+                (x, top) = (self.margin, on_grid(bottom) + GAP);
+            }
             self.y = top;
             let size = [pixels.width() as f32 * zoom, pixels.height() as f32 * zoom];
             if is_framed {
                 let shown = Shown { panel, share: self.options.share, gain };
-                self.title(shown, &of.names, (x, size[0]));
+                match part.heading {
+                    Some((name, waits, words)) => self.heading((name, waits), words.get(way).or(words.last()), x),
+                    None => self.title(shown, &part.pictures.names, (x, size[0])),
+                }
                 self.y += 4.0;
             }
             let placement = Placement { origin: [x, self.y], zoom };
-            self.panel(panel, placement, Rect::new(placement.origin, size), Arc::new(pixels), scene);
+            self.panel(panel, placement, Rect::new(placement.origin, size), Arc::new(pixels), part.scene);
             x += size[0] + GAP;
             bottom = bottom.max(self.y + size[1]);
         }
@@ -190,6 +225,21 @@ impl Layout<'_> {
         let [whole, short] = &titles;
         let title = if fonts::width(whole, Face::Sans, self.sizes.small) <= room { whole } else { short };
         self.line(vec![Run::new(title, self.options.theme.chrome().dim)], self.sizes.small, x);
+    }
+
+    /// The estimator's name above its picture that begins at `x`, whether it waits, and below what it has come to.
+    fn heading(&mut self, (name, waits): (&str, bool), words: Option<&Sentence>, x: f32) {
+        let chrome = self.options.theme.chrome();
+        let (body, small) = (self.sizes.body, self.sizes.small);
+        if waits {
+            let runs = vec![Run::new("done", chrome.dim)];
+            let at = [x + fonts::width(name, Face::Bold, body) + GAP, baseline(self.y, body)];
+            self.words.push(Primitive::Text(Line { at, anchor: Anchor::Start, size: small, runs, halo: None }));
+        }
+        self.line(vec![Run::new(name, chrome.text).face(Face::Bold)], body, x);
+        if let Some(words) = words {
+            self.line(inked(words, self.options.theme), small, x);
+        }
     }
 
     fn panel(&mut self, panel: Panel, placement: Placement, rect: Rect, pixels: Arc<Grid<[u8; 4]>>, scene: &Scene) {

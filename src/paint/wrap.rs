@@ -55,6 +55,13 @@ fn joined(line: Vec<Run>) -> Vec<Run> {
     runs
 }
 
+/// Which of their ways to say it, from long to short, is the first that `fits` for `all`; else the shortest.
+pub fn brevity<'a>(all: impl Iterator<Item = &'a [Sentence]> + Clone, fits: impl Fn(&Sentence) -> bool) -> usize {
+    let most = all.clone().map(<[Sentence]>::len).max().unwrap_or(1);
+    let fit = |way: &usize| all.clone().filter_map(|said| said.get(*way).or(said.last())).all(&fits);
+    (0..most).find(fit).unwrap_or(most.saturating_sub(1))
+}
+
 /// A sentence in the colours of its roles.
 pub fn inked(sentence: &Sentence, theme: Theme) -> Vec<Run> {
     let color = |role: Option<_>| role.map_or(theme.chrome().text, |role| theme.word(role));
@@ -86,5 +93,14 @@ mod tests {
             }
         }
         assert_eq!(wrap(&runs, 14.0, 4000.0).len(), 1);
+    }
+
+    #[test]
+    fn all_are_as_brief_as_the_longest_needs() {
+        let ways = |words: &[&str]| words.iter().map(|words| Sentence::default().text(*words)).collect::<Vec<_>>();
+        let (one, other) = (ways(&["twelve words", "twelve", "12"]), ways(&["nine"]));
+        let of =
+            |most: usize| brevity([&one[..], &other[..]].into_iter(), |words| words.plain().chars().count() <= most);
+        assert_eq!([of(12), of(11), of(5), of(4), of(1)], [0, 1, 2, 2, 2]);
     }
 }

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::sync::Arc;
 
 use motionscope_core::synth::Sample;
-use motionscope_core::{Cursor, Value};
+use motionscope_core::{Cursor, Pace, Value};
 
 use super::commands::Command;
 use super::model::document::Owner;
@@ -54,6 +54,10 @@ pub enum Action {
     Choose(&'static str),
     /// Go to the first block that an estimator of a comparison missed, with that estimator.
     Visit(Arc<Row>),
+    /// Have these estimators go in lockstep.
+    Lockstep(Vec<&'static str>),
+    /// What estimators in lockstep have in common.
+    Pace(Pace),
     /// Set a parameter.
     Set(Owner, usize, Value),
     /// A drag of a slider is over.

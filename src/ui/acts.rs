@@ -2,7 +2,7 @@
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::compare::alike;
-use motionscope_core::{Cursor, Move, Way, estimator};
+use motionscope_core::{AnyEstimator, Cursor, Error, Move, Way, estimator};
 
 use super::action::Action;
 use super::app::{App, Overlay};
@@ -14,6 +14,7 @@ use super::model::document::Owner;
 use super::model::walker::Place;
 use super::model::writer::Writing;
 use super::style::ZOOM;
+use crate::company::Company;
 use crate::comparison::Row;
 use crate::paint::{ColorMap, Lengthen, Theme, View as Pictures};
 
@@ -33,6 +34,11 @@ impl App {
             Action::CancelWriting => self.writing.iter().for_each(Writing::cancel),
             Action::Choose(id) => self.choose(id),
             Action::Visit(row) => self.visit(&row),
+            Action::Lockstep(ids) => self.lockstep(&ids),
+            Action::Pace(pace) => {
+                let company = Company { pace, ..self.document.company().clone() };
+                self.keep_company(self.document.estimator().boxed_clone(), company);
+            }
             Action::Set(owner, index, value) => {
                 if let Err(error) = self.document.set(owner, index, value) {
                     self.toasts.fail(error.to_string());
@@ -72,6 +78,7 @@ impl App {
             C::Open => self.overlay = Overlay::Open(open_dialog::State::default()),
             C::PastePath => self.ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
             C::Compare => self.overlay = Overlay::Compare(compare::State::new(self.document.estimator().info().id)),
+            C::Lockstep => self.toggle_lockstep(),
             C::Samples => self.overlay = Overlay::Samples,
             C::Palette => self.overlay = Overlay::Palette(palette::State::default()),
             C::Shortcuts => self.overlay = Overlay::Shortcuts,
@@ -202,9 +209,60 @@ impl App {
         }
     }
 
+    /// Has the estimators called `ids` go in lockstep: that which is chosen leads if it is among them, else the first.
+    fn lockstep(&mut self, ids: &[&str]) {
+        let now = self.document.estimator();
+        let pace = self.document.company().pace;
+        let leader = ids.iter().find(|id| **id == now.info().id).or(ids.first());
+        let company = || {
+            let leader = alike(now, estimator(leader.copied().unwrap_or_default())?);
+            let others: Vec<_> = ids.iter().filter(|id| **id != leader.info().id).collect();
+            let company = Company::of(&*leader, &others, pace)?;
+            Ok::<_, Error>((leader, company))
+        };
+        match company() {
+            Ok((leader, company)) => self.keep_company(leader, company),
+            Err(error) => self.toasts.fail(error.to_string()),
+        }
+    }
+
+    /// Goes on with one estimator alone, or in lockstep with those of the last time.
+    fn toggle_lockstep(&mut self) {
+        let leader = self.document.estimator().boxed_clone();
+        if !self.document.company().is_empty() {
+            self.company = self.document.company().clone();
+            return self.keep_company(leader, Company::default());
+        }
+        let id = leader.info().id;
+        let last = self.company.beside.iter().map(|estimator| estimator.info().id).filter(|other| *other != id);
+        let mut ids: Vec<_> = last.collect();
+        if ids.is_empty() {
+            ids = Company::usual(id);
+        }
+        match Company::of(&*leader, &ids, self.company.pace) {
+            Ok(company) => self.keep_company(leader, company),
+            Err(error) => self.toasts.fail(error.to_string()),
+        }
+    }
+
+    /// Has `leader` go on with `company`, or alone, from where it stands.
+    fn keep_company(&mut self, leader: Box<dyn AnyEstimator>, company: Company) {
+        let (is_alone, pace) = (company.is_empty(), company.pace);
+        self.document.keep_company(leader, company);
+        self.states.explained = 0;
+        let place = match self.view.shown.as_deref() {
+            Some(shown) if is_alone => Place::alone(shown),
+            Some(shown) => Place::in_lockstep(shown, pace),
+            None => Place::default(),
+        };
+        if let Some(job) = self.document.job_at(place) {
+            self.walker.start(job);
+        }
+    }
+
     /// Goes to the first block that was missed, with the estimator that missed it.
     fn visit(&mut self, row: &Row) {
-        self.document.choose(row.estimator.boxed_clone());
+        self.document.keep_company(row.estimator.boxed_clone(), Company::default());
         let unit = row.figures.first_missed_unit().unwrap_or(0);
         let place = Place { cursor: Cursor { unit, event: usize::MAX }, near: None };
         if let Some(job) = self.document.job_at(place) {

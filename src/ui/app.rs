@@ -22,6 +22,7 @@ use super::parts::toasts::Toasts;
 use super::parts::widgets;
 use super::style;
 use super::{keys, status, topbar, transport};
+use crate::company::Company;
 use crate::paint::grouped;
 
 /// The key under which is stored how the panes are looked at.
@@ -66,6 +67,8 @@ pub struct App {
     pub(super) browsing: Option<(Browse, Receiver<Option<PathBuf>>)>,
     /// What is being written.
     pub(super) writing: Option<Writing>,
+    /// Who went in lockstep last.
+    pub(super) company: Company,
     /// Where was written last.
     pub(super) folder: Option<PathBuf>,
     /// The look that egui was told last.
@@ -101,6 +104,7 @@ impl App {
             gallery: gallery::State::default(),
             browsing: None,
             writing: None,
+            company: Company::default(),
             folder: None,
             played: 0.0,
             ctx: ctx.clone(),
@@ -173,7 +177,7 @@ impl App {
 
     /// The names of the ladder's rungs.
     pub(super) fn rungs(&self) -> Rungs {
-        Rungs::new(self.document.estimator().info().rungs)
+        Rungs::new(self.document.company().info(self.document.estimator()).rungs)
     }
 
     /// Why there is no run of what is set now, if there is none.
@@ -193,6 +197,7 @@ impl App {
             busy: self.view.busy,
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
+            in_lockstep: !self.document.company().is_empty(),
             can_undo: self.document.can_undo(),
             can_redo: self.document.can_redo(),
             is_tuned: self.document.is_tuned(Owner::Estimator),

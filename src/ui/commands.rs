@@ -126,6 +126,8 @@ commands! {
     End,
     /// Estimators beside each other, in numbers.
     Compare,
+    /// Estimators beside each other, step by step.
+    Lockstep,
     /// Give up a long move.
     Stop,
     /// Play slower.
@@ -523,6 +525,13 @@ impl Command {
                 "Run several estimators on this pair of frames, and see what each costs, finds and misses.",
                 const { &[key(Key::C)] },
             ),
+            C::Lockstep => (
+                Menu::Walk,
+                Icon::Grid2x2,
+                "Estimators in lockstep",
+                "Have several estimators search the same block side by side, or go on with one alone.",
+                const { &[key(Key::B)] },
+            ),
             C::Stop => {
                 (Menu::Walk, Icon::OctagonX, "Stop", "Give up a move that takes long.", const { &[key(Key::Escape)] })
             }
@@ -657,7 +666,7 @@ impl Command {
             C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
             C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
             C::Play => now.has_run,
-            C::Compare => now.has_clip,
+            C::Compare | C::Lockstep => now.has_clip,
             C::Stop => now.busy || now.playing,
             C::NextFrame => now.has_clip && !now.at_last_frame,
             C::PreviousFrame => now.has_clip && !now.at_first_frame,
@@ -732,6 +741,8 @@ pub struct Now {
     pub playing: bool,
     /// Nothing is shown but what a class looks at.
     pub lecture: bool,
+    /// Several estimators go in lockstep.
+    pub in_lockstep: bool,
     /// There is a change to take back.
     pub can_undo: bool,
     /// There is a change to make again.

@@ -117,8 +117,8 @@ impl App {
             self.walk_from(Place::default());
             return;
         };
-        let Session { estimator, frame, cursor, look, sight, .. } = session;
-        self.document.restore(estimator, frame);
+        let Session { estimator, company, frame, cursor, look, sight, .. } = session;
+        self.document.restore(estimator, company, frame);
         self.tell_of_frame(frame);
         self.look_as(look.over(self.look()));
         if let Some(Sight { center, zoom }) = sight {
@@ -252,11 +252,12 @@ impl App {
             Zoom::At { center, scale } => Some(Sight { center, zoom: scale }),
         };
         let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
-        let Subject { source, truth, estimator, frame, .. } = &*shown.subject;
+        let Subject { source, truth, estimator, company, frame, .. } = &*shown.subject;
         Session {
             source: source.clone().map_path(whole),
             truth: truth.as_deref().map(whole),
             estimator: estimator.boxed_clone(),
+            company: company.clone(),
             frame: *frame,
             cursor: Some(shown.cursor),
             look: self.look().into(),

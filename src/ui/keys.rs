@@ -60,6 +60,10 @@ pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actio
                 actions.command(Command::Lecture);
                 false
             }
+            Event::Key { key: Key::Escape, pressed: true, .. } if now.in_lockstep && !Command::Stop.enabled(now) => {
+                actions.command(Command::Lockstep);
+                false
+            }
             Event::Key { key, physical_key, pressed: true, repeat, modifiers } => {
                 let repeat = held.press(*physical_key, *repeat);
                 let Some(command) = Command::of_key(*key, *modifiers, repeat) else {

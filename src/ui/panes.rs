@@ -8,7 +8,7 @@ use eframe::egui_wgpu::RenderState;
 use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 use lucide_icons::Icon;
 use motionscope_core::scene::Readout;
-use motionscope_core::{Clip, Cursor, Error};
+use motionscope_core::{Clip, Cursor, Error, Info, Step};
 use serde::{Deserialize, Serialize};
 
 use super::action::{Action, Actions, Side};
@@ -16,7 +16,7 @@ use super::commands::Command;
 use super::layout::Pane;
 use super::model::document::Document;
 use super::model::loader::Loading;
-use super::model::walker::View;
+use super::model::walker::{Snapshot, View};
 use super::parts::widgets;
 use super::{heat_map, parameters, plane, series, stage, style, surface3d, tiles, why};
 use crate::paint::Theme;
@@ -28,6 +28,9 @@ use crate::shot::Look;
 pub struct States {
     /// The stage.
     pub stage: stage::State,
+    /// Which of several estimators is explained.
+    #[serde(skip)]
+    pub explained: usize,
     /// The explanation.
     #[serde(skip)]
     pub why: why::State,
@@ -74,7 +77,7 @@ impl Panes<'_> {
             self.nothing_yet(ui);
             return;
         };
-        let heat = shown.step.readouts.iter().find_map(|readout| match readout {
+        let heat = self.told(shown).1.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface.title),
             _ => None,
         });
@@ -82,6 +85,7 @@ impl Panes<'_> {
             pictures: &shown.pictures,
             frame: shown.subject.frame,
             scene: &shown.scene,
+            lockstep: self.lockstep(shown),
             theme: self.look.theme,
             colors: self.look.colors,
             heat: heat.unwrap_or_default(),
@@ -91,9 +95,33 @@ impl Panes<'_> {
         };
         let response = stage::show(ui, input, &mut self.states.stage);
         self.actions.ask(Action::Focus(response.hovered));
+        if let Some(explained) = response.explained {
+            self.states.explained = explained;
+        }
+        if let Some(pace) = response.paced {
+            self.actions.ask(Action::Pace(pace));
+        }
+        if response.left {
+            self.actions.command(Command::Lockstep);
+        }
         if let Some(point) = response.clicked {
             let side = if ui.input(|i| i.modifiers.shift) { Side::Start } else { Side::End };
             self.actions.ask(Action::SeekAt(point, side));
+        }
+    }
+
+    /// The estimators in lockstep, if there are several.
+    fn lockstep<'a>(&self, shown: &'a Snapshot) -> Option<stage::Lockstep<'a>> {
+        let tiles = &shown.tiles[..];
+        let explained = self.states.explained.min(tiles.len().checked_sub(1)?);
+        Some(stage::Lockstep { tiles, explained, pace: shown.subject.company.pace })
+    }
+
+    /// The estimator that is explained, and what it tells.
+    fn told<'a>(&self, shown: &'a Snapshot) -> (&'static Info, &'a Step) {
+        match self.lockstep(shown) {
+            Some(all) => (all.tiles[all.explained].info, &all.tiles[all.explained].step),
+            None => (shown.info, &shown.step),
         }
     }
 
@@ -175,7 +203,8 @@ impl Panes<'_> {
     fn why(&mut self, ui: &mut Ui) {
         match &self.view.shown {
             Some(shown) => {
-                let input = why::Input { info: shown.info, step: &shown.step, theme: self.look.theme };
+                let (info, step) = self.told(shown);
+                let input = why::Input { info, step, theme: self.look.theme };
                 why::show(ui, input, &mut self.states.why);
             }
             None => empty(ui, "Here stands why each step happened, once a clip is open."),
@@ -187,9 +216,10 @@ impl Panes<'_> {
             return empty(ui, "There is nothing to show before a clip is open.");
         };
         let (theme, colors) = (self.look.theme, self.look.colors);
+        let (_, step) = self.told(shown);
         let states = &mut *self.states;
         let mut clicked = None;
-        for readout in &shown.step.readouts {
+        for readout in &step.readouts {
             match (pane, readout) {
                 (Pane::Surface, Readout::Surface(surface)) => {
                     let input = heat_map::Input { surface, colors, theme };

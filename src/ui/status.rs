@@ -1,11 +1,11 @@
 //! The line at the bottom: where the run stands, in words.
 
-use motionscope_core::scene::Readout;
-use motionscope_core::{Cursor, Role};
+use motionscope_core::Cursor;
 
 use super::commands::{Command, Rungs, key_text};
 use super::model::walker::Snapshot;
 use crate::paint::grouped;
+use crate::tile;
 
 /// Where the run stands: `block 35 of 1200 · probe 412 of 1104 · Best so far 812 at (−3, 2) · 38 % of the work`.
 pub fn line(shown: &Snapshot) -> String {
@@ -46,11 +46,7 @@ pub fn keys(rungs: Rungs) -> String {
 
 /// The number that matters most: the best so far or the result.
 fn best(shown: &Snapshot) -> Option<String> {
-    let facts = shown.step.readouts.iter().find_map(|readout| match readout {
-        Readout::Facts(facts) => Some(facts),
-        _ => None,
-    })?;
-    let fact = facts.iter().rev().find(|fact| matches!(fact.role, Some(Role::Best | Role::Result | Role::Estimate)))?;
+    let fact = tile::best(&shown.step)?;
     Some(format!("{} {}", fact.label.to_lowercase(), fact.value))
 }
 

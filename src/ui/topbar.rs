@@ -96,7 +96,9 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     ui.label(RichText::new(format!("frame {frame} → {}", frame + 1)).color(dim));
     ui.add_space(8.0);
     let info = input.document.estimator().info();
-    let estimator = ui.menu_button(RichText::new(info.name).color(dim), |ui| {
+    let beside = input.document.company().beside.len();
+    let name = if beside == 0 { info.name.to_owned() } else { format!("{} and {beside} more", info.name) };
+    let estimator = ui.menu_button(RichText::new(name).color(dim), |ui| {
         super::parameters::estimators_by_family(ui, info.id, actions);
     });
     estimator.response.on_hover_text(info.summary);
@@ -176,6 +178,7 @@ fn is_on(command: Command, input: &Input) -> Option<bool> {
         Command::ShowCharts => Some(!input.folded.charts),
         Command::Lecture => Some(input.folded.lecture),
         Command::ReducedMotion => Some(input.reduced_motion),
+        Command::Lockstep => Some(input.now.in_lockstep),
         Command::DarkTheme => Some(theme == Theme::Dark),
         Command::LightTheme => Some(theme == Theme::Light),
         Command::ProjectorTheme => Some(theme == Theme::Projector),
@@ -236,7 +239,7 @@ fn section(command: Command) -> u8 {
         C::ResetLayout | C::ReducedMotion => 3,
         C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => 5,
         C::NextUnit | C::PreviousUnit | C::Start | C::End => 6,
-        C::Compare => 9,
+        C::Compare | C::Lockstep => 9,
         C::Stop | C::Slower | C::Faster | C::Play => 7,
         C::NextFrame | C::PreviousFrame => 8,
         _ => 0,

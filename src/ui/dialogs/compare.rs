@@ -5,18 +5,20 @@ use std::sync::Arc;
 use eframe::egui::{self, Align, Button, ComboBox, Grid, Label, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
 use motionscope_core::compare::alike;
 use motionscope_core::scene::Series;
-use motionscope_core::{Role, estimators};
+use motionscope_core::{Role, estimators, lockstep};
 
+use crate::company::Company;
 use crate::comparison::{self, COLUMNS, Column, Row};
 use crate::paint::Theme;
 use crate::ui::action::{Action, Actions};
+use crate::ui::commands::Command;
 use crate::ui::model::comparing::{Comparing, Plan};
 use crate::ui::model::document::Document;
 use crate::ui::parts::widgets;
 use crate::ui::{series, style};
 
 /// As many are compared at once: a table that a class can read.
-const MOST: usize = 4;
+const MOST: usize = *lockstep::MEMBERS.end();
 /// The colours of the plot's lines.
 const ROLES: [Role; MOST] = [Role::Reference, Role::Candidate, Role::Result, Role::Error];
 
@@ -41,6 +43,8 @@ pub struct State {
     /// What is compared now: the estimators and the sweep.
     begun: Option<(Vec<&'static str>, usize)>,
     comparing: Option<Comparing>,
+    /// Rows that the table was laid out for.
+    laid_out: usize,
 }
 
 impl State {
@@ -48,14 +52,10 @@ impl State {
     pub fn new(id: &'static str) -> Self {
         let all: Vec<&'static str> = estimators().iter().map(|estimator| estimator.info().id).collect();
         let mut chosen = vec![id];
-        for other in ["full-search", "three-step", "diamond"] {
-            if other != id && all.contains(&other) && chosen.len() < MOST {
-                chosen.push(other);
-            }
-        }
+        chosen.extend(Company::usual(id));
         // In the order of the course.
         chosen.sort_by_key(|id| all.iter().position(|other| other == id));
-        Self { chosen, sweep: 0, plotted: 0, begun: None, comparing: None }
+        Self { chosen, sweep: 0, plotted: 0, begun: None, comparing: None, laid_out: 0 }
     }
 
     /// Whether nothing is being worked on.
@@ -77,12 +77,15 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         ui.add_space(8.0);
         choice(ui, state);
         ui.add_space(4.0);
-        ui.horizontal(|ui| sweep(ui, state, document));
+        ui.horizontal(|ui| {
+            sweep(ui, state, document);
+            visited = step_by_step(ui, state, actions);
+        });
         start(ui, state, document);
         ui.add_space(8.0);
         let height = (screen.height() - 300.0).clamp(120.0, 36.0 * size);
         ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| {
-            visited = results(ui, state, theme, actions);
+            visited |= results(ui, state, theme, actions);
         });
     });
     !(modal.should_close() || visited)
@@ -131,6 +134,21 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     }
 }
 
+/// The way to seeing them step by step; gives whether it is taken.
+fn step_by_step(ui: &mut Ui, state: &State, actions: &mut Actions) -> bool {
+    let mut taken = false;
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let enough = lockstep::MEMBERS.contains(&state.chosen.len());
+        let button = ui.add_enabled(enough, Button::new("Side by side, step by step"));
+        let tip = Command::Lockstep.with_key("See them search the same block in lockstep, one candidate each.");
+        taken = button.on_hover_text(tip).on_disabled_hover_text("Choose two to four estimators.").clicked();
+    });
+    if taken {
+        actions.ask(Action::Lockstep(state.chosen.clone()));
+    }
+    taken
+}
+
 /// Compares anew where something else is chosen.
 fn start(ui: &Ui, state: &mut State, document: &Document) {
     let wanted = (state.chosen.clone(), state.sweep);
@@ -154,6 +172,10 @@ fn plan(state: &State, document: &Document) -> Option<Plan> {
 /// The table and the plot; gives whether a block is to be visited.
 fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) -> bool {
     let rows = state.comparing.as_ref().map_or_else(Vec::new, Comparing::rows);
+    if std::mem::replace(&mut state.laid_out, rows.len()) != rows.len() {
+        // The columns are as wide as their rows only in the next frame.
+        ui.ctx().request_repaint();
+    }
     if state.chosen.is_empty() {
         ui.label(RichText::new("Choose the estimators to compare.").weak());
         return false;

@@ -8,6 +8,7 @@ use motionscope_core::{AnyEstimator, Clip, Error, Params, Value, estimators};
 
 use super::history::History;
 use super::walker::{Job, Place, Snapshot, Subject};
+use crate::company::Company;
 use crate::source::Source;
 
 /// Where a clip comes from.
@@ -22,21 +23,25 @@ enum Origin {
 pub struct Setup {
     /// The estimator with its parameters.
     pub estimator: Box<dyn AnyEstimator>,
+    /// Who goes in lockstep with it.
+    pub company: Company,
     /// What makes the clip hard, if it is synthetic.
     pub difficulty: Option<Difficulty>,
 }
 
 impl Clone for Setup {
     fn clone(&self) -> Self {
-        Self { estimator: self.estimator.boxed_clone(), difficulty: self.difficulty.clone() }
+        let Self { estimator, company, difficulty } = self;
+        Self { estimator: estimator.boxed_clone(), company: company.clone(), difficulty: difficulty.clone() }
     }
 }
 
 impl PartialEq for Setup {
     fn eq(&self, other: &Self) -> bool {
-        let Self { estimator, difficulty } = self;
+        let Self { estimator, company, difficulty } = self;
         estimator.info().id == other.estimator.info().id
             && estimator.values() == other.estimator.values()
+            && *company == other.company
             && *difficulty == other.difficulty
     }
 }
@@ -69,7 +74,7 @@ pub struct Document {
 impl Default for Document {
     fn default() -> Self {
         let estimator = estimators().swap_remove(0);
-        let setup = History::new(Setup { estimator, difficulty: None });
+        let setup = History::new(Setup { estimator, company: Company::default(), difficulty: None });
         Self { clip: None, setup, frame: 0, truth: None, made: None, refused: None, run: None, place: Place::default() }
     }
 }
@@ -107,6 +112,11 @@ impl Document {
     /// The estimator with its parameters.
     pub fn estimator(&self) -> &dyn AnyEstimator {
         self.setup.now().estimator.as_ref()
+    }
+
+    /// Who goes in lockstep with it.
+    pub fn company(&self) -> &Company {
+        &self.setup.now().company
     }
 
     /// The parameters of one owner, if it has any.
@@ -151,25 +161,33 @@ impl Document {
         self.frame = 0;
         (self.truth, self.refused) = (truth, None);
         self.made = difficulty.clone();
-        let estimator = self.estimator().boxed_clone();
-        self.setup = History::new(Setup { estimator, difficulty });
+        self.setup = History::new(Setup { difficulty, ..self.setup.now().clone() });
     }
 
-    /// Takes an estimator with its parameters and a frame, as a session has them: without a past.
-    pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, frame: usize) {
+    /// Takes an estimator with its parameters, its company and a frame, as a session has them: without a past.
+    pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, company: Company, frame: usize) {
         let difficulty = self.setup.now().difficulty.clone();
-        self.setup = History::new(Setup { estimator, difficulty });
+        self.setup = History::new(Setup { estimator, company, difficulty });
         self.go_to_frame(frame);
     }
 
     /// Takes another estimator with its default parameters; undo brings the old one back.
     pub fn choose(&mut self, estimator: Box<dyn AnyEstimator>) {
         let mut next = self.setup.now().clone();
-        next.estimator = estimator;
+        let before = std::mem::replace(&mut next.estimator, estimator);
+        next.company.relieve(&*before, &*next.estimator);
         self.setup.settle();
         self.setup.change("estimator", next);
         self.setup.settle();
         self.frame = self.frame.min(self.last_frame().unwrap_or(usize::MAX));
+    }
+
+    /// Has `estimator` go in lockstep with `company` from now on, or alone; undo brings back what was before.
+    pub fn keep_company(&mut self, estimator: Box<dyn AnyEstimator>, company: Company) {
+        let next = Setup { estimator, company, ..self.setup.now().clone() };
+        self.setup.settle();
+        self.setup.change("company", next);
+        self.setup.settle();
     }
 
     /// Sets one parameter; the changes of one drag count as one.
@@ -179,7 +197,10 @@ impl Document {
     pub fn set(&mut self, owner: Owner, index: usize, value: Value) -> Result<(), Error> {
         let mut next = self.setup.now().clone();
         match (owner, &mut next.difficulty) {
-            (Owner::Estimator, _) => next.estimator.set_value(index, value)?,
+            (Owner::Estimator, _) => {
+                next.estimator.set_value(index, value)?;
+                next.company.follow(&*next.estimator);
+            }
             (Owner::Difficulty, Some(difficulty)) => difficulty.set_value(index, value)?,
             (Owner::Difficulty, None) => {}
         }
@@ -201,6 +222,7 @@ impl Document {
                 let id = next.estimator.info().id;
                 if let Some(fresh) = estimators().into_iter().find(|e| e.info().id == id) {
                     next.estimator = fresh;
+                    next.company.follow(&*next.estimator);
                 }
             }
             Owner::Difficulty => next.difficulty = self.sample().map(Sample::difficulty),
@@ -262,6 +284,7 @@ impl Document {
             source: self.source()?,
             truth: self.truth.clone(),
             estimator: self.estimator().boxed_clone(),
+            company: self.company().clone(),
             frame: self.frame,
         });
         (self.run, self.place) = (Some(Arc::clone(&subject)), place);

@@ -12,13 +12,17 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use motionscope_core::scene::{Fact, Readout};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Move, Output, Role, Rung, Scene, Step, Stop, Walk};
+use motionscope_core::scene::Fact;
+use motionscope_core::{
+    AnyEstimator, Clip, Cursor, Error, Info, Move, Output, Pace, Role, Rung, Scene, Step, Stop, Walk,
+};
 
+use crate::company::Company;
 use crate::paint::Pictures;
 use crate::quality::Quality;
 use crate::shot::{pair, pictures};
 use crate::source::Source;
+use crate::tile::{self, Ending, Tile, add_facts, endings, tiles};
 use crate::ui::action::Side;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
@@ -38,6 +42,8 @@ pub struct Subject {
     pub truth: Option<PathBuf>,
     /// The estimator with its parameters.
     pub estimator: Box<dyn AnyEstimator>,
+    /// Who goes in lockstep with it.
+    pub company: Company,
     /// The frame that the run starts on.
     pub frame: usize,
 }
@@ -63,6 +69,26 @@ impl Place {
         }
         let event = if event > 0 && event == shown.events { usize::MAX } else { event };
         Self { cursor: Cursor { unit, event }, near: shown.reference() }
+    }
+
+    /// Where several go on in lockstep from what is `shown`: as many candidates into the same block.
+    pub fn in_lockstep(shown: &Snapshot, pace: Pace) -> Self {
+        let place = Self::of(shown);
+        if place == Self::END {
+            return place;
+        }
+        let event = match place.cursor.event {
+            event @ (0 | usize::MAX) => event,
+            _ => shown.tested.max(1),
+        };
+        // Where the budget counts, a unit is one of the leader, on whatever level.
+        let near = place.near.filter(|_| pace == Pace::Block);
+        Self { cursor: Cursor { unit: shown.leader().unit, event }, near }
+    }
+
+    /// Where the leader goes on alone from what is `shown` of several.
+    pub fn alone(shown: &Snapshot) -> Self {
+        if shown.at_end { Self::END } else { Self { cursor: shown.leader(), near: None } }
     }
 }
 
@@ -100,6 +126,10 @@ pub struct Snapshot {
     pub step: Arc<Step>,
     /// What the cursor shows.
     pub scene: Arc<Scene>,
+    /// Candidates of the unit that were tested.
+    pub tested: usize,
+    /// Each of those that go in lockstep; none where there is but one.
+    pub tiles: Vec<Tile>,
 }
 
 impl Snapshot {
@@ -113,6 +143,11 @@ impl Snapshot {
             }
             _ => None,
         })
+    }
+
+    /// Where the run of the estimator itself stands: the same place unless several go in lockstep.
+    pub fn leader(&self) -> Cursor {
+        self.tiles.first().map_or(self.cursor, |tile| tile.cursor)
     }
 
     /// Share of the work that was done, from 0 to 1, if the number of units is known.
@@ -327,6 +362,7 @@ struct Run {
 struct End {
     pictures: Pictures,
     quality: Vec<Fact>,
+    beside: Vec<Ending>,
 }
 
 enum Task {
@@ -426,7 +462,7 @@ impl<'a> Worker<'a> {
         self.run = None;
         let clip = subject.clip.clone().until(self.shared.stop.clone());
         let pair = pair(&clip, subject.frame)?;
-        let walk = subject.estimator.walk(&clip, subject.frame)?;
+        let walk = subject.company.walk(&*subject.estimator, &clip, subject.frame)?;
         let Place { mut cursor, near } = place;
         if let Some(unit) = near.and_then(|point| walk.unit_at(point)) {
             cursor.unit = unit;
@@ -471,8 +507,13 @@ impl<'a> Worker<'a> {
         let mut shown = run.snapshot(focus);
         let before = self.shared.desk().view.shown.clone();
         // What looks the same is the same, so that nobody paints it anew.
-        if let Some(before) = before.filter(|before| before.scene.same(&shown.scene)) {
-            shown.scene = Arc::clone(&before.scene);
+        if let Some(before) = before {
+            let tiles = shown.tiles.iter_mut().zip(&before.tiles).map(|(now, then)| (&mut now.scene, &then.scene));
+            for (now, then) in [(&mut shown.scene, &before.scene)].into_iter().chain(tiles) {
+                if then.same(now) {
+                    *now = Arc::clone(then);
+                }
+            }
         }
         let mut desk = self.shared.desk();
         desk.view.shown = Some(Arc::new(shown));
@@ -491,6 +532,7 @@ impl<'a> Worker<'a> {
 impl Run {
     fn snapshot(&self, focus: Option<[f32; 2]>) -> Snapshot {
         let walk = &self.walk;
+        let tiles = tiles(&**walk, focus, if walk.at_end() { &self.end().beside } else { &[] });
         Snapshot {
             subject: Arc::clone(&self.subject),
             info: walk.info(),
@@ -503,7 +545,9 @@ impl Run {
             landmarks: walk.landmarks(),
             failure: walk.failure().cloned(),
             step: Arc::new(self.step(focus)),
-            scene: Arc::new(walk.scene(focus)),
+            scene: Arc::new(tile::scene(&**walk, focus, &tiles)),
+            tested: walk.evaluations().partition_point(|event| *event <= walk.cursor().event),
+            tiles,
         }
     }
 }
@@ -513,12 +557,7 @@ impl Run {
     fn step(&self, focus: Option<[f32; 2]>) -> Step {
         let mut step = self.walk.step(focus);
         if self.walk.at_end() {
-            let quality = self.end().quality.iter().cloned();
-            match step.readouts.iter_mut().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None })
-            {
-                Some(facts) => facts.extend(quality),
-                None => step.readouts.push(Readout::Facts(quality.collect())),
-            }
+            add_facts(&mut step, self.end().quality.clone());
         }
         step
     }
@@ -533,6 +572,7 @@ impl Run {
             End {
                 pictures: pictures(&*self.walk, &self.pair),
                 quality: quality.map_or_else(|_| Vec::new(), |quality| quality.facts()),
+                beside: endings(&*self.walk, &self.clip, &self.pair),
             }
         })
     }
@@ -563,7 +603,14 @@ mod tests {
     fn subject() -> Subject {
         let mut estimator = estimator("full-search").unwrap();
         estimator.set("range", "4").unwrap();
-        Subject { clip: clip(), source: Source::File("shift".into()), truth: None, estimator, frame: 0 }
+        Subject {
+            clip: clip(),
+            source: Source::File("shift".into()),
+            truth: None,
+            estimator,
+            company: Company::default(),
+            frame: 0,
+        }
     }
 
     fn job() -> Job {

@@ -141,6 +141,7 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
         step: &shown.step,
         scene: &shown.scene,
         pictures: &shown.pictures,
+        tiles: &shown.tiles,
     };
     export::save(&order.path, &moment.encode(&order.look, format, order.scale)?)?;
     Ok(format!("Wrote {}.", order.path.display()))
@@ -153,8 +154,8 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
 pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
     let What::Steps { from, to, rung, format } = order.what else { return picture(order, shown) };
     let steps = Steps { from, to, rung, format, scale: order.scale, look: order.look };
-    let Subject { clip, estimator, frame, .. } = &*shown.subject;
-    let count = steps.write(clip, estimator.as_ref(), *frame, &order.path, Some(progress))?;
+    let Subject { clip, estimator, company, frame, .. } = &*shown.subject;
+    let count = steps.write((estimator.as_ref(), company), clip, *frame, &order.path, Some(progress))?;
     let plural = if count == 1 { "" } else { "s" };
     Ok(format!("Wrote {count} picture{plural} into {}.", order.path.display()))
 }

@@ -21,7 +21,7 @@ pub struct Height {
 pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
     ui.horizontal(|ui| {
         let right = right_width(ui, input.theme);
-        choice(ui, ui.available_width() - right, input.pictures.prediction.is_some(), state);
+        choice(ui, ui.available_width() - right, input, state);
         if state.view == View::Blend {
             let slider = Slider::new(&mut state.blend, 0.0..=1.0).step_by(0.01).show_value(false);
             let name = "Share of frame t+1 in the blend";
@@ -38,7 +38,11 @@ fn right_width(ui: &Ui, theme: Theme) -> f32 {
 }
 
 /// The views in a row, or in a list where there is no room for a row; those of the end only where it is reached.
-fn choice(ui: &mut Ui, room: f32, at_end: bool, state: &mut State) {
+fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, state: &mut State) {
+    let (now, at_end) = (super::view(input, state), input.pictures.prediction.is_some());
+    // Each of several estimators has one picture.
+    let can_be =
+        |view: View| (at_end || !view.is_of_the_end()) && (view != View::SideBySide || input.lockstep.is_none());
     let font = egui::TextStyle::Button.resolve(ui.style());
     let padding = 2.0 * ui.spacing().button_padding.x + 2.0;
     let width = |view: &View| {
@@ -49,10 +53,10 @@ fn choice(ui: &mut Ui, room: f32, at_end: bool, state: &mut State) {
         ui.scope(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             for view in View::ALL {
-                let button = Button::selectable(state.view == view, short(view));
-                let enabled = at_end || !view.is_of_the_end();
+                let button = Button::selectable(now == view, short(view));
+                let enabled = can_be(view);
                 let response = ui.add_enabled(enabled, button);
-                let selected = state.view == view;
+                let selected = now == view;
                 response.widget_info(|| WidgetInfo::selected(egui::Role::Button, enabled, selected, view.name()));
                 if response.on_hover_text(view.tip()).on_disabled_hover_text(view.tip()).clicked() {
                     state.view = view;
@@ -61,12 +65,14 @@ fn choice(ui: &mut Ui, room: f32, at_end: bool, state: &mut State) {
         });
         return;
     }
-    let list = egui::ComboBox::from_id_salt("view").selected_text(state.view.name());
+    let list = egui::ComboBox::from_id_salt("view").selected_text(now.name());
     let shown = list.show_ui(ui, |ui| {
         for view in View::ALL {
-            ui.add_enabled_ui(at_end || !view.is_of_the_end(), |ui| {
-                let response = ui.selectable_value(&mut state.view, view, view.name());
-                response.on_hover_text(view.tip()).on_disabled_hover_text(view.tip());
+            ui.add_enabled_ui(can_be(view), |ui| {
+                let response = ui.selectable_label(now == view, view.name());
+                if response.on_hover_text(view.tip()).on_disabled_hover_text(view.tip()).clicked() {
+                    state.view = view;
+                }
             });
         }
     });
@@ -167,7 +173,7 @@ fn legend_lines(input: &Input<'_>, look: &Look, ui: &Ui, width: f32) -> usize {
 
 /// What is drawn in the pictures that are shown.
 fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items {
-    let panels = state.view.panels();
+    let panels = super::view(input, state).panels();
     let shown = input.scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
     let zoom = state.shown.map_or(1.0, |lens| lens.scale);
     let has_numbers = state.shown.is_some_and(|lens| pixels::has_numbers(&lens));
@@ -262,6 +268,13 @@ const HINTS: [&str; 3] = [
     "Click a block for its result. The wheel zooms.",
 ];
 
+/// The same where there are several estimators.
+const HINTS_OF_SEVERAL: [&str; 3] = [
+    "Click an estimator to have it explained, then a block for its result, Shift+click for its start. The wheel zooms all.",
+    "Click an estimator to have it explained, then a block for its result. The wheel zooms all.",
+    "Click an estimator to have it explained, then a block.",
+];
+
 /// The pixel pointed at, in numbers; what one can do, where none is.
 fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
     let height = line_height(input.theme);
@@ -273,7 +286,8 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
     let painter = ui.painter_at(rect);
     let Some(pixel) = hovered else {
         let width = |hint: &str| painter.layout_no_wrap(hint.into(), font.clone(), dim).size().x;
-        let hint = HINTS.into_iter().find(|hint| width(hint) <= rect.width()).unwrap_or(HINTS[HINTS.len() - 1]);
+        let hints = if input.lockstep.is_some() { HINTS_OF_SEVERAL } else { HINTS };
+        let hint = hints.into_iter().find(|hint| width(hint) <= rect.width()).unwrap_or(hints[hints.len() - 1]);
         ink::name(&response, || hint.into());
         ink::line(&painter, rect.left_center(), (hint, font, dim), rect.width());
         return;

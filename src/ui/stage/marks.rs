@@ -37,7 +37,8 @@ struct Key {
 
 #[derive(Clone)]
 struct Slot {
-    panel: Panel,
+    /// Which of several estimators, and which of its pictures.
+    place: (usize, Panel),
     scene: Arc<Scene>,
     key: Key,
     shapes: Vec<Shape>,
@@ -58,27 +59,35 @@ impl Marks {
         }
     }
 
-    /// Paints the marks that `panel` shows; `moving` are on their way, by their place in the scene.
-    pub fn paint(&mut self, painter: &Painter, panel: Panel, lens: &Lens, input: &Input<'_>, moving: &[(usize, Mark)]) {
+    /// Paints the marks of `scene` that the panel shows; `moving` are on their way, by their place in the scene.
+    pub fn paint(
+        &mut self,
+        painter: &Painter,
+        (spot, lens): ((usize, Panel), &Lens),
+        scene: &Arc<Scene>,
+        input: &Input<'_>,
+        moving: &[(usize, Mark)],
+    ) {
+        let (_, panel) = spot;
         let look = self.look(input);
         let place = Placement { origin: lens.picture_rect().min.into(), zoom: lens.scale };
         let without = moving.iter().map(|(index, _)| *index).collect();
         let key = Key { look, place, pane: lens.pane, pixels_per_point: painter.pixels_per_point(), without };
-        let at = self.slots.iter().position(|slot| slot.panel == panel);
-        let fresh = at.is_some_and(|i| Arc::ptr_eq(&self.slots[i].scene, input.scene) && self.slots[i].key == key);
+        let at = self.slots.iter().position(|slot| slot.place == spot);
+        let fresh = at.is_some_and(|i| Arc::ptr_eq(&self.slots[i].scene, scene) && self.slots[i].key == key);
         if !fresh {
             let kept = at.map(|i| self.slots.swap_remove(i).kept).unwrap_or_default();
             // Where numbers stand in the pixels, a layer of colours would hide them.
             let has_numbers = pixels::has_numbers(lens);
             let clear = |mark: &Mark| !has_numbers || !mark.shape.is_layer();
             let shown = |(i, mark): &(usize, &Mark)| panel.shows(mark.on) && clear(mark) && !key.without.contains(i);
-            let still = input.scene.marks.iter().enumerate().filter(shown).map(|(_, mark)| mark);
+            let still = scene.marks.iter().enumerate().filter(shown).map(|(_, mark)| mark);
             let mut maker = Maker::new(painter, input.gpu, kept);
             resolve(still, &look, place).iter().for_each(|primitive| maker.add(primitive));
             let (shapes, kept) = maker.finish();
-            self.slots.push(Slot { panel, scene: input.scene.clone(), key, shapes, kept });
+            self.slots.push(Slot { place: spot, scene: scene.clone(), key, shapes, kept });
         }
-        if let Some(slot) = self.slots.iter().find(|slot| slot.panel == panel) {
+        if let Some(slot) = self.slots.iter().find(|slot| slot.place == spot) {
             painter.extend(slot.shapes.iter().cloned());
         }
         let mut maker = Maker::new(painter, input.gpu, Kept::default());

@@ -6,6 +6,7 @@
 mod bar;
 mod glide;
 mod lens;
+mod lockstep;
 mod marks;
 mod pictures;
 mod pixels;
@@ -14,14 +15,16 @@ use std::sync::Arc;
 
 use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
-use motionscope_core::Scene;
+use motionscope_core::{Pace, Scene};
 use serde::{Deserialize, Serialize};
 
 pub use lens::{Lens, Zoom};
+pub use lockstep::Lockstep;
 pub(crate) use pixels::on_gray;
 
 use super::ink;
 use crate::paint::{self, ColorMap, Face, Lengthen, Panel, Share, Shown, Theme, View};
+use crate::tile::Tile;
 use glide::Glide;
 use marks::Marks;
 use pictures::Pictures;
@@ -40,8 +43,10 @@ pub struct Input<'a> {
     pub pictures: &'a paint::Pictures,
     /// The number of frame t.
     pub frame: usize,
-    /// The marks.
+    /// The marks; of several estimators those of all.
     pub scene: &'a Arc<Scene>,
+    /// Several estimators, if there are.
+    pub lockstep: Option<Lockstep<'a>>,
     /// The look.
     pub theme: Theme,
     /// Colours for heat.
@@ -74,8 +79,9 @@ pub struct State {
     pictures: Pictures,
     #[serde(skip)]
     marks: Marks,
+    /// One for each estimator.
     #[serde(skip)]
-    glide: Glide,
+    glides: Vec<Glide>,
     #[serde(skip)]
     legend_height: bar::Height,
     #[serde(skip)]
@@ -94,7 +100,7 @@ impl Default for State {
             legend: true,
             pictures: Pictures::default(),
             marks: Marks::default(),
-            glide: Glide::default(),
+            glides: Vec::new(),
             legend_height: bar::Height::default(),
             hovered: None,
             shown: None,
@@ -137,16 +143,26 @@ pub struct Response {
     pub clicked: Option<[f32; 2]>,
     /// The image pixel under the pointer.
     pub hovered: Option<[f32; 2]>,
+    /// The estimator that is to be explained.
+    pub explained: Option<usize>,
+    /// What estimators in lockstep are to have in common.
+    pub paced: Option<Pace>,
+    /// Whether the first of them is to go on alone.
+    pub left: bool,
 }
 
 /// Shows the stage in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
     bar::tools(ui, &input, state);
+    let mut response = Response::default();
+    if let Some(lockstep) = &input.lockstep {
+        lockstep::tools(ui, lockstep, &mut response);
+    }
     let below = bar::height_below(ui, &input, state);
     let room = vec2(ui.available_width(), (ui.available_height() - below).max(40.0));
     let (area, _) = ui.allocate_exact_size(room, Sense::hover());
-    let response = panes(ui, area, &input, state);
+    panes(ui, area, &input, state, &mut response);
     bar::below(ui, &input, state);
     response
 }
@@ -160,41 +176,86 @@ fn panels(view: View, time: f64) -> &'static [Panel] {
     }
 }
 
-fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Response {
+/// What one picture on the stage shows.
+struct Spot<'a> {
+    /// Which of several estimators.
+    member: usize,
+    panel: Panel,
+    lens: Lens,
+    scene: &'a Arc<Scene>,
+    pictures: paint::Pictures,
+}
+
+/// Every picture in its place.
+fn spots<'a>(area: Rect, panels: &[Panel], input: &Input<'a>, zoom: Zoom) -> Vec<Spot<'a>> {
     let size = input.pictures.pair[0].size();
+    let Some(Lockstep { tiles, .. }) = input.lockstep else {
+        let panes = split(area, panels.len(), size, bar::line_height(input.theme));
+        let spot = |(panel, pane): (&Panel, Rect)| Spot {
+            member: 0,
+            panel: *panel,
+            lens: Lens::new(pane, size, zoom),
+            scene: input.scene,
+            pictures: input.pictures.clone(),
+        };
+        return panels.iter().zip(panes).map(spot).collect();
+    };
+    let panes = lockstep::split(area, tiles.len(), size, lockstep::header(input.theme));
+    let spot = |(member, (tile, pane)): (usize, (&'a Tile, Rect))| Spot {
+        member,
+        panel: panels.first().copied().unwrap_or(Panel::Next),
+        lens: Lens::new(pane, size, zoom),
+        scene: &tile.scene,
+        pictures: tile.pictures(input.pictures),
+    };
+    tiles.iter().zip(panes).enumerate().map(spot).collect()
+}
+
+/// The view that the pictures have: each of several estimators has only one.
+fn view(input: &Input<'_>, state: &State) -> View {
+    let view = state.view.or_current(input.pictures);
+    match input.lockstep {
+        Some(_) if view != View::Blink => view.alone(input.pictures.prediction.is_some()),
+        _ => view,
+    }
+}
+
+fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response: &mut Response) {
     let time = ui.input(|i| i.time);
     if state.view == View::Blink {
         let rest = BLINK_SECS - time.rem_euclid(BLINK_SECS);
         ui.ctx().request_repaint_after_secs(rest as f32 + 0.005);
     }
-    let panels = panels(state.view.or_current(input.pictures), time);
+    let panels = panels(view(input, state), time);
     ui.painter().rect_filled(area, 0.0, ink::color(input.theme.chrome().background));
-    let mut response = Response::default();
     let mut hovered = None;
-    state.glide.follow(input.scene, input.animate, time);
-    if state.glide.is_moving(time) {
+    let spots = spots(area, panels, input, state.zoom);
+    state.glides.resize_with(spots.last().map_or(1, |spot| spot.member + 1), Glide::default);
+    for spot in &spots {
+        state.glides[spot.member].follow(spot.scene, input.animate, time);
+    }
+    if state.glides.iter().any(|glide| glide.is_moving(time)) {
         ui.ctx().request_repaint();
     }
-    let header = bar::line_height(input.theme);
-    let zoom = state.zoom;
-    let panes = split(area, panels.len(), size, header).into_iter().map(|pane| Lens::new(pane, size, zoom));
-    let lenses: Vec<(Panel, Lens)> = panels.iter().copied().zip(panes).collect();
-    let shown = lenses.last().map(|(_, lens)| *lens);
+    let shown = spots.last().map(|spot| spot.lens);
     if state.shown != shown {
         // The scale is told above the pictures, which were placed only now.
         state.shown = shown;
         ui.ctx().request_repaint();
     }
-    for (panel, lens) in &lenses {
+    for Spot { member, panel, lens, pictures, .. } in &spots {
+        lockstep::heading(ui, input, *member, lens, response);
         let pane = lens.pane;
-        let id = ui.scope_id().with(("pane", *panel));
+        let id = ui.scope_id().with(("pane", *member, *panel));
         let sensed = ui.interact(pane, id, Sense::click_and_drag());
         let cursor = if sensed.dragged() { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
         let sensed = sensed.on_hover_and_drag_cursor(cursor);
         sensed.widget_info(|| {
             let shown = Shown { panel: *panel, share: state.share(), gain: 1 };
-            let title = shown.title(Some(input.frame), &input.pictures.names);
-            egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}"))
+            let title = shown.title(Some(input.frame), &pictures.names);
+            let of = input.lockstep.and_then(|all| all.tiles.get(*member));
+            let of = of.map_or_else(String::new, |tile| format!(", {}", tile.info.name));
+            egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}{of}"))
         });
         if let Some(zoom) = looked(ui, &sensed, lens) {
             state.zoom = zoom;
@@ -203,16 +264,20 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State) -> Respo
         if let Some(at) = sensed.hover_pos() {
             hovered = lens.pixel_at(at);
         }
-        if sensed.clicked() {
-            response.clicked = sensed.interact_pointer_pos().and_then(|at| lens.pixel_at(at)).map(to_point);
+        match input.lockstep {
+            // The first click on another estimator is for its explanation; nothing moves under it.
+            Some(all) if sensed.clicked() && all.explained != *member => response.explained = Some(*member),
+            _ if sensed.clicked() => {
+                response.clicked = sensed.interact_pointer_pos().and_then(|at| lens.pixel_at(at)).map(to_point);
+            }
+            _ => {}
         }
     }
     state.hovered = hovered;
-    for (panel, lens) in &lenses {
-        paint(ui, *panel, lens, input, state);
+    for spot in &spots {
+        paint(ui, spot, input, state);
     }
     response.hovered = hovered.map(to_point);
-    response
 }
 
 fn to_point(pixel: [usize; 2]) -> [f32; 2] {
@@ -248,22 +313,25 @@ fn looked(ui: &Ui, sensed: &egui::Response, lens: &Lens) -> Option<Zoom> {
     (factor != 1.0).then(|| lens.zoomed(cursor, factor))
 }
 
-fn paint(ui: &Ui, panel: Panel, lens: &Lens, input: &Input<'_>, state: &mut State) {
+fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
+    let Spot { member, panel, ref lens, scene, ref pictures } = *spot;
     let painter = ui.painter_at(lens.pane);
     let share = state.share();
-    let gain = state.pictures.paint(&painter, panel, share, lens, input.pictures);
+    let gain = state.pictures.paint(&painter, panel, share, lens, pictures);
     let shown = Shown { panel, share, gain };
     pixels::grid(&painter, lens);
-    pixels::numbers(&painter, shown, lens, input.pictures);
+    pixels::numbers(&painter, shown, lens, pictures);
     let time = ui.input(|i| i.time);
-    let moving = state.glide.marks(time);
+    let moving = state.glides[member].marks(time);
     // A frame at the edge of the picture stays whole, all else ends with the picture.
     let marks = painter.with_clip_rect(lens.picture_rect().expand(BEYOND).intersect(lens.pane));
-    state.marks.paint(&marks, panel, lens, input, &moving);
+    state.marks.paint(&marks, ((member, panel), lens), scene, input, &moving);
     if let Some(pixel) = state.hovered {
         pixels::cross_hair(&painter, lens, pixel);
     }
-    caption(ui.painter(), shown, lens, input);
+    if input.lockstep.is_none() {
+        caption(ui.painter(), shown, lens, input);
+    }
 }
 
 /// The name of a picture, above it; without that of its file where there is no room.

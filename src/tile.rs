@@ -1,0 +1,136 @@
+//! Estimators in lockstep as they are shown: a picture for each, and a line of numbers above it.
+
+use std::sync::Arc;
+
+use motionscope_core::scene::{Fact, Readout, Sentence};
+use motionscope_core::{Beside, Clip, Cursor, Frame, Info, Output, Role, Scene, Step, Walk};
+
+use crate::paint::{Pictures, grouped};
+use crate::quality::Quality;
+
+/// One of several estimators, where it stands.
+#[derive(Clone)]
+pub struct Tile {
+    /// What there is to say about it.
+    pub info: &'static Info,
+    /// Where its own run stands.
+    pub cursor: Cursor,
+    /// What it tells.
+    pub step: Arc<Step>,
+    /// What it shows.
+    pub scene: Arc<Scene>,
+    /// Whether it waits for the others.
+    pub is_done: bool,
+    /// What its whole run made of the frames, once it was shown.
+    pub prediction: Option<Arc<Frame>>,
+    /// What it has come to: the first that there is room for is told.
+    pub words: Vec<Sentence>,
+}
+
+/// What a run amounts to at its end.
+pub struct Ending {
+    /// The motion-compensated prediction of frame t.
+    pub prediction: Arc<Frame>,
+    /// How good that is.
+    pub quality: Option<Quality>,
+}
+
+/// The motion-compensated prediction of frame t that `output` makes of the other frame of `pair`.
+pub fn predicted(output: &Output, pair: &Pictures) -> Arc<Frame> {
+    Arc::new(Frame::gray(output.prediction(pair.pair[1].luma())))
+}
+
+/// What each of the runs in lockstep amounts to, if `walk` stands at its end; `pair` are its frames.
+pub fn endings(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Vec<Ending> {
+    let all = if walk.at_end() { walk.beside(None) } else { Vec::new() };
+    let ending =
+        |output| Ending { prediction: predicted(output, pair), quality: Quality::of(clip, walk.frame(), output).ok() };
+    all.iter().map(|member| ending(&member.output)).collect()
+}
+
+/// The estimators in lockstep where `walk` stands; none where there is but one. At the end each has its ending.
+pub fn tiles(walk: &dyn Walk, focus: Option<[f32; 2]>, endings: &[Ending]) -> Vec<Tile> {
+    let tile = |(index, member): (usize, Beside)| {
+        let ending = endings.get(index);
+        let counts = counted(&member);
+        let mut step = member.step;
+        if let Some(quality) = ending.and_then(|ending| ending.quality.as_ref()) {
+            add_facts(&mut step, quality.facts());
+        }
+        let in_all = grouped(member.candidates_in_all as usize);
+        let words = match ending.and_then(|ending| ending.quality.as_ref()) {
+            Some(quality) => said_at_end(quality, &in_all),
+            None => said(&step, &counts, &in_all),
+        };
+        Tile {
+            info: member.info,
+            cursor: member.cursor,
+            step: Arc::new(step),
+            scene: Arc::new(member.scene),
+            is_done: member.is_done,
+            prediction: ending.map(|ending| Arc::clone(&ending.prediction)),
+            words,
+        }
+    };
+    walk.beside(focus).into_iter().enumerate().map(tile).collect()
+}
+
+impl Tile {
+    /// What can be looked at beside the frames that all have in common.
+    pub fn pictures(&self, common: &Pictures) -> Pictures {
+        Pictures { prediction: self.prediction.clone(), ..common.clone() }
+    }
+}
+
+/// What `walk` shows: of several in lockstep everything that is drawn in any of their `tiles`, so that all have one
+/// legend, one scale of colours and one of arrows.
+pub fn scene(walk: &dyn Walk, focus: Option<[f32; 2]>, tiles: &[Tile]) -> Scene {
+    if tiles.is_empty() {
+        return walk.scene(focus);
+    }
+    let mut all = Scene::default();
+    tiles.iter().for_each(|tile| all.add_enlarged(Scene::clone(&tile.scene), 1));
+    all
+}
+
+/// Adds `facts` to those that `step` tells.
+pub fn add_facts(step: &mut Step, facts: Vec<Fact>) {
+    match step.readouts.iter_mut().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None }) {
+        Some(known) => known.extend(facts),
+        None => step.readouts.push(Readout::Facts(facts)),
+    }
+}
+
+/// The number that matters most in what a step tells: the best so far or the result.
+pub fn best(step: &Step) -> Option<&Fact> {
+    let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None })?;
+    facts.iter().rev().find(|fact| matches!(fact.role, Some(Role::Best | Role::Result | Role::Estimate)))
+}
+
+/// The candidates of the block at hand, from many words to few; where levels are gone through, of which.
+fn counted(member: &Beside) -> [String; 3] {
+    let here = grouped(member.candidates);
+    let (leg, of) = member.leg;
+    let rung = member.info.rungs.iter().rev().nth(2).filter(|_| of > 1);
+    let at = rung.map_or_else(String::new, |rung| format!(", {rung} {leg} of {of}"));
+    [format!("{here} candidates{at}"), format!("{here}{at}"), here]
+}
+
+fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec<Sentence> {
+    let Some(best) = best(step) else { return vec![Sentence::default().text(long.clone())] };
+    let role = best.role.unwrap_or(Role::Best);
+    let told =
+        |before: String, after: String| Sentence::default().text(before).ink(role, best.value.clone()).text(after);
+    vec![
+        told(format!("{long}  ·  "), format!("  ·  {in_all} in all")),
+        told(format!("{long}  ·  "), String::new()),
+        told(format!("{short}  ·  "), String::new()),
+        told(format!("{shortest}  ·  "), String::new()),
+    ]
+}
+
+fn said_at_end(quality: &Quality, in_all: &str) -> Vec<Sentence> {
+    let psnr = quality.psnr_db.map_or("perfect prediction".into(), |psnr| format!("{psnr:.2} dB PSNR"));
+    let told = |after: String| Sentence::default().ink(Role::Result, psnr.clone()).text(after);
+    vec![told(format!("  ·  {in_all} candidates in all")), told(format!("  ·  {in_all} in all")), told(String::new())]
+}

@@ -1,0 +1,153 @@
+//! Several estimators on the stage: a tile for each, and above all what they have in common.
+
+use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
+use eframe::egui::{self, Align, Button, CursorIcon, Layout, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
+use motionscope_core::Pace;
+use motionscope_core::scene::Sentence;
+
+use super::{Input, Lens, Response, bar};
+use crate::paint::{Face, Theme, brevity};
+use crate::tile::Tile;
+use crate::ui::commands::Command;
+use crate::ui::ink;
+
+/// Between two tiles, in points.
+const GAP: f32 = 12.0;
+
+/// Several estimators.
+#[derive(Clone, Copy)]
+pub struct Lockstep<'a> {
+    /// Each of them, from left to right.
+    pub tiles: &'a [Tile],
+    /// Which of them is explained.
+    pub explained: usize,
+    /// What they have in common at every step.
+    pub pace: Pace,
+}
+
+/// What all have in common, and the way out.
+pub fn tools(ui: &mut Ui, lockstep: &Lockstep<'_>, response: &mut Response) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        ui.weak("In lockstep");
+        ui.add_space(6.0);
+        for (pace, tip) in [
+            (Pace::Block, "All are at the same block, and have tested as many candidates for it."),
+            (Pace::Budget, "All have tested as many candidates in the whole picture; the first one leads."),
+        ] {
+            if ui.selectable_label(lockstep.pace == pace, pace.label()).on_hover_text(tip).clicked() {
+                response.paced = Some(pace);
+            }
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let tip = Command::Lockstep.with_key("Go on with the first estimator alone.");
+            response.left |= ui.add(Button::new("Leave")).on_hover_text(tip).clicked();
+        });
+    });
+}
+
+/// Height of what stands above a picture.
+pub fn header(theme: Theme) -> f32 {
+    6.0 + name_height(theme) + bar::line_height(theme)
+}
+
+fn name_height(theme: Theme) -> f32 {
+    (1.5 * theme.sizes().body).round()
+}
+
+/// Divides `area` among `count` pictures of `size`, in as many columns as show them largest.
+pub fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec<Rect> {
+    let room = |columns: usize| {
+        let rows = count.div_ceil(columns);
+        let gaps = GAP * vec2((columns - 1) as f32, (rows - 1) as f32);
+        (area.size() - gaps) / vec2(columns as f32, rows as f32)
+    };
+    let head = vec2(0.0, header);
+    let fit = |columns: usize| ((room(columns) - head) / vec2(size.0 as f32, size.1 as f32)).min_elem();
+    // Of two that show them as large, the one with fewer columns: two by two.
+    let columns = (1..=count).rev().max_by(|a, b| fit(*a).total_cmp(&fit(*b))).unwrap_or(1);
+    let (tile, picture) = (room(columns), (room(columns) - head).max(Vec2::splat(1.0)));
+    let corner = |i: usize| vec2((i % columns) as f32, (i / columns) as f32) * (tile + Vec2::splat(GAP));
+    (0..count).map(|i| Rect::from_min_size(area.min + head + corner(i), picture)).collect()
+}
+
+/// What stands above the picture that `lens` shows: the estimator, whether it waits, and what it has come to. A click has it
+/// explained.
+pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: &mut Response) {
+    let Some((tile, lockstep)) = input.lockstep.and_then(|all| Some((all.tiles.get(index)?, all))) else { return };
+    let theme = input.theme;
+    let (chrome, sizes) = (theme.chrome(), theme.sizes());
+    let height = header(theme);
+    let picture = lens.picture_rect().intersect(lens.pane);
+    // Words may be wider than a small picture.
+    let rect = Rect::from_min_max(picture.min - vec2(0.0, height), pos2(lens.pane.max.x, picture.min.y));
+    let sensed = ui.interact(rect, ui.scope_id().with(("heading", index)), Sense::click());
+    let sensed = sensed.on_hover_cursor(CursorIcon::PointingHand);
+    let is_explained = lockstep.explained == index;
+    let waits = if tile.is_done { ", done" } else { "" };
+    sensed.widget_info(|| {
+        let words = tile.words.first().map_or_else(String::new, Sentence::plain);
+        WidgetInfo::selected(egui::Role::Button, true, is_explained, format!("{}: {words}{waits}", tile.info.name))
+    });
+    if sensed.clicked() {
+        response.explained = Some(index);
+    }
+    let painter = ui.painter_at(rect);
+    let line = if is_explained {
+        Stroke::new(2.0, ink::color(chrome.accent))
+    } else {
+        Stroke::new(1.0, ink::color(chrome.line))
+    };
+    painter.hline(picture.x_range(), rect.min.y + 1.0, line);
+    let middle = rect.min.y + 4.0 + name_height(theme) / 2.0;
+    let dim = ink::color(chrome.dim);
+    let done = painter.layout_no_wrap("done".into(), ink::font(Face::Sans, sizes.small), dim);
+    let room = rect.width() - if tile.is_done { 8.0 + done.size().x } else { 0.0 };
+    let name = (tile.info.name, ink::font(Face::Bold, sizes.body), ink::color(chrome.text));
+    let end = ink::line(&painter, pos2(rect.min.x, middle), name, room);
+    if tile.is_done {
+        painter.galley(pos2(end + 8.0, middle - done.size().y / 2.0), done, dim);
+    }
+    let lay_out = |words: &Sentence, width: f32| painter.layout_job(job(words, width, theme));
+    let all = lockstep.tiles.iter().map(|tile| &tile.words[..]);
+    let way = brevity(all, |words| lay_out(words, f32::INFINITY).size().x <= rect.width());
+    if let Some(words) = tile.words.get(way).or(tile.words.last()).map(|words| lay_out(words, rect.width())) {
+        let top = rect.min.y + 4.0 + name_height(theme);
+        painter.galley(pos2(rect.min.x, top), words, ink::color(chrome.text));
+    }
+}
+
+/// One line of words, cut short with … at `width` points.
+fn job(words: &Sentence, width: f32, theme: Theme) -> LayoutJob {
+    let mut job = LayoutJob { wrap: TextWrapping::truncate_at_width(width), ..LayoutJob::default() };
+    for (words, role) in &words.0 {
+        let color = role.map_or(theme.chrome().dim, |role| theme.word(role));
+        let font_id = ink::font(Face::Sans, theme.sizes().small);
+        job.append(words, 0.0, TextFormat { font_id, color: ink::color(color), ..TextFormat::default() });
+    }
+    job
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::Pos2;
+
+    #[test]
+    fn tiles_lie_beside_each_other_and_leave_none_out() {
+        for (width, height) in [(1200.0, 500.0), (400.0, 900.0), (640.0, 480.0)] {
+            let area = Rect::from_min_size(pos2(10.0, 20.0), vec2(width, height));
+            for count in 2..=4 {
+                let panes = split(area, count, (640, 480), 40.0);
+                assert_eq!(panes.len(), count);
+                for (i, pane) in panes.iter().enumerate() {
+                    assert!(area.expand(0.01).contains_rect(*pane), "{pane:?} in {area:?}");
+                    assert!(panes[..i].iter().all(|other| !other.intersects(*pane)));
+                }
+            }
+        }
+        let square = Rect::from_min_size(Pos2::ZERO, vec2(900.0, 700.0));
+        let four = split(square, 4, (640, 480), 40.0);
+        assert!(four[0].min.x == four[2].min.x && four[0].min.y == four[1].min.y, "two by two");
+    }
+}

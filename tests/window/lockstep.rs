@@ -1,0 +1,157 @@
+//! Estimators in lockstep in the window.
+
+use super::*;
+use motionscope::shot::{self, Still};
+use motionscope_core::Pace;
+
+fn names(window: &Window) -> Vec<&'static str> {
+    window.shown().tiles.iter().map(|tile| tile.info.name).collect()
+}
+
+/// Everything that the tiles tell and show.
+fn tiles(window: &Window) -> String {
+    window.shown().tiles.iter().map(|tile| format!("{:?} {:?} {:?}\n", tile.step, tile.scene, tile.words)).collect()
+}
+
+/// The heading of an estimator's tile: what can be clicked to have it explained.
+fn heading(window: &Window, name: &str) -> Rect {
+    let all = window.harness.query_all_by_role(Role::Button);
+    let is_it = |node: &egui_kittest::Node<'_>| {
+        node.accesskit_node().label().is_some_and(|label| label.starts_with(&format!("{name}: ")))
+    };
+    all.into_iter().find(is_it).expect("the heading is there").rect()
+}
+
+/// Has four estimators go in lockstep, chosen where they are compared.
+fn four(window: &mut Window) {
+    window.harness.key_press(Key::C);
+    window.compared();
+    window.harness.get_by_label("Predictive search").click();
+    window.compared();
+    window.click("Side by side, step by step");
+}
+
+#[test]
+fn a_key_has_them_search_the_same_block_and_another_goes_on_alone() {
+    let mut window = Window::usual();
+    let before = (window.cursor(), window.told());
+    window.key(Key::B);
+    assert_eq!(names(&window), ["Full search", "Three-step search", "Diamond search"]);
+    assert_eq!(window.cursor().unit, before.0.unit, "the same block");
+    assert!(window.cursor().event < before.0.event, "candidates are counted, not events");
+    let (here, told) = (window.cursor(), tiles(&window));
+    window.key(Key::ArrowRight);
+    assert_eq!(window.cursor(), Cursor { event: here.event + 1, ..here });
+    assert_ne!(tiles(&window), told);
+    window.key(Key::ArrowLeft);
+    assert!(tiles(&window) == told, "back is what was there");
+    window.key(Key::Escape);
+    let slack = window.cursor().event.abs_diff(before.0.event);
+    assert!(window.shown().tiles.is_empty() && window.cursor().unit == before.0.unit && slack <= 2, "{slack}");
+    window.key(Key::B);
+    window.key(Key::B);
+    assert!(window.shown().tiles.is_empty());
+    window.command(Command::Undo);
+    assert_eq!(names(&window).len(), 3, "undo brings them back");
+}
+
+#[test]
+fn a_click_has_another_explained_and_only_the_next_goes_to_a_block() {
+    let mut window = Window::usual();
+    window.key(Key::B);
+    let here = window.cursor();
+    assert!(window.harness.query_by_label_contains("current line").is_some());
+    let told = |window: &Window| window.harness.query_by_label_contains("large diamond").is_some();
+    assert!(!told(&window), "full search has no diamond");
+    let place = heading(&window, "Diamond search");
+    window.click_at(place.center());
+    assert!(told(&window), "the pseudocode is that of the diamond search");
+    assert_eq!(window.cursor(), here);
+    let three = heading(&window, "Three-step search");
+    let in_picture = three.center_bottom() + vec2(0.0, 20.0);
+    window.click_at(in_picture);
+    assert_eq!(window.cursor(), here, "the first click on a picture explains it");
+    assert!(!told(&window));
+    window.click_at(in_picture);
+    assert_ne!(window.cursor().unit, here.unit, "the second goes to the block");
+    assert_eq!(window.cursor().event, window.shown().events);
+}
+
+#[test]
+fn the_budget_is_shared_and_parameters_are() {
+    let mut window = Window::usual();
+    window.key(Key::B);
+    window.harness.get_by_role_and_label(Role::Slider, "Range").set_value_accesskit(4.0);
+    window.settle();
+    let all = |window: &Window, name: &str| -> Vec<Value> {
+        window.app().document().company().beside.iter().map(|one| one.get(name).expect("they have it")).collect()
+    };
+    assert_eq!(all(&window, "range"), [Value::Int(4); 2]);
+    window.click("same budget");
+    assert_eq!(window.app().document().company().pace, Pace::Budget);
+    window.key(Key::End);
+    let shown = window.shown();
+    assert!(shown.at_end && shown.tiles.iter().all(|tile| tile.is_done), "full search, which leads, spends most");
+    assert!(shown.tiles.iter().all(|tile| tile.prediction.is_some()));
+    let psnr = |i: usize| shown.tiles[i].words[0].plain();
+    assert!((0..3).all(|i| psnr(i).contains("dB PSNR")), "{}", psnr(0));
+    window.click("Leave");
+    assert!(window.shown().at_end && window.shown().tiles.is_empty());
+}
+
+#[test]
+fn a_comparison_leads_to_its_estimators_step_by_step() {
+    let mut window = Window::usual();
+    four(&mut window);
+    assert_eq!(names(&window), ["Full search", "Three-step search", "Diamond search", "Predictive search"]);
+    assert!(window.harness.query_by_label("Compare estimators").is_none(), "the dialog is gone");
+}
+
+#[test]
+fn nothing_of_it_is_cut_off_at_any_size() {
+    for (size, theme) in [
+        (vec2(1280.0, 720.0), Theme::Dark),
+        (vec2(1280.0, 720.0), Theme::Projector),
+        (vec2(1600.0, 1000.0), Theme::Light),
+        (vec2(1920.0, 1080.0), Theme::Projector),
+    ] {
+        let mut window = Window::new(size);
+        while window.app().settings().theme() != theme {
+            window.command(Command::NextTheme);
+        }
+        four(&mut window);
+        let headings: Vec<_> = names(&window).into_iter().map(|name| heading(&window, name)).collect();
+        let screen = Rect::from_min_size(Pos2::ZERO, size);
+        for (i, rect) in headings.iter().enumerate() {
+            assert!(screen.contains_rect(*rect) && rect.width() > 100.0, "{size:?} {theme:?}: {rect}");
+            assert!(headings[..i].iter().all(|other| !other.intersects(*rect)), "{size:?} {theme:?}");
+        }
+        window.lies_inside(size, "lockstep");
+    }
+}
+
+#[test]
+fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Window::usual();
+    window.key(Key::B);
+    window.click("same budget");
+    let (here, told) = (window.cursor(), tiles(&window));
+    let look = Look { view: None, ..Look::default() };
+    for (name, what) in [("one.motionscope", What::Session), ("one.png", What::Picture)] {
+        let path = folder.path().join(name);
+        window.harness.state_mut().write(Order { what, path, scale: 1, look });
+        window.settle();
+    }
+    let shown = window.shown();
+    let (clip, estimator) = (&shown.subject.clip, &*shown.subject.estimator);
+    let mut walk = shown.subject.company.walk(estimator, clip, shown.subject.frame).unwrap();
+    walk.jump(motionscope_core::Move::To(here));
+    let still = Still::of(&*walk, clip, &shot::pair(clip, shown.subject.frame).unwrap());
+    let drawn = still.moment(estimator).encode(&look, Format::Png, 1).unwrap();
+    assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
+    let path: OsString = folder.path().join("one.motionscope").into();
+    let again = Window::with(vec2(1440.0, 900.0), Start { open: Some(path) });
+    assert_eq!(again.cursor(), here);
+    assert!(tiles(&again) == told, "it opens as it was");
+}
