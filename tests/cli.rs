@@ -333,7 +333,7 @@ fn a_session_keeps_its_parameters_when_its_own_estimator_is_named() {
 fn a_dense_flow_is_written_and_told_without_what_only_blocks_have() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    for id in ["normal-flow", "horn-schunck"] {
+    for id in ["normal-flow", "horn-schunck", "lucas-kanade"] {
         let told = json(here, &format!("run {SMALL} --estimator {id} --flow {id}.flo --table {id}.csv --json"));
         let metrics = &told["metrics"];
         assert!(metrics["candidates"].is_null() && metrics["vector_bits"].is_null(), "{id}: {metrics}");

@@ -4,7 +4,7 @@ use crate::block_matching::{
     AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
     QuadrantSearch, ThreeStep,
 };
-use crate::optical_flow::{HornSchunck, NormalFlow};
+use crate::optical_flow::{HornSchunck, LucasKanade, NormalFlow};
 use crate::{AnyEstimator, Error};
 
 /// Every estimator with its default parameters, in the order of the course.
@@ -22,6 +22,7 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(Predictive::default()),
         Box::new(Hierarchical::default()),
         Box::new(NormalFlow::default()),
+        Box::new(LucasKanade::default()),
         Box::new(HornSchunck::default()),
     ]
 }

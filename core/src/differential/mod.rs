@@ -8,10 +8,12 @@ mod given;
 mod linear;
 pub mod relax;
 pub mod tell;
+mod tensor;
 mod warp;
 
 pub use derivatives::{Derivatives, Scheme};
 pub use field::Field;
 pub use given::Given;
 pub use linear::Linear;
+pub use tensor::{Sums, Tensor, Window};
 pub use warp::{Sampling, backward};

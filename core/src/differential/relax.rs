@@ -14,7 +14,8 @@ const CORNER: f32 = 1.0 / 12.0;
 /// Iterations that are done while the rows are in the cache.
 const DEPTH: usize = 16;
 
-/// The constraints of a picture, divided by the root of α² + a² + b²: an update of the mean (u, v) around a pixel is then (u, v) − (a, b) (a u + b v + c).
+/// The constraints of a picture, divided by the root of α² + a² + b². From the mean (u, v) around a pixel its update is then
+/// (u, v) − (a, b) (a u + b v + c).
 pub struct System {
     factors: [Grid<f32>; 3],
 }

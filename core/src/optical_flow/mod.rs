@@ -2,7 +2,9 @@
 //! `differential`.
 
 mod horn_schunck;
+mod lucas_kanade;
 mod normal_flow;
 
 pub use horn_schunck::{HornSchunck, Solver};
+pub use lucas_kanade::{LucasKanade, Weights};
 pub use normal_flow::NormalFlow;
