@@ -192,7 +192,7 @@ pub fn text(claims: &[Claim]) -> String {
 }
 
 /// What the numbers mean.
-fn key() -> String {
+pub fn key() -> String {
     format!(
         "Default parameters unless a range is named. Noise: {NOISE_SIGMA} gray levels in both frames; light: frame t+1 is \
          {} times as bright plus {}; kept: within 1 px.\n",

@@ -1156,6 +1156,22 @@ fn estimators_are_compared_and_what_one_missed_is_visited() {
 }
 
 #[test]
+fn the_courses_table_is_measured_in_the_window_too() {
+    let mut window = Window::new(vec2(1600.0, 1000.0));
+    window.harness.key_press(Key::C);
+    window.compared();
+    window.harness.get_by_label("The course's table").click();
+    window.compared();
+    assert!(window.harness.query_by_label("289 → 1089 → 4225").is_some(), "the window of full search grows");
+    let holds = window.harness.query_all_by_label("holds").count();
+    let fails = window.harness.query_all_by_label("does not hold here").count();
+    assert!(holds >= 5 && holds + fails == 9, "{holds} hold, {fails} do not");
+    window.harness.get_by_label("Estimators").click();
+    window.compared();
+    assert!(window.harness.query_by_label("969.2").is_some(), "back at one's own choice");
+}
+
+#[test]
 fn another_estimator_keeps_the_parameters_that_it_has_too() {
     let mut window = Window::usual();
     window.harness.get_by_role_and_label(Role::Slider, "Block").set_value_accesskit(24.0);

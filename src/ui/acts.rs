@@ -12,7 +12,6 @@ use super::dialogs::{compare, open as open_dialog, palette};
 use super::layout;
 use super::model::document::Owner;
 use super::model::walker::Place;
-use super::model::writer::Writing;
 use super::style::ZOOM;
 use crate::company::Company;
 use crate::comparison::Row;
@@ -31,7 +30,7 @@ impl App {
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),
             Action::Write(order) => self.write(*order),
-            Action::CancelWriting => self.writing.iter().for_each(Writing::cancel),
+            Action::CancelWriting => self.writing.iter().for_each(|writing| writing.work.cancel()),
             Action::Choose(id) => self.choose(id),
             Action::Visit(row) => self.visit(&row),
             Action::Lockstep(ids) => self.lockstep(&ids),

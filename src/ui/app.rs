@@ -128,7 +128,7 @@ impl App {
 
     /// Share of what is being written that is done, from 0 to 1.
     pub fn written(&self) -> Option<f32> {
-        self.writing.as_ref().map(Writing::fraction)
+        self.writing.as_ref().map(|writing| writing.work.fraction())
     }
 
     /// The newest message, if one is shown.
@@ -280,7 +280,7 @@ impl App {
                 return;
             }
             if let Some(writing) = &self.writing {
-                match writing.fraction() {
+                match writing.work.fraction() {
                     0.0 => drop(ui.spinner()),
                     done => drop(ui.add(egui::ProgressBar::new(done).desired_width(120.0).desired_height(6.0))),
                 }

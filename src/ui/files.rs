@@ -35,15 +35,15 @@ impl App {
         if self.view.refused.is_some() {
             self.view.shown = self.view.shown.take().filter(|shown| self.document.is_of_clip(shown));
         }
-        if let Some(outcome) = self.loading.as_ref().and_then(Loading::take) {
-            let name = self.loading.take().map(|loading| loading.name.clone()).unwrap_or_default();
+        if let Some(outcome) = self.loading.as_ref().and_then(|loading| loading.work.take()) {
+            let name = self.loading.take().map(|loading| loading.name).unwrap_or_default();
             match outcome {
                 Ok(opened) => self.opened(opened, Path::new(&name)),
                 Err(error) => self.not_opened(Path::new(&name), error),
             }
         }
-        if let Some(outcome) = self.writing.as_ref().and_then(Writing::take) {
-            let folder = self.writing.take().and_then(|mut writing| writing.folder.take());
+        if let Some(outcome) = self.writing.as_ref().and_then(|writing| writing.work.take()) {
+            let folder = self.writing.take().and_then(|writing| writing.folder);
             match outcome {
                 Ok(text) => {
                     // Only where writing went well is the next file offered beside it.
@@ -229,19 +229,20 @@ impl App {
         let folder = order.path.parent().map(Path::to_owned);
         let ctx = self.ctx.clone();
         let changed = move || ctx.request_repaint();
-        let mut writing = match order.what {
-            What::Picture => Writing::new(changed, move |_| writer::picture(&order, &shown)),
-            What::Steps { .. } => Writing::new(changed, move |progress| writer::steps(&order, &shown, progress)),
+        let writing = match order.what {
+            What::Picture => Writing::new(folder, changed, move |_| writer::picture(&order, &shown)),
+            What::Steps { .. } => {
+                Writing::new(folder, changed, move |progress| writer::steps(&order, &shown, progress))
+            }
             What::Session => {
                 let session = self.session(&shown);
-                Writing::new(changed, move |_| save_session(&session, &order.path))
+                Writing::new(folder, changed, move |_| save_session(&session, &order.path))
             }
             What::Vectors => {
                 let output = self.walker.output(&shown);
-                Writing::new(changed, move |progress| writer::vectors(&order.path, &output, progress))
+                Writing::new(folder, changed, move |progress| writer::vectors(&order.path, &output, progress))
             }
         };
-        writing.folder = folder;
         self.writing = Some(writing);
     }
 

@@ -163,7 +163,7 @@ impl Panes<'_> {
         ui.horizontal(|ui| {
             ui.spinner();
             ui.label(format!("Opening {}…", widgets::elide(&loading.name.to_string_lossy(), 64)));
-            let done = loading.fraction();
+            let done = loading.work.fraction();
             if done > 0.0 {
                 ui.add(egui::ProgressBar::new(done).desired_width(160.0).show_percentage());
             }

@@ -5,13 +5,15 @@ use std::sync::Arc;
 use eframe::egui::{self, Align, Button, ComboBox, Grid, Label, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
 use motionscope_core::compare::alike;
 use motionscope_core::scene::Series;
-use motionscope_core::{Role, estimators, lockstep};
+use motionscope_core::{Role, Threads, estimators, lockstep};
 
+use crate::claims::{self, Claim};
 use crate::company::Company;
-use crate::comparison::{self, COLUMNS, Column, Row};
+use crate::comparison::{self, Arena, COLUMNS, Column, Row};
 use crate::paint::Theme;
 use crate::ui::action::{Action, Actions};
 use crate::ui::commands::Command;
+use crate::ui::model::background::Background;
 use crate::ui::model::comparing::{Comparing, Plan};
 use crate::ui::model::document::Document;
 use crate::ui::parts::widgets;
@@ -43,6 +45,8 @@ pub struct State {
     /// What is compared now: the estimators and the sweep.
     begun: Option<(Vec<&'static str>, usize)>,
     comparing: Option<Comparing>,
+    /// The course's own table, while it is shown.
+    course: Option<Background<Vec<Claim>>>,
     /// Rows that the table was laid out for.
     laid_out: usize,
 }
@@ -55,12 +59,15 @@ impl State {
         chosen.extend(Company::usual(id));
         // In the order of the course.
         chosen.sort_by_key(|id| all.iter().position(|other| other == id));
-        Self { chosen, sweep: 0, plotted: 0, begun: None, comparing: None, laid_out: 0 }
+        Self { chosen, sweep: 0, plotted: 0, begun: None, comparing: None, course: None, laid_out: 0 }
     }
 
     /// Whether nothing is being worked on.
     pub fn is_settled(&self) -> bool {
-        self.begun.is_some() && self.comparing.as_ref().is_none_or(|comparing| !comparing.is_busy())
+        match &self.course {
+            Some(course) => course.look(|claims| claims.is_some()),
+            None => self.begun.is_some() && self.comparing.as_ref().is_none_or(|comparing| !comparing.is_busy()),
+        }
     }
 }
 
@@ -73,8 +80,19 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
     let modal = widgets::modal(ctx, "compare", vec2(82.0 * size, 60.0 * size)).show(ctx, |ui| {
         ui.set_width(width);
         ui.heading("Compare estimators");
-        ui.label(RichText::new("On this pair of frames, with the parameters that are set.").weak());
+        let on = match state.course {
+            Some(_) => "The course's table of searches, measured on this pair of frames with default parameters.",
+            None => "On this pair of frames, with the parameters that are set.",
+        };
+        ui.label(RichText::new(on).weak());
         ui.add_space(8.0);
+        subject(ui, state, document);
+        let height = (screen.height() - 300.0).clamp(120.0, 36.0 * size);
+        if let Some(course) = &state.course {
+            let height = (screen.height() - 240.0).clamp(120.0, 50.0 * size);
+            ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| claims(ui, course));
+            return;
+        }
         choice(ui, state);
         ui.add_space(4.0);
         ui.horizontal(|ui| {
@@ -83,12 +101,74 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         });
         start(ui, state, document);
         ui.add_space(8.0);
-        let height = (screen.height() - 300.0).clamp(120.0, 36.0 * size);
         ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             visited |= results(ui, state, theme, actions);
         });
     });
     !(modal.should_close() || visited)
+}
+
+/// What is compared: estimators of one's own choice, or those of the course's table.
+fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
+    ui.horizontal(|ui| {
+        if ui.selectable_label(state.course.is_none(), "Estimators").clicked() {
+            state.course = None;
+        }
+        let tip =
+            "Sequential, logarithmic and hierarchical search, and whether what the course says of them holds here.";
+        let label = ui.selectable_label(state.course.is_some(), "The course's table").on_hover_text(tip);
+        if let (true, None, Some(clip)) = (label.clicked(), &state.course, document.clip()) {
+            let (clip, frame, ctx) = (clip.clone(), document.frame(), ui.ctx().clone());
+            state.course = Some(Background::new(
+                "measure",
+                move || ctx.request_repaint(),
+                move |desk| {
+                    let (clip, threads) = (clip.until(desk.stop.clone()), Threads::single());
+                    claims::claims(&Arena { clip: &clip, frame, threads: &threads, repeat: 3 })
+                },
+            ));
+        }
+    });
+    ui.add_space(4.0);
+}
+
+/// The course's table, as far as it was measured.
+fn claims(ui: &mut Ui, course: &Background<Vec<Claim>>) {
+    course.look(|outcome| match outcome {
+        None => drop(ui.spinner()),
+        Some(Err(error)) => drop(ui.label(RichText::new(error.to_string()).color(ui.visuals().error_fg_color))),
+        Some(Ok(claims)) => {
+            Grid::new("course").striped(true).spacing([16.0, 6.0]).show(ui, |ui| {
+                for heading in ["Measured", "Sequential", "Logarithmic", "Hierarchical", "The course"] {
+                    ui.label(RichText::new(heading).small().family(style::bold()));
+                }
+                ui.end_row();
+                claims.iter().for_each(|claim| line(ui, claim));
+            });
+            ui.add_space(8.0);
+            ui.label(RichText::new(claims::key()).small().weak());
+        }
+    });
+}
+
+/// One feature: what is measured, three numbers, and whether the course is right.
+fn line(ui: &mut Ui, claim: &Claim) {
+    ui.vertical(|ui| {
+        ui.set_max_width(24.0 * TextStyle::Body.resolve(ui.style()).size);
+        let (what, unit) = claim.feature.split_once(": ").unwrap_or((&claim.feature, ""));
+        ui.label(RichText::new(what).family(style::bold()));
+        ui.add(Label::new(RichText::new(unit).small().weak()).wrap());
+    });
+    for cell in &claim.measured {
+        ui.label(RichText::new(cell).monospace());
+    }
+    ui.vertical(|ui| {
+        ui.set_max_width(24.0 * TextStyle::Body.resolve(ui.style()).size);
+        let verdict = RichText::new(claim.verdict());
+        ui.label(if claim.holds { verdict } else { verdict.family(style::bold()) });
+        ui.add(Label::new(RichText::new(claim.said).small().weak()).wrap());
+    });
+    ui.end_row();
 }
 
 /// Which estimators.

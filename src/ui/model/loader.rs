@@ -1,11 +1,11 @@
 //! Opens a clip or a session on a thread of its own, with progress and cancel.
 
 use std::ffi::{OsStr, OsString};
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use motionscope_core::{Clip, Error};
 
+use super::background::Background;
 use crate::media::{Open, Progress};
 use crate::session::{Named, Session};
 use crate::source::Source;
@@ -24,70 +24,17 @@ pub struct Opened {
 pub struct Loading {
     /// What was asked for: a file, a folder, a session, or `synth:` and a scene.
     pub name: OsString,
-    shared: Arc<Shared>,
-}
-
-type Changed = Box<dyn Fn() + Send + Sync>;
-
-struct Shared {
-    /// Share of the work that is done, from 0 to 1, as the bits of an `f32`.
-    fraction: AtomicU32,
-    cancelled: AtomicBool,
-    outcome: Mutex<Option<Result<Opened, Error>>>,
-    changed: Changed,
-}
-
-impl Progress for Shared {
-    fn report(&self, fraction: f32) {
-        let before = f32::from_bits(self.fraction.swap(fraction.to_bits(), Ordering::Relaxed));
-        if (fraction - before).abs() > 0.01 {
-            (self.changed)();
-        }
-    }
-
-    fn cancelled(&self) -> bool {
-        self.cancelled.load(Ordering::Relaxed)
-    }
+    /// The work.
+    pub work: Background<Opened>,
 }
 
 impl Loading {
     /// Begins to open `name`; `changed` is called from another thread whenever there is news.
     pub fn new(name: OsString, changed: impl Fn() + Send + Sync + 'static) -> Self {
-        let shared = Arc::new(Shared {
-            fraction: AtomicU32::new(0),
-            cancelled: AtomicBool::new(false),
-            outcome: Mutex::default(),
-            changed: Box::new(changed),
-        });
-        let (worker, wanted) = (Arc::clone(&shared), name.clone());
-        let work = move || worker.deliver(open(&wanted, Arc::clone(&worker) as Arc<dyn Progress>));
-        if let Err(error) = std::thread::Builder::new().name("loader".into()).spawn(work) {
-            shared.deliver(Err(Error::new(format!("no thread could be started to open the clip: {error}"))));
-        }
-        Self { name, shared }
-    }
-
-    /// The clip or why there is none, once.
-    pub fn take(&self) -> Option<Result<Opened, Error>> {
-        self.shared.outcome.lock().unwrap_or_else(PoisonError::into_inner).take()
-    }
-
-    /// Share of the work that is done, from 0 to 1.
-    pub fn fraction(&self) -> f32 {
-        f32::from_bits(self.shared.fraction.load(Ordering::Relaxed))
-    }
-}
-
-impl Drop for Loading {
-    fn drop(&mut self) {
-        self.shared.cancelled.store(true, Ordering::Relaxed);
-    }
-}
-
-impl Shared {
-    fn deliver(&self, outcome: Result<Opened, Error>) {
-        *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
-        (self.changed)();
+        let wanted = name.clone();
+        let work =
+            Background::new("open the clip", changed, move |desk| open(&wanted, Arc::clone(desk) as Arc<dyn Progress>));
+        Self { name, work }
     }
 }
 
@@ -107,7 +54,7 @@ mod tests {
         let loading = Loading::new(name, || {});
         let begun = Instant::now();
         loop {
-            match loading.take() {
+            match loading.work.take() {
                 Some(outcome) => return outcome,
                 None => assert!(begun.elapsed() < Duration::from_secs(20)),
             }

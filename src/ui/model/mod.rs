@@ -1,5 +1,6 @@
 //! What the window knows and does without drawing: the document, the run on its thread, files in and out.
 
+pub mod background;
 pub mod comparing;
 pub mod document;
 pub mod history;

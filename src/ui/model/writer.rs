@@ -1,12 +1,11 @@
 //! Writes pictures, vectors and sessions on a thread of its own, with progress and cancel.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::Receiver;
-use std::sync::{Arc, Mutex, PoisonError};
 
 use motionscope_core::{Cursor, Error, Output};
 
+use super::background::Background;
 use super::walker::{Snapshot, Subject};
 use crate::media::Progress;
 use crate::media::export::{self, FlowFormat};
@@ -51,79 +50,18 @@ pub struct Order {
 pub struct Writing {
     /// The folder that it is written into.
     pub folder: Option<PathBuf>,
-    shared: Arc<Shared>,
-}
-
-type Changed = Box<dyn Fn() + Send + Sync>;
-
-struct Shared {
-    /// Share of the work that is done, from 0 to 1, as the bits of an `f32`.
-    fraction: AtomicU32,
-    cancelled: AtomicBool,
-    outcome: Mutex<Option<Result<String, Error>>>,
-    changed: Changed,
-}
-
-impl Progress for Shared {
-    fn report(&self, fraction: f32) {
-        self.fraction.store(fraction.to_bits(), Ordering::Relaxed);
-        (self.changed)();
-    }
-
-    fn cancelled(&self) -> bool {
-        self.cancelled.load(Ordering::Relaxed)
-    }
+    /// The work; it says what it wrote.
+    pub work: Background<String>,
 }
 
 impl Writing {
     /// Has `write` write on a thread of its own and say what it wrote.
     pub fn new(
+        folder: Option<PathBuf>,
         changed: impl Fn() + Send + Sync + 'static,
         write: impl FnOnce(&dyn Progress) -> Result<String, Error> + Send + 'static,
     ) -> Self {
-        let shared = Arc::new(Shared {
-            fraction: AtomicU32::new(0),
-            cancelled: AtomicBool::new(false),
-            outcome: Mutex::default(),
-            changed: Box::new(changed),
-        });
-        let worker = Arc::clone(&shared);
-        let work = move || {
-            let outcome = write(&*worker);
-            worker.deliver(outcome);
-        };
-        if let Err(error) = std::thread::Builder::new().name("writer".into()).spawn(work) {
-            shared.deliver(Err(Error::new(format!("no thread could be started to write: {error}"))));
-        }
-        Self { folder: None, shared }
-    }
-
-    /// Share of the work that is done, from 0 to 1.
-    pub fn fraction(&self) -> f32 {
-        f32::from_bits(self.shared.fraction.load(Ordering::Relaxed))
-    }
-
-    /// Gives up at the next chance; the outcome tells how far it came.
-    pub fn cancel(&self) {
-        self.shared.cancelled.store(true, Ordering::Relaxed);
-    }
-
-    /// What was written or why nothing was, once.
-    pub fn take(&self) -> Option<Result<String, Error>> {
-        self.shared.outcome.lock().unwrap_or_else(PoisonError::into_inner).take()
-    }
-}
-
-impl Drop for Writing {
-    fn drop(&mut self) {
-        self.cancel();
-    }
-}
-
-impl Shared {
-    fn deliver(&self, outcome: Result<String, Error>) {
-        *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
-        (self.changed)();
+        Self { folder, work: Background::new("write", changed, move |desk| write(&**desk)) }
     }
 }
 

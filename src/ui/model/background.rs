@@ -1,0 +1,132 @@
+//! Work on a thread of its own that comes to one outcome: it tells how far it is, and is given up when nobody wants it.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use motionscope_core::{Error, Stop};
+
+use crate::media::Progress;
+
+/// What passes between the work and whoever waits for it.
+pub struct Desk {
+    /// Set when the work is not wanted any more.
+    pub stop: Stop,
+    /// Share of the work that is done, from 0 to 1, as the bits of an `f32`.
+    fraction: AtomicU32,
+    changed: Box<dyn Fn() + Send + Sync>,
+}
+
+impl Progress for Desk {
+    fn report(&self, fraction: f32) {
+        let before = f32::from_bits(self.fraction.swap(fraction.to_bits(), Ordering::Relaxed));
+        if (fraction - before).abs() > 0.005 {
+            (self.changed)();
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.stop.is_set()
+    }
+}
+
+/// Work that comes to a `T`, or to why there is none. Dropping it gives the work up.
+pub struct Background<T> {
+    desk: Arc<Desk>,
+    outcome: Arc<Mutex<Option<Result<T, Error>>>>,
+}
+
+impl<T: Send + 'static> Background<T> {
+    /// Has `work` done, which is for `purpose`: `open the clip`. `changed` is called from its thread whenever there is news.
+    pub fn new(
+        purpose: &str,
+        changed: impl Fn() + Send + Sync + 'static,
+        work: impl FnOnce(&Arc<Desk>) -> Result<T, Error> + Send + 'static,
+    ) -> Self {
+        let desk = Desk { stop: Stop::default(), fraction: AtomicU32::new(0), changed: Box::new(changed) };
+        let new = Self { desk: Arc::new(desk), outcome: Arc::default() };
+        let (desk, outcome) = (Arc::clone(&new.desk), Arc::clone(&new.outcome));
+        let run = move || {
+            let result = work(&desk);
+            *lock(&outcome) = Some(result);
+            (desk.changed)();
+        };
+        if let Err(error) = std::thread::Builder::new().name(purpose.to_owned()).spawn(run) {
+            *lock(&new.outcome) = Some(Err(Error::new(format!("no thread could be started to {purpose}: {error}"))));
+            (new.desk.changed)();
+        }
+        new
+    }
+
+    /// What it came to, once.
+    pub fn take(&self) -> Option<Result<T, Error>> {
+        lock(&self.outcome).take()
+    }
+
+    /// `look` at what it came to, if it is done.
+    pub fn look<R>(&self, look: impl FnOnce(Option<&Result<T, Error>>) -> R) -> R {
+        look(lock(&self.outcome).as_ref())
+    }
+
+    /// Share of the work that is done, from 0 to 1.
+    pub fn fraction(&self) -> f32 {
+        f32::from_bits(self.desk.fraction.load(Ordering::Relaxed))
+    }
+
+    /// Gives it up at the next chance; the outcome tells how far it came.
+    pub fn cancel(&self) {
+        self.desk.stop.set(true);
+    }
+}
+
+impl<T> Drop for Background<T> {
+    fn drop(&mut self) {
+        self.desk.stop.set(true);
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn work_tells_how_far_it_is_and_what_it_came_to() {
+        let (news, heard) = channel();
+        let (go, wait) = channel();
+        let work = Background::new(
+            "count",
+            move || news.send(()).unwrap_or_default(),
+            move |desk| {
+                desk.report(0.5);
+                wait.recv().map_err(|_| Error::new("nobody waits"))?;
+                Ok(if desk.cancelled() { 0 } else { 7 })
+            },
+        );
+        heard.recv().expect("half of it");
+        assert_eq!((work.fraction(), work.look(|outcome| outcome.is_some())), (0.5, false));
+        go.send(()).expect("it waits");
+        heard.recv().expect("all of it");
+        assert_eq!((work.take(), work.take()), (Some(Ok(7)), None));
+    }
+
+    #[test]
+    fn work_that_nobody_wants_is_told() {
+        let (stopped, heard) = channel();
+        drop(Background::new(
+            "wait",
+            || {},
+            move |desk| {
+                while !desk.cancelled() {
+                    std::thread::yield_now();
+                }
+                stopped.send(()).map_err(|_| Error::new("nobody waits"))
+            },
+        ));
+        heard.recv().expect("it ends");
+    }
+}
