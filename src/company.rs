@@ -114,7 +114,9 @@ impl Company {
         if self.is_empty() {
             return leader.walk(clip, frame);
         }
-        Ok(Box::new(Lockstep::new(&self.all(leader), self.pace, (clip, frame), &Threads::all()?)?))
+        // Only a budget needs to know beforehand what each will spend.
+        let threads = if self.pace == Pace::Budget { Threads::all()? } else { Threads::single() };
+        Ok(Box::new(Lockstep::new(&self.all(leader), self.pace, (clip, frame), &threads)?))
     }
 
     /// Refuses what cannot go in lockstep.

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use motionscope_core::compare::Figures;
+use motionscope_core::compare::{Figures, LIGHT, NOISE_SIGMA};
 use motionscope_core::{AnyEstimator, Clip, Error, Threads, estimator};
 use serde_json::{Map, Value, json};
 
@@ -111,7 +111,7 @@ pub const COLUMNS: [Column; 12] = [
         digits: 0,
     },
     Column { heading: "ms", name: "ms", value: |r| Some(r.time.as_secs_f64() * 1e3), digits: 2 },
-    Column { heading: "kB", name: "state_kb", value: |r| Some(r.figures.state_bytes as f64 / 1e3), digits: 1 },
+    Column { heading: "kB", name: "memory_kb", value: |r| Some(r.figures.memory_bytes as f64 / 1e3), digits: 1 },
     Column { heading: "PSNR dB", name: "psnr_db", value: |r| r.quality.psnr_db, digits: 2 },
     Column { heading: "EPE px", name: "epe_px", value: |r| r.quality.truth.map(|e| e.epe_px), digits: 3 },
     Column {
@@ -155,13 +155,16 @@ fn kilobytes(bits: f64) -> Option<f64> {
 }
 
 /// What the columns mean, under the table.
-pub const KEY: &str = "\
-candidates, most: tested for a block, on average and at most; kB: memory of the run beside the frames;
-missed: blocks for which full search, set alike, finds a smaller cost (not told with lambda); noise, light: blocks
-(or pixels) that keep their displacement within 1 px under noise of 10 gray levels, and where frame t+1 is 1.1 times
-as bright plus 8; residual, vectors, anew: zero-order entropy of what is sent with motion, and of the frame without;
-–: what only blocks have, or what is not known.
-";
+pub fn key() -> String {
+    format!(
+        "candidates, most: tested for a block, on average and at most; kB: memory of the run beside the frames;\n\
+         missed: blocks for which full search, set alike, finds a smaller cost (not told with lambda); noise, light: blocks\n\
+         (or pixels) that keep their displacement within 1 px under noise of {NOISE_SIGMA} gray levels, and where frame t+1\n\
+         is {} times as bright plus {}; residual, vectors, anew: zero-order entropy of what is sent with motion, and of the\n\
+         frame without; –: what only blocks have, or what is not known.\n",
+        LIGHT.0, LIGHT.1
+    )
+}
 
 /// Heading and cells of a table for a person.
 fn cells(rows: &[Row]) -> Vec<Vec<String>> {
@@ -180,7 +183,7 @@ fn cells(rows: &[Row]) -> Vec<Vec<String>> {
 
 /// The table in columns, and what they mean.
 pub fn text(rows: &[Row]) -> String {
-    columns(&cells(rows)) + "\n" + KEY
+    columns(&cells(rows)) + "\n" + &key()
 }
 
 /// Lines of cells in columns, the first to the left, the others to the right.

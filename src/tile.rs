@@ -21,13 +21,13 @@ pub struct Tile {
     pub scene: Arc<Scene>,
     /// Whether it waits for the others.
     pub is_done: bool,
-    /// What its whole run made of the frames, once it was shown.
+    /// What its run has made of the frames, at the end of them all.
     pub prediction: Option<Arc<Frame>>,
     /// What it has come to: the first that there is room for is told.
     pub words: Vec<Sentence>,
 }
 
-/// What a run amounts to at its end.
+/// What a run amounts to where all end: where the budget counts, it may not have come to its own end.
 pub struct Ending {
     /// The motion-compensated prediction of frame t.
     pub prediction: Arc<Frame>,

@@ -13,8 +13,8 @@ pub const LIGHT: (f64, f64) = (1.1, 8.0);
 /// One estimator in the numbers that only a comparison has; how good its result is, is told elsewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
-    /// Memory of all that the run reads and writes beside the two frames, in bytes.
-    pub state_bytes: usize,
+    /// Memory that the run needs beside the two frames, in bytes.
+    pub memory_bytes: usize,
     /// Share of the blocks, or of the pixels of known motion, that keep their displacement, within 1 px, under noise of
     /// [`NOISE_SIGMA`] in both frames.
     pub kept_in_noise: f64,
@@ -59,7 +59,7 @@ impl Figures {
         let extent = estimator.extent(clip, frame)?;
         let blocks = |field| BlockFigures::of(estimator, field, (clip, frame), threads);
         Ok(Self {
-            state_bytes: extent.state_bytes,
+            memory_bytes: extent.memory_bytes,
             kept_in_noise: kept([noisy(&current, 1), noisy(&next, 2)])?,
             kept_in_light: kept([Frame::gray(current.luma().clone()), lit(&next)])?,
             units: extent.units,
@@ -102,7 +102,8 @@ impl BlockFigures {
 }
 
 /// Share of the blocks that `estimator` finds within 1 px although the camera pans by `pan_px` on top of what moves
-/// between frames `frame` and `frame + 1` of `clip`. What moves there is what full search finds within ±16 px.
+/// between frames `frame` and `frame + 1` of `clip`, and how many candidates a block takes. What moves there is what full
+/// search finds within ±16 px.
 ///
 /// # Errors
 /// If the picture is not wider than the pan, or the estimator cannot run there.
@@ -111,7 +112,7 @@ pub fn kept_in_pan(
     (clip, frame): (&Clip, usize),
     pan_px: usize,
     threads: &Threads,
-) -> Result<f64, Error> {
+) -> Result<(f64, f64), Error> {
     let [current, next] = clip.pair(frame)?;
     if current.size() != next.size() || current.size().0 <= pan_px {
         return Err(Error::new(format!("a pan by {pan_px} px leaves nothing of this picture")));
@@ -125,7 +126,8 @@ pub fn kept_in_pan(
     let mut full = full_search_like(estimator)?;
     full.set("range", "16")?;
     let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
-    Ok(kept(&still, &moved, [pan_px as f32, 0.0]))
+    let candidates = moved.blocks().map_or(0.0, |field| field.candidates() as f64 / field.vectors.len() as f64);
+    Ok((kept(&still, &moved, [pan_px as f32, 0.0]), candidates))
 }
 
 /// `estimator` with all parameters that it has in common with `other`, as far as their values are allowed.
@@ -230,7 +232,7 @@ mod tests {
         let kept = |id: &str, range: &str, pan_px| {
             let mut search = estimator(id).expect("it");
             search.set("range", range).expect("in range");
-            kept_in_pan(&*search, (&clip, 0), pan_px, &threads)
+            kept_in_pan(&*search, (&clip, 0), pan_px, &threads).map(|(share, _)| share)
         };
         assert_eq!(kept("full-search", "16", 0), Ok(1.0));
         assert_eq!(kept("full-search", "16", 40), Ok(0.0));

@@ -163,8 +163,13 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
         Vec::new()
     }
 
-    /// Memory that one state takes, in bytes, for the budget of checkpoints.
+    /// Memory that one state takes by itself, in bytes, for the budget of checkpoints.
     fn state_bytes(&self, state: &Self::State) -> usize;
+
+    /// Memory of all that a run needs beside the two frames, in bytes: what its states share as well.
+    fn memory_bytes(&self, state: &Self::State) -> usize {
+        self.state_bytes(state)
+    }
 
     /// The role of an event that is worth a mark on the timeline.
     fn landmark(&self, _event: &Self::Event) -> Option<Role> {
@@ -215,8 +220,8 @@ pub struct Extent {
     pub units: usize,
     /// Events that stepping through it shows.
     pub events: u64,
-    /// Memory of the last state, in bytes.
-    pub state_bytes: usize,
+    /// Memory that the run needs beside the two frames, in bytes.
+    pub memory_bytes: usize,
 }
 
 /// An estimator of which only the declaration matters: what the window and the command line hold.
@@ -279,7 +284,7 @@ impl<E: Estimator> AnyEstimator for E {
     fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {
         let mut events = crate::Count::default();
         let (state, units) = run_observed(self, clip, frame, &mut events)?;
-        Ok(Extent { units, events: events.0, state_bytes: self.state_bytes(&state) })
+        Ok(Extent { units, events: events.0, memory_bytes: self.memory_bytes(&state) })
     }
 
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error> {

@@ -1,6 +1,9 @@
 //! Fractions of a pixel and the price of a displacement, against plain references and exact truth.
 
-use motionscope_core::{AnyEstimator, BlockField, Clip, Frame, Gray, Grid, Output, Threads, estimator, estimators};
+use motionscope_core::scene::{Math, Readout};
+use motionscope_core::{
+    AnyEstimator, BlockField, Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, estimator, estimators,
+};
 
 /// Waves by their angular frequency along x and y in rad/px, and their phase.
 type Waves = [(f64, f64, f64); 4];
@@ -97,6 +100,72 @@ fn plain_refinement(clip: &Clip, block: usize, grid: &BlockField, start: [f32; 2
         best = points.min_by_key(|&[u, v]| (cost([u, v]), u * u + v * v, v, u)).expect("the centre");
     }
     (best.map(|c| c as f32 / 4.0), cost(best) as f64)
+}
+
+/// The numbers in a text, in order.
+fn numbers(text: &str) -> Vec<f64> {
+    let text = text.replace('−', "-");
+    let parts = text.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'));
+    parts.filter_map(|part| part.trim_end_matches('.').parse().ok()).collect()
+}
+
+/// What is told at each event of block 7 of `id`: the lines of its formula, and its facts.
+fn told(id: &str, settings: &[(&str, &str)]) -> Vec<(Vec<String>, Vec<(&'static str, String)>)> {
+    let mut search = estimator(id).expect("it");
+    settings.iter().for_each(|(name, value)| search.set(name, value).expect("it has it"));
+    let mut walk = search.walk(&moving(WAVES, [2.25, -1.5]), 0).expect("a walk");
+    walk.jump(Move::To(Cursor { unit: 7, event: usize::MAX }));
+    let events = walk.events();
+    let mut told = Vec::new();
+    for event in 1..=events {
+        walk.jump(Move::To(Cursor { unit: 7, event }));
+        let (mut lines, mut facts) = (Vec::new(), Vec::new());
+        for readout in walk.step(None).readouts {
+            match readout {
+                Readout::Equation(math) => lines.extend(math.iter().map(Math::plain)),
+                Readout::Facts(all) => facts.extend(all.into_iter().map(|fact| (fact.label, fact.value))),
+                _ => {}
+            }
+        }
+        told.push((lines, facts));
+    }
+    told
+}
+
+#[test]
+fn the_price_of_a_displacement_is_told_with_its_numbers() {
+    let mut priced = 0;
+    for (lines, facts) in told("diamond", &[("subpixel", "quarter"), ("lambda", "2.5"), ("filter", "six-tap")]) {
+        let Some(line) = lines.iter().find(|line| line.starts_with("SAD + λR")) else { continue };
+        let [distortion, lambda, bits, cost] = numbers(line)[..] else { panic!("four numbers: {line}") };
+        assert_eq!((lambda, cost), (2.5, distortion + lambda * bits), "{line}");
+        let candidate = facts.iter().find(|(label, _)| ["Candidate", "Displacement"].contains(label));
+        assert_eq!(numbers(&candidate.expect("it is told").1).last(), Some(&cost), "{facts:?}");
+        priced += 1;
+    }
+    assert!(priced > 25, "{priced} candidates and their ends were told");
+}
+
+#[test]
+fn a_parabola_is_told_with_the_costs_it_goes_through() {
+    let told = told("full-search", &[("subpixel", "parabola"), ("cost", "ssd"), ("range", "4")]);
+    let mut lines = told.iter().flat_map(|(lines, _)| lines).filter(|line| line.starts_with(['u', 'v']));
+    for name in ["u", "v"] {
+        let line = lines.next().expect("one along u and one along v");
+        let [whole, before, after, _, again, _, at, last, found] = numbers(line)[..] else { panic!("numbers: {line}") };
+        assert!(line.starts_with(name) && (before, after) == (again, last), "{line}");
+        let expected = whole + (before - after) / (2.0 * (before - 2.0 * at + after));
+        assert!((found - expected).abs() < 0.006, "{line}: {expected}");
+    }
+}
+
+#[test]
+fn thresholds_in_gray_levels_leave_the_price_out() {
+    // Everything fits within 16 gray levels, so one candidate is enough, however dear its bits.
+    let clip = moving(WAVES, [0.1, 0.0]);
+    let predictive = estimator("predictive").expect("it");
+    let found = field(&*predictive, &clip, &[("enough", "16"), ("lambda", "100")]);
+    assert_eq!(found.candidates() as usize, found.vectors.len());
 }
 
 #[test]

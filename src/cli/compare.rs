@@ -1,6 +1,6 @@
 //! `motionscope compare`: several estimators on one pair of frames, in one table.
 
-use motionscope_core::{Error, Threads};
+use motionscope_core::{Error, Stop, Threads};
 
 use super::args::CompareArgs;
 use super::say;
@@ -51,7 +51,8 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
 fn course(args: &CompareArgs, source: &Source, frame: usize) -> Result<(), Error> {
     let clip = source.open(&Open::default())?;
     let threads = Threads::new(args.threads as usize)?;
-    let claims = claims::claims(&Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat })?;
+    let claims =
+        claims::claims(&Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat }, &Stop::default())?;
     match (args.json, args.markdown) {
         (true, _) => say(&claims::json(&claims).to_string()),
         (_, true) => say(&claims::markdown(&claims)),

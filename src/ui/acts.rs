@@ -233,12 +233,15 @@ impl App {
             return self.keep_company(leader, Company::default());
         }
         let id = leader.info().id;
-        let last = self.company.beside.iter().map(|estimator| estimator.info().id).filter(|other| *other != id);
-        let mut ids: Vec<_> = last.collect();
-        if ids.is_empty() {
-            ids = Company::usual(id);
-        }
-        match Company::of(&*leader, &ids, self.company.pace) {
+        let mut company = self.company.clone();
+        company.beside.retain(|estimator| estimator.info().id != id);
+        company.follow(&*leader);
+        let company = if company.is_empty() {
+            Company::of(&*leader, &Company::usual(id), company.pace)
+        } else {
+            company.check(&*leader).map(|()| company)
+        };
+        match company {
             Ok(company) => self.keep_company(leader, company),
             Err(error) => self.toasts.fail(error.to_string()),
         }
@@ -246,22 +249,18 @@ impl App {
 
     /// Has `leader` go on with `company`, or alone, from where it stands.
     fn keep_company(&mut self, leader: Box<dyn AnyEstimator>, company: Company) {
-        let (is_alone, pace) = (company.is_empty(), company.pace);
         self.document.keep_company(leader, company);
         self.states.explained = 0;
-        let place = match self.view.shown.as_deref() {
-            Some(shown) if is_alone => Place::alone(shown),
-            Some(shown) => Place::in_lockstep(shown, pace),
-            None => Place::default(),
-        };
-        if let Some(job) = self.document.job_at(place) {
-            self.walker.start(job);
-        }
+        self.restart();
     }
 
     /// Goes to the first block that was missed, with the estimator that missed it.
     fn visit(&mut self, row: &Row) {
+        if !self.document.company().is_empty() {
+            self.company = self.document.company().clone();
+        }
         self.document.keep_company(row.estimator.boxed_clone(), Company::default());
+        self.states.explained = 0;
         let unit = row.figures.first_missed_unit().unwrap_or(0);
         let place = Place { cursor: Cursor { unit, event: usize::MAX }, near: None };
         if let Some(job) = self.document.job_at(place) {

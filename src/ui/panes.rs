@@ -211,6 +211,15 @@ impl Panes<'_> {
         }
     }
 
+    /// What stands over a pane: some are called after what they show just now.
+    fn title(&self, pane: Pane) -> &'static str {
+        let step = self.view.shown.as_deref().map(|shown| self.told(shown).1);
+        match pane {
+            Pane::Surface if step.is_some_and(has_plane) => "Displacements",
+            pane => pane.title(),
+        }
+    }
+
     fn chart(&mut self, ui: &mut Ui, pane: Pane) {
         let Some(shown) = self.view.shown.as_deref() else {
             return empty(ui, "There is nothing to show before a clip is open.");
@@ -230,7 +239,7 @@ impl Panes<'_> {
                     let input = surface3d::Input { surface, colors, theme, gpu: self.gpu };
                     surface3d::show(ui, input, &mut states.surface3d);
                 }
-                (Pane::Plot, Readout::Series(_)) => clicked = plots(ui, &shown.step.readouts, theme),
+                (Pane::Plot, Readout::Series(_)) => clicked = plots(ui, &step.readouts, theme),
                 (Pane::Numbers, Readout::Tiles(tiles)) => {
                     tiles::show(ui, tiles::Input { tiles, theme }, &mut states.tiles);
                 }
@@ -241,13 +250,18 @@ impl Panes<'_> {
             }
             return;
         }
-        match (pane, shown.step.readouts.iter().any(|readout| matches!(readout, Readout::Plane(_)))) {
+        match (pane, has_plane(step)) {
             (Pane::Surface3d, true) => {
                 empty(ui, "This estimator tests no candidates, so there are no costs to be seen.")
             }
             _ => empty(ui, &absent(pane)),
         }
     }
+}
+
+/// Whether a step shows lines in the plane of displacements, where others show a cost.
+fn has_plane(step: &Step) -> bool {
+    step.readouts.iter().any(|readout| matches!(readout, Readout::Plane(_)))
 }
 
 /// All quantities over steps, one below the other; gives the event that was clicked.
@@ -321,11 +335,11 @@ impl Behavior<Pane> for Panes<'_> {
     }
 
     fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
-        pane.title().into()
+        self.title(*pane).into()
     }
 
     fn tab_ui(&mut self, tiles: &mut Tiles<Pane>, ui: &mut Ui, id: Id, tile: TileId, state: &TabState) -> Response {
-        let title = tiles.get_pane(&tile).map_or("Panes", |pane| pane.title());
+        let title = tiles.get_pane(&tile).map_or("Panes", |pane| self.title(*pane));
         let alone = self.alone.contains(&tile);
         let chrome = self.look.theme.chrome();
         let font = egui::FontId::new(TextStyle::Small.resolve(ui.style()).size, style::bold());

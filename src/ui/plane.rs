@@ -73,15 +73,21 @@ fn axes(painter: &Painter, map: &Map, theme: Theme) {
     for u in map.across.ticks(4.0 * small, 0.0) {
         painter.vline(map.across.place(u), map.rect.y_range(), faint);
         let below = pos2(map.across.place(u), map.rect.max.y + 4.0);
-        painter.text(below, Align2::CENTER_TOP, number(u), font.clone(), dim);
+        painter.text(below, Align2::CENTER_TOP, tick(u), font.clone(), dim);
     }
     for v in map.down.ticks(3.0 * small, 0.0) {
         painter.hline(map.rect.x_range(), map.down.place(v), faint);
         let beside = pos2(map.rect.min.x - 6.0, map.down.place(v));
-        painter.text(beside, Align2::RIGHT_CENTER, number(v), font.clone(), dim);
+        painter.text(beside, Align2::RIGHT_CENTER, tick(v), font.clone(), dim);
     }
     let under = pos2(map.rect.center().x, map.rect.max.y + 4.0 + 1.3 * small);
     painter.text(under, Align2::CENTER_TOP, "u, v in px", font, dim);
+}
+
+/// A number at an axis, without zeros that tell nothing: `0.5`.
+fn tick(value: f32) -> String {
+    let shown = number(value);
+    if shown.contains('.') { shown.trim_end_matches('0').trim_end_matches('.').into() } else { shown }
 }
 
 fn ellipse(painter: &Painter, map: &Map, spread: &Spread, theme: Theme) {
@@ -107,12 +113,13 @@ fn names(painter: &Painter, map: &Map, area: Rect, Input { plane, theme }: Input
         }
         let sample = legend::point(*role, theme, (at + vec2(small, small) / 2.0).into());
         painter.extend(primitives::shapes(painter, &sample));
-        let told = format!("{name} ({}, {})", number(uv[0]), number(uv[1]));
+        let place = format!("({}, {})", number(uv[0]), number(uv[1]));
         if at.x + 2.0 * small < area.max.x {
-            let text = ink::color(theme.chrome().text);
-            painter.text(at + vec2(1.8 * small, -0.2 * small), Align2::LEFT_TOP, told, font.clone(), text);
+            let (text, dim) = (ink::color(theme.chrome().text), ink::color(theme.chrome().dim));
+            painter.text(at + vec2(1.8 * small, -0.2 * small), Align2::LEFT_TOP, name, font.clone(), text);
+            painter.text(at + vec2(1.8 * small, 1.2 * small), Align2::LEFT_TOP, place, font.clone(), dim);
         }
-        at.y += 1.6 * small;
+        at.y += 3.2 * small;
     }
 }
 

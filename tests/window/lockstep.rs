@@ -155,3 +155,24 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     assert_eq!(again.cursor(), here);
     assert!(tiles(&again) == told, "it opens as it was");
 }
+
+#[test]
+fn nobody_is_moved_by_undo_or_by_a_parameter() {
+    let mut window = Window::usual();
+    let alone = window.cursor();
+    window.key(Key::B);
+    let together = window.cursor();
+    window.command(Command::Undo);
+    assert!(window.shown().tiles.is_empty());
+    let slack = window.cursor().event.abs_diff(alone.event);
+    assert!(window.cursor().unit == alone.unit && slack <= 2, "{} is not {alone}", window.cursor());
+    window.command(Command::Redo);
+    assert_eq!((window.shown().tiles.len(), window.cursor()), (3, together));
+    // Where the budget counts, the others are at other blocks by now.
+    window.click("same budget");
+    let leader = window.shown().leader().unit;
+    window.harness.get_by_role_and_label(Role::Slider, "Lambda").set_value_accesskit(1.0);
+    window.settle();
+    assert_eq!(window.shown().leader().unit, leader);
+    assert!(window.shown().tiles[2].cursor.unit > leader, "diamond search is far ahead with that many candidates");
+}

@@ -53,9 +53,9 @@ impl BlockSearch for AdaptiveRood {
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         tester.stage(2, [[0, 0]].into_iter(), || "Does the block stay where it is? (0, 0) is tested first.".into());
-        let (cost, most) = (tester.best_cost(), tester.cost_of_levels(self.still));
+        let (cost, most) = (tester.best_distortion(), tester.cost_of_levels(self.still));
         if cost <= most {
-            let settings = tester.settings;
+            let settings = tester.settings.free();
             return tester.tell(3, || {
                 format!("{} is at most {}: the block counts as still.", settings.show(cost), settings.show(most))
             });

@@ -25,8 +25,8 @@ use crate::block_search::{
 use crate::scene::{Fact, Readout, Sentence};
 use crate::threads::Earlier;
 use crate::{
-    BlockGrid, BlockVector, Clip, Error, Estimator, Frame, Info, Observer, Output, Progress, Promise, Role, Rung,
-    Scene, Seen, Step, Threads, choices, pyramid,
+    BlockGrid, Clip, Error, Estimator, Frame, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step,
+    Threads, choices, pyramid,
 };
 
 choices! {
@@ -339,6 +339,12 @@ impl Estimator for Hierarchical {
         size_of::<State>() + state.found.iter().map(|found| found.len() * size_of::<(Match, u32)>()).sum::<usize>()
     }
 
+    fn memory_bytes(&self, state: &State) -> usize {
+        let pixels = |frame: &Frame| frame.luma().cells().len();
+        let pyramid: usize = state.levels[1..].iter().map(|pair| pixels(&pair.current) + pixels(&pair.next)).sum();
+        self.state_bytes(state) + pyramid
+    }
+
     fn landmark(&self, event: &Event) -> Option<Role> {
         event.landmark()
     }
@@ -388,9 +394,7 @@ impl Estimator for Hierarchical {
 
     fn output(&self, state: &State) -> Output {
         let blocks = state.levels[0].blocks;
-        let vector = |(found, candidates): &(Match, u32)| {
-            Some(BlockVector { displacement: found.vector(), cost: found.cost, candidates: *candidates })
-        };
+        let vector = |(found, candidates): &(Match, u32)| Some(found.result(*candidates));
         let mut vectors: Vec<_> = state.found[0].iter().map(vector).collect();
         vectors.resize(blocks.len(), None);
         // What was tested on a coarser level counts for the block of the picture that lies there.

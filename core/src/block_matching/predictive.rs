@@ -13,7 +13,7 @@
 use super::diamond::walk_downhill;
 use super::three_step::SQUARE;
 use crate::block_search::{
-    BlockSearch, Displacement, Event, Match, Tester, around, block_search_params, pseudocode, vector,
+    BlockSearch, Displacement, Event, Match, Subpixel, Tester, around, block_search_params, pseudocode, vector,
 };
 use crate::{Info, Observer};
 
@@ -68,6 +68,8 @@ impl BlockSearch for Predictive {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let neighbours = tester.neighbours;
         let median = neighbours.median();
+        // A search walks in whole px, whatever its result is refined to.
+        let whole = if tester.settings.subpixel == Subpixel::None { "" } else { " in whole px" };
         tester.stage(2, std::iter::once(median), || {
             let names =
                 [("left", neighbours.left), ("above", neighbours.above), ("above right", neighbours.above_right)];
@@ -75,7 +77,7 @@ impl BlockSearch for Predictive {
                 known if known.is_empty() => {
                     "There are no neighbours to learn from yet: the search begins at (0, 0).".into()
                 }
-                known => format!("The neighbours moved by {known}; their median is {}.", vector(median)),
+                known => format!("The neighbours moved by {known}; their median is {}{whole}.", vector(median)),
             }
         });
         if self.is_enough(tester, 3) {
@@ -85,9 +87,9 @@ impl BlockSearch for Predictive {
         let around = [neighbours.left, neighbours.above, neighbours.above_right, neighbours.before];
         let predicted = [Some([0, 0])].into_iter().chain(around.map(moved)).flatten();
         tester.stage(4, predicted, || {
-            let before = neighbours.before.map(|before| {
-                format!(", and {}, where this block moved one frame before", vector(before.displacement))
-            });
+            let before = neighbours
+                .before
+                .map(|before| format!(", and {}, where this block moved one frame before", vector(before.vector())));
             format!(
                 "The median is not good enough: (0, 0) and each neighbour's own motion are tested{}.",
                 before.unwrap_or_default()
@@ -97,7 +99,8 @@ impl BlockSearch for Predictive {
             return;
         }
         walk_downhill(tester, &SQUARE, 7, "square");
-        let (settings, cost, most) = (tester.settings, tester.best_cost(), tester.cost_of_levels(self.poor));
+        let (settings, cost) = (tester.settings.free(), tester.best_distortion());
+        let most = tester.cost_of_levels(self.poor);
         if cost > most {
             let (step, reach) = (self.grid as i32, (self.range / self.grid) as i32);
             let row = move |v| (-reach..=reach).map(move |u| [u * step, v * step]);
@@ -117,7 +120,8 @@ impl BlockSearch for Predictive {
 impl Predictive {
     /// Whether the best so far is good enough, which `line` of the pseudocode asks.
     fn is_enough(&self, tester: &mut Tester<impl Observer<Event>>, line: usize) -> bool {
-        let (settings, cost, most) = (tester.settings, tester.best_cost(), tester.cost_of_levels(self.enough));
+        let (settings, cost) = (tester.settings.free(), tester.best_distortion());
+        let most = tester.cost_of_levels(self.enough);
         let is_enough = cost <= most;
         if is_enough {
             tester.tell(line, || {
@@ -154,6 +158,6 @@ fn descend(tester: &mut Tester<impl Observer<Event>>, start: Displacement, name:
 
 /// Those that are there: `(1, 0) left, (2, 0) above`.
 fn named(all: &[(&str, Option<Match>)]) -> String {
-    let known = all.iter().filter_map(|(name, found)| found.map(|found: Match| (name, found.displacement)));
-    known.map(|(name, at): (_, Displacement)| format!("{} {name}", vector(at))).collect::<Vec<_>>().join(", ")
+    let known = all.iter().filter_map(|(name, found)| found.map(|found: Match| (name, found.vector())));
+    known.map(|(name, at)| format!("{} {name}", vector(at))).collect::<Vec<_>>().join(", ")
 }

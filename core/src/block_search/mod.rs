@@ -14,7 +14,8 @@ mod whole_readouts;
 use std::sync::Arc;
 
 use crate::cost::Cut;
-use crate::{Block, BlockGrid, Clip, Error, Frame, Role};
+use crate::interpolation::Between;
+use crate::{Block, BlockGrid, BlockVector, Clip, Error, Frame, Interpolation, Role};
 
 pub use neighbours::Neighbours;
 pub(crate) use probe::Probe;
@@ -116,6 +117,18 @@ impl Pair {
         }
         let step = if step == 0 { size } else { step };
         Ok(Self { current, next, blocks: BlockGrid { picture: (width, height), size, step }, rule })
+    }
+
+    /// Takes `block` moved by `displacement` out of frame t + 1, to be moved on by fractions of a pixel.
+    pub(crate) fn take_between(
+        &self,
+        block: Block,
+        [u, v]: Displacement,
+        filter: Interpolation,
+        between: &mut Between,
+    ) {
+        let corner = (block.x as isize + u as isize, block.y as isize + v as isize);
+        between.take((self.next.luma(), self.rule.border()), corner, (block.width, block.height), filter);
     }
 
     /// The window of ±`range` px around `block`, cut where the border rule says so.
@@ -246,6 +259,11 @@ impl Match {
     /// The displacement `[u, v]` in px.
     pub fn vector(&self) -> [f32; 2] {
         [0, 1].map(|i| self.displacement[i] as f32 + self.fraction[i])
+    }
+
+    /// It as a result, found after `candidates` were tested.
+    pub(crate) fn result(&self, candidates: u32) -> BlockVector {
+        BlockVector { displacement: self.vector(), cost: self.cost, candidates }
     }
 
     /// The displacement in quarters of a px, as it was tested; one that was fitted is rounded.

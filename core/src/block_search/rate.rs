@@ -32,6 +32,14 @@ impl Rate {
         if self.lambda == 0.0 { 0.0 } else { self.lambda * f64::from(self.bits(quarters)) }
     }
 
+    /// How badly `found` fits: its cost without the price. Sums are of whole numbers, which the price must not spoil.
+    pub fn distortion(&self, found: Match) -> f64 {
+        if self.lambda == 0.0 {
+            return found.cost;
+        }
+        ((found.cost - self.price(found.quarters())) * 1e6).round() / 1e6
+    }
+
     /// The bits of a displacement in quarters of a px.
     pub fn bits(&self, quarters: [i32; 2]) -> u32 {
         let [u, v] = quarters.map(|c| c * self.per_px / 4);

@@ -1,8 +1,9 @@
 //! A block search at a cursor: its numbers.
 
 use super::probe::Probe;
+use super::subpixel::has_lowest;
 use super::tell::{short, signed, vector};
-use super::{Cost, Event, Fit, Match, Patch, Settings, Subpixel, Window};
+use super::{Cost, Event, Fit, Match, Patch, Subpixel, Window};
 use crate::cost::{Cut, Sum};
 use crate::interpolation::Between;
 use crate::scene::{Fact, Math, Readout, Series, Surface, Tile};
@@ -65,7 +66,7 @@ impl Probe<'_> {
                 value: format!("{} of {}, at ({}, {})", self.index + 1, self.pair.blocks.len(), block.x, block.y),
                 role: Some(Role::Reference),
             },
-            Fact { label: "Tested", value: format!("{} of {}", self.tested(), self.window.count()), role: None },
+            Fact { label: "Tested", value: self.counted(), role: None },
         ];
         let of = |found: Match| format!("{} px, {}", vector(found.vector()), self.cost_of(found));
         if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
@@ -77,6 +78,16 @@ impl Probe<'_> {
             facts.push(Fact { label, value: of(best), role: Some(role) });
         }
         facts
+    }
+
+    /// How many candidates were tested: of the window, and between its pixels.
+    fn counted(&self) -> String {
+        let whole = self.tests().cells().iter().flatten().count();
+        let of_window = format!("{whole} of {}", self.window.count());
+        match self.tested() - whole {
+            0 => of_window,
+            between => format!("{of_window}, {between} between pixels"),
+        }
     }
 
     /// What a match costs, and where that was tested if a parabola has moved it from there since.
@@ -93,9 +104,7 @@ impl Probe<'_> {
         patch.take_area(self.pair, block, Window { min: [u, v], size: (1, 1) });
         if candidate.fraction != [0.0; 2] {
             let (mut between, size) = (Between::default(), (block.width, block.height));
-            let corner = (block.x as isize + u as isize, block.y as isize + v as isize);
-            let source = (self.pair.next.luma(), self.pair.rule.border());
-            between.take(source, corner, size, self.settings.filter);
+            self.pair.take_between(block, [u, v], self.settings.filter, &mut between);
             let (pixels, _) = between.moved(candidate.fraction.map(|c| (4.0 * c) as i32));
             if let Ok(moved) = Grid::from_vec(size.0, size.1, pixels.to_vec()) {
                 patch.area.take(&moved, (0, 0), size, self.pair.rule.border());
@@ -106,9 +115,7 @@ impl Probe<'_> {
 
     /// How badly a candidate fits, as a person reads it: its cost less the price of its displacement.
     pub(super) fn distortion(&self, candidate: Match) -> String {
-        let free = Settings { lambda: 0.0, ..self.settings };
-        // Sums are of whole numbers, which the price must not spoil.
-        free.number(((candidate.cost - self.rate.price(candidate.quarters())) * 1e6).round() / 1e6)
+        self.settings.free().number(self.rate.distortion(candidate))
     }
 
     /// The price of the displacement, and what that makes of the cost; nothing where it has none.
@@ -130,7 +137,7 @@ impl Probe<'_> {
     fn fitted(&self, fit: &Fit) -> Vec<Math> {
         let best = self.best().map_or([0, 0], |best| best.displacement);
         let along = |i: usize, name: &'static str| {
-            let [before, at, after] = fit.costs[i]?.map(|cost| self.settings.number(cost));
+            let [before, at, after] = fit.costs[i].filter(has_lowest)?.map(|cost| self.settings.number(cost));
             Some(Math::Row(vec![
                 Math::Var(name),
                 Math::text(format!(" = {} + ", signed(best[i]))),
@@ -214,7 +221,7 @@ impl Probe<'_> {
         let mut result = vec![Math::text(format!("= {}", self.distortion(candidate)))];
         if cost == Cost::Mse {
             let n = block.width * block.height;
-            let distortion = candidate.cost - self.rate.price(candidate.quarters());
+            let distortion = self.rate.distortion(candidate);
             let squares = (distortion * n as f64).round();
             terms.insert(1, Math::text("1/N · ("));
             terms.push(Math::text(")"));

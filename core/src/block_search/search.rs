@@ -7,8 +7,8 @@ use super::tester::Workspace;
 use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
 use crate::threads::Earlier;
 use crate::{
-    BlockGrid, BlockVector, Clip, Error, Estimator, Info, Observer, Output, Params, Progress, Promise, Role, Rung,
-    Scene, Seen, Step, Threads,
+    BlockGrid, Clip, Error, Estimator, Info, Observer, Output, Params, Progress, Promise, Role, Rung, Scene, Seen,
+    Step, Threads,
 };
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
@@ -166,6 +166,10 @@ impl<S: BlockSearch> Estimator for S {
         size_of::<State>() + state.found.len() * (size_of::<Match>() + size_of::<u32>())
     }
 
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.before.as_ref().map_or(0, |before| size_of_val(&**before))
+    }
+
     fn landmark(&self, event: &Event) -> Option<Role> {
         event.landmark()
     }
@@ -182,9 +186,7 @@ impl<S: BlockSearch> Estimator for S {
 
     fn output(&self, state: &State) -> Output {
         let settings = self.settings();
-        let vector = |(found, &candidates): (&Match, &u32)| {
-            Some(BlockVector { displacement: found.vector(), cost: found.cost, candidates })
-        };
+        let vector = |(found, &candidates): (&Match, &u32)| Some(found.result(candidates));
         let mut vectors: Vec<_> = state.found.iter().zip(&state.tested).map(vector).collect();
         vectors.resize(state.pair.blocks.len(), None);
         Output::Blocks(settings.field(state.pair.blocks, vectors))

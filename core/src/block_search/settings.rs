@@ -11,7 +11,7 @@ choices! {
         Sad = "sad" "SAD",
         /// Sum of squared differences, Σ (Iₜ − Iₜ₊₁)²; large differences weigh more.
         Ssd = "ssd" "SSD",
-        /// Mean squared error: SSD divided by the number of pixels N of the block, so it chooses the same vectors.
+        /// Mean squared error: SSD divided by the number of pixels N of the block, so without lambda it chooses the same vectors.
         Mse = "mse" "MSE",
         /// Zero-mean SAD: each block's mean is taken off first, so that an offset of the light changes nothing.
         Zsad = "zsad" "ZSAD",
@@ -152,6 +152,12 @@ impl Settings {
         format!("{} {}", self.label(), self.number(cost))
     }
 
+    /// The same without the price of a displacement, to show how badly something fits.
+    #[must_use]
+    pub(crate) fn free(self) -> Self {
+        Self { lambda: 0.0, ..self }
+    }
+
     /// A cost as a person reads it.
     pub(super) fn number(&self, cost: f64) -> String {
         if self.lambda == 0.0 {
@@ -189,7 +195,8 @@ macro_rules! block_search_params {
                 block: usize = 16, 4..=64, "px";
                 /// Largest displacement to the left, right, up and down that is tested.
                 range: usize = 16, 1..=64, "px";
-                /// How unlike two blocks are. SSD and MSE are one divided by the other, so they choose the same vectors.
+                /// How unlike two blocks are. SSD and MSE are one divided by the other: without lambda they choose the
+                /// same vectors.
                 cost: $crate::block_search::Cost = $crate::block_search::Cost::Sad;
                 $($own)*
                 /// How closely a displacement is found: the best in whole px is refined.
@@ -197,7 +204,7 @@ macro_rules! block_search_params {
                 /// How gray values between pixels are interpolated, for the refinement and for the prediction.
                 filter: $crate::Interpolation = $crate::Interpolation::Bilinear;
                 /// Cost of each bit that the displacement takes when it is sent as its difference from the median of the
-                /// neighbours' displacements; 0 leaves the bits out.
+                /// neighbours' displacements, in units of the cost; 0 leaves the bits out.
                 lambda: f32 = 0.0, 0.0..=100.0, "per bit";
                 /// Distance from one block to the next; 0 sets them edge to edge, less than the block lets them overlap.
                 spacing: usize = 0, 0..=64, "px";

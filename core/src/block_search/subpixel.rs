@@ -12,8 +12,8 @@ choices! {
         Half = "half" "Half px",
         /// To quarters: the eight half pixels around the best, then the eight quarters around the best of those.
         Quarter = "quarter" "Quarter px",
-        /// To where a parabola through the costs at the best and next to it is lowest. No other candidate is tested for
-        /// it but those neighbours. Where the texture is smooth SSD is such a parabola; the valley of SAD is sharper. Along u
+        /// To where a parabola through the costs at the best and next to it is lowest. Only those neighbours are tested
+        /// for it; one that is better becomes the best first. Where the texture is smooth SSD is such a parabola; the valley of SAD is sharper. Along u
         /// and along v by itself, so a valley that lies across both is met only roughly.
         Parabola = "parabola" "Parabola",
     }
@@ -44,10 +44,18 @@ pub struct Fit {
     pub fraction: [f32; 2],
 }
 
-/// Where the parabola through the costs at −1, 0 and 1 is lowest; 0 where they lie on a line.
-fn lowest([before, at, after]: [f64; 3]) -> f32 {
-    let bend = before - 2.0 * at + after;
-    if bend > 0.0 { ((before - after) / (2.0 * bend)).clamp(-0.5, 0.5) as f32 } else { 0.0 }
+/// Whether the parabola through the costs at −1, 0 and 1 is lowest anywhere: it is a line where they are equal.
+pub(super) fn has_lowest([before, at, after]: &[f64; 3]) -> bool {
+    before - 2.0 * at + after > 0.0
+}
+
+/// Where it is lowest; 0 where it is a line.
+fn lowest(costs: [f64; 3]) -> f32 {
+    let [before, at, after] = costs;
+    if !has_lowest(&costs) {
+        return 0.0;
+    }
+    ((before - after) / (2.0 * (before - 2.0 * at + after))).clamp(-0.5, 0.5) as f32
 }
 
 impl<O: Observer<Event>> Tester<'_, O> {
@@ -64,10 +72,7 @@ impl<O: Observer<Event>> Tester<'_, O> {
     /// Tests the eight points around the best, so many quarters of a px away, for each of `steps`.
     fn look_between(&mut self, steps: &[i32]) {
         let Some(start) = self.best else { return };
-        let (pair, block, [u, v]) = (self.pair, self.block, start.displacement);
-        let corner = (block.x as isize + u as isize, block.y as isize + v as isize);
-        let source = (pair.next.luma(), pair.rule.border());
-        self.work.between.take(source, corner, (block.width, block.height), self.settings.filter);
+        self.pair.take_between(self.block, start.displacement, self.settings.filter, &mut self.work.between);
         for &step in steps {
             let centre = self.best.map_or([0, 0], |best| best.quarters());
             let all = around(centre, &AROUND, step);

@@ -1,6 +1,7 @@
 //! A block search at a cursor: why the last event happened, in words.
 
 use super::probe::Probe;
+use super::subpixel::has_lowest;
 use super::{Event, Fit, Match, Stage, shorter};
 use crate::Role;
 use crate::scene::Sentence;
@@ -120,6 +121,9 @@ impl Probe<'_> {
     /// What was fitted, along u and along v.
     fn why_fit(&self, fit: &Fit) -> Sentence {
         let along = |i: usize, name: &str| match fit.costs[i] {
+            Some(costs) if !has_lowest(&costs) => {
+                format!("Along {name} the costs at the best and beside it are equal: no parabola has a lowest point.")
+            }
             Some(costs) => {
                 let [before, at, after] = costs.map(|cost| self.settings.number(cost));
                 let lowest = signed(fit.fraction[i]);

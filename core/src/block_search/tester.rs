@@ -74,6 +74,11 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         self.best.map_or(f64::INFINITY, |best| best.cost)
     }
 
+    /// How badly the best displacement so far fits: what it costs without the price of sending it.
+    pub fn best_distortion(&self) -> f64 {
+        self.best.map_or(f64::INFINITY, |best| self.rate.distortion(best))
+    }
+
     /// What it costs if pixels differ by `levels` gray levels on average.
     pub fn cost_of_levels(&self, levels: f32) -> f64 {
         self.settings.cost.of_levels(levels.into(), self.block)

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::egui::{self, Align, Button, ComboBox, Grid, Label, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
 use motionscope_core::compare::alike;
 use motionscope_core::scene::Series;
-use motionscope_core::{Role, Threads, estimators, lockstep};
+use motionscope_core::{Error, Role, Threads, estimators, lockstep};
 
 use crate::claims::{self, Claim};
 use crate::company::Company;
@@ -45,6 +45,8 @@ pub struct State {
     /// What is compared now: the estimators and the sweep.
     begun: Option<(Vec<&'static str>, usize)>,
     comparing: Option<Comparing>,
+    /// Why nothing can be compared so.
+    refused: Option<Error>,
     /// The course's own table, while it is shown.
     course: Option<Background<Vec<Claim>>>,
     /// Rows that the table was laid out for.
@@ -59,7 +61,7 @@ impl State {
         chosen.extend(Company::usual(id));
         // In the order of the course.
         chosen.sort_by_key(|id| all.iter().position(|other| other == id));
-        Self { chosen, sweep: 0, plotted: 0, begun: None, comparing: None, course: None, laid_out: 0 }
+        Self { chosen, sweep: 0, plotted: 0, begun: None, comparing: None, refused: None, course: None, laid_out: 0 }
     }
 
     /// Whether nothing is being worked on.
@@ -90,7 +92,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         let height = (screen.height() - 300.0).clamp(120.0, 36.0 * size);
         if let Some(course) = &state.course {
             let height = (screen.height() - 240.0).clamp(120.0, 50.0 * size);
-            ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| claims(ui, course));
+            ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| measured(ui, course));
             return;
         }
         choice(ui, state);
@@ -118,13 +120,15 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
             "Sequential, logarithmic and hierarchical search, and whether what the course says of them holds here.";
         let label = ui.selectable_label(state.course.is_some(), "The course's table").on_hover_text(tip);
         if let (true, None, Some(clip)) = (label.clicked(), &state.course, document.clip()) {
+            // Two measurements at once would spoil each other's times.
+            (state.comparing, state.begun) = (None, None);
             let (clip, frame, ctx) = (clip.clone(), document.frame(), ui.ctx().clone());
             state.course = Some(Background::new(
                 "measure",
                 move || ctx.request_repaint(),
                 move |desk| {
                     let (clip, threads) = (clip.until(desk.stop.clone()), Threads::single());
-                    claims::claims(&Arena { clip: &clip, frame, threads: &threads, repeat: 3 })
+                    claims::claims(&Arena { clip: &clip, frame, threads: &threads, repeat: 3 }, &desk.stop)
                 },
             ));
         }
@@ -133,7 +137,7 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
 }
 
 /// The course's table, as far as it was measured.
-fn claims(ui: &mut Ui, course: &Background<Vec<Claim>>) {
+fn measured(ui: &mut Ui, course: &Background<Vec<Claim>>) {
     course.look(|outcome| match outcome {
         None => drop(ui.spinner()),
         Some(Err(error)) => drop(ui.label(RichText::new(error.to_string()).color(ui.visuals().error_fg_color))),
@@ -205,11 +209,12 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
         }
     });
     shown.response.labelled_by(label.id);
-    let Some(comparing) = &state.comparing else { return };
-    if comparing.is_busy() {
+    if let Some(comparing) = state.comparing.as_ref().filter(|comparing| comparing.is_busy()) {
         ui.spinner();
         ui.label(RichText::new(format!("{} of {}", comparing.rows().len(), comparing.total)).weak());
-    } else if let Some(error) = comparing.failure() {
+    }
+    let failure = state.comparing.as_ref().and_then(Comparing::failure).or_else(|| state.refused.clone());
+    if let Some(error) = failure {
         ui.add(Label::new(RichText::new(error.to_string()).color(ui.visuals().error_fg_color)).wrap());
     }
 }
@@ -235,18 +240,20 @@ fn start(ui: &Ui, state: &mut State, document: &Document) {
     if state.begun.as_ref() != Some(&wanted) {
         state.begun = Some(wanted);
         let ctx = ui.ctx().clone();
-        state.comparing = plan(state, document).map(|plan| Comparing::new(plan, move || ctx.request_repaint()));
+        (state.comparing, state.refused) = match plan(state, document) {
+            Ok(plan) => (plan.map(|plan| Comparing::new(plan, move || ctx.request_repaint())), None),
+            Err(error) => (None, Some(error)),
+        };
     }
 }
 
 /// The chosen estimators with the parameters of the one that is open, where they have them.
-fn plan(state: &State, document: &Document) -> Option<Plan> {
-    let (clip, source) = (document.clip()?.clone(), document.source()?);
+fn plan(state: &State, document: &Document) -> Result<Option<Plan>, Error> {
+    let Some((clip, source)) = document.clip().cloned().zip(document.source()) else { return Ok(None) };
     let all = estimators().into_iter().filter(|estimator| state.chosen.contains(&estimator.info().id));
     let alike = all.map(|estimator| alike(document.estimator(), estimator)).collect::<Vec<_>>();
-    // The sweeps that can be chosen suit every block search; one that does not is left out.
-    let rounds = comparison::rounds(&source, &alike, SWEEPS[state.sweep].1).ok()?;
-    Some(Plan { clip, source, frame: document.frame(), rounds })
+    let rounds = comparison::rounds(&source, &alike, SWEEPS[state.sweep].1)?;
+    Ok(Some(Plan { clip, source, frame: document.frame(), rounds }))
 }
 
 /// The table and the plot; gives whether a block is to be visited.
@@ -270,7 +277,7 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
     }
     let visited = table(ui, &rows, state, actions);
     ui.add_space(8.0);
-    ui.label(RichText::new(comparison::KEY.replace('\n', " ")).small().weak());
+    ui.label(RichText::new(comparison::key().replace('\n', " ")).small().weak());
     visited
 }
 

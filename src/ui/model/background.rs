@@ -19,7 +19,9 @@ pub struct Desk {
 impl Progress for Desk {
     fn report(&self, fraction: f32) {
         let before = f32::from_bits(self.fraction.swap(fraction.to_bits(), Ordering::Relaxed));
-        if (fraction - before).abs() > 0.005 {
+        // Told as often as a bar can be seen to grow, however small the steps are.
+        let grown = |fraction: f32| (200.0 * fraction) as u32;
+        if grown(before) != grown(fraction) || before == 0.0 {
             (self.changed)();
         }
     }
@@ -112,6 +114,22 @@ mod tests {
         go.send(()).expect("it waits");
         heard.recv().expect("all of it");
         assert_eq!((work.take(), work.take()), (Some(Ok(7)), None));
+    }
+
+    #[test]
+    fn small_steps_are_told_as_well() {
+        let (news, heard) = channel();
+        let work = Background::new(
+            "count",
+            move || news.send(()).unwrap_or_default(),
+            |desk| {
+                (1..=5000).for_each(|step| desk.report(step as f32 / 5000.0));
+                Ok(())
+            },
+        );
+        let told = heard.iter().take(150).count();
+        assert_eq!(told, 150, "a bar of 5000 steps moves often");
+        drop(work);
     }
 
     #[test]

@@ -293,7 +293,16 @@ impl Document {
 
     /// The run of what is set now, from where the last one stands: as `shown` shows it, or on its way there.
     pub fn job(&mut self, shown: Option<&Snapshot>) -> Option<Job> {
-        self.job_at(shown.filter(|shown| self.is_run(shown)).map_or(self.place, Place::of))
+        let place = shown.filter(|shown| self.is_run(shown)).map_or(self.place, |shown| {
+            let (before, now) = (&shown.subject.company, self.company());
+            match (before.is_empty(), now.is_empty()) {
+                (false, true) => Place::alone(shown),
+                (true, false) => Place::in_lockstep(shown, now.pace),
+                (false, false) if before.pace != now.pace => Place::in_lockstep(shown, now.pace),
+                _ => Place::of(shown),
+            }
+        });
+        self.job_at(place)
     }
 
     /// Whether `shown` is of the run that was started last.

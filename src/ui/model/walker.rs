@@ -133,10 +133,11 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// The centre of what is being matched, in image pixels of frame t.
+    /// The centre of what is being matched, in image pixels of frame t; of several in lockstep, by the first.
     pub fn reference(&self) -> Option<[f32; 2]> {
         use motionscope_core::scene::{Picture, Shape};
-        let mut marks = self.scene.marks.iter().rev();
+        let scene = self.tiles.first().map_or(&self.scene, |tile| &tile.scene);
+        let mut marks = scene.marks.iter().rev();
         marks.find_map(|mark| match (mark.on, mark.role, &mark.shape) {
             (Picture::Current, Role::Reference, Shape::Rect { min, max }) => {
                 Some([(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0])
@@ -438,10 +439,13 @@ impl<'a> Worker<'a> {
             }
             Task::Request(Request::Go(to)) => self.go(to),
             Task::Request(Request::GoAt(point, side)) => {
-                if let Some(unit) = self.run.as_ref().and_then(|run| run.walk.unit_at(point)) {
+                let Some(run) = &self.run else { return };
+                let to = run.walk.unit_at(point).map(|unit| {
                     let event = if side == Side::Start { usize::from(unit > 0) } else { usize::MAX };
-                    self.go(Move::To(Cursor { unit, event }));
-                }
+                    Cursor { unit, event }
+                });
+                // Where nothing is found at that pixel, the move that this one replaced has ended where the run stands.
+                self.go(Move::To(to.unwrap_or_else(|| run.walk.cursor())));
             }
             Task::Request(Request::Stay) => {
                 if let Some(cursor) = self.run.as_ref().map(|run| run.walk.cursor()) {

@@ -263,9 +263,9 @@ impl Items {
 
 /// What one can do, in as many words as there is room for.
 const HINTS: [&str; 3] = [
-    "Point at a pixel to read it. Click a block for its result, Shift+click for its start. The wheel zooms.",
-    "Click a block for its result, Shift+click for its start. The wheel zooms.",
-    "Click a block for its result. The wheel zooms.",
+    "Point at a pixel to read it. Click for the result there, Shift+click for its start. The wheel zooms.",
+    "Click for the result there, Shift+click for its start. The wheel zooms.",
+    "Click for the result there. The wheel zooms.",
 ];
 
 /// The same where there are several estimators.
