@@ -157,7 +157,7 @@ fn kilobytes(bits: f64) -> Option<f64> {
 /// What the columns mean, under the table.
 pub fn key() -> String {
     format!(
-        "candidates, most: tested for a block, on average and at most; kB: memory of the run beside the frames;\n\
+        "candidates, most: tested for a block, on average and at most (those of a coarser level once); kB: memory of the run beside the frames;\n\
          missed: blocks for which full search, set alike, finds a smaller cost (not told with lambda); noise, light: blocks\n\
          (or pixels) that keep their displacement within 1 px under noise of {NOISE_SIGMA} gray levels, and where frame t+1\n\
          is {} times as bright plus {}; residual, vectors, anew: zero-order entropy of what is sent with motion, and of the\n\
@@ -248,7 +248,7 @@ pub fn json(rows: &[Row]) -> Value {
 }
 
 /// Each clip with what runs on it: one round, or one for each value that is swept. `sweep` is written `NAME=V1,V2,..`
-/// and names a parameter of the estimators, or a slider of the synthetic clip.
+/// and names a parameter of the estimators or of one of them, or a slider of the synthetic clip.
 ///
 /// # Errors
 /// If it is not written so, there is no such parameter or slider, or a value is out of range.
@@ -266,11 +266,11 @@ pub fn rounds(
     let (name, values) = sweep
         .split_once('=')
         .ok_or_else(|| Error::new(format!("a sweep is written NAME=V1,V2,.. as in range=4,8,16, not {sweep}")))?;
-    let is_parameter = estimators.iter().any(|estimator| estimator.get(name).is_ok());
+    let is_parameter = name.contains('.') || estimators.iter().any(|estimator| estimator.get(name).is_ok());
     let one = |value: &str| {
         let (mut source, mut estimators) = (source.clone(), copies());
         if is_parameter {
-            set_all(&mut estimators, name, value)?;
+            set(&mut estimators, name, value)?;
         } else {
             source.set(&format!("{name}={value}"))?;
         }
@@ -290,18 +290,20 @@ pub fn contenders(ids: &[String], settings: &[String]) -> Result<Vec<Box<dyn Any
         let (name, value) = setting.split_once('=').ok_or_else(|| {
             Error::new(format!("a parameter is set as NAME=VALUE or ESTIMATOR.NAME=VALUE, not as {setting}"))
         })?;
-        match name.split_once('.') {
-            Some((id, name)) => {
-                let mut found = estimators.iter_mut().filter(|estimator| estimator.info().id == id).peekable();
-                if found.peek().is_none() {
-                    return Err(Error::new(format!("{id} is not compared; there are {}", ids.join(", "))));
-                }
-                found.try_for_each(|estimator| estimator.set(name, value))?;
-            }
-            None => set_all(&mut estimators, name, value)?,
-        }
+        set(&mut estimators, name, value)?;
     }
     Ok(estimators)
+}
+
+/// Sets `ESTIMATOR.NAME` in that one of `estimators`, or `NAME` in all of them that have it.
+fn set(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str) -> Result<(), Error> {
+    let Some((id, name)) = name.split_once('.') else { return set_all(estimators, name, value) };
+    let ids = estimators.iter().map(|estimator| estimator.info().id).collect::<Vec<_>>().join(", ");
+    let mut found = estimators.iter_mut().filter(|estimator| estimator.info().id == id).peekable();
+    if found.peek().is_none() {
+        return Err(Error::new(format!("{id} is not compared; there are {ids}")));
+    }
+    found.try_for_each(|estimator| estimator.set(name, value))
 }
 
 /// Sets `name` in all of `estimators` that have it.

@@ -86,7 +86,10 @@ impl Quality {
         let psnr = self.psnr_db.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
         let mut facts = Vec::new();
         facts.extend(self.candidates.map(|count| fact("Candidates", grouped(count as usize))));
-        facts.extend([fact("Prediction", psnr), fact("Entropy", self.coding())]);
+        facts.extend([
+            fact("Prediction", psnr),
+            fact(if self.vector_bits.is_some() { "Residual + vectors" } else { "Residual" }, self.coding()),
+        ]);
         if let Some(truth) = self.truth {
             facts.push(fact("Endpoint error", format!("{:.3} px", truth.epe_px)));
             facts.push(fact("Angular error", format!("{:.2}°", truth.aae_deg)));

@@ -251,7 +251,7 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (run(SMALL, "--beside hierarchical --set hierarchical.levels=6"), "hierarchical: 6 levels"),
         (run(SMALL, "--beside diamond --set diamond.block=8"), "set block=8"),
         (run(SMALL, "--beside diamond --pace slow"), "block, budget"),
-        (run(SMALL, "--beside horn-schunck"), "has no blocks"),
+        (run(SMALL, "--beside horn-schunck"), "tests no candidates"),
         (run(SMALL, "--pace budget"), "--beside"),
         (run(SMALL, "--beside diamond --step 13"), "ends at 12"),
         (format!("run {SMALL} --estimator full-search --beside diamond"), "--overlay"),

@@ -52,6 +52,13 @@ fn a_sweep_runs_a_parameter_or_a_slider_through_its_values() {
     assert_eq!([most[0], most[2], most[4]], [81.0, 289.0, 1089.0]);
     assert!(most[5] - most[3] <= 12.0, "{most:?}");
 
+    // One estimator's own parameter leaves the others as they are.
+    let one = json(&format!("compare {SMALL} --estimators full-search,diamond --sweep diamond.range=4,16 --json"));
+    let most = candidates(&one);
+    assert!(most[0] == 1089.0 && most[2] == 1089.0 && one[3]["diamond.range"] == 16.0, "{one}");
+    let wrong = motionscope(&format!("compare {SMALL} --estimators full-search --sweep diamond.range=4,16"));
+    assert!(String::from_utf8_lossy(&wrong.stderr).contains("diamond is not compared"));
+
     let noise = json(&format!("compare {SMALL} --estimators full-search --sweep noise=0,30 --json"));
     let psnr = |i: usize| noise[i]["psnr_db"].as_f64().unwrap();
     assert!(psnr(1) < psnr(0) - 5.0);

@@ -453,7 +453,7 @@ impl All {
                         surface3d::show(ui, surface3d::Input { surface, colors, theme, gpu: None }, &mut self.solid);
                     }
                     Readout::Series(lines) => {
-                        series::show(ui, series::Input { series: lines, theme });
+                        series::show(ui, series::Input { series: lines, theme, logarithmic: false });
                     }
                     Readout::Tiles(shown) => {
                         tiles::show(ui, tiles::Input { tiles: shown, theme }, &mut self.tiles);

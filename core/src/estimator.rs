@@ -115,6 +115,8 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     const INFO: Info;
     /// What it can be relied on to find.
     const PROMISE: Promise = Promise::Translation;
+    /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
+    const TESTS_CANDIDATES: bool = false;
     /// All that a unit reads and writes, its random generator included.
     type State: Clone + Send + Sync + 'static;
     /// What happens inside a unit.
@@ -232,6 +234,9 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// What it can be relied on to find.
     fn promise(&self) -> Promise;
 
+    /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
+    fn tests_candidates(&self) -> bool;
+
     /// The same estimator with the same parameters.
     fn boxed_clone(&self) -> Box<dyn AnyEstimator>;
 
@@ -267,6 +272,10 @@ impl<E: Estimator> AnyEstimator for E {
 
     fn promise(&self) -> Promise {
         E::PROMISE
+    }
+
+    fn tests_candidates(&self) -> bool {
+        E::TESTS_CANDIDATES
     }
 
     fn boxed_clone(&self) -> Box<dyn AnyEstimator> {

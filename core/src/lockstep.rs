@@ -340,6 +340,12 @@ pub fn check(estimators: &[&dyn AnyEstimator]) -> Result<(), Error> {
     if !MEMBERS.contains(&count) {
         return Err(Error::new(format!("two to four estimators can stand side by side, not {count}")));
     }
+    if let Some(other) = estimators.iter().find(|estimator| !estimator.tests_candidates()) {
+        let name = other.info().name;
+        return Err(Error::new(format!(
+            "{name} tests no candidates, so it cannot go in lockstep; choose block searches"
+        )));
+    }
     let same = |a: &dyn AnyEstimator, b: &dyn AnyEstimator| a.info().id == b.info().id && a.values() == b.values();
     let twice = (1..count).find(|&i| estimators[..i].iter().any(|other| same(*other, estimators[i])));
     match twice {

@@ -109,8 +109,11 @@ fn numbers(text: &str) -> Vec<f64> {
     parts.filter_map(|part| part.trim_end_matches('.').parse().ok()).collect()
 }
 
-/// What is told at each event of block 7 of `id`: the lines of its formula, and its facts.
-fn told(id: &str, settings: &[(&str, &str)]) -> Vec<(Vec<String>, Vec<(&'static str, String)>)> {
+/// What is told at an event: the lines of its formula, and its facts.
+type Told = (Vec<String>, Vec<(&'static str, String)>);
+
+/// What is told at each event of block 7 of `id`.
+fn told(id: &str, settings: &[(&str, &str)]) -> Vec<Told> {
     let mut search = estimator(id).expect("it");
     settings.iter().for_each(|(name, value)| search.set(name, value).expect("it has it"));
     let mut walk = search.walk(&moving(WAVES, [2.25, -1.5]), 0).expect("a walk");

@@ -274,7 +274,9 @@ fn plots(ui: &mut Ui, readouts: &[Readout], theme: Theme) -> Option<usize> {
     let size = vec2(ui.available_width(), (ui.available_height() - gap * (count - 1.0)) / count);
     let mut clicked = None;
     for series in all {
-        let show = |ui: &mut Ui| ui.allocate_ui(size, |ui| series::show(ui, series::Input { series, theme }).clicked);
+        let show = |ui: &mut Ui| {
+            ui.allocate_ui(size, |ui| series::show(ui, series::Input { series, theme, logarithmic: false }).clicked)
+        };
         clicked = clicked.or(ui.push_id(series.title, show).inner.inner);
     }
     clicked

@@ -17,6 +17,8 @@ pub struct Input<'a> {
     pub series: &'a Series,
     /// The look.
     pub theme: Theme,
+    /// Whether ten times as much is as far up everywhere, as long as all is more than nothing.
+    pub logarithmic: bool,
 }
 
 /// What the person did.
@@ -28,9 +30,9 @@ pub struct Response {
 
 /// Shows the lines in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>) -> Response {
-    let Input { series, theme } = input;
+    let Input { series, theme, logarithmic } = input;
     let (area, _) = ui.allocate_exact_size(ui.available_size().max(vec2(80.0, 60.0)), Sense::hover());
-    let plot = Plot::new(series, area, theme);
+    let plot = Plot::new(series, area, theme, logarithmic);
     let sensed = ui.interact(plot.rect, ui.scope_id().with("series"), Sense::click());
     sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, summary(series)));
     let painter = ui.painter_at(area);
@@ -53,32 +55,49 @@ pub fn show(ui: &mut Ui, input: Input<'_>) -> Response {
 struct Plot {
     rect: Rect,
     x: Axis,
+    /// Of values, or of their decimal logarithms.
     y: Axis,
+    logarithmic: bool,
     small: f32,
 }
 
 impl Plot {
-    fn new(series: &Series, area: Rect, theme: Theme) -> Self {
+    fn new(series: &Series, area: Rect, theme: Theme, logarithmic: bool) -> Self {
         let small = theme.sizes().small;
         let min = area.min + vec2(4.6 * small, 2.4 * small);
         let max = area.max - vec2(2.0 * small, 3.6 * small);
         let rect = Rect::from_min_max(min, max.max(min + vec2(8.0, 8.0)));
-        let high = series.lines.iter().flat_map(|(_, _, points)| points).map(|p| p[1]).filter(|y| y.is_finite());
-        let high = high.fold(f32::MIN_POSITIVE, f32::max);
+        let values = series.lines.iter().flat_map(|(_, _, points)| points).map(|p| p[1]).filter(|y| y.is_finite());
+        let low = values.clone().fold(f32::INFINITY, f32::min);
+        let high = values.fold(f32::MIN_POSITIVE, f32::max);
+        let logarithmic = logarithmic && low > 0.0 && low.is_finite();
         let rough = Axis { values: [0.0, high], places: [rect.max.y, rect.min.y] };
         // The axis ends on a tick, so that it seldom changes while values come in.
         let step = rough.ticks(3.0 * small, 0.0).windows(2).map(|w| w[1] - w[0]).next().unwrap_or(high);
         let top = (high / step).ceil().max(1.0) * step;
+        // From one power of ten to another.
+        let decades = [low.log10().floor(), high.log10().ceil().max(low.log10().floor() + 1.0)];
         Self {
             rect,
             x: Axis { values: [0.0, series.x_max.max(1) as f32], places: [rect.min.x, rect.max.x] },
-            y: Axis { values: [0.0, top], places: [rect.max.y, rect.min.y] },
+            y: Axis { values: if logarithmic { decades } else { [0.0, top] }, places: [rect.max.y, rect.min.y] },
+            logarithmic,
             small,
         }
     }
 
     fn at(&self, [x, y]: [f32; 2]) -> Pos2 {
-        pos2(self.x.place(x), self.y.place(y))
+        pos2(self.x.place(x), self.y.place(if self.logarithmic { y.log10() } else { y }))
+    }
+
+    /// The ticks of the values, each with its place on the axis.
+    fn ticks(&self) -> Vec<(f32, f32)> {
+        let smallest = if self.logarithmic { 1.0 } else { 0.0 };
+        let ticks = self.y.ticks(3.0 * self.small, smallest);
+        ticks
+            .into_iter()
+            .map(|tick| (if self.logarithmic { 10f32.powf(tick) } else { tick }, self.y.place(tick)))
+            .collect()
     }
 }
 
@@ -86,8 +105,7 @@ fn axes(painter: &Painter, plot: &Plot, series: &Series, theme: Theme) {
     let chrome = theme.chrome();
     let (dim, rule) = (ink::color(chrome.dim), Stroke::new(1.0, ink::color(chrome.line)));
     let font = ink::font(Face::Sans, plot.small);
-    for tick in plot.y.ticks(3.0 * plot.small, 0.0) {
-        let y = plot.y.place(tick);
+    for (tick, y) in plot.ticks() {
         painter.hline(plot.rect.x_range(), y, rule);
         painter.text(pos2(plot.rect.min.x - 7.0, y), Align2::RIGHT_CENTER, number(tick), font.clone(), dim);
     }
@@ -115,8 +133,16 @@ fn line(painter: &Painter, plot: &Plot, role: Role, points: &[[f32; 2]], theme: 
     let Some(&last) = places.last() else { return };
     let stroke = Stroke::new(width, if holds { color } else { color.gamma_multiply(0.85) });
     painter.extend(primitives::line(&places, stroke, theme.ink(role).dash));
+    if places.len() <= FEW && !holds {
+        for &place in &places {
+            painter.circle_filled(place, 1.0 + width, color);
+        }
+    }
     painter.circle(last, 2.0 + width, color, Stroke::new(1.5, ink::color(theme.chrome().panel)));
 }
+
+/// So few values are marked one by one.
+const FEW: usize = 16;
 
 /// Each value is held up to the next.
 fn steps(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
@@ -163,7 +189,7 @@ fn value(role: Role, points: &[[f32; 2]], x: f32) -> Option<f32> {
 
 /// What is plotted, and the values under the pointer.
 fn header(painter: &Painter, plot: &Plot, area: Rect, input: Input<'_>, hovered: Option<f32>) {
-    let Input { series, theme } = input;
+    let Input { series, theme, .. } = input;
     let chrome = theme.chrome();
     let font = ink::font(Face::Sans, plot.small);
     let text = ink::color(chrome.text);
@@ -220,7 +246,7 @@ mod tests {
     }
 
     fn plot(series: &Series) -> Plot {
-        Plot::new(series, Rect::from_min_size(Pos2::ZERO, vec2(400.0, 200.0)), Theme::Dark)
+        Plot::new(series, Rect::from_min_size(Pos2::ZERO, vec2(400.0, 200.0)), Theme::Dark, false)
     }
 
     #[test]
@@ -232,6 +258,19 @@ mod tests {
         for [_, y] in &many.lines[0].2 {
             assert!(b.rect.y_range().contains(b.y.place(*y)));
         }
+    }
+
+    #[test]
+    fn a_logarithmic_axis_goes_by_powers_of_ten() {
+        let mut series = series(3);
+        series.lines[0].2 = vec![[4.0, 13.0], [8.0, 81.0], [16.0, 4225.0]];
+        let area = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 200.0));
+        let plot = Plot::new(&series, area, Theme::Dark, true);
+        assert_eq!(plot.ticks().iter().map(|tick| tick.0.round()).collect::<Vec<_>>(), [10.0, 100.0, 1000.0, 10000.0]);
+        let up = |y| plot.at([4.0, y]).y;
+        assert!((up(10.0) - up(100.0) - (up(100.0) - up(1000.0))).abs() < 1e-3 && up(10.0) > up(100.0));
+        series.lines[0].2.push([32.0, 0.0]);
+        assert!(!Plot::new(&series, area, Theme::Dark, true).logarithmic, "nothing has no logarithm");
     }
 
     #[test]

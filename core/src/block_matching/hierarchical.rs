@@ -218,7 +218,7 @@ impl Hierarchical {
         tester.stage(6, inherited.iter().copied().chain([[0, 0]]), || {
             let twice = inherited.first().map_or(String::new(), |first| vector(*first));
             format!(
-                "The coarser level found half of {twice} here; that, what was found next to it, and (0, 0) are tested."
+                "The coarser level found half of {twice} here: {twice} is tested, so is what was found next to it, and (0, 0)."
             )
         });
         let (best, reach) = (tester.best(), self.refine as i32);
@@ -234,7 +234,7 @@ impl Hierarchical {
     fn probe<'a>(&self, seen: &'a Seen<Self>, found: &'a [Match]) -> Probe<'a> {
         let Seen { before, events, focus, .. } = *seen;
         let focus = focus.map(|point| point.map(|c| c / before.scale()));
-        Probe::new(before.pair(), self.settings_on(before.level), found, (events, focus))
+        Probe { is_level: true, ..Probe::new(before.pair(), self.settings_on(before.level), found, (events, focus)) }
     }
 }
 
@@ -285,6 +285,7 @@ impl Estimator for Hierarchical {
         frames: 2,
     };
     const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
+    const TESTS_CANDIDATES: bool = true;
     type State = State;
     type Event = Event;
 

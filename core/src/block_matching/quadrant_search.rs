@@ -63,9 +63,8 @@ impl BlockSearch for QuadrantSearch {
             // The best point so far was always kept, so a quadrant holds it.
             part = holding.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(whole);
             tester.narrowed = Some(part.window());
-            let centre = vector(part.centre());
             tester.tell(5, || {
-                let best = vector(best);
+                let (best, centre) = (vector(best), vector(part.centre()));
                 format!("The best, {best}, lies in the quadrant around {centre}: the search goes on in there.")
             });
             let gain = if before > 0.0 { 100.0 * (before - tester.best_cost()) / before } else { 0.0 };

@@ -22,6 +22,8 @@ pub(crate) struct Probe<'a> {
     pub events: &'a [Event],
     /// The pixel pointed at.
     pub focus: Option<[f32; 2]>,
+    /// Whether this is but one of several levels on which the block is searched.
+    pub is_level: bool,
 }
 
 impl<'a> Probe<'a> {
@@ -35,7 +37,17 @@ impl<'a> Probe<'a> {
         let index = found.len();
         let window = pair.window(pair.blocks.block(index), settings.range);
         let neighbours = Neighbours::of(index, pair.blocks.counts().0, |i| found[i], None);
-        Self { pair, settings, rate: Rate::new(&settings, &neighbours), index, window, found, events, focus }
+        Self {
+            pair,
+            settings,
+            rate: Rate::new(&settings, &neighbours),
+            index,
+            window,
+            found,
+            events,
+            focus,
+            is_level: false,
+        }
     }
 }
 

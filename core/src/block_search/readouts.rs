@@ -29,13 +29,15 @@ impl Probe<'_> {
             readouts.push(Readout::Tiles(tiles));
         }
         let is_on_map = |candidate: &Match| !self.is_over() && candidate.fraction == [0.0; 2];
+        let is_fitted = self.settings.subpixel == Subpixel::Parabola;
         readouts.push(Readout::Surface(Surface {
             title: self.settings.label(),
             origin: self.window.min,
             values: self.costs(),
             events: self.tests(),
             probe: self.candidate().map(|(candidate, _)| candidate).filter(is_on_map).map(|at| at.displacement),
-            best: self.best().map(|best| best.displacement),
+            // One between pixels has no place on the map; one that was fitted stays where it was tested.
+            best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
         }));
         readouts.push(Readout::Series(self.series()));
         readouts

@@ -126,6 +126,7 @@ fn finish<S: BlockSearch>(search: &S, mut state: State, threads: &Threads) -> St
 impl<S: BlockSearch> Estimator for S {
     const INFO: Info = <S as BlockSearch>::INFO;
     const PROMISE: Promise = <S as BlockSearch>::PROMISE;
+    const TESTS_CANDIDATES: bool = true;
     type State = State;
     type Event = Event;
 

@@ -97,10 +97,14 @@ impl Probe<'_> {
     fn saved_candidates(&self) -> String {
         let all = self.window.count();
         let whole = self.tests().cells().iter().flatten().count();
-        match self.tested() - whole {
-            _ if whole < all => format!("; full search would test {all}."),
-            0 => ".".into(),
-            between => format!(", {between} of them between pixels."),
+        let between = match self.tested() - whole {
+            0 => String::new(),
+            between => format!(", {between} of them between pixels"),
+        };
+        match whole < all && !self.is_level {
+            true if between.is_empty() => format!("; full search would test {all}."),
+            true => format!("{between}; full search would test {all} of whole px."),
+            false => format!("{between}."),
         }
     }
 

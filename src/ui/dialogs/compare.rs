@@ -22,17 +22,19 @@ use crate::ui::{series, style};
 /// As many are compared at once: a table that a class can read.
 const MOST: usize = *lockstep::MEMBERS.end();
 /// The colours of the plot's lines.
-const ROLES: [Role; MOST] = [Role::Reference, Role::Candidate, Role::Result, Role::Error];
+const ROLES: [Role; MOST] = [Role::Reference, Role::Result, Role::Predicted, Role::Candidate];
 
-/// What can be swept: its name for a person, and how it is written.
-const SWEEPS: [(&str, Option<&str>); 6] = [
-    ("nothing", None),
-    ("the window: range 4 to 64 px", Some("range=4,8,16,32,64")),
-    ("the block: 4 to 32 px", Some("block=4,8,16,32")),
-    ("the motion: speed ×0.5 to ×4", Some("speed=0.5,1,2,3,4")),
-    ("noise: 0 to 40 gray levels", Some("noise=0,5,10,20,40")),
-    ("the light: gain 0.8 to 1.2", Some("gain=0.8,0.9,1,1.1,1.2")),
+/// What can be swept: its name for a person, how it is written, and what stands along the plot.
+const SWEEPS: [(&str, Option<&str>, &str); 6] = [
+    ("nothing", None, ""),
+    ("the window: range 4 to 64 px", Some("range=4,8,16,32,64"), "range in px"),
+    ("the block: 4 to 32 px", Some("block=4,8,16,32"), "block in px"),
+    ("the motion: speed ×0.5 to ×4", Some("speed=0.5,1,2,3,4"), "speed, times the usual"),
+    ("noise: 0 to 40 gray levels", Some("noise=0,5,10,20,40"), "noise in gray levels"),
+    ("the light: gain 0.8 to 1.2", Some("gain=0.8,0.9,1,1.1,1.2"), "gain"),
 ];
+/// From so many times the smallest value on, a plot goes by powers of ten.
+const WIDE: f64 = 30.0;
 /// Sweeps from here on change the clip, so it must be synthetic.
 const FIRST_OF_CLIP: usize = 3;
 
@@ -201,7 +203,7 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     let synthetic = document.sample().is_some();
     let combo = ComboBox::from_id_salt("sweep").selected_text(SWEEPS[state.sweep].0).width(0.0);
     let shown = combo.show_ui(ui, |ui| {
-        for (i, (name, _)) in SWEEPS.iter().enumerate() {
+        for (i, (name, ..)) in SWEEPS.iter().enumerate() {
             ui.add_enabled_ui(i < FIRST_OF_CLIP || synthetic, |ui| {
                 ui.selectable_value(&mut state.sweep, i, *name)
                     .on_disabled_hover_text("This changes the clip: open one of the samples.");
@@ -268,10 +270,10 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
         return false;
     }
     if rows.iter().any(|row| row.swept.is_some()) {
-        let series = plot(&rows, &COLUMNS[state.plotted]);
+        let series = plot(&rows, &COLUMNS[state.plotted], SWEEPS[state.sweep].2);
         let size = TextStyle::Body.resolve(ui.style()).size;
         ui.allocate_ui(vec2(ui.available_width().min(64.0 * size), 15.0 * size), |ui| {
-            series::show(ui, series::Input { series: &series, theme });
+            series::show(ui, series::Input { series: &series, theme, logarithmic: is_wide(&series) });
         });
         ui.add_space(4.0);
     }
@@ -337,7 +339,7 @@ fn cell(ui: &mut Ui, column: &Column, row: &Arc<Row>, actions: &mut Actions) -> 
 }
 
 /// A column over what is swept, a line for each estimator.
-fn plot(rows: &[Arc<Row>], column: &Column) -> Series {
+fn plot(rows: &[Arc<Row>], column: &Column, x_label: &'static str) -> Series {
     let mut lines: Vec<(&'static str, Role, Vec<[f32; 2]>)> = Vec::new();
     for row in rows {
         let name = row.estimator.info().name;
@@ -350,12 +352,12 @@ fn plot(rows: &[Arc<Row>], column: &Column) -> Series {
     }
     let most = lines.iter().flat_map(|(.., points)| points).map(|point| point[0]).fold(1.0, f32::max);
     let x_max = most.ceil() as usize;
-    Series {
-        title: column.heading,
-        x_label: "value swept",
-        y_label: "by the value swept",
-        x_max,
-        events: Vec::new(),
-        lines,
-    }
+    Series { title: column.heading, x_label, y_label: "by what is swept", x_max, events: Vec::new(), lines }
+}
+
+/// Whether the values go over so wide a range that small ones would lie on the axis.
+fn is_wide(series: &Series) -> bool {
+    let values = series.lines.iter().flat_map(|(.., points)| points).map(|point| f64::from(point[1]));
+    let (low, high) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max));
+    low > 0.0 && high > WIDE * low
 }
