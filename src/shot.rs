@@ -153,9 +153,12 @@ impl Moment<'_> {
 
     fn caption(&self) -> Caption {
         let details = self.estimator.specs().iter().zip(self.estimator.values()).map(|(spec, (_, v))| said(spec, v));
-        let names: Vec<_> = self.tiles.iter().map(|tile| tile.info.name).collect();
         Caption {
-            title: if names.is_empty() { self.estimator.info().name.into() } else { names.join(", ") },
+            // Each of several has its name above its own picture.
+            title: match self.tiles.len() {
+                0 => self.estimator.info().name.into(),
+                count => format!("{count} estimators in lockstep"),
+            },
             details: details.collect::<Vec<_>>().join(" · "),
             place: format!("step {}", self.cursor),
             sentence: match self.tiles.first() {

@@ -139,6 +139,12 @@ impl Panes<'_> {
         let edge = Stroke::new(1.0, style::color(chrome.error));
         let frame = Frame::new().fill(fill).stroke(edge).corner_radius(6).inner_margin(Margin::symmetric(12, 8));
         let dismissable = self.error.is_some();
+        // A run that is refused is one that was asked for by a parameter, as a rule: then the way back is there.
+        let is_refused = self.error.is_none() && (self.view.refused.is_some() || self.document.refused().is_some());
+        let (way_out, command) = match is_refused && self.document.can_undo() {
+            true => ("Undo", Command::Undo),
+            false => ("Open another…", Command::Open),
+        };
         frame.show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.label(widgets::icon(ui, Icon::TriangleAlert).color(style::color(chrome.error)));
@@ -146,8 +152,8 @@ impl Panes<'_> {
                     if dismissable && widgets::cross(ui, "Dismiss error").clicked() {
                         self.actions.ask(Action::Dismiss);
                     }
-                    if ui.button("Open another…").clicked() {
-                        self.actions.command(Command::Open);
+                    if ui.button(way_out).clicked() {
+                        self.actions.command(command);
                     }
                     ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                         let label = ui.add(egui::Label::new(&told).wrap().selectable(true));
