@@ -27,16 +27,20 @@ impl Coding {
             return Err(Error::new("a prediction must have the size of its picture"));
         }
         let pairs = frame.cells().iter().zip(prediction.cells());
-        // Displacements are multiples of a quarter of a pixel, or finer by a fit: a hundredth tells them apart.
-        let symbol = |c: f32| (c * 100.0).round() as i32;
         let vectors =
-            |field: &BlockField| bits(field.vectors.iter().flatten().map(|vector| vector.displacement.map(symbol)));
+            |field: &BlockField| vector_bits(field.vectors.iter().flatten().map(|vector| vector.displacement));
         Ok(Self {
             frame_bits: bits(frame.cells().iter().copied()),
             residual_bits: bits(pairs.map(|(&a, &b)| i16::from(a) - i16::from(b))),
             vector_bits: output.blocks().map(vectors),
         })
     }
+}
+
+/// Bits of all displacements, each as one symbol.
+pub(crate) fn vector_bits(vectors: impl Iterator<Item = [f32; 2]>) -> f64 {
+    // Displacements are multiples of a quarter of a pixel, or finer by a fit: a hundredth tells them apart.
+    bits(vectors.map(|vector| vector.map(|c| (c * 100.0).round() as i32)))
 }
 
 /// Bits of all symbols at −log₂ p each, where p is how often a symbol comes among them.

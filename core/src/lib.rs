@@ -13,6 +13,7 @@ mod differential;
 mod error;
 mod estimator;
 mod grid;
+mod histogram;
 mod interpolation;
 pub mod lockstep;
 pub mod metrics;
@@ -34,6 +35,7 @@ pub use estimator::{
     AnyEstimator, Count, Estimator, Extent, Info, Observer, Progress, Promise, Rung, Seen, run_observed,
 };
 pub use grid::{Border, Gray, Grid};
+pub use histogram::{Counted, Histogram};
 pub use interpolation::Interpolation;
 pub use lockstep::{Beside, Lockstep, Pace};
 pub use output::{Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Output, predict};

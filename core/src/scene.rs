@@ -2,7 +2,7 @@
 //!
 //! A scene is data. Painters (window, PNG, SVG) choose colours, dashes and halos by [`Role`].
 
-use crate::Grid;
+use crate::{Grid, Histogram};
 
 /// What a mark or a word stands for. A role has one colour, and one shape or line style, everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -351,6 +351,8 @@ pub enum Readout {
     Surface(Surface),
     /// Lines and points in the plane of displacements.
     Plane(Plane),
+    /// How often each displacement was found.
+    Histogram(Histogram),
 }
 
 /// One labelled number.

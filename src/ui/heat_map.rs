@@ -10,6 +10,7 @@ use motionscope_core::Role;
 use motionscope_core::scene::Surface;
 
 use super::axis::Axis;
+use super::map::Map;
 use super::{ink, primitives};
 use crate::paint::{ColorMap, Face, Theme, grouped, number};
 
@@ -56,14 +57,14 @@ pub fn fingerprint(surface: &Surface) -> u64 {
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let Input { surface, theme, .. } = input;
     let (area, _) = ui.allocate_exact_size(ui.available_size().max(vec2(80.0, 80.0)), Sense::hover());
-    let map = Map::new(surface, area, theme);
+    let map = map(surface, area, theme);
     let sensed = ui.interact(map.rect, ui.scope_id().with("heat map"), Sense::click());
     sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, summary(surface)));
     let hovered = sensed.hover_pos().and_then(|at| map.displacement(at));
     let painter = ui.painter_at(area);
     hatch(&painter, map.rect, theme);
     paint_costs(&painter, &map, input, state);
-    axes(&painter, &map, theme);
+    map.axes(&painter, theme);
     for (role, at) in [(Role::Best, surface.best), (Role::Candidate, surface.probe)] {
         if let Some(at) = at {
             cross(&painter, &map, at, role, theme);
@@ -79,49 +80,9 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     Response { clicked, hovered }
 }
 
-/// Where the map lies, and where its displacements are.
-struct Map {
-    rect: Rect,
-    cell: f32,
-    origin: [i32; 2],
-    size: (usize, usize),
-    small: f32,
-}
-
-impl Map {
-    fn new(surface: &Surface, area: Rect, theme: Theme) -> Self {
-        let small = theme.sizes().small;
-        let (columns, rows) = surface.values.size();
-        // Room for the header, the numbers at the axes, and the colour bar with its numbers.
-        let min = area.min + vec2(3.8 * small, 2.2 * small);
-        let max = area.max - vec2(7.5 * small, 3.2 * small);
-        let room = (max - min).max(vec2(8.0, 8.0));
-        let cell = (room.x / columns.max(1) as f32).min(room.y / rows.max(1) as f32);
-        let rect = Rect::from_min_size(min, vec2(columns as f32, rows as f32) * cell);
-        Self { rect, cell, origin: surface.origin, size: (columns, rows), small }
-    }
-
-    fn displacement(&self, at: Pos2) -> Option<[i32; 2]> {
-        let place = (at - self.rect.min) / self.cell;
-        let inside = place.x >= 0.0 && place.y >= 0.0 && self.rect.contains(at);
-        let (x, y) = (place.x as usize, place.y as usize);
-        (inside && x < self.size.0 && y < self.size.1).then(|| [self.origin[0] + x as i32, self.origin[1] + y as i32])
-    }
-
-    fn cell_rect(&self, [u, v]: [i32; 2]) -> Rect {
-        let place = vec2((u - self.origin[0]) as f32, (v - self.origin[1]) as f32) * self.cell;
-        Rect::from_min_size(self.rect.min + place, vec2(self.cell, self.cell))
-    }
-
-    /// The axis of displacements along x or y; ticks stand at the middle of cells.
-    fn axis(&self, which: usize) -> Axis {
-        let count = if which == 0 { self.size.0 } else { self.size.1 };
-        let (from, to) =
-            if which == 0 { (self.rect.min.x, self.rect.max.x) } else { (self.rect.min.y, self.rect.max.y) };
-        let first = self.origin[which] as f32;
-        let half = self.cell / 2.0;
-        Axis { values: [first, first + count.saturating_sub(1) as f32], places: [from + half, to - half] }
-    }
+fn map(surface: &Surface, area: Rect, theme: Theme) -> Map {
+    // At the right stand the colour bar and its numbers.
+    Map::new((surface.origin, surface.values.size()), area, 7.5, theme)
 }
 
 /// The cell of a displacement.
@@ -212,33 +173,6 @@ fn paint_costs(painter: &Painter, map: &Map, input: Input<'_>, state: &mut State
     }
 }
 
-fn axes(painter: &Painter, map: &Map, theme: Theme) {
-    let chrome = theme.chrome();
-    let (dim, small) = (ink::color(chrome.dim), map.small);
-    let font = ink::font(Face::Sans, small);
-    let stroke = Stroke::new(1.0, dim);
-    let (bottom, left) = (map.rect.max.y, map.rect.min.x);
-    painter.rect_stroke(map.rect, 0.0, Stroke::new(1.0, ink::color(chrome.line)), egui::StrokeKind::Outside);
-    for (which, spacing) in [(0, 2.8 * small), (1, 1.8 * small)] {
-        let axis = map.axis(which);
-        for tick in axis.displacement_ticks(spacing) {
-            let (at, text) = (axis.place(tick), number(tick));
-            if which == 0 {
-                painter.vline(at, bottom..=bottom + 4.0, stroke);
-                painter.text(pos2(at, bottom + 6.0), Align2::CENTER_TOP, text, font.clone(), dim);
-            } else {
-                painter.hline(left - 4.0..=left, at, stroke);
-                painter.text(pos2(left - 7.0, at), Align2::RIGHT_CENTER, text, font.clone(), dim);
-            }
-        }
-    }
-    let text = ink::color(chrome.text);
-    let name = ink::font(Face::Italic, small);
-    painter.text(pos2(map.rect.max.x + 0.8 * small, bottom + 6.0), Align2::LEFT_TOP, "u, px", name.clone(), text);
-    let above = pos2(left - 7.0, map.rect.min.y - 0.4 * small);
-    painter.text(above, Align2::RIGHT_BOTTOM, "v, px", name, text);
-}
-
 /// Thin lines through a displacement, and a frame around its cell.
 fn cross(painter: &Painter, map: &Map, at: [i32; 2], role: Role, theme: Theme) {
     let inked = theme.ink(role);
@@ -327,7 +261,7 @@ mod tests {
     #[test]
     fn the_pointer_finds_the_displacement_whose_cell_it_is_on() {
         let area = Rect::from_min_size(pos2(20.0, 10.0), vec2(500.0, 300.0));
-        let map = Map::new(&surface(), area, Theme::Dark);
+        let map = map(&surface(), area, Theme::Dark);
         assert!(area.contains_rect(map.rect));
         for at in [[-16, -8], [0, 0], [16, 8], [5, -3]] {
             assert_eq!(map.displacement(map.cell_rect(at).center()), Some(at));

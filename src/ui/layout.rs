@@ -21,12 +21,22 @@ pub enum Pane {
     Plot,
     /// Small pictures with their numbers.
     Numbers,
+    /// How often each displacement was found.
+    Histogram,
 }
 
 impl Pane {
     /// Every pane.
-    pub const ALL: [Pane; 7] =
-        [Pane::Stage, Pane::Parameters, Pane::Why, Pane::Surface, Pane::Surface3d, Pane::Plot, Pane::Numbers];
+    pub const ALL: [Pane; 8] = [
+        Pane::Stage,
+        Pane::Parameters,
+        Pane::Why,
+        Pane::Surface,
+        Pane::Surface3d,
+        Pane::Plot,
+        Pane::Numbers,
+        Pane::Histogram,
+    ];
 
     /// Its name.
     pub fn title(self) -> &'static str {
@@ -38,6 +48,7 @@ impl Pane {
             Pane::Surface3d => "3-D",
             Pane::Plot => "Plot",
             Pane::Numbers => "Numbers",
+            Pane::Histogram => "Histogram",
         }
     }
 }
@@ -109,7 +120,9 @@ impl Folded {
             Pane::Stage => true,
             Pane::Why => self.lecture || !self.why,
             Pane::Parameters => !self.lecture && !self.parameters,
-            Pane::Surface | Pane::Surface3d | Pane::Plot | Pane::Numbers => !self.lecture && !self.charts,
+            Pane::Surface | Pane::Surface3d | Pane::Plot | Pane::Numbers | Pane::Histogram => {
+                !self.lecture && !self.charts
+            }
         }
     }
 }
@@ -122,7 +135,7 @@ pub fn tree() -> Tree<Pane> {
         tiles.insert_tab_tile(panes)
     };
     let (stage, parameters, why) = (tabs(&[Pane::Stage]), tabs(&[Pane::Parameters]), tabs(&[Pane::Why]));
-    let flat = tabs(&[Pane::Surface, Pane::Numbers]);
+    let flat = tabs(&[Pane::Surface, Pane::Numbers, Pane::Histogram]);
     let deep = tabs(&[Pane::Surface3d, Pane::Plot]);
     let charts = tiles.insert_container(Linear::new_binary(LinearDir::Horizontal, [flat, deep], 0.5));
     let middle = tiles.insert_container(Linear::new_binary(LinearDir::Vertical, [stage, charts], 0.62));

@@ -18,7 +18,7 @@ use super::model::document::Document;
 use super::model::loader::Loading;
 use super::model::walker::{Snapshot, View};
 use super::parts::widgets;
-use super::{heat_map, parameters, plane, series, stage, style, surface3d, tiles, why};
+use super::{heat_map, histogram, parameters, plane, series, stage, style, surface3d, tiles, why};
 use crate::paint::Theme;
 use crate::shot::Look;
 
@@ -231,7 +231,7 @@ impl Panes<'_> {
             return empty(ui, "There is nothing to show before a clip is open.");
         };
         let (theme, colors) = (self.look.theme, self.look.colors);
-        let (_, step) = self.told(shown);
+        let (info, step) = self.told(shown);
         let states = &mut *self.states;
         let mut clicked = None;
         for readout in &step.readouts {
@@ -249,6 +249,13 @@ impl Panes<'_> {
                 (Pane::Numbers, Readout::Tiles(tiles)) => {
                     tiles::show(ui, tiles::Input { tiles, theme }, &mut states.tiles);
                 }
+                (Pane::Histogram, Readout::Histogram(counts)) => {
+                    // The units of several in lockstep are their own, and not those of this estimator.
+                    let input = histogram::Input { histogram: counts, leads: shown.tiles.is_empty(), colors, theme };
+                    if let Some(unit) = histogram::show(ui, input).clicked {
+                        self.actions.ask(Action::Seek(Cursor { unit, event: usize::MAX }));
+                    }
+                }
                 _ => continue,
             }
             if let Some(event) = clicked {
@@ -256,10 +263,14 @@ impl Panes<'_> {
             }
             return;
         }
-        match (pane, has_plane(step)) {
-            (Pane::Surface3d, true) => {
+        match (pane, info.rungs.contains(&"block")) {
+            (Pane::Surface3d, false) => {
                 empty(ui, "This estimator tests no candidates, so there are no costs to be seen.")
             }
+            (Pane::Histogram, false) => empty(
+                ui,
+                "This estimator has no blocks whose displacements could be counted; the stage shows its field.",
+            ),
             _ => empty(ui, &absent(pane)),
         }
     }
@@ -292,6 +303,10 @@ fn plots(ui: &mut Ui, readouts: &[Readout], theme: Theme) -> Option<usize> {
 fn absent(pane: Pane) -> String {
     let (what, until) = match pane {
         Pane::Surface | Pane::Surface3d => ("stands the cost of every displacement tested", "a candidate is tested"),
+        Pane::Histogram => {
+            let (key, name) = (Command::Over.key(), "stands how many blocks have each displacement");
+            return format!("Here {name}. Step over ({key}) until the first block is done.");
+        }
         Pane::Plot => ("stands how the cost goes from candidate to candidate", "there are some"),
         _ => ("stand the pixels that are compared, as numbers", "a block is compared"),
     };
@@ -336,7 +351,7 @@ impl Behavior<Pane> for Panes<'_> {
                 Pane::Stage => self.stage(ui),
                 Pane::Parameters => parameters::show(ui, self.document, self.look.theme, self.actions),
                 Pane::Why => self.why(ui),
-                Pane::Surface | Pane::Surface3d | Pane::Plot | Pane::Numbers => self.chart(ui, *pane),
+                Pane::Surface | Pane::Surface3d | Pane::Plot | Pane::Numbers | Pane::Histogram => self.chart(ui, *pane),
             }
         });
         UiResponse::None

@@ -25,8 +25,8 @@ use crate::block_search::{
 use crate::scene::{Fact, Readout, Sentence};
 use crate::threads::Earlier;
 use crate::{
-    BlockGrid, Clip, Error, Estimator, Frame, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step,
-    Threads, choices, pyramid,
+    BlockGrid, Clip, Counted, Error, Estimator, Frame, Info, Observer, Output, Progress, Promise, Role, Rung, Scene,
+    Seen, Step, Threads, choices, pyramid,
 };
 
 choices! {
@@ -234,7 +234,9 @@ impl Hierarchical {
     fn probe<'a>(&self, seen: &'a Seen<Self>, found: &'a [Match]) -> Probe<'a> {
         let Seen { before, events, focus, .. } = *seen;
         let focus = focus.map(|point| point.map(|c| c / before.scale()));
-        Probe { is_level: true, ..Probe::new(before.pair(), self.settings_on(before.level), found, (events, focus)) }
+        let probe = Probe::new(before.pair(), self.settings_on(before.level), found, (events, focus));
+        let counted = Counted { first_unit: before.first_unit(before.level), level: Some(before.level) };
+        Probe { counted, ..probe }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Event, Match, Neighbours, Pair, Rate, Settings, Stage, Window};
 use crate::scene::{Arrow, Picture, Shape};
-use crate::{Block, Grid, Role, Scene};
+use crate::{Block, Counted, Grid, Role, Scene};
 
 /// The unit at a cursor as a block search sees it: what to draw and tell follows from this.
 pub(crate) struct Probe<'a> {
@@ -14,6 +14,8 @@ pub(crate) struct Probe<'a> {
     pub rate: Rate,
     /// Index of the block.
     pub index: usize,
+    /// What is said of the blocks when they are counted.
+    pub counted: Counted,
     /// The block's window.
     pub window: Window,
     /// Blocks found before.
@@ -22,8 +24,6 @@ pub(crate) struct Probe<'a> {
     pub events: &'a [Event],
     /// The pixel pointed at.
     pub focus: Option<[f32; 2]>,
-    /// Whether this is but one of several levels on which the block is searched.
-    pub is_level: bool,
 }
 
 impl<'a> Probe<'a> {
@@ -37,17 +37,8 @@ impl<'a> Probe<'a> {
         let index = found.len();
         let window = pair.window(pair.blocks.block(index), settings.range);
         let neighbours = Neighbours::of(index, pair.blocks.counts().0, |i| found[i], None);
-        Self {
-            pair,
-            settings,
-            rate: Rate::new(&settings, &neighbours),
-            index,
-            window,
-            found,
-            events,
-            focus,
-            is_level: false,
-        }
+        let rate = Rate::new(&settings, &neighbours);
+        Self { pair, settings, rate, index, counted: Counted::default(), window, found, events, focus }
     }
 }
 

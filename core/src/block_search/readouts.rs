@@ -7,7 +7,7 @@ use super::{Cost, Event, Fit, Match, Patch, Subpixel, Window};
 use crate::cost::{Cut, Sum};
 use crate::interpolation::Between;
 use crate::scene::{Fact, Math, Readout, Series, Surface, Tile};
-use crate::{Grid, Role};
+use crate::{Grid, Histogram, Role};
 
 impl Probe<'_> {
     /// The numbers of the step.
@@ -40,7 +40,18 @@ impl Probe<'_> {
             best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
         }));
         readouts.push(Readout::Series(self.series()));
+        readouts.extend(self.histogram().map(Readout::Histogram));
         readouts
+    }
+
+    /// The displacements found, this block's own among them once it is done.
+    fn histogram(&self) -> Option<Histogram> {
+        let own = self.events.last().and_then(|event| match event {
+            Event::Found(found) => Some(found),
+            _ => None,
+        });
+        let vectors: Vec<_> = self.found.iter().chain(own).map(Match::vector).collect();
+        Histogram::of(self.counted, &vectors, own.is_some())
     }
 
     /// The candidate whose numbers are shown: the one under test, at the end the one that won.

@@ -101,7 +101,7 @@ impl Probe<'_> {
             0 => String::new(),
             between => format!(", {between} of them between pixels"),
         };
-        match whole < all && !self.is_level {
+        match whole < all && self.counted.level.is_none() {
             true if between.is_empty() => format!("; full search would test {all}."),
             true => format!("{between}; full search would test {all} of whole px."),
             false => format!("{between}."),
