@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::company::Company;
 use crate::media::{self, export};
-use crate::paint::{ColorMap, Lengthen, Share, Theme, View};
+use crate::paint::{ColorMap, Lengthen, LevelShown, Share, Theme, View};
 use crate::shot::Look;
 use crate::source::Source;
 
@@ -89,6 +89,8 @@ impl Named {
 pub struct Wanted {
     /// The view.
     pub view: Option<View>,
+    /// Which level of a pyramid is seen.
+    pub level: Option<LevelShown>,
     /// The share of frame t + 1 in a blend.
     pub share: Option<Share>,
     /// Colours and sizes.
@@ -108,6 +110,7 @@ impl Wanted {
     pub fn over(self, usual: Look) -> Look {
         Look {
             view: self.view.or(usual.view),
+            level: self.level.unwrap_or(usual.level),
             share: self.share.unwrap_or(usual.share),
             theme: self.theme.unwrap_or(usual.theme),
             colors: self.colors.unwrap_or(usual.colors),
@@ -120,9 +123,10 @@ impl Wanted {
 
 impl From<Look> for Wanted {
     fn from(look: Look) -> Self {
-        let Look { view, share, theme, colors, lengthen, legend, caption } = look;
+        let Look { view, level, share, theme, colors, lengthen, legend, caption } = look;
         Self {
             view,
+            level: Some(level),
             share: Some(share),
             theme: Some(theme),
             colors: Some(colors),
@@ -210,6 +214,8 @@ impl Companion {
 struct Picture {
     #[serde(skip_serializing_if = "Option::is_none")]
     view: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    level: Option<Level>,
     /// The share of frame t + 1 in a blend.
     #[serde(skip_serializing_if = "Option::is_none")]
     blend: Option<f32>,
@@ -223,6 +229,30 @@ struct Picture {
     legend: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
     caption: Option<bool>,
+}
+
+/// A level of a pyramid by its number, or `at-work`.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Level {
+    Number(usize),
+    Named(String),
+}
+
+impl Level {
+    fn of(shown: LevelShown) -> Self {
+        match shown {
+            LevelShown::Number(level) => Self::Number(level),
+            LevelShown::AtWork => Self::Named(shown.to_string()),
+        }
+    }
+
+    fn shown(&self) -> Result<LevelShown, Error> {
+        match self {
+            Self::Number(level) => Ok(LevelShown::Number(*level)),
+            Self::Named(name) => name.parse(),
+        }
+    }
 }
 
 /// How many times their length displacements are drawn, or `auto`.
@@ -337,6 +367,7 @@ impl Picture {
     fn of(look: &Wanted) -> Self {
         Self {
             view: look.view.map(|view| view.id().into()),
+            level: look.level.map(Level::of),
             blend: look.share.map(Share::get),
             theme: look.theme.map(|theme| theme.name().to_lowercase()),
             colors: look.colors.map(|colors| colors.name().to_lowercase()),
@@ -352,6 +383,7 @@ impl Picture {
     fn look(&self) -> Result<Wanted, Error> {
         Ok(Wanted {
             view: self.view.as_deref().map(view).transpose()?,
+            level: self.level.as_ref().map(Level::shown).transpose()?,
             share: self.blend.map(Share::new).transpose()?,
             theme: self.theme.as_deref().map(theme).transpose()?,
             colors: self.colors.as_deref().map(colors).transpose()?,
@@ -470,7 +502,9 @@ mod tests {
         let mut company = Company::of(&*estimator, &["diamond", "hierarchical"], Pace::Budget).unwrap();
         company.set(&mut *estimator, "hierarchical.levels=4").unwrap();
         let share = Share::new(0.8).unwrap();
-        let look = Look { view: Some(View::Blend), share, theme: Theme::Projector, legend: true, ..Look::default() };
+        let level = LevelShown::Number(2);
+        let look =
+            Look { view: Some(View::Blend), level, share, theme: Theme::Projector, legend: true, ..Look::default() };
         let sight = Some(Sight { center: [10.5, 3.0], zoom: 4.0 });
         let cursor = Some(Cursor { unit: 35, event: 412 });
         Session { source, truth: None, estimator, company, frame: 12, cursor, look: look.into(), sight }
@@ -536,6 +570,7 @@ mod tests {
         let look = |picture: &str| Session::parse(&format!("{start}{picture}"), Path::new("")).unwrap().look;
         let usual = Look {
             view: Some(View::Blink),
+            level: LevelShown::Number(1),
             share: Share::new(0.2).unwrap(),
             theme: Theme::Projector,
             colors: ColorMap::Turbo,
@@ -547,6 +582,10 @@ mod tests {
         assert_eq!(look("arrows = \"auto\"").over(usual), Look { lengthen: Lengthen::Auto, ..usual });
         assert_eq!(look("legend = false\ntheme = \"light\"").over(usual).theme, Theme::Light);
         assert_eq!(look("arrows = 2").over(usual).lengthen, Lengthen::Times(2.0));
+        assert_eq!(look("level = 2").over(usual).level, LevelShown::Number(2));
+        assert_eq!(look("level = \"at-work\"").over(usual).level, LevelShown::AtWork);
+        let wrong = Session::parse(&format!("{start}level = \"top\""), Path::new("")).err().unwrap();
+        assert!(wrong.to_string().contains("at-work or a number"), "{wrong}");
     }
 
     #[test]

@@ -5,12 +5,13 @@ use std::path::Path;
 
 use motionscope_core::params::Kind;
 use motionscope_core::scene::{Readout, Sentence};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Move, Scene, Spec, Step, Value, Walk, Way};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Levels, Move, Scene, Spec, Step, Value, Walk, Way};
 
 use crate::company::Company;
 use crate::media::{Progress, export};
 use crate::paint::{
-    Caption, ColorMap, Lengthen, Part, Pictures, Plate, PlateOptions, Share, Theme, View, export_png, export_svg,
+    Caption, ColorMap, Lengthen, LevelShown, Part, Pictures, Plate, PlateOptions, Share, Theme, View, export_png,
+    export_svg,
 };
 use crate::tile::{self, Tile, endings, predicted, tiles};
 
@@ -22,6 +23,8 @@ const SVG_SCALE: u32 = 2;
 pub struct Look {
     /// The view; `None` for what suits the step.
     pub view: Option<View>,
+    /// Which level of a pyramid is seen, where the step works on one.
+    pub level: LevelShown,
     /// The share of frame t + 1 in a blend.
     pub share: Share,
     /// Colours and sizes.
@@ -95,6 +98,11 @@ impl Still {
         }
     }
 
+    /// The pyramid on which the step works, if it does.
+    pub fn levels(&self) -> Option<&Levels> {
+        tile::levels(&self.scene, &self.tiles)
+    }
+
     /// The step of a run of `estimator`.
     pub fn moment<'a>(&'a self, estimator: &'a dyn AnyEstimator) -> Moment<'a> {
         let Self { frame, cursor, at_end, ref step, ref scene, ref pictures, ref tiles } = *self;
@@ -123,8 +131,9 @@ impl Moment<'_> {
             _ => None,
         });
         let view = look.view.unwrap_or(fitting).or_current(self.pictures);
+        let view = if self.tiles.is_empty() { view } else { view.alone(self.at_end) };
         let options = PlateOptions {
-            view: if self.tiles.is_empty() { view } else { view.alone(self.at_end) },
+            view,
             theme: look.theme,
             colors: look.colors,
             lengthen: look.lengthen,
@@ -137,13 +146,14 @@ impl Moment<'_> {
             caption: look.caption.then(|| self.caption()),
         };
         if self.tiles.is_empty() {
-            return Plate::new(self.pictures, self.scene, &options);
+            let pictures = self.pictures.on_level(self.scene.levels.as_ref(), look.level, view);
+            return Plate::new(&pictures, self.scene, &options);
         }
         let parts: Vec<_> = self
             .tiles
             .iter()
             .map(|tile| Part {
-                pictures: tile.pictures(self.pictures),
+                pictures: tile.pictures(self.pictures, look.level, view),
                 scene: &tile.scene,
                 heading: Some((tile.info.name, tile.is_done, &tile.words)),
             })

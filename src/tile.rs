@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use motionscope_core::scene::{Fact, Readout, Sentence};
-use motionscope_core::{Beside, Clip, Cursor, Frame, Info, Output, Role, Scene, Step, Walk};
+use motionscope_core::{Beside, Clip, Cursor, Frame, Info, Levels, Output, Role, Scene, Step, Walk};
 
-use crate::paint::{Pictures, grouped};
+use crate::paint::{LevelShown, Pictures, View, grouped};
 use crate::quality::Quality;
 
 /// One of several estimators, where it stands.
@@ -76,9 +76,10 @@ pub fn tiles(walk: &dyn Walk, focus: Option<[f32; 2]>, endings: &[Ending]) -> Ve
 }
 
 impl Tile {
-    /// What can be looked at beside the frames that all have in common.
-    pub fn pictures(&self, common: &Pictures) -> Pictures {
-        Pictures { prediction: self.prediction.clone(), ..common.clone() }
+    /// What `view` shows beside the frames that all have in common; of a pyramid the level that is `shown`.
+    pub fn pictures(&self, common: &Pictures, shown: LevelShown, view: View) -> Pictures {
+        let own = Pictures { prediction: self.prediction.clone(), ..common.clone() };
+        own.on_level(self.scene.levels.as_ref(), shown, view)
     }
 }
 
@@ -91,6 +92,11 @@ pub fn scene(walk: &dyn Walk, focus: Option<[f32; 2]>, tiles: &[Tile]) -> Scene 
     let mut all = Scene::default();
     tiles.iter().for_each(|tile| all.add_enlarged(Scene::clone(&tile.scene), 1));
     all
+}
+
+/// The pyramid on which a step works: its own, or that of the first of several in lockstep that has one.
+pub fn levels<'a>(scene: &'a Scene, tiles: &'a [Tile]) -> Option<&'a Levels> {
+    scene.levels.as_ref().or_else(|| tiles.iter().find_map(|tile| tile.scene.levels.as_ref()))
 }
 
 /// Adds `facts` to those that `step` tells.

@@ -252,6 +252,12 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (run(SMALL, "--beside diamond --set diamond.block=8"), "set block=8"),
         (run(SMALL, "--beside diamond --pace slow"), "block, budget"),
         (run(SMALL, "--beside horn-schunck"), "tests no candidates"),
+        (run(SMALL, "--level 1"), "no pyramid"),
+        (run(SMALL, "--level top"), "at-work or a number"),
+        (
+            format!("run {SMALL} --estimator hierarchical --set levels=2 --level 2 --overlay o.png"),
+            "levels 0 to 1, and not 2",
+        ),
         (run(SMALL, "--pace budget"), "--beside"),
         (run(SMALL, "--beside diamond --step 13"), "ends at 12"),
         (format!("run {SMALL} --estimator full-search --beside diamond"), "--overlay"),
@@ -398,4 +404,22 @@ fn help_has_examples() {
     for command in ["", "list", "info", "synth", "run", "compare", "export"] {
         assert!(stdout(folder.path(), &format!("{command} --help")).contains("Examples:"));
     }
+}
+
+#[test]
+fn a_picture_shows_the_level_that_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let start = format!("motionscope = 1\nclip = \"{SMALL}\"\nestimator = \"hierarchical\"\nstep = \"1.4\"\n");
+    let session = format!("{start}[set]\nblock = 8\nlevels = 3\n[picture]\nlevel = 1\n");
+    fs::write(here.join("lesson.motionscope"), session).unwrap();
+    let run = |level: &str| {
+        stdout(here, &format!("run lesson.motionscope {level} --overlay out.png"));
+        image::open(here.join("out.png")).unwrap().into_rgb8().into_raw()
+    };
+    let [picture, one, two] = ["--level 0", "--level 1", "--level 2"].map(run);
+    assert!(picture != one && one != two && two != picture);
+    assert!(run("") == one, "a session keeps its level");
+    assert!(run("--level at-work") == two, "the first units are those of the coarsest level");
+    assert!(run("--level 2 --step 0") != run("--level at-work --step 0"), "nothing is at work yet");
 }

@@ -1,5 +1,7 @@
 //! The window driven headlessly: no display, no graphics card, but real keys, clicks and drags.
 
+#[path = "window/levels.rs"]
+mod levels;
 #[path = "window/lockstep.rs"]
 mod lockstep;
 
@@ -13,7 +15,7 @@ use eframe::egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use motionscope::media::Open;
-use motionscope::paint::{ColorMap, Lengthen, Theme};
+use motionscope::paint::{ColorMap, Lengthen, LevelShown, Theme, View};
 use motionscope::session::Session;
 use motionscope::shot::{Format, Look};
 use motionscope::source::Source;
@@ -618,7 +620,7 @@ fn a_session_keeps_truth_and_look_and_the_command_line_paints_the_same() {
     let (first, second) = (folder.path().join("first.motionscope"), folder.path().join("second.motionscope"));
     fs::write(folder.path().join("truth.flo"), still_truth(320, 240)).expect("the truth");
     let text = "motionscope = 1\nclip = \"synth:pillar\"\ntruth = \"truth.flo\"\nestimator = \"full-search\"\n\
-                step = \"30.200\"\n[picture]\nview = \"blend\"\nblend = 0.8\ntheme = \"light\"\ncolors = \"turbo\"\narrows = 2.5\n\
+                step = \"30.200\"\n[picture]\nview = \"blend\"\nlevel = 1\nblend = 0.8\ntheme = \"light\"\ncolors = \"turbo\"\narrows = 2.5\n\
                 legend = false\ncaption = true\n";
     fs::write(&first, text).expect("the session");
     let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(first.clone().into()) });

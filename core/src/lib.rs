@@ -15,6 +15,7 @@ mod estimator;
 mod grid;
 mod histogram;
 mod interpolation;
+mod levels;
 pub mod lockstep;
 pub mod metrics;
 pub mod optical_flow;
@@ -37,6 +38,7 @@ pub use estimator::{
 pub use grid::{Border, Gray, Grid};
 pub use histogram::{Counted, Histogram};
 pub use interpolation::Interpolation;
+pub use levels::{Level, Levels};
 pub use lockstep::{Beside, Lockstep, Pace};
 pub use output::{Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Output, predict};
 pub use params::{Params, Spec, Value};

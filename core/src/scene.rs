@@ -2,7 +2,7 @@
 //!
 //! A scene is data. Painters (window, PNG, SVG) choose colours, dashes and halos by [`Role`].
 
-use crate::{Grid, Histogram};
+use crate::{Grid, Histogram, Levels};
 
 /// What a mark or a word stands for. A role has one colour, and one shape or line style, everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -223,6 +223,8 @@ pub struct Scene {
     pub marks: Vec<Mark>,
     /// What each role means in this scene.
     pub legend: Vec<(Role, &'static str)>,
+    /// The pyramid on which the step works, where there is one: its pictures can stand below the marks.
+    pub levels: Option<Levels>,
 }
 
 impl Scene {
@@ -230,6 +232,7 @@ impl Scene {
     pub fn same(&self, other: &Scene) -> bool {
         let same = |(a, b): (&Mark, &Mark)| a.on == b.on && a.role == b.role && a.shape.same(&b.shape);
         self.legend == other.legend
+            && self.levels == other.levels
             && self.marks.len() == other.marks.len()
             && self.marks.iter().zip(&other.marks).all(same)
     }
@@ -241,7 +244,7 @@ impl Scene {
 
     /// Adds the marks of `other`, a scene on a picture `factor` times smaller, and what their roles mean.
     pub fn add_enlarged(&mut self, other: Scene, factor: usize) {
-        let Scene { marks, legend } = other;
+        let Scene { marks, legend, .. } = other;
         self.marks.extend(marks.into_iter().map(|mark| Mark { shape: mark.shape.enlarged(factor), ..mark }));
         legend.into_iter().for_each(|(role, meaning)| self.legend(role, meaning));
     }

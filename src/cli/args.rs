@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args as Group, Parser, Subcommand};
 use motionscope_core::{Cursor, Pace, Threads};
 
-use crate::paint::{ColorMap, Share, Theme, View};
+use crate::paint::{ColorMap, LevelShown, Share, Theme, View};
 use crate::session;
 
 const EXAMPLES: &str = "\
@@ -91,6 +91,7 @@ Examples:
   motionscope run synth:pillar --estimator full-search --set block=8 --flow pillar.flo --table pillar.csv
   motionscope run synth:pillar --estimator full-search --step 35.412 --overlay step.svg
   motionscope run synth:pillar --estimator full-search --beside diamond,three-step --step 35.9 --overlay three.png
+  motionscope run synth:pillar --estimator hierarchical --step 15.9 --level 2 --overlay coarse.png
   motionscope run lesson.motionscope --overlay lesson.png --scale 4")]
     Run(RunArgs),
     /// Writes pictures of a range of steps.
@@ -182,6 +183,9 @@ pub struct LookArgs {
     /// current, next, side-by-side, difference, blend or blink, at the end of a run also prediction or residual; as suits the step unless given.
     #[arg(long, value_parser = view)]
     pub view: Option<View>,
+    /// The level of a pyramid that is shown: at-work, or a number, 0 for the picture itself; the one at work unless given.
+    #[arg(long, value_name = "LEVEL", value_parser = level)]
+    pub level: Option<LevelShown>,
     /// The share of frame t+1 in a blend, from 0 to 1; half unless given.
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub blend: Option<Share>,
@@ -256,6 +260,10 @@ fn view(id: &str) -> Result<View, String> {
 
 fn share(text: &str) -> Result<Share, String> {
     Share::new(text.parse().unwrap_or(f32::NAN)).map_err(|error| error.to_string())
+}
+
+fn level(text: &str) -> Result<LevelShown, String> {
+    text.parse().map_err(|error: motionscope_core::Error| error.to_string())
 }
 
 fn theme(id: &str) -> Result<Theme, String> {

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use motionscope_core::{Error, Move, Output, Threads};
+use motionscope_core::{Error, Levels, Move, Output, Threads};
 
 use super::args::RunArgs;
 use super::report::{Report, Timing, to_json};
 use super::say;
 use super::task::Task;
 use crate::media::export::{self, FlowFormat};
+use crate::paint::LevelShown;
 use crate::quality::Quality;
 use crate::shot::{self, Format, Still};
 
@@ -131,5 +132,20 @@ fn overlay(task: &Task, args: &RunArgs, format: Format) -> Result<Vec<u8>, Error
         )));
     }
     let pair = shot::pair(&task.clip, task.frame)?;
-    Still::of(&*walk, &task.clip, &pair).moment(&*task.estimator).encode(&look, format, args.look.scale)
+    let still = Still::of(&*walk, &task.clip, &pair);
+    if let Some(LevelShown::Number(level)) = args.look.level {
+        check_level(level, still.levels(), task.estimator.info().id)?;
+    }
+    still.moment(&*task.estimator).encode(&look, format, args.look.scale)
+}
+
+/// Refuses a level that there is not.
+fn check_level(level: usize, levels: Option<&Levels>, id: &str) -> Result<(), Error> {
+    match levels.map_or(0, |levels| levels.all.len()) {
+        0 => Err(Error::new(format!("{id} works on no pyramid; leave --level away"))),
+        count if level >= count => {
+            Err(Error::new(format!("the pyramid has levels 0 to {}, and not {level}", count - 1)))
+        }
+        _ => Ok(()),
+    }
 }

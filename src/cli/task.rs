@@ -78,6 +78,7 @@ impl Task {
         }
         Ok(Look {
             view,
+            level: args.level.unwrap_or(self.look.level),
             share: args.blend.unwrap_or(self.look.share),
             theme: args.theme.unwrap_or(self.look.theme),
             colors: args.colors.unwrap_or(self.look.colors),

@@ -26,7 +26,7 @@ pub use flow_color::flow_color;
 pub use fonts::Face;
 pub use marks::{Lengthen, Look, Placement, is_lengthened, resolve};
 pub use number::{grouped, number};
-pub use panel::{Panel, Pictures, Share, Shown, View};
+pub use panel::{LevelShown, Panel, Pictures, Share, Shown, View};
 pub use plate::{Caption, Layer, Part, Plate, PlateOptions};
 pub use png::export_png;
 pub use primitive::Primitive;

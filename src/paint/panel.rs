@@ -1,16 +1,18 @@
 //! The pictures that are looked at: a frame, or what becomes of two.
 
+use std::fmt;
+use std::str::FromStr;
 use std::sync::Arc;
 
 use motionscope_core::scene::Picture;
-use motionscope_core::{Error, Frame, Grid};
+use motionscope_core::{Error, Frame, Grid, Levels};
 
 /// What can be looked at: the frames, and what a run has made of them.
 #[derive(Clone, Debug)]
 pub struct Pictures {
     /// Frames t and t + 1.
     pub pair: [Arc<Frame>; 2],
-    /// What the files of the two are called, where each is a file of its own.
+    /// What the files of the two are called, where each is a file of its own, or which level of a pyramid they are.
     pub names: [Option<String>; 2],
     /// The motion-compensated prediction of frame t, at the end of a run.
     pub prediction: Option<Arc<Frame>>,
@@ -20,6 +22,58 @@ impl Pictures {
     /// Two frames of which nothing has been made yet.
     pub fn of(pair: [Arc<Frame>; 2]) -> Self {
         Self { pair, names: [const { None }; 2], prediction: None }
+    }
+
+    /// What `view` shows where the step works on `levels` of a pyramid: the frames of the level that is `shown`, each of its
+    /// pixels as large as it is in the picture. A prediction is of the picture itself.
+    #[must_use]
+    pub fn on_level(&self, levels: Option<&Levels>, shown: LevelShown, view: View) -> Self {
+        let level = levels.map_or(0, |levels| shown.of(levels));
+        let Some(levels) = levels.filter(|_| level > 0 && !view.is_of_the_end()) else { return self.clone() };
+        let (width, height) = levels.size(level);
+        let name = || Some(format!("level {level}, {width}×{height} px"));
+        Self { pair: levels.pair(level), names: [name(), name()], prediction: self.prediction.clone() }
+    }
+}
+
+/// Which level of a pyramid is looked at, where a step works on one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum LevelShown {
+    /// The one at work: what the search really sees.
+    #[default]
+    AtWork,
+    /// Always this one, or the coarsest if there are fewer; 0 is the picture itself.
+    Number(usize),
+}
+
+impl LevelShown {
+    /// Which of `levels` that is.
+    pub fn of(self, levels: &Levels) -> usize {
+        match self {
+            Self::AtWork => levels.at_work,
+            Self::Number(level) => level.min(levels.all.len() - 1),
+        }
+    }
+}
+
+impl fmt::Display for LevelShown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::AtWork => f.write_str("at-work"),
+            Self::Number(level) => level.fmt(f),
+        }
+    }
+}
+
+impl FromStr for LevelShown {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let told = || Error::new(format!("a level is at-work or a number, 0 for the picture itself, and not {text}"));
+        match text {
+            "at-work" => Ok(Self::AtWork),
+            _ => text.parse().map(Self::Number).map_err(|_| told()),
+        }
     }
 }
 
@@ -246,15 +300,17 @@ impl Shown {
         };
         let number = |number: &str| if frame.is_some() { format!(" = {number}") } else { String::new() };
         let name = |i: usize| names[i].as_ref().map_or_else(String::new, |name| format!(" · {name}"));
+        // Two files have names of their own, a level is that of both frames.
+        let both = if names[0] == names[1] { name(0) } else { String::new() };
         let gain = if self.gain > 1 { format!(" × {}", self.gain) } else { String::new() };
         match self.panel {
             Panel::Current => format!("Frame t{}{}", number(&t), name(0)),
             Panel::Next => format!("Frame t+1{}{}", number(&next), name(1)),
-            Panel::Difference => format!("|frame {next} − frame {t}|{gain}"),
-            Panel::Blend if self.share == Share::default() => format!("Mean of frames {t} and {next}"),
+            Panel::Difference => format!("|frame {next} − frame {t}|{gain}{both}"),
+            Panel::Blend if self.share == Share::default() => format!("Mean of frames {t} and {next}{both}"),
             Panel::Blend => {
                 let percent = (self.share.get() * 100.0).round();
-                format!("{} % frame {t} + {percent} % frame {next}", 100.0 - percent)
+                format!("{} % frame {t} + {percent} % frame {next}{both}", 100.0 - percent)
             }
             Panel::Prediction => format!("Prediction of frame t{}{}", number(&t), name(0)),
             Panel::Residual => format!("|frame {t} − its prediction|{gain}"),
@@ -335,6 +391,9 @@ mod tests {
         assert_eq!(title(Panel::Difference, half, Some(12)), "|frame 13 − frame 12| × 8");
         assert_eq!(title(Panel::Blend, half, None), "Mean of frames t and t+1");
         assert_eq!(title(Panel::Blend, Share(0.8), Some(12)), "20 % frame 12 + 80 % frame 13");
+        let level = ["level 2, 80×60 px"; 2].map(|name| Some(name.to_owned()));
+        let shown = Shown { panel: Panel::Difference, share: half, gain: 8 };
+        assert_eq!(shown.title(Some(12), &level), "|frame 13 − frame 12| × 8 · level 2, 80×60 px");
     }
 
     #[test]

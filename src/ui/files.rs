@@ -199,6 +199,7 @@ impl App {
         let (stage, settings) = (&self.states.stage, &self.settings);
         Look {
             view: Some(stage.view),
+            level: stage.level,
             share: stage.share(),
             theme: settings.theme(),
             colors: settings.colors(),
@@ -210,9 +211,10 @@ impl App {
 
     /// Has pictures look like this from now on.
     fn look_as(&mut self, look: Look) {
-        let Look { view, share, theme, colors, lengthen, legend, caption } = look;
+        let Look { view, level, share, theme, colors, lengthen, legend, caption } = look;
         let stage = &mut self.states.stage;
-        (stage.view, stage.blend, stage.legend) = (view.unwrap_or_default(), share.get(), legend);
+        (stage.view, stage.level) = (view.unwrap_or_default(), level);
+        (stage.blend, stage.legend) = (share.get(), legend);
         self.settings.set_theme(theme);
         self.settings.set_colors(colors);
         self.settings.set_lengthen(lengthen);

@@ -25,8 +25,8 @@ use crate::block_search::{
 use crate::scene::{Fact, Readout, Sentence};
 use crate::threads::Earlier;
 use crate::{
-    BlockGrid, Clip, Counted, Error, Estimator, Frame, Info, Observer, Output, Progress, Promise, Role, Rung, Scene,
-    Seen, Step, Threads, choices, pyramid,
+    BlockGrid, Clip, Counted, Error, Estimator, Frame, Info, Level, Levels, Observer, Output, Progress, Promise, Role,
+    Rung, Scene, Seen, Step, Threads, choices, pyramid,
 };
 
 choices! {
@@ -72,6 +72,8 @@ block_search_params! {
 pub struct State {
     /// The two frames and their blocks, level by level; the picture itself is level 0.
     levels: Arc<[Pair]>,
+    /// The same frames, to be looked at.
+    pictures: Arc<[Level]>,
     /// What was found, and how many candidates were tested for it, by level and block.
     found: Vec<Vec<(Match, u32)>>,
     /// The level of the next block.
@@ -177,7 +179,8 @@ impl Hierarchical {
             Pair { current, next, blocks, rule: pair.rule }
         });
         let levels: Vec<_> = [pair.clone()].into_iter().chain(coarser).collect();
-        Ok(State { found: vec![Vec::new(); levels.len()], level: levels.len() - 1, levels: levels.into() })
+        let pictures = levels.iter().map(|pair| Level::new([pair.current.clone(), pair.next.clone()])).collect();
+        Ok(State { found: vec![Vec::new(); levels.len()], level: levels.len() - 1, levels: levels.into(), pictures })
     }
 
     /// The levels of the pyramid over `frame`.
@@ -393,6 +396,9 @@ impl Estimator for Hierarchical {
         let mut level = Scene::default();
         self.probe(seen, &found).draw(&mut level);
         scene.add_enlarged(level, 1 << seen.before.level);
+        // Before anything was done the picture itself is what there is.
+        let at_work = if seen.events.is_empty() { 0 } else { seen.before.level };
+        scene.levels = Some(Levels { all: seen.before.pictures.clone(), at_work });
     }
 
     fn output(&self, state: &State) -> Output {

@@ -6,6 +6,7 @@
 mod bar;
 mod glide;
 mod lens;
+mod levels;
 mod lockstep;
 mod marks;
 mod pictures;
@@ -23,7 +24,7 @@ pub use lockstep::Lockstep;
 pub(crate) use pixels::on_gray;
 
 use super::ink;
-use crate::paint::{self, ColorMap, Face, Lengthen, Panel, Share, Shown, Theme, View};
+use crate::paint::{self, ColorMap, Face, Lengthen, LevelShown, Panel, Share, Shown, Theme, View};
 use crate::tile::Tile;
 use glide::Glide;
 use marks::Marks;
@@ -68,6 +69,9 @@ pub struct State {
     /// Which pictures are seen.
     #[serde(with = "view_id")]
     pub view: View,
+    /// Which level of a pyramid is seen, where the step works on one.
+    #[serde(skip)]
+    pub level: LevelShown,
     /// Share of frame t + 1 in a blend, 0 to 1.
     pub blend: f32,
     /// Where and how closely one looks.
@@ -95,6 +99,7 @@ impl Default for State {
     fn default() -> Self {
         Self {
             view: View::default(),
+            level: LevelShown::default(),
             blend: 0.5,
             zoom: Zoom::Fit,
             legend: true,
@@ -159,6 +164,10 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     if let Some(lockstep) = &input.lockstep {
         lockstep::tools(ui, lockstep, &mut response);
     }
+    levels::tools(ui, &input, &mut state.level);
+    // Each of several estimators has its own level.
+    let on_level = input.pictures.on_level(input.scene.levels.as_ref(), state.level, view(&input, state));
+    let input = Input { pictures: &on_level, ..input };
     let below = bar::height_below(ui, &input, state);
     let room = vec2(ui.available_width(), (ui.available_height() - below).max(40.0));
     let (area, _) = ui.allocate_exact_size(room, Sense::hover());
@@ -187,7 +196,8 @@ struct Spot<'a> {
 }
 
 /// Every picture in its place.
-fn spots<'a>(area: Rect, panels: &[Panel], input: &Input<'a>, zoom: Zoom) -> Vec<Spot<'a>> {
+fn spots<'a>(area: Rect, panels: &[Panel], input: &Input<'a>, state: &State) -> Vec<Spot<'a>> {
+    let zoom = state.zoom;
     let size = input.pictures.pair[0].size();
     let Some(Lockstep { tiles, .. }) = input.lockstep else {
         let panes = split(area, panels.len(), size, bar::line_height(input.theme));
@@ -200,13 +210,14 @@ fn spots<'a>(area: Rect, panels: &[Panel], input: &Input<'a>, zoom: Zoom) -> Vec
         };
         return panels.iter().zip(panes).map(spot).collect();
     };
+    let view = view(input, state);
     let panes = lockstep::split(area, tiles.len(), size, lockstep::header(input.theme));
     let spot = |(member, (tile, pane)): (usize, (&'a Tile, Rect))| Spot {
         member,
         panel: panels.first().copied().unwrap_or(Panel::Next),
         lens: Lens::new(pane, size, zoom),
         scene: &tile.scene,
-        pictures: tile.pictures(input.pictures),
+        pictures: tile.pictures(input.pictures, state.level, view),
     };
     tiles.iter().zip(panes).enumerate().map(spot).collect()
 }
@@ -229,7 +240,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     let panels = panels(view(input, state), time);
     ui.painter().rect_filled(area, 0.0, ink::color(input.theme.chrome().background));
     let mut hovered = None;
-    let spots = spots(area, panels, input, state.zoom);
+    let spots = spots(area, panels, input, state);
     state.glides.resize_with(spots.last().map_or(1, |spot| spot.member + 1), Glide::default);
     for spot in &spots {
         state.glides[spot.member].follow(spot.scene, input.animate, time);

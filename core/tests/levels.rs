@@ -1,0 +1,99 @@
+//! The pictures of a pyramid's levels against the pyramid itself, and against the marks that lie on them.
+
+use std::sync::Arc;
+
+use motionscope_core::scene::{Picture, Shape};
+use motionscope_core::{Border, Clip, Cursor, Frame, Gray, Grid, Levels, Move, Role, Scene, Walk, Way, estimator};
+
+fn texture(x: usize, y: usize) -> u8 {
+    ((x * x * 3 + y * 37 + x * y * 5) % 251) as u8
+}
+
+fn clip() -> Clip {
+    let frame = |t: usize| Frame::gray(Grid::from_fn(70, 51, |x, y| texture(x + 2 * t, y)));
+    Clip::from_frames("shift", vec![frame(0), frame(1)]).expect("two frames of one size")
+}
+
+fn walk() -> Box<dyn Walk> {
+    let mut search = estimator("hierarchical").expect("it is registered");
+    for (name, value) in [("block", "8"), ("range", "8"), ("levels", "3")] {
+        search.set(name, value).expect("it has the parameter");
+    }
+    search.walk(&clip(), 0).expect("the clip suits the search")
+}
+
+/// Every second pixel, as the mean of 5×5 px with the weights of Burt and Adelson.
+fn halved(picture: &Gray) -> Gray {
+    let weights = [1u32, 4, 6, 4, 1];
+    Grid::from_fn(picture.width().div_ceil(2), picture.height().div_ceil(2), |x, y| {
+        let window = (0..5).flat_map(|j| (0..5).map(move |i| (i, j)));
+        let sum: u32 = window
+            .map(|(i, j)| {
+                let at = picture.at((2 * x + i) as isize - 2, (2 * y + j) as isize - 2, Border::Mirror);
+                weights[i] * weights[j] * u32::from(at)
+            })
+            .sum();
+        ((sum + 128) / 256) as u8
+    })
+}
+
+fn levels(scene: &Scene) -> &Levels {
+    scene.levels.as_ref().expect("it works on a pyramid")
+}
+
+#[test]
+fn the_levels_are_those_of_the_pyramid_and_every_step_shares_them() {
+    let mut walk = walk();
+    let first = walk.scene(None);
+    let all = &levels(&first).all;
+    assert_eq!((all.len(), levels(&first).at_work), (3, 0), "nothing is at work yet");
+    for (i, frame) in [0, 1].into_iter().zip(clip().pair(0).expect("a pair")) {
+        let mut expected: Gray = frame.luma().clone();
+        for level in all.iter() {
+            assert_eq!(*level.pair[i].luma(), expected);
+            expected = halved(&expected);
+        }
+    }
+    loop {
+        walk.jump(Move::Rung(2, Way::Forward));
+        let scene = walk.scene(None);
+        assert!(Arc::ptr_eq(&levels(&scene).all, all), "nothing is copied");
+        let rung = walk.place()[1];
+        let counted = rung.of.expect("levels are known") - 1 - rung.index;
+        assert_eq!(levels(&scene).at_work, counted, "{}", walk.cursor());
+        if walk.at_end() {
+            break;
+        }
+    }
+    assert_eq!(levels(&walk.scene(None)).at_work, 0);
+}
+
+#[test]
+fn what_a_mark_encloses_is_what_the_search_compares() {
+    let mut walk = walk();
+    for (unit, level) in [(0, 2), (3, 2), (6, 1), (12, 1), (40, 0)] {
+        walk.jump(Move::To(Cursor { unit, event: 1 }));
+        let scene = walk.scene(None);
+        let levels = levels(&scene);
+        assert_eq!(levels.at_work, level, "unit {unit}");
+        let block = scene.marks.iter().find_map(|mark| match mark.shape {
+            Shape::Rect { min, max } if (mark.on, mark.role) == (Picture::Current, Role::Reference) => Some([min, max]),
+            _ => None,
+        });
+        let [min, max] = block.expect("the block is marked");
+        let scale = 1usize << level;
+        let (small, [enlarged, _]) = (levels.all[level].pair[0].luma(), levels.pair(level));
+        assert_eq!(enlarged.size(), (70, 51), "as large as the picture");
+        let mut inside = 0;
+        for (x, y) in (0..small.height()).flat_map(|y| (0..small.width()).map(move |x| (x, y))) {
+            let at = [x * scale, y * scale];
+            if (0..2).all(|i| min[i] < at[i] as f32 && (at[i] as f32) < max[i]) {
+                inside += 1;
+                let seen = enlarged.luma()[(at[0], at[1])];
+                assert_eq!(seen, small[(x, y)], "the middle of a pixel stays in its place");
+            }
+        }
+        let size = [0, 1].map(|i| (max[i] - min[i]) as usize / scale);
+        assert_eq!(inside, size[0] * size[1], "unit {unit}: all pixels of the block, and no others");
+    }
+}

@@ -1,0 +1,90 @@
+//! The levels of a pyramid in the window.
+
+use super::*;
+use motionscope::shot::{self, Still};
+use motionscope_core::Levels;
+
+/// A window on a hierarchical search, on its first candidates.
+fn window(lines: &str) -> Window {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("one.motionscope");
+    let start = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"hierarchical\"\nstep = \"7.9\"\n";
+    fs::write(&path, format!("{start}{lines}")).expect("it is written");
+    Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) })
+}
+
+fn levels(window: &Window) -> &Levels {
+    window.shown().scene.levels.as_ref().expect("it works on a pyramid")
+}
+
+/// Whether a picture on the stage is called so.
+fn stage(window: &Window, title: &str) -> bool {
+    window.harness.query_by_role_and_label(Role::Image, &format!("Stage: {title}")).is_some()
+}
+
+#[test]
+fn the_stage_follows_the_level_at_work_or_stays_on_one() {
+    let mut window = window("");
+    assert_eq!(levels(&window).at_work, 2);
+    assert!(stage(&window, "Frame t = 0 · level 2, 80×60 px") && stage(&window, "Frame t+1 = 1 · level 2, 80×60 px"));
+    window.click("Level 0");
+    assert!(stage(&window, "Frame t = 0"), "the picture itself");
+    window.click("Level 1");
+    assert!(stage(&window, "Frame t = 0 · level 1, 160×120 px"));
+    window.command(Command::End);
+    assert!(stage(&window, "Frame t = 0 · level 1, 160×120 px"), "it stays");
+    window.click("Prediction");
+    assert!(stage(&window, "Prediction of frame t = 0"), "there is none of a level");
+    window.click("Side by side");
+    window.click("Level at work");
+    assert!(stage(&window, "Frame t = 0"), "the run ends on the picture");
+    window.command(Command::Start);
+    assert!(stage(&window, "Frame t = 0"), "nothing is at work yet");
+    window.command(Command::Into);
+    assert!(stage(&window, "Frame t = 0 · level 2, 80×60 px"));
+}
+
+#[test]
+fn only_what_works_on_a_pyramid_offers_its_levels() {
+    let mut window = Window::usual();
+    assert!(window.harness.query_by_label("Level at work").is_none());
+    window.key(Key::B);
+    assert!(window.harness.query_by_label("Level at work").is_none());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("two.motionscope");
+    let text = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"diamond\"\nstep = \"7.3\"\n[[beside]]\n\
+                estimator = \"hierarchical\"\n";
+    fs::write(&path, text).unwrap();
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) });
+    window.click("Level 2");
+    assert!(window.shown().tiles[1].scene.levels.is_some() && window.shown().scene.levels.is_none());
+    let titles = |start: &str| {
+        let all = window.harness.query_all_by_role(Role::Image);
+        all.filter(|node| node.accesskit_node().label().is_some_and(|label| label.starts_with(start))).count()
+    };
+    assert_eq!(titles("Stage: Frame t+1 = 1 · level 2"), 1, "only that of the hierarchical search");
+}
+
+#[test]
+fn a_session_keeps_the_level_and_a_picture_is_what_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = window("[picture]\nlevel = 1\nview = \"next\"\n");
+    assert!(stage(&window, "Frame t+1 = 1 · level 1, 160×120 px"));
+    let look = Look { level: LevelShown::Number(1), view: Some(View::Next), ..Look::default() };
+    for (name, what) in [("one.motionscope", What::Session), ("one.png", What::Picture)] {
+        let path = folder.path().join(name);
+        window.harness.state_mut().write(Order { what, path, scale: 1, look });
+        window.settle();
+    }
+    let shown = window.shown();
+    let (clip, estimator) = (&shown.subject.clip, &*shown.subject.estimator);
+    let mut walk = estimator.walk(clip, 0).unwrap();
+    walk.jump(motionscope_core::Move::To(window.cursor()));
+    let still = Still::of(&*walk, clip, &shot::pair(clip, 0).unwrap());
+    let drawn = still.moment(estimator).encode(&look, Format::Png, 1).unwrap();
+    assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
+    let session = Session::load(&folder.path().join("one.motionscope")).unwrap();
+    assert_eq!(session.look.level, Some(LevelShown::Number(1)));
+    let at_work = Look { level: LevelShown::AtWork, ..look };
+    assert!(still.moment(estimator).encode(&at_work, Format::Png, 1).unwrap() != drawn, "level 2 is at work");
+}
