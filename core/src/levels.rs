@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-use crate::{Frame, Grid};
+use crate::{Frame, Grid, Role};
 
 /// Frames t and t + 1 on one level of a pyramid.
 ///
@@ -71,6 +71,31 @@ impl Levels {
     /// Width and height of a level in its own px.
     pub fn size(&self, level: usize) -> (usize, usize) {
         self.all[level].pair[0].size()
+    }
+}
+
+/// A pyramid as a stack of pictures, with what a step works on at each level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stack {
+    /// The pictures.
+    pub levels: Levels,
+    /// What lies on each, from level 0 on.
+    pub floors: Vec<Floor>,
+}
+
+/// What lies on one level, in its own px.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Floor {
+    /// First and last edge of what is at hand, a block or a window.
+    pub at_hand: Option<[[f32; 2]; 2]>,
+    /// The displacement that was found for it there, or the best so far, as the role says.
+    pub vector: Option<([f32; 2], Role)>,
+}
+
+impl Floor {
+    /// The middle of what is at hand.
+    pub fn middle(&self) -> Option<[f32; 2]> {
+        self.at_hand.map(|[min, max]| [0, 1].map(|i| (min[i] + max[i]) / 2.0))
     }
 }
 

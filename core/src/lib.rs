@@ -38,7 +38,7 @@ pub use estimator::{
 pub use grid::{Border, Gray, Grid};
 pub use histogram::{Counted, Histogram};
 pub use interpolation::Interpolation;
-pub use levels::{Level, Levels};
+pub use levels::{Floor, Level, Levels, Stack};
 pub use lockstep::{Beside, Lockstep, Pace};
 pub use output::{Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Output, predict};
 pub use params::{Params, Spec, Value};

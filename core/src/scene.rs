@@ -2,7 +2,7 @@
 //!
 //! A scene is data. Painters (window, PNG, SVG) choose colours, dashes and halos by [`Role`].
 
-use crate::{Grid, Histogram, Levels};
+use crate::{Grid, Histogram, Levels, Stack};
 
 /// What a mark or a word stands for. A role has one colour, and one shape or line style, everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -356,6 +356,8 @@ pub enum Readout {
     Plane(Plane),
     /// How often each displacement was found.
     Histogram(Histogram),
+    /// A pyramid with what is at hand on each of its levels.
+    Stack(Stack),
 }
 
 /// One labelled number.

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Picture, Shape};
-use motionscope_core::{Border, Clip, Cursor, Frame, Gray, Grid, Levels, Move, Role, Scene, Walk, Way, estimator};
+use motionscope_core::scene::{Picture, Readout, Shape};
+use motionscope_core::{
+    Border, Clip, Cursor, Floor, Frame, Gray, Grid, Levels, Move, Role, Scene, Stack, Walk, Way, estimator,
+};
 
 fn texture(x: usize, y: usize) -> u8 {
     ((x * x * 3 + y * 37 + x * y * 5) % 251) as u8
@@ -96,4 +98,49 @@ fn what_a_mark_encloses_is_what_the_search_compares() {
         let size = [0, 1].map(|i| (max[i] - min[i]) as usize / scale);
         assert_eq!(inside, size[0] * size[1], "unit {unit}: all pixels of the block, and no others");
     }
+}
+
+/// The pyramid as it is told where `walk` stands.
+fn stack(walk: &dyn Walk) -> Stack {
+    let stacks = walk.step(None).readouts.into_iter().filter_map(|readout| match readout {
+        Readout::Stack(stack) => Some(stack),
+        _ => None,
+    });
+    stacks.last().expect("it works on a pyramid")
+}
+
+#[test]
+fn a_stack_has_what_each_level_found_where_the_block_lies() {
+    let mut walk = walk();
+    assert!(stack(&*walk).floors.iter().all(|floor| *floor == Floor::default()), "no block is at hand yet");
+    // What was found, by level and by the middle of the block.
+    let mut found: Vec<(usize, [f32; 2], [f32; 2])> = Vec::new();
+    loop {
+        walk.jump(Move::Rung(2, Way::Forward));
+        let Stack { levels, floors } = stack(&*walk);
+        let level = levels.at_work;
+        let middles: Vec<_> = floors.iter().map(|floor| floor.middle().expect("a block is at hand")).collect();
+        for (other, middle) in middles.iter().enumerate() {
+            // Within one block of each level's own size: blocks are of one size everywhere.
+            let scale = 2f32.powi(level as i32 - other as i32);
+            let off = [0, 1].map(|i| (middle[i] - middles[level][i] * scale).abs());
+            assert!(off.iter().all(|c| *c <= 8.0), "{} level {other}: {off:?}", walk.cursor());
+            match floors[other].vector {
+                None => assert!(other < level),
+                Some((vector, role)) => {
+                    assert_eq!(role, Role::Result, "each block is over here");
+                    match other == level {
+                        true => found.push((level, *middle, vector)),
+                        false => assert!(found.contains(&(other, *middle, vector)), "{} level {other}", walk.cursor()),
+                    }
+                }
+            }
+        }
+        if walk.at_end() {
+            break;
+        }
+    }
+    assert_eq!(found.len(), walk.units().expect("they are known"));
+    walk.jump(Move::To(Cursor { unit: 12, event: 4 }));
+    assert_eq!(stack(&*walk).floors[1].vector.map(|(_, role)| role), Some(Role::Best), "it is not over yet");
 }

@@ -24,6 +24,7 @@ pub mod plane;
 pub mod primitives;
 pub mod rungs;
 pub mod series;
+pub mod stack3d;
 pub mod stage;
 pub mod status;
 pub mod style;

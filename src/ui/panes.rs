@@ -18,8 +18,8 @@ use super::model::document::Document;
 use super::model::loader::Loading;
 use super::model::walker::{Snapshot, View};
 use super::parts::widgets;
-use super::{heat_map, histogram, parameters, plane, series, stage, style, surface3d, tiles, why};
-use crate::paint::Theme;
+use super::{heat_map, histogram, parameters, plane, series, stack3d, stage, style, surface3d, tiles, why};
+use crate::paint::{LevelShown, Theme};
 use crate::shot::Look;
 
 /// What the panes remember between frames, and of it from one day to the next how they are looked at.
@@ -39,6 +39,10 @@ pub struct States {
     pub heat_map: heat_map::State,
     /// The cost surface in three dimensions.
     pub surface3d: surface3d::State,
+    /// The levels of a pyramid in three dimensions.
+    pub stack3d: stack3d::State,
+    /// Whether these stand in the place of the cost surface, where there are some.
+    pub is_stack: bool,
     /// Small pictures with their numbers.
     #[serde(skip)]
     pub tiles: tiles::State,
@@ -232,6 +236,9 @@ impl Panes<'_> {
         };
         let (theme, colors) = (self.look.theme, self.look.colors);
         let (info, step) = self.told(shown);
+        if pane == Pane::Surface3d && pyramid(ui, step, theme, self.states) {
+            return;
+        }
         let states = &mut *self.states;
         let mut clicked = None;
         for readout in &step.readouts {
@@ -279,6 +286,36 @@ impl Panes<'_> {
 /// Whether a step shows lines in the plane of displacements, where others show a cost.
 fn has_plane(step: &Step) -> bool {
     step.readouts.iter().any(|readout| matches!(readout, Readout::Plane(_)))
+}
+
+/// Where the step works on a pyramid: the choice between it and the cost surface, and the pyramid if it is chosen. Gives
+/// whether it is.
+fn pyramid(ui: &mut Ui, step: &Step, theme: Theme, states: &mut States) -> bool {
+    let stack = step.readouts.iter().find_map(|r| if let Readout::Stack(stack) = r { Some(stack) } else { None });
+    let Some(stack) = stack else { return false };
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for (is_stack, text, tip) in [
+            (false, "Surface", "The cost of every displacement tested."),
+            (true, "Pyramid", "The levels of the pyramid, with the block and what was found for it on each."),
+        ] {
+            let chosen = ui.selectable_value(&mut states.is_stack, is_stack, text).on_hover_text(tip);
+            if chosen.changed() {
+                ui.ctx().request_repaint();
+            }
+        }
+    });
+    if !states.is_stack {
+        return false;
+    }
+    let stage = &mut states.stage;
+    let input = stack3d::Input { stack, on_stage: stage.level.of(&stack.levels), theme };
+    if let Some(level) = stack3d::show(ui, input, &mut states.stack3d).clicked {
+        // The stage may be drawn already.
+        stage.level = LevelShown::Number(level);
+        ui.ctx().request_repaint();
+    }
+    true
 }
 
 /// All quantities over steps, one below the other; gives the event that was clicked.

@@ -88,3 +88,40 @@ fn a_session_keeps_the_level_and_a_picture_is_what_is_shown() {
     let at_work = Look { level: LevelShown::AtWork, ..look };
     assert!(still.moment(estimator).encode(&at_work, Format::Png, 1).unwrap() != drawn, "level 2 is at work");
 }
+
+/// The picture of the pyramid, and what it is called.
+fn pyramid(window: &Window) -> Option<(Rect, String)> {
+    let all = window.harness.query_all_by_role(Role::Image);
+    all.into_iter().find_map(|node| {
+        let label = node.accesskit_node().label().filter(|label| label.starts_with("Pyramid. "))?;
+        Some((node.rect(), label))
+    })
+}
+
+#[test]
+fn the_pyramid_stands_in_three_dimensions_and_a_click_puts_a_level_on_the_stage() {
+    let mut window = window("");
+    assert!(pyramid(&window).is_none());
+    window.click("Pyramid");
+    let (rect, told) = pyramid(&window).expect("it is chosen");
+    assert!(told.contains("Level 2, 80×60 px: best so far") && told.contains("Level 0, 320×240 px. Drag"), "{told}");
+    // The highest plane is the coarsest level: the first one below the upper edge.
+    let middle = rect.center().x - 0.15 * rect.width();
+    window.click("Level 0");
+    let titles = ["Frame t = 0", "Frame t = 0 · level 1, 160×120 px", "Frame t = 0 · level 2, 80×60 px"];
+    let mut seen = vec![0];
+    for i in 1..14 {
+        window.click_at(Pos2::new(middle, rect.min.y + rect.height() * i as f32 / 14.0));
+        let level = titles.iter().position(|title| stage(&window, title)).expect("one of them is on the stage");
+        seen.extend(Some(level).filter(|level| seen.last() != Some(level)));
+    }
+    assert_eq!(seen, [0, 2, 1, 0], "from the top down");
+    window.click("Level at work");
+    window.command(Command::End);
+    let (_, told) = pyramid(&window).expect("it stays");
+    assert!(["Level 2, 80×60 px: found", "Level 1, 160×120 px: found"].iter().all(|part| told.contains(part)));
+    window.drag(rect.center(), rect.center() + vec2(60.0, 20.0));
+    assert!(stage(&window, "Frame t = 0"), "turning chooses nothing");
+    window.click("Surface");
+    assert!(pyramid(&window).is_none());
+}

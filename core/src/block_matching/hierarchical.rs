@@ -12,6 +12,7 @@
 //!      └───────┘       . . . . .
 //! ```
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use super::{
@@ -25,8 +26,8 @@ use crate::block_search::{
 use crate::scene::{Fact, Readout, Sentence};
 use crate::threads::Earlier;
 use crate::{
-    BlockGrid, Clip, Counted, Error, Estimator, Frame, Info, Level, Levels, Observer, Output, Progress, Promise, Role,
-    Rung, Scene, Seen, Step, Threads, choices, pyramid,
+    Block, BlockGrid, Clip, Counted, Error, Estimator, Floor, Frame, Info, Level, Levels, Observer, Output, Progress,
+    Promise, Role, Rung, Scene, Seen, Stack, Step, Threads, choices, pyramid,
 };
 
 choices! {
@@ -101,6 +102,28 @@ impl State {
         coarser.nearest(x.min(coarser.picture.0 - 1), y.min(coarser.picture.1 - 1))
     }
 
+    /// Block `index` of `level`, and on each coarser level the one from which the one below inherits.
+    fn line(&self, level: usize, index: usize) -> Vec<usize> {
+        let mut line = vec![index];
+        for coarser in level + 1..self.levels.len() {
+            let (column, row) = self.parent(coarser - 1, line[line.len() - 1]);
+            line.push(row * self.levels[coarser].blocks.counts().0 + column);
+        }
+        line
+    }
+
+    /// The block of each level that lies where the next block does, from level 0 on.
+    fn column(&self) -> Vec<usize> {
+        let center = self.pair().blocks.block(self.index()).center();
+        let finer = (0..self.level).map(|level| {
+            let blocks = &self.levels[level].blocks;
+            let [x, y] = center.map(|c| (c * (1u32 << (self.level - level)) as f32) as usize);
+            let (column, row) = blocks.nearest(x.min(blocks.picture.0 - 1), y.min(blocks.picture.1 - 1));
+            row * blocks.counts().0 + column
+        });
+        finer.chain(self.line(self.level, self.index())).collect()
+    }
+
     /// The first unit of a level.
     fn first_unit(&self, level: usize) -> usize {
         self.levels[level + 1..].iter().map(|pair| pair.blocks.len()).sum()
@@ -121,6 +144,12 @@ impl State {
     /// What was found so far on the level at hand.
     fn matches(&self) -> Vec<Match> {
         self.found[self.level].iter().map(|(found, _)| *found).collect()
+    }
+
+    /// The pyramid after so many events; before anything was done the picture itself is what there is.
+    fn shown(&self, events: &[Event]) -> Levels {
+        let at_work = if events.is_empty() { 0 } else { self.level };
+        Levels { all: self.pictures.clone(), at_work }
     }
 
     /// How many px of the picture one of the level at hand is.
@@ -234,6 +263,30 @@ impl Hierarchical {
         });
     }
 
+    /// The pyramid with the block at hand on every level, and what was found for it there.
+    fn stack(&self, seen: &Seen<Self>, probe: &Probe) -> Stack {
+        let state = seen.before;
+        let floor = |(level, index): (usize, usize)| {
+            let Block { x, y, width, height } = state.levels[level].blocks.block(index);
+            let min = [x as f32 - 0.5, y as f32 - 0.5];
+            let vector = match level.cmp(&state.level) {
+                Ordering::Less => None,
+                Ordering::Equal => {
+                    let role = if probe.is_over() { Role::Result } else { Role::Best };
+                    probe.best().map(|best| (best.vector(), role))
+                }
+                Ordering::Greater => Some((state.found[level][index].0.vector(), Role::Result)),
+            };
+            Floor { at_hand: Some([min, [min[0] + width as f32, min[1] + height as f32]]), vector }
+        };
+        // Before anything was done no block is at hand.
+        let floors = match seen.events {
+            [] => vec![Floor::default(); state.levels.len()],
+            _ => state.column().into_iter().enumerate().map(floor).collect(),
+        };
+        Stack { levels: state.shown(seen.events), floors }
+    }
+
     fn probe<'a>(&self, seen: &'a Seen<Self>, found: &'a [Match]) -> Probe<'a> {
         let Seen { before, events, focus, .. } = *seen;
         let focus = focus.map(|point| point.map(|c| c / before.scale()));
@@ -322,15 +375,8 @@ impl Estimator for Hierarchical {
 
     /// From the coarsest level on: the nearest block of each, from which the one below inherits.
     fn way_to(&self, state: &State, block: usize) -> Vec<usize> {
-        let mut way = vec![block + state.first_unit(0)];
-        let mut index = block;
-        for level in 1..state.levels.len() {
-            let (column, row) = state.parent(level - 1, index);
-            index = row * state.levels[level].blocks.counts().0 + column;
-            way.push(state.first_unit(level) + index);
-        }
-        way.reverse();
-        way
+        let line = state.line(0, block).into_iter().enumerate();
+        line.map(|(level, index)| state.first_unit(level) + index).rev().collect()
     }
 
     fn is_evaluation(&self, event: &Event) -> bool {
@@ -388,6 +434,7 @@ impl Estimator for Hierarchical {
             let value = format!("{} of {of} to 0, {width}×{height} px", state.level);
             facts.insert(0, Fact { label: "Level", value, role: None });
         }
+        readouts.push(Readout::Stack(self.stack(seen, &probe)));
         Step { line, sentence, readouts }
     }
 
@@ -396,9 +443,7 @@ impl Estimator for Hierarchical {
         let mut level = Scene::default();
         self.probe(seen, &found).draw(&mut level);
         scene.add_enlarged(level, 1 << seen.before.level);
-        // Before anything was done the picture itself is what there is.
-        let at_work = if seen.events.is_empty() { 0 } else { seen.before.level };
-        scene.levels = Some(Levels { all: seen.before.pictures.clone(), at_work });
+        scene.levels = Some(seen.before.shown(seen.events));
     }
 
     fn output(&self, state: &State) -> Output {

@@ -56,7 +56,7 @@ impl Probe<'_> {
     }
 
     /// The best candidate so far.
-    pub(super) fn best(&self) -> Option<Match> {
+    pub fn best(&self) -> Option<Match> {
         let newest = self.events.iter().rposition(|event| matches!(event, Event::NewBest { .. }))?;
         let (best, _) = Probe { events: &self.events[..newest], ..*self }.candidate()?;
         let fitted = self.events[newest..].iter().find_map(|event| match event {
@@ -70,7 +70,7 @@ impl Probe<'_> {
         self.events.iter().filter(|event| event.is_candidate()).count()
     }
 
-    pub(super) fn is_over(&self) -> bool {
+    pub fn is_over(&self) -> bool {
         matches!(self.events.last(), Some(Event::Found(_)))
     }
 

@@ -27,6 +27,7 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, shown: &mut LevelShown) {
             response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_chosen, format!("Level {text}")));
             if response.on_hover_text(tip).clicked() {
                 *shown = choice;
+                ui.ctx().request_repaint();
             }
         }
         let (seen, (width, height)) = (shown.of(levels), levels.size(shown.of(levels)));

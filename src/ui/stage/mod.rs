@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;
+pub(crate) use pictures::image_of;
 pub(crate) use pixels::on_gray;
 
 use super::ink;

@@ -16,13 +16,12 @@ use glam::Vec3;
 use motionscope_core::scene::Surface;
 use serde::{Deserialize, Serialize};
 
-pub use orbit::Orbit;
+pub use orbit::{Orbit, Room, Screen};
 
 use super::axis::Axis;
 use super::{heat_map, ink};
 use crate::paint::{ColorMap, Face, Theme, number};
 use gpu::Gpu;
-use orbit::Screen;
 use relief::{Bench, Relief};
 
 /// What is shown.
@@ -56,11 +55,11 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let (rect, sensed) = ui.allocate_exact_size(size, Sense::click_and_drag());
     let name = format!("{} in three dimensions. Drag to turn, wheel to come nearer.", heat_map::summary(input.surface));
     sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name.clone()));
-    turn(ui, &sensed, &mut state.orbit);
+    turn(ui, &sensed, &mut state.orbit, Orbit::default());
     if !ui.is_rect_visible(rect) {
         return;
     }
-    let screen = Screen::new(rect, &state.orbit, vec2(4.5, 1.8) * input.theme.sizes().small);
+    let screen = Screen::new(rect, &state.orbit, Room::SURFACE, vec2(4.5, 1.8) * input.theme.sizes().small);
     let painter = ui.painter_at(rect);
     let bench = Bench::new(input.surface);
     let (eye, theme, taken) = (state.orbit.eye(), input.theme, RefCell::default());
@@ -77,9 +76,10 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     }
 }
 
-fn turn(ui: &Ui, sensed: &egui::Response, orbit: &mut Orbit) {
+/// Has the person turn what was `sensed`, and come nearer; a double click goes back to what is `usual`.
+pub fn turn(ui: &Ui, sensed: &egui::Response, orbit: &mut Orbit, usual: Orbit) {
     if sensed.double_clicked() {
-        *orbit = Orbit::default();
+        *orbit = usual;
     }
     if sensed.dragged() {
         *orbit = orbit.turned(sensed.drag_delta());
@@ -299,7 +299,7 @@ mod tests {
         let relief = relief::relief(&surface, ColorMap::Viridis, Theme::Dark);
         let orbit = Orbit { yaw_rad: 0.0, ..Orbit::default() };
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(300.0, 200.0));
-        let mesh = flat(&relief, &Screen::new(rect, &orbit, Vec2::ZERO), orbit.eye());
+        let mesh = flat(&relief, &Screen::new(rect, &orbit, Room::SURFACE, Vec2::ZERO), orbit.eye());
         assert!(mesh.is_valid() && rect.contains_rect(mesh.calc_bounds()));
         let row = |index: u32| relief.vertices[index as usize].grid[1];
         let (first, last) = (row(mesh.indices[0]), row(mesh.indices[mesh.indices.len() - 1]));

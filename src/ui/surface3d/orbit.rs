@@ -8,8 +8,6 @@ use serde::{Deserialize, Serialize};
 const FIELD_OF_VIEW_RAD: f32 = 0.5;
 const DISTANCE: f32 = 5.6;
 const ZOOM: (f32, f32) = (0.4, 6.0);
-/// How high the pins reach.
-const TOP: f32 = 1.3;
 /// What the camera looks at: above the ground, in the middle of what stands on it.
 const TARGET: Vec3 = Vec3::new(0.0, 0.4, 0.0);
 
@@ -28,6 +26,20 @@ impl Default for Orbit {
     fn default() -> Self {
         Self { yaw_rad: -0.5, pitch_rad: 0.68, zoom: 1.0 }
     }
+}
+
+/// The room that the world takes, whichever way it is turned.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    /// How far the ground reaches from its middle.
+    pub ground: f32,
+    /// How high the highest is, and how far that reaches from the middle.
+    pub top: [f32; 2],
+}
+
+impl Room {
+    /// That of a surface. Pins at its very corners are rare: they may reach into the margin.
+    pub const SURFACE: Self = Self { ground: std::f32::consts::SQRT_2, top: [1.3, 0.8] };
 }
 
 impl Orbit {
@@ -54,28 +66,27 @@ impl Orbit {
 
     /// Clip space from the world, for a picture of `size` points with a `margin` left and right, above and below.
     ///
-    /// At zoom 1 the world fills the picture, and its size does not change while it turns.
-    pub fn clip_from_world(&self, size: Vec2, margin: Vec2) -> Mat4 {
+    /// At zoom 1 the `room` fills the picture, and its size does not change while it turns.
+    pub fn clip_from_world(&self, room: Room, size: Vec2, margin: Vec2) -> Mat4 {
         let size = size.max(Vec2::splat(1.0));
         let aspect = (size.x / size.y).clamp(0.05, 20.0);
         let projection = perspective(FIELD_OF_VIEW_RAD, aspect, 0.1, 100.0);
         let seen = projection * look_at_mat4(self.eye(), TARGET, Vec3::Y);
-        let (low, high) = extent(&seen);
-        let room = ((size - 2.0 * margin) / size).max(Vec2::splat(0.3)) * 2.0;
-        let scale = self.zoom * (room.x / (high.x - low.x)).min(room.y / (high.y - low.y));
+        let (low, high) = extent(&seen, room);
+        let free = ((size - 2.0 * margin) / size).max(Vec2::splat(0.3)) * 2.0;
+        let scale = self.zoom * (free.x / (high.x - low.x)).min(free.y / (high.y - low.y));
         let middle = (low + high) / 2.0;
         let place = Mat4::from_translation(Vec3::new(-middle.x * scale, -middle.y * scale, 0.0));
         place * Mat4::from_scale(Vec3::new(scale, scale, 1.0)) * seen
     }
 }
 
-/// The part of the picture that the world takes, whichever way it is turned.
-fn extent(seen: &Mat4) -> (glam::Vec2, glam::Vec2) {
-    let radius = std::f32::consts::SQRT_2;
+/// The part of the picture that `room` takes.
+fn extent(seen: &Mat4, room: Room) -> (glam::Vec2, glam::Vec2) {
+    let Room { ground, top: [top, reach] } = room;
     let rim = (0..24).flat_map(|i| {
         let (sin, cos) = (i as f32 / 24.0 * std::f32::consts::TAU).sin_cos();
-        // Pins at the very corners are rare: they may reach into the margin.
-        [Vec3::new(radius * cos, 0.0, radius * sin), Vec3::new(0.8 * cos, TOP, 0.8 * sin)]
+        [Vec3::new(ground * cos, 0.0, ground * sin), Vec3::new(reach * cos, top, reach * sin)]
     });
     let (low, high) = (glam::Vec2::MAX, glam::Vec2::MIN);
     rim.map(|place| seen.project_point3(place).truncate())
@@ -93,8 +104,8 @@ pub struct Screen {
 
 impl Screen {
     /// The world as seen from `orbit` in `rect` with a `margin` around it for words.
-    pub fn new(rect: Rect, orbit: &Orbit, margin: Vec2) -> Self {
-        Self { rect, clip_from_world: orbit.clip_from_world(rect.size(), margin) }
+    pub fn new(rect: Rect, orbit: &Orbit, room: Room, margin: Vec2) -> Self {
+        Self { rect, clip_from_world: orbit.clip_from_world(room, rect.size(), margin) }
     }
 
     /// Where a place of the world is seen, and its depth from 0 near to 1 far.
@@ -111,7 +122,7 @@ mod tests {
     use eframe::egui::vec2;
 
     fn screen(orbit: &Orbit) -> Screen {
-        Screen::new(Rect::from_min_size(pos2(40.0, 10.0), vec2(600.0, 400.0)), orbit, Vec2::ZERO)
+        Screen::new(Rect::from_min_size(pos2(40.0, 10.0), vec2(600.0, 400.0)), orbit, Room::SURFACE, Vec2::ZERO)
     }
 
     #[test]
@@ -132,7 +143,7 @@ mod tests {
             for i in 0..12 {
                 let orbit = Orbit { yaw_rad: i as f32 * 0.53, ..Orbit::default() };
                 let rect = Rect::from_min_size(Pos2::ZERO, aspect);
-                let screen = Screen::new(rect, &orbit, Vec2::ZERO);
+                let screen = Screen::new(rect, &orbit, Room::SURFACE, Vec2::ZERO);
                 for corner in [[-1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.5, 1.3, -0.5]] {
                     let (at, depth) = screen.project(corner.into());
                     assert!(rect.expand(1.0).contains(at) && (0.0..1.0).contains(&depth), "{aspect} {orbit:?}: {at}");
