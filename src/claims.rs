@@ -76,9 +76,12 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<Claim> {
     let candidates = all(&|row| blocks(row).map_or(0.0, |blocks| blocks.candidates_mean));
     let ms = all(&|row| row.time.as_secs_f64() * 1e3);
     let missed = all(&|row| 100.0 * blocks(row).and_then(|blocks| blocks.missed_share()).unwrap_or(0.0));
-    let db = rows.each_ref().map(|row| row.quality.psnr_db.map_or("perfect".into(), |db| format!("{db:.2} dB")));
+    let prediction = |row: &Row| row.quality.prediction.and_then(|prediction| prediction.psnr_db);
+    let db = rows.each_ref().map(|row| prediction(row).map_or("perfect".into(), |db| format!("{db:.2} dB")));
     let kilobytes = all(&|row| row.figures.memory_bytes as f64 / 1e3);
-    let [noise, light] = [all(&|row| 100.0 * row.figures.kept_in_noise), all(&|row| 100.0 * row.figures.kept_in_light)];
+    let percent = |share: Option<f64>| 100.0 * share.unwrap_or(0.0);
+    let [noise, light] =
+        [all(&|row| percent(row.figures.kept_in_noise)), all(&|row| percent(row.figures.kept_in_light))];
     let rising = |values: [f64; 3]| values[0] < values[1] && values[1] <= values[2];
     let hertz = ms.map(|ms| 1e3 / ms);
     let with = |values: [String; 3], other: [String; 3]| [0, 1, 2].map(|i| format!("{}, {}", values[i], other[i]));

@@ -90,7 +90,7 @@ impl Column {
     pub fn text(&self, row: &Row) -> String {
         match (self.value)(row) {
             Some(value) => format!("{value:.*}", self.digits),
-            None if self.name == "psnr_db" => "perfect".to_owned(),
+            None if self.name == "psnr_db" && row.quality.prediction.is_some() => "perfect".to_owned(),
             None => "–".to_owned(),
         }
     }
@@ -112,7 +112,7 @@ pub const COLUMNS: [Column; 12] = [
     },
     Column { heading: "ms", name: "ms", value: |r| Some(r.time.as_secs_f64() * 1e3), digits: 2 },
     Column { heading: "kB", name: "memory_kb", value: |r| Some(r.figures.memory_bytes as f64 / 1e3), digits: 1 },
-    Column { heading: "PSNR dB", name: "psnr_db", value: |r| r.quality.psnr_db, digits: 2 },
+    Column { heading: "PSNR dB", name: "psnr_db", value: |r| r.quality.prediction?.psnr_db, digits: 2 },
     Column { heading: "EPE px", name: "epe_px", value: |r| r.quality.truth.map(|e| e.epe_px), digits: 3 },
     Column {
         heading: "missed %",
@@ -123,23 +123,28 @@ pub const COLUMNS: [Column; 12] = [
     Column {
         heading: "noise %",
         name: "kept_in_noise_percent",
-        value: |r| percent(r.figures.kept_in_noise),
+        value: |r| r.figures.kept_in_noise.and_then(percent),
         digits: 1,
     },
     Column {
         heading: "light %",
         name: "kept_in_light_percent",
-        value: |r| percent(r.figures.kept_in_light),
+        value: |r| r.figures.kept_in_light.and_then(percent),
         digits: 1,
     },
-    Column { heading: "residual kB", name: "residual_kb", value: |r| kilobytes(r.quality.residual_bits), digits: 2 },
+    Column {
+        heading: "residual kB",
+        name: "residual_kb",
+        value: |r| kilobytes(r.quality.prediction?.residual_bits),
+        digits: 2,
+    },
     Column {
         heading: "vectors kB",
         name: "vectors_kb",
-        value: |r| r.quality.vector_bits.and_then(kilobytes),
+        value: |r| r.quality.prediction?.vector_bits.and_then(kilobytes),
         digits: 2,
     },
-    Column { heading: "anew kB", name: "frame_kb", value: |r| kilobytes(r.quality.frame_bits), digits: 2 },
+    Column { heading: "anew kB", name: "frame_kb", value: |r| kilobytes(r.quality.prediction?.frame_bits), digits: 2 },
 ];
 
 fn finite(value: f64) -> Option<f64> {

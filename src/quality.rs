@@ -1,7 +1,8 @@
 //! How good an estimate is, for the command line and for the window.
 
+use motionscope_core::metrics::{self, FlowError};
 use motionscope_core::scene::Fact;
-use motionscope_core::{BlockField, Clip, Coding, Error, Output, metrics};
+use motionscope_core::{BlockField, Clip, Coding, Error, Gray, Output, PointField, Status};
 use serde::Serialize;
 
 use crate::paint::grouped;
@@ -11,14 +12,12 @@ use crate::paint::grouped;
 pub struct Quality {
     /// Candidates that were tested, where there are such.
     pub candidates: Option<u64>,
-    /// Peak signal-to-noise ratio in dB of the motion-compensated prediction of frame t; `None` if it is perfect.
-    pub psnr_db: Option<f64>,
-    /// Bits of the frame sent anew, by zero-order entropy.
-    pub frame_bits: f64,
-    /// Bits of the residual that the prediction leaves.
-    pub residual_bits: f64,
-    /// Bits of the displacements of blocks.
-    pub vector_bits: Option<f64>,
+    /// What the motion-compensated prediction of frame t is worth, where there is one.
+    #[serde(flatten)]
+    pub prediction: Option<Prediction>,
+    /// What became of the features, where there are such.
+    #[serde(flatten)]
+    pub features: Option<Features>,
     /// Errors against the true flow, where it is known.
     #[serde(flatten)]
     pub truth: Option<AgainstTruth>,
@@ -27,11 +26,49 @@ pub struct Quality {
     pub truth_error: Option<Error>,
 }
 
+/// A motion-compensated prediction in numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Prediction {
+    /// Peak signal-to-noise ratio in dB; `None` if it is perfect.
+    pub psnr_db: Option<f64>,
+    /// Bits of the frame sent anew, by zero-order entropy.
+    pub frame_bits: f64,
+    /// Bits of the residual that the prediction leaves.
+    pub residual_bits: f64,
+    /// Bits of the displacements of blocks.
+    pub vector_bits: Option<f64>,
+}
+
+/// How many features there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Features {
+    /// All of them.
+    pub points: usize,
+    /// Those that were tracked, if any were to be.
+    pub tracked: Option<usize>,
+}
+
+impl Features {
+    fn of(field: &PointField) -> Self {
+        let points = field.points.len();
+        let is_tracked = field.count(|status| status == Status::Found) < points;
+        Self { points, tracked: is_tracked.then(|| field.count(|status| status == Status::Tracked)) }
+    }
+
+    /// The same in words: `500, tracked 478`.
+    pub fn text(&self) -> String {
+        let tracked = self.tracked.map_or_else(String::new, |tracked| format!(", tracked {}", grouped(tracked)));
+        format!("{}{tracked}", grouped(self.points))
+    }
+}
+
 /// Errors over the pixels whose true motion is known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AgainstTruth {
     /// Mean endpoint error in px.
     pub epe_px: f64,
+    /// Median endpoint error in px.
+    pub epe_median_px: f64,
     /// Mean angular error in degrees.
     pub aae_deg: f64,
     /// Pixels compared.
@@ -42,7 +79,32 @@ impl AgainstTruth {
     fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Option<Self>, Error> {
         let Some(truth) = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten() else { return Ok(None) };
         let error = metrics::flow_error(&output.flow(), &truth)?;
-        Ok(error.map(|e| Self { epe_px: e.epe_px, aae_deg: e.aae_deg, known: e.known }))
+        Ok(error.map(|FlowError { epe_px, epe_median_px, aae_deg, known }| Self {
+            epe_px,
+            epe_median_px,
+            aae_deg,
+            known,
+        }))
+    }
+}
+
+impl Prediction {
+    fn of(output: &Output, frame: &Gray, picture: &Gray) -> Result<Self, Error> {
+        let psnr = metrics::psnr_db(picture, frame)?;
+        let Coding { frame_bits, residual_bits, vector_bits } = Coding::of(output, frame, picture)?;
+        Ok(Self { psnr_db: psnr.is_finite().then_some(psnr), frame_bits, residual_bits, vector_bits })
+    }
+
+    /// How near it comes, in words.
+    pub fn psnr(&self) -> String {
+        self.psnr_db.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"))
+    }
+
+    /// What motion saves, in words: `8.1 + 0.4 kB, anew 40.2`; without the vectors where nobody would send them.
+    pub fn coding(&self) -> String {
+        let kilobytes = |bits: f64| format!("{:.1}", bits / 8000.0);
+        let vectors = self.vector_bits.map_or_else(String::new, |bits| format!(" + {}", kilobytes(bits)));
+        format!("{}{vectors} kB, anew {}", kilobytes(self.residual_bits), kilobytes(self.frame_bits))
     }
 }
 
@@ -56,42 +118,34 @@ impl Quality {
     pub fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Self, Error> {
         let [current, next] = clip.pair(frame)?;
         let prediction = output.prediction(next.luma());
-        let psnr = metrics::psnr_db(&prediction, current.luma())?;
-        let Coding { frame_bits, residual_bits, vector_bits } = Coding::of(output, current.luma(), &prediction)?;
+        let prediction = prediction.map(|picture| Prediction::of(output, current.luma(), &picture)).transpose()?;
         let (truth, truth_error) = match AgainstTruth::of(clip, frame, output) {
             Ok(truth) => (truth, None),
             Err(error) => (None, Some(error)),
         };
         Ok(Self {
             candidates: output.blocks().map(BlockField::candidates),
-            psnr_db: psnr.is_finite().then_some(psnr),
-            frame_bits,
-            residual_bits,
-            vector_bits,
+            prediction,
+            features: output.points().map(Features::of),
             truth,
             truth_error,
         })
     }
 
-    /// What motion saves, in words: `8.1 + 0.4 kB, anew 40.2`; without the vectors where nobody would send them.
-    pub fn coding(&self) -> String {
-        let kilobytes = |bits: f64| format!("{:.1}", bits / 8000.0);
-        let vectors = self.vector_bits.map_or_else(String::new, |bits| format!(" + {}", kilobytes(bits)));
-        format!("{}{vectors} kB, anew {}", kilobytes(self.residual_bits), kilobytes(self.frame_bits))
-    }
-
     /// The same for a person.
     pub fn facts(&self) -> Vec<Fact> {
         let fact = |label, value| Fact { label, value, role: None };
-        let psnr = self.psnr_db.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
         let mut facts = Vec::new();
         facts.extend(self.candidates.map(|count| fact("Candidates", grouped(count as usize))));
-        facts.extend([
-            fact("Prediction", psnr),
-            fact(if self.vector_bits.is_some() { "Residual + vectors" } else { "Residual" }, self.coding()),
-        ]);
+        facts.extend(self.features.map(|features| fact("Features", features.text())));
+        if let Some(prediction) = self.prediction {
+            let sent = if prediction.vector_bits.is_some() { "Residual + vectors" } else { "Residual" };
+            facts.extend([fact("Prediction", prediction.psnr()), fact(sent, prediction.coding())]);
+        }
         if let Some(truth) = self.truth {
             facts.push(fact("Endpoint error", format!("{:.3} px", truth.epe_px)));
+            // A few that are far off say little of single points.
+            facts.extend(self.features.map(|_| fact("Median error", format!("{:.3} px", truth.epe_median_px))));
             facts.push(fact("Angular error", format!("{:.2}°", truth.aae_deg)));
             facts.push(fact("Known motion", format!("{} pixels", grouped(truth.known))));
         }

@@ -69,7 +69,7 @@ pub fn pair(clip: &Clip, t: usize) -> Result<Pictures, Error> {
 
 /// What can be looked at where `walk` stands, which runs on `pair`.
 pub fn pictures(walk: &dyn Walk, pair: &Pictures) -> Pictures {
-    Pictures { prediction: walk.at_end().then(|| predicted(&walk.output(), pair)), ..pair.clone() }
+    Pictures { prediction: walk.at_end().then(|| predicted(&walk.output(), pair)).flatten(), ..pair.clone() }
 }
 
 /// Everything that a walk shows where it stands.

@@ -29,15 +29,15 @@ pub struct Tile {
 
 /// What a run amounts to where all end: where the budget counts, it may not have come to its own end.
 pub struct Ending {
-    /// The motion-compensated prediction of frame t.
-    pub prediction: Arc<Frame>,
+    /// The motion-compensated prediction of frame t, where there is one.
+    pub prediction: Option<Arc<Frame>>,
     /// How good that is.
     pub quality: Option<Quality>,
 }
 
-/// The motion-compensated prediction of frame t that `output` makes of the other frame of `pair`.
-pub fn predicted(output: &Output, pair: &Pictures) -> Arc<Frame> {
-    Arc::new(Frame::gray(output.prediction(pair.pair[1].luma())))
+/// The motion-compensated prediction of frame t that `output` makes of the other frame of `pair`, if it makes one.
+pub fn predicted(output: &Output, pair: &Pictures) -> Option<Arc<Frame>> {
+    output.prediction(pair.pair[1].luma()).map(|picture| Arc::new(Frame::gray(picture)))
 }
 
 /// What each of the runs in lockstep amounts to, if `walk` stands at its end; `pair` are its frames.
@@ -68,7 +68,7 @@ pub fn tiles(walk: &dyn Walk, focus: Option<[f32; 2]>, endings: &[Ending]) -> Ve
             step: Arc::new(step),
             scene: Arc::new(member.scene),
             is_done: member.is_done,
-            prediction: ending.map(|ending| Arc::clone(&ending.prediction)),
+            prediction: ending.and_then(|ending| ending.prediction.clone()),
             words,
         }
     };
@@ -136,7 +136,10 @@ fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec
 }
 
 fn said_at_end(quality: &Quality, in_all: &str) -> Vec<Sentence> {
-    let psnr = quality.psnr_db.map_or("perfect prediction".into(), |psnr| format!("{psnr:.2} dB PSNR"));
+    let psnr = quality.prediction.map_or_else(String::new, |prediction| match prediction.psnr_db {
+        Some(psnr) => format!("{psnr:.2} dB PSNR"),
+        None => "perfect prediction".into(),
+    });
     let told = |after: String| Sentence::default().ink(Role::Result, psnr.clone()).text(after);
     vec![told(format!("  ·  {in_all} candidates in all")), told(format!("  ·  {in_all} in all")), told(String::new())]
 }

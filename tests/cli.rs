@@ -361,6 +361,35 @@ fn a_dense_flow_is_written_and_told_without_what_only_blocks_have() {
 }
 
 #[test]
+fn features_are_written_and_told_without_what_only_fields_have() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for (id, status) in [("harris", "found"), ("shi-tomasi", "found"), ("pyramidal-lucas-kanade", "tracked")] {
+        let line = format!("run {SMALL} --estimator {id} --set max-points=40");
+        let told = json(here, &format!("{line} --table {id}.csv --overlay {id}.png --json"));
+        let metrics = &told["metrics"];
+        for name in ["psnr_db", "frame_bits", "residual_bits", "vector_bits", "candidates"] {
+            assert!(metrics[name].is_null(), "{id} has no {name}: {metrics}");
+        }
+        let is_tracked = status == "tracked";
+        assert!(
+            metrics["tracked"].is_u64() == is_tracked && metrics["epe_median_px"].is_f64() == is_tracked,
+            "{metrics}"
+        );
+        let table = fs::read_to_string(here.join(format!("{id}.csv"))).unwrap();
+        assert!(table.starts_with("x_px,y_px,u_px,v_px,status,residual\n") && table.contains(status), "{table}");
+        assert_eq!(
+            table.lines().count() as u64 - 1,
+            metrics["points"].as_u64().unwrap(),
+            "{id}: a row for each feature"
+        );
+        let text = stdout(here, &line);
+        assert!(text.contains("features ") && !text.contains("prediction") && !text.contains("entropy"), "{text}");
+        assert_eq!(text.contains("error "), is_tracked, "{text}");
+    }
+}
+
+#[test]
 fn estimators_in_lockstep_are_drawn_side_by_side() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();

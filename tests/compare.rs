@@ -102,6 +102,21 @@ fn what_only_blocks_have_is_absent_for_a_dense_flow() {
 }
 
 #[test]
+fn what_features_do_not_have_is_absent_for_them() {
+    let rows: Value =
+        serde_json::from_str(&stdout(&format!("compare {SMALL} --estimators pyramidal-lucas-kanade,harris --json")))
+            .unwrap();
+    for name in
+        ["psnr_db", "kept_in_noise_percent", "kept_in_light_percent", "residual_kb", "frame_kb", "missed_percent"]
+    {
+        assert!(rows[0][name].is_null() && rows[1][name].is_null(), "{name}: {rows}");
+    }
+    assert!(rows[0]["epe_px"].is_f64() && rows[1]["epe_px"].is_null() && rows[1]["ms"].is_f64());
+    let text = stdout(&format!("compare {SMALL} --estimators harris"));
+    assert!(!text.contains("perfect"), "{text}");
+}
+
+#[test]
 fn what_cannot_be_compared_is_told() {
     for (more, told) in [
         ("--estimators diamnd", "diamond"),

@@ -1,10 +1,10 @@
-//! How fast optical flow is: `cargo bench -p motionscope-core --bench optical_flow`.
+//! How fast optical flow and the detection of corners are: `cargo bench -p motionscope-core --bench optical_flow`.
 //!
 //! A smooth texture that moves by (0.6, −0.4) px, on one and on two threads. Horn and Schunck's method as in the paper: 100
 //! Jacobi iterations, no pyramid. The others with their defaults.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::{AnyEstimator, Clip, Frame, Grid, Threads, estimators};
+use motionscope_core::{AnyEstimator, Clip, Frame, Grid, Threads, estimator, estimators};
 
 fn clip(width: usize, height: usize) -> Clip {
     let wave = |x: f64, y: f64| {
@@ -14,6 +14,16 @@ fn clip(width: usize, height: usize) -> Clip {
     };
     let frame = |t: f64| Frame::gray(Grid::from_fn(width, height, |x, y| wave(x as f64 - 0.6 * t, y as f64 + 0.4 * t)));
     Clip::from_frames("waves", vec![frame(0.0), frame(1.0)]).expect("two frames of one size")
+}
+
+/// How fast features are tracked when nobody has to find them first, as in the figure of OpenCV that it is held against.
+fn tracking(c: &mut Criterion) {
+    let mut estimator = estimator("pyramidal-lucas-kanade").expect("it is there");
+    estimator.set("points", "grid").expect("in range");
+    let clip = clip(640, 480);
+    c.bench_function("pyramidal-lucas-kanade VGA on a grid, 1 thread(s)", |b| {
+        b.iter(|| estimator.run(&clip, 0, &Threads::single()).expect("a run"));
+    });
 }
 
 fn tuned(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
@@ -28,7 +38,7 @@ fn tuned(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
 fn whole_runs(c: &mut Criterion) {
     for (name, width, height) in [("VGA", 640, 480), ("1080p", 1920, 1080)] {
         let clip = clip(width, height);
-        for estimator in estimators().into_iter().filter(|e| e.info().family == "Optical flow").map(tuned) {
+        for estimator in estimators().into_iter().filter(|e| e.info().family != "Block matching").map(tuned) {
             for threads in [1, 2] {
                 let pool = Threads::new(threads).expect("threads");
                 c.bench_function(&format!("{} {name} {threads} thread(s)", estimator.info().id), |b| {
@@ -39,5 +49,5 @@ fn whole_runs(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, whole_runs);
+criterion_group!(benches, tracking, whole_runs);
 criterion_main!(benches);

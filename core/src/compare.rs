@@ -16,10 +16,10 @@ pub struct Figures {
     /// Memory that the run needs beside the two frames, in bytes.
     pub memory_bytes: usize,
     /// Share of the blocks, or of the pixels of known motion, that keep their displacement, within 1 px, under noise of
-    /// [`NOISE_SIGMA`] in both frames.
-    pub kept_in_noise: f64,
+    /// [`NOISE_SIGMA`] in both frames. `None` for single features: in noise others are found.
+    pub kept_in_noise: Option<f64>,
     /// The same under the change of light of [`LIGHT`].
-    pub kept_in_light: f64,
+    pub kept_in_light: Option<f64>,
     /// Units of the run: blocks, and those of coarser levels before them; rows; iterations.
     pub units: usize,
     /// What is known only of displacements of blocks.
@@ -52,7 +52,7 @@ impl Figures {
         threads: &Threads,
     ) -> Result<Self, Error> {
         let [current, next] = clip.pair(frame)?;
-        let kept = |pair: [Frame; 2]| -> Result<f64, Error> {
+        let kept = |pair: [Frame; 2]| -> Result<Option<f64>, Error> {
             let disturbed = Clip::from_frames("disturbed", pair.into())?;
             Ok(kept(output, &estimator.run(&disturbed, 0, threads)?, [0.0; 2]))
         };
@@ -127,7 +127,10 @@ pub fn kept_in_pan(
     full.set("range", "16")?;
     let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
     let candidates = moved.blocks().map_or(0.0, |field| field.candidates() as f64 / field.vectors.len() as f64);
-    Ok((kept(&still, &moved, [pan_px as f32, 0.0]), candidates))
+    let kept = kept(&still, &moved, [pan_px as f32, 0.0]).ok_or_else(|| {
+        Error::new(format!("{} finds single features, not blocks or pixels that keep", estimator.info().id))
+    })?;
+    Ok((kept, candidates))
 }
 
 /// `estimator` with all parameters that it has in common with `other`, as far as their values are allowed.
@@ -161,23 +164,24 @@ fn missed(output: &BlockField, best: &BlockField) -> Vec<usize> {
 }
 
 /// Share of the displacements of `a` that are in `b` what they are there plus `shift`, within 1 px.
-fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> f64 {
-    let [a, b] = [a, b].map(displacements);
+fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> Option<f64> {
+    let (a, b) = (displacements(a)?, displacements(b)?);
     let close = |a: [f32; 2], b: [f32; 2]| (a[0] + shift[0] - b[0]).hypot(a[1] + shift[1] - b[1]) <= 1.0;
     let both = a.iter().zip(&b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
     let same = both.filter(|(a, b)| close(*a, *b)).count();
-    same as f64 / a.iter().flatten().count().max(1) as f64
+    Some(same as f64 / a.iter().flatten().count().max(1) as f64)
 }
 
-/// The displacement of every block or pixel, where it is known.
-fn displacements(output: &Output) -> Vec<Option<[f32; 2]>> {
-    match output {
+/// The displacement of every block or pixel, where it is known; `None` of features.
+fn displacements(output: &Output) -> Option<Vec<Option<[f32; 2]>>> {
+    Some(match output {
+        Output::Points(_) => return None,
         Output::Blocks(field) => field.vectors.iter().map(|vector| vector.map(|vector| vector.displacement)).collect(),
         Output::Dense(DenseField { flow, .. }) => {
             let known = |uv: &[f32; 2]| Some(*uv).filter(|uv| uv.iter().all(|c| c.is_finite()));
             flow.0.cells().iter().map(known).collect()
         }
-    }
+    })
 }
 
 fn noisy(frame: &Arc<Frame>, seed: u64) -> Frame {
@@ -204,7 +208,10 @@ mod tests {
             let output = estimator.run(&clip, 0, &threads).expect("a run");
             let figures = Figures::of(&*estimator, &output, (&clip, 0), &threads).expect("figures");
             let id = estimator.info().id;
-            assert!((0.0..=1.0).contains(&figures.kept_in_noise) && (0.0..=1.0).contains(&figures.kept_in_light));
+            for kept in [figures.kept_in_noise, figures.kept_in_light] {
+                assert_eq!(kept.is_none(), output.points().is_some(), "{id}");
+                assert!(kept.is_none_or(|kept| (0.0..=1.0).contains(&kept)), "{id}");
+            }
             assert_eq!(figures.blocks.is_some(), estimator.info().family == "Block matching", "{id}");
             let Some(blocks) = &figures.blocks else { continue };
             if id == "full-search" {
@@ -259,6 +266,6 @@ mod tests {
         let output = full.run(&clip, 0, &threads).expect("a run");
         let figures = Figures::of(&*full, &output, (&clip, 0), &threads).expect("figures");
         let missed = figures.blocks.as_ref().and_then(BlockFigures::missed_share);
-        assert_eq!((figures.kept_in_light, missed), (1.0, Some(0.0)));
+        assert_eq!((figures.kept_in_light, missed), (Some(1.0), Some(0.0)));
     }
 }

@@ -71,6 +71,13 @@ pub enum Promise {
         /// Mean error in hundredths of a px.
         off_centi_px: u8,
     },
+    /// A displacement of a fraction of a px for its features on any smooth texture, on average this near.
+    Features {
+        /// Mean error in hundredths of a px.
+        off_centi_px: u8,
+    },
+    /// No displacement, but features: those of a picture that is moved are moved alike.
+    Places,
     /// The part along the gradient of a displacement of a fraction of a px, on any smooth texture.
     AlongGradient,
 }

@@ -12,8 +12,10 @@ mod cost;
 mod differential;
 mod error;
 mod estimator;
+mod features;
 mod grid;
 mod histogram;
+pub mod interest_points;
 mod interpolation;
 mod levels;
 pub mod lockstep;
@@ -40,7 +42,9 @@ pub use histogram::{Counted, Histogram};
 pub use interpolation::Interpolation;
 pub use levels::{Floor, Level, Levels, Stack};
 pub use lockstep::{Beside, Lockstep, Pace};
-pub use output::{Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Output, predict};
+pub use output::{
+    Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Feature, Output, PointField, Status, predict,
+};
 pub use params::{Params, Spec, Value};
 pub use registry::{estimator, estimators};
 pub use scene::{Role, Scene, Step};

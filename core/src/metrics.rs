@@ -7,6 +7,8 @@ use crate::{Error, Flow, Gray};
 pub struct FlowError {
     /// Mean endpoint error in px (Baker et al. 2011).
     pub epe_px: f64,
+    /// Median endpoint error in px.
+    pub epe_median_px: f64,
     /// Mean angular error in degrees between (u, v, 1) and the truth (Barron, Fleet and Beauchemin 1994).
     pub aae_deg: f64,
     /// Pixels compared.
@@ -22,21 +24,35 @@ pub fn flow_error(flow: &Flow, truth: &Flow) -> Result<Option<FlowError>, Error>
         let ((w, h), (tw, th)) = (flow.0.size(), truth.0.size());
         return Err(Error::new(format!("the flow is {w}×{h} and its truth {tw}×{th}; they must have one size")));
     }
-    let (mut endpoint, mut angle, mut known) = (0.0, 0.0, 0);
+    let (mut endpoints, mut angle) = (Vec::new(), 0.0);
     for (&[u, v], &[tu, tv]) in flow.0.cells().iter().zip(truth.0.cells()) {
         if ![u, v, tu, tv].iter().all(|c| c.is_finite()) {
             continue;
         }
         let [u, v, tu, tv] = [u, v, tu, tv].map(f64::from);
-        endpoint += (u - tu).hypot(v - tv);
+        endpoints.push((u - tu).hypot(v - tv));
         // atan2 of cross and dot product: exact also for small angles.
         let cross = [v - tv, tu - u, u * tv - v * tu];
         let dot = u * tu + v * tv + 1.0;
         angle += cross.iter().map(|c| c * c).sum::<f64>().sqrt().atan2(dot);
-        known += 1;
+    }
+    let known = endpoints.len();
+    if known == 0 {
+        return Ok(None);
     }
     let mean = |sum: f64| sum / known as f64;
-    Ok((known > 0).then(|| FlowError { epe_px: mean(endpoint), aae_deg: mean(angle).to_degrees(), known }))
+    let (epe_px, aae_deg) = (mean(endpoints.iter().sum()), mean(angle).to_degrees());
+    Ok(Some(FlowError { epe_px, epe_median_px: median(&mut endpoints), aae_deg, known }))
+}
+
+/// The value in the middle, or the mean of the two there.
+fn median(values: &mut [f64]) -> f64 {
+    let (middle, is_odd) = (values.len() / 2, values.len() % 2 == 1);
+    let (below, &mut at, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    match is_odd {
+        false => (below.iter().copied().fold(f64::NEG_INFINITY, f64::max) + at) / 2.0,
+        true => at,
+    }
 }
 
 /// Peak signal-to-noise ratio in dB of `prediction` for `actual`; infinite if they are equal.
@@ -70,6 +86,16 @@ mod tests {
         truth.0[(1, 0)] = Flow::UNKNOWN;
         assert_eq!(flow_error(&flow, &truth).unwrap(), None);
         assert!(flow_error(&flow, &Flow(Grid::new(1, 1, [0.0; 2]))).is_err());
+    }
+
+    #[test]
+    fn the_median_is_in_the_middle() {
+        let truth = Flow(Grid::new(4, 1, [0.0; 2]));
+        let error = |lengths: [f32; 4]| {
+            let flow = Flow(Grid::from_fn(4, 1, |x, _| [lengths[x], 0.0]));
+            flow_error(&flow, &truth).unwrap().unwrap().epe_median_px
+        };
+        assert_eq!((error([9.0, 1.0, 3.0, 2.0]), error([9.0, f32::NAN, 3.0, 2.0])), (2.5, 3.0));
     }
 
     #[test]

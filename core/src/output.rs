@@ -9,22 +9,27 @@ pub enum Output {
     Blocks(BlockField),
     /// One displacement per pixel.
     Dense(DenseField),
+    /// Features, with displacements where they were tracked.
+    Points(PointField),
 }
 
 impl Output {
-    /// The displacement of every pixel of the picture.
+    /// The displacement of every pixel of the picture; unknown wherever nothing is said of one.
     pub fn flow(&self) -> Flow {
         match self {
             Output::Blocks(field) => field.flow(),
             Output::Dense(field) => field.flow.clone(),
+            Output::Points(field) => field.flow(),
         }
     }
 
-    /// The motion-compensated prediction of frame t from `next`, frame t + 1.
-    pub fn prediction(&self, next: &Gray) -> Gray {
+    /// The motion-compensated prediction of frame t from `next`, frame t + 1; `None` where only single points are known to
+    /// move.
+    pub fn prediction(&self, next: &Gray) -> Option<Gray> {
         match self {
-            Output::Blocks(field) => predict(&field.flow(), next, (field.border, field.filter)),
-            Output::Dense(field) => predict(&field.flow, next, (Border::Replicate, Interpolation::Bilinear)),
+            Output::Blocks(field) => Some(predict(&field.flow(), next, (field.border, field.filter))),
+            Output::Dense(field) => Some(predict(&field.flow, next, (Border::Replicate, Interpolation::Bilinear))),
+            Output::Points(_) => None,
         }
     }
 
@@ -32,7 +37,15 @@ impl Output {
     pub fn blocks(&self) -> Option<&BlockField> {
         match self {
             Output::Blocks(field) => Some(field),
-            Output::Dense(_) => None,
+            Output::Dense(_) | Output::Points(_) => None,
+        }
+    }
+
+    /// The features, if it has any.
+    pub fn points(&self) -> Option<&PointField> {
+        match self {
+            Output::Points(field) => Some(field),
+            Output::Blocks(_) | Output::Dense(_) => None,
         }
     }
 }
@@ -171,6 +184,75 @@ pub struct Confidence {
     pub values: Grid<f32>,
 }
 
+/// Features of a picture, the strongest first where they were ranked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointField {
+    /// Width and height of the picture in px.
+    pub picture: (usize, usize),
+    /// The features.
+    pub points: Vec<Feature>,
+}
+
+/// One feature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Feature {
+    /// Its place in frame t, in px.
+    pub at: [f32; 2],
+    /// Its displacement `[u, v]` in px/frame, if it was tracked.
+    pub displacement: Option<[f32; 2]>,
+    /// What became of it.
+    pub status: Status,
+    /// Mean absolute difference of its window in both frames, in gray levels, if that is known.
+    pub residual: Option<f32>,
+}
+
+/// What became of a feature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// It was found, and nobody looked where it goes.
+    Found,
+    /// It was found again in frame t + 1.
+    Tracked,
+    /// Lost: it leaves the picture.
+    Outside,
+    /// Lost: its window has too little texture to tell two directions apart.
+    Flat,
+    /// Lost: what it led to looks too different.
+    Unlike,
+}
+
+impl Status {
+    /// Kebab-case name, for tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Found => "found",
+            Status::Tracked => "tracked",
+            Status::Outside => "lost-outside",
+            Status::Flat => "lost-flat",
+            Status::Unlike => "lost-unlike",
+        }
+    }
+}
+
+impl PointField {
+    /// The displacements of the features at the pixels nearest to them; unknown everywhere else.
+    pub fn flow(&self) -> Flow {
+        let mut flow = Grid::new(self.picture.0, self.picture.1, Flow::UNKNOWN);
+        for Feature { at: [x, y], displacement, .. } in &self.points {
+            let place = (x.round() as usize, y.round() as usize);
+            if let Some(displacement) = displacement.filter(|_| flow.get(place.0, place.1).is_some()) {
+                flow[place] = displacement;
+            }
+        }
+        Flow(flow)
+    }
+
+    /// How many features have a status for which `is` holds.
+    pub fn count(&self, is: impl Fn(Status) -> bool) -> usize {
+        self.points.iter().filter(|point| is(point.status)).count()
+    }
+}
+
 /// The motion-compensated prediction of frame t: each pixel is fetched from where it goes in `next`.
 ///
 /// Whole displacements are copied exactly, fractional ones interpolated; a pixel of unknown motion stays where it is.
@@ -199,6 +281,22 @@ mod tests {
             let before = grid.block(grid.len().saturating_sub(2));
             assert!(grid.len() == 1 || before.x + size < extent, "the block before already reached the edge");
         }
+    }
+
+    #[test]
+    fn only_tracked_features_are_known_to_move() {
+        let feature = |at, displacement, status| Feature { at, displacement, status, residual: None };
+        let points = vec![
+            feature([1.0, 2.0], Some([0.5, -0.25]), Status::Tracked),
+            feature([3.0, 0.0], None, Status::Flat),
+            feature([9.0, 9.0], Some([1.0, 1.0]), Status::Tracked),
+        ];
+        let output = Output::Points(PointField { picture: (4, 3), points });
+        let flow = output.flow();
+        assert_eq!(flow.at(1, 2), Some([0.5, -0.25]));
+        assert_eq!(flow.0.cells().iter().filter(|uv| uv[0].is_finite()).count(), 1);
+        assert_eq!((output.prediction(&Grid::new(4, 3, 9)), output.blocks()), (None, None));
+        assert_eq!(output.points().map(|field| field.count(|status| status == Status::Tracked)), Some(2));
     }
 
     #[test]

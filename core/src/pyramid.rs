@@ -36,6 +36,19 @@ pub fn halve(picture: &Gray) -> Gray {
     half
 }
 
+/// The levels of a pyramid over `picture`, itself first, each [`halve`] of the one before: `count` of them, or as many as
+/// leave no side of less than 16 px.
+pub fn halvings(picture: &Gray, count: usize) -> Vec<Gray> {
+    let mut levels = vec![picture.clone()];
+    while let Some(finest) = levels.last().filter(|_| levels.len() < count) {
+        if finest.width().min(finest.height()).div_ceil(2) < SMALLEST {
+            break;
+        }
+        levels.push(halve(finest));
+    }
+    levels
+}
+
 /// The smallest side of a level in px.
 const SMALLEST: usize = 16;
 
@@ -121,6 +134,14 @@ mod tests {
                 assert_eq!(u32::from(half[(x, y)]), (sum + 128) / 256);
             }
         }
+    }
+
+    #[test]
+    fn halvings_end_before_a_side_is_too_short() {
+        let sizes = |count| halvings(&Grid::new(70, 61, 9), count).iter().map(Grid::size).collect::<Vec<_>>();
+        assert_eq!(sizes(9), [(70, 61), (35, 31), (18, 16)]);
+        assert_eq!(sizes(2), [(70, 61), (35, 31)]);
+        assert_eq!(halvings(&Grid::new(1, 1, 0), 3).len(), 1);
     }
 
     #[test]

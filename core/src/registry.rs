@@ -4,7 +4,9 @@ use crate::block_matching::{
     AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
     QuadrantSearch, ThreeStep,
 };
-use crate::optical_flow::{HornSchunck, LucasKanade, NormalFlow};
+use crate::features::Corners;
+use crate::interest_points::{Harris, ShiTomasi};
+use crate::optical_flow::{HornSchunck, LucasKanade, NormalFlow, PyramidalLucasKanade};
 use crate::{AnyEstimator, Error};
 
 /// Every estimator with its default parameters, in the order of the course.
@@ -23,7 +25,10 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(Hierarchical::default()),
         Box::new(NormalFlow::default()),
         Box::new(LucasKanade::default()),
+        Box::new(PyramidalLucasKanade::default()),
         Box::new(HornSchunck::default()),
+        Box::new(Corners::<Harris>::default()),
+        Box::new(Corners::<ShiTomasi>::default()),
     ]
 }
 

@@ -69,18 +69,21 @@ impl Report {
         let candidates = metrics.candidates.map_or_else(String::new, |count| format!(", {count} candidates"));
         text += &format!("work        {units} units, {events} events{candidates}\n");
         text += &format!("time        {:.3} ms (median), {:.3} ms (least), threads: {threads}\n", ms.median, ms.min);
-        text += &match metrics.psnr_db {
-            Some(psnr) => format!("prediction  {psnr:.2} dB PSNR\n"),
-            None => "prediction  perfect\n".into(),
-        };
-        let sent = if metrics.vector_bits.is_some() { "residual + vectors" } else { "residual" };
-        text += &format!("entropy     {} ({sent})\n", metrics.coding());
+        if let Some(features) = metrics.features {
+            text += &format!("features    {}\n", features.text());
+        }
+        if let Some(prediction) = metrics.prediction {
+            let sent = if prediction.vector_bits.is_some() { "residual + vectors" } else { "residual" };
+            text += &format!("prediction  {}\n", prediction.psnr());
+            text += &format!("entropy     {} ({sent})\n", prediction.coding());
+        }
         text += &match &metrics.truth {
-            Some(AgainstTruth { epe_px, aae_deg, known }) => {
-                format!(
-                    "error       {epe_px:.3} px endpoint, {aae_deg:.2}° angular, over {known} pixels of known motion\n"
-                )
-            }
+            Some(AgainstTruth { epe_px, epe_median_px, aae_deg, known }) => format!(
+                "error       {epe_px:.3} px endpoint (median {epe_median_px:.3}), {aae_deg:.2}° angular, over {known} pixels \
+                 of known motion\n"
+            ),
+            // Nothing was said of motion.
+            None if metrics.features.is_some_and(|features| features.tracked.is_none()) => String::new(),
             None if metrics.truth_error.is_some() => "error       unknown: the true flow cannot be read\n".into(),
             None => "error       unknown: there is no true flow for this frame\n".into(),
         };

@@ -35,7 +35,7 @@ pub struct Derivatives {
 
 impl Scheme {
     /// The weights of a derivative along its axis, and of the mean across it.
-    fn weights(self) -> (&'static [f32], &'static [f32]) {
+    pub fn weights(self) -> (&'static [f32], &'static [f32]) {
         match self {
             Scheme::Central => (&[-0.5, 0.0, 0.5], &[1.0]),
             Scheme::Sobel => (&[-0.5, 0.0, 0.5], &[0.25, 0.5, 0.25]),

@@ -10,29 +10,65 @@ use crate::{Border, Grid, Threads};
 /// If the image or one of the filters is empty.
 pub fn separable(image: &Grid<f32>, (across, down): (&[f32], &[f32]), border: Border, threads: &Threads) -> Grid<f32> {
     let (width, height) = image.size();
-    let (left, above) = ((across.len() - 1) / 2, (down.len() - 1) / 2);
     let mut filtered = Grid::new(width, height, 0.0);
-    threads.rows(&mut filtered, |y, target| {
-        // A row with room on either side for what `across` reaches.
-        let mut row = vec![0.0; width + across.len() - 1];
-        for (k, &weight) in down.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-            let source = image.row(border.index((y + k) as isize - above as isize, height));
-            add_scaled(&mut row[left..left + width], source, weight);
-        }
-        for i in (0..left).chain(left + width..row.len()) {
-            row[i] = row[left + border.index(i as isize - left as isize, width)];
-        }
-        for (k, &weight) in across.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-            add_scaled(target, &row[k..], weight);
-        }
-    });
+    threads.rows(&mut filtered, |y, target| filtered_row(image, (across, down), (border, y), &mut Vec::new(), target));
     filtered
 }
 
-/// Adds `weight` times `source` to `target`.
-fn add_scaled(target: &mut [f32], source: &[f32], weight: f32) {
-    for (sum, value) in target.iter_mut().zip(source) {
-        *sum += weight * value;
+/// Row `y` of what [`separable`] gives, added to `target`; `row` is room to work in.
+#[inline(always)]
+pub fn filtered_row<T: Copy + Into<f32>>(
+    image: &Grid<T>,
+    (across, down): (&[f32], &[f32]),
+    (border, y): (Border, usize),
+    row: &mut Vec<f32>,
+    target: &mut [f32],
+) {
+    let (width, height) = image.size();
+    let (left, above) = ((across.len() - 1) / 2, (down.len() - 1) / 2);
+    // With room on either side for what `across` reaches.
+    row.clear();
+    row.resize(width + across.len() - 1, 0.0);
+    add_weighted(&mut row[left..left + width], down, |k| {
+        image.row(border.index((y + k) as isize - above as isize, height))
+    });
+    for i in (0..left).chain(left + width..row.len()) {
+        row[i] = row[left + border.index(i as isize - left as isize, width)];
+    }
+    let row = &*row;
+    add_weighted(target, across, |k| &row[k..]);
+}
+
+/// Adds to `target` source k, `weights[k]` times, for all k; those of weight 0 are left out.
+#[inline(always)]
+pub fn add_weighted<'a, T: Copy + Into<f32> + 'a>(
+    target: &mut [f32],
+    weights: &[f32],
+    source: impl Fn(usize) -> &'a [T],
+) {
+    let mut taps =
+        weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0).map(|(k, &weight)| (source(k), weight));
+    // Several in one pass: the sums stay in registers, and are the same as one after the other.
+    while let Some(first) = taps.next() {
+        match (taps.next(), taps.next(), taps.next(), taps.next()) {
+            (Some(b), Some(c), Some(d), Some(e)) => add_scaled(target, [first, b, c, d, e]),
+            (Some(b), Some(c), Some(d), None) => add_scaled(target, [first, b, c, d]),
+            (Some(b), Some(c), ..) => add_scaled(target, [first, b, c]),
+            (Some(b), ..) => add_scaled(target, [first, b]),
+            _ => add_scaled(target, [first]),
+        }
+    }
+}
+
+#[inline(always)]
+fn add_scaled<const N: usize, T: Copy + Into<f32>>(target: &mut [f32], taps: [(&[T], f32); N]) {
+    let taps = taps.map(|(source, weight)| (&source[..target.len()], weight));
+    for (i, value) in target.iter_mut().enumerate() {
+        let mut sum = *value;
+        for (source, weight) in taps {
+            sum += weight * source[i].into();
+        }
+        *value = sum;
     }
 }
 

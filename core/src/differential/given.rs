@@ -21,10 +21,7 @@ impl Given {
     pub fn new(clip: &Clip, frame: usize, sigma_px: f32, threads: &Threads) -> Result<Self, Error> {
         let pair = clip.pair(frame)?;
         let smooth = |i: usize| filter::smooth(pair[i].luma().map(|&v| f32::from(v)), sigma_px, threads);
-        // A truth that cannot be read is told where errors are; a run needs none.
-        let truth = clip.truth().and_then(|truth| truth.flow(frame).ok().flatten());
-        let truth = truth.filter(|truth| truth.0.size() == clip.size());
-        Ok(Self { pictures: [smooth(0), smooth(1)], truth })
+        Ok(Self { pictures: [smooth(0), smooth(1)], truth: truth(clip, frame) })
     }
 
     /// Width and height in px.
@@ -43,4 +40,11 @@ impl Given {
     pub fn true_displacement(&self, (x, y): (usize, usize)) -> Option<[f32; 2]> {
         self.truth.as_ref()?.at(x, y)
     }
+}
+
+/// Where the pixels of frame `frame` really go, if that is known.
+pub fn truth(clip: &Clip, frame: usize) -> Option<Arc<Flow>> {
+    // A truth that cannot be read is told where errors are; a run needs none.
+    let truth = clip.truth().and_then(|truth| truth.flow(frame).ok().flatten());
+    truth.filter(|truth| truth.0.size() == clip.size())
 }

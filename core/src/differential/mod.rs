@@ -13,7 +13,7 @@ mod warp;
 
 pub use derivatives::{Derivatives, Scheme};
 pub use field::Field;
-pub use given::Given;
+pub use given::{Given, truth};
 pub use linear::Linear;
-pub use tensor::{Sums, Tensor, Window};
+pub use tensor::{Sums, Tensor, Weights, Window};
 pub use warp::{Sampling, backward};

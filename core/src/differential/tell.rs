@@ -114,12 +114,12 @@ impl Derivatives {
 }
 
 /// The values of `grid` around a place; NaN outside it. Rounded to a tenth, as they are read.
-fn around(grid: &Grid<f32>, (x, y): (usize, usize), radius: usize) -> Grid<f32> {
+pub fn around<T: Copy + Into<f32>>(grid: &Grid<T>, (x, y): (usize, usize), radius: usize) -> Grid<f32> {
     let side = 2 * radius + 1;
     let inside = |i: usize, k: usize| (i + k).checked_sub(radius);
     Grid::from_fn(side, side, |i, j| {
         let place = inside(x, i).zip(inside(y, j));
-        let value = place.and_then(|(x, y)| grid.get(x, y)).copied().unwrap_or(f32::NAN);
+        let value = place.and_then(|(x, y)| grid.get(x, y)).map_or(f32::NAN, |value| (*value).into());
         (value * 10.0).round() / 10.0
     })
 }

@@ -2,7 +2,28 @@
 
 use super::Derivatives;
 use super::filter::gaussian_within;
+use crate::choices;
 use crate::scene::Spread;
+
+choices! {
+    /// How much the pixels of a window count.
+    pub enum Weights {
+        /// All alike.
+        Box = "box" "Box",
+        /// The less the farther from the middle, by a Gaussian that falls to two standard deviations at the edge.
+        Gaussian = "gaussian" "Gaussian",
+    }
+}
+
+impl Weights {
+    /// A window that reaches `reach` px each way.
+    pub fn window(self, reach: usize) -> Window {
+        match self {
+            Weights::Box => Window::even(reach),
+            Weights::Gaussian => Window::gaussian(reach),
+        }
+    }
+}
 
 /// The weighted means over a window of the products of the derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -102,8 +123,13 @@ impl Window {
         along(x) * along(y)
     }
 
+    /// The weights along each axis.
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+
     /// The weights around `at` that lie inside an `extent`, with the first place that they are for.
-    fn inside(&self, at: usize, extent: usize) -> (usize, &[f32]) {
+    pub fn inside(&self, at: usize, extent: usize) -> (usize, &[f32]) {
         let first = at.saturating_sub(self.reach());
         let last = (at + self.reach()).min(extent - 1);
         let skip = first + self.reach() - at;

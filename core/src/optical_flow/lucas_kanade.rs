@@ -2,22 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::differential::{Derivatives, Field, Given, Linear, Scheme, Sums, Tensor, Window, field, tell};
+use crate::differential::{Derivatives, Field, Given, Linear, Scheme, Sums, Tensor, Weights, Window, field, tell};
 use crate::scene::{Fact, Math, Picture, Plane, Readout, Sentence, Shape};
 use crate::{
     Clip, Confidence, DenseField, Error, Estimator, Flow, Grid, Info, Observer, Output, Progress, Promise, Role, Rung,
-    Scene, Seen, Step, Threads, choices, params,
+    Scene, Seen, Step, Threads, params,
 };
-
-choices! {
-    /// How much the pixels of a window count.
-    pub enum Weights {
-        /// All alike.
-        Box = "box" "Box",
-        /// The less the farther from the middle, by a Gaussian that falls to two standard deviations at the edge.
-        Gaussian = "gaussian" "Gaussian",
-    }
-}
 
 params! {
     /// Lucas and Kanade's method for every pixel. Its system is Σ w Iₓ² u + Σ w Iₓ I_y v = −Σ w Iₓ Iₜ and
@@ -74,10 +64,7 @@ pub type Event = Solution;
 
 impl LucasKanade {
     fn window(&self) -> Window {
-        match self.weights {
-            Weights::Box => Window::even(self.window / 2),
-            Weights::Gaussian => Window::gaussian(self.window / 2),
-        }
+        self.weights.window(self.window / 2)
     }
 
     fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {

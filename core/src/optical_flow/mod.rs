@@ -1,10 +1,13 @@
-//! Optical flow: a displacement for every pixel, from derivatives. One file per estimator; the shared parts are in
+//! Optical flow: displacements of pixels or of features, from derivatives. One file per estimator; the shared parts are in
 //! `differential`.
 
 mod horn_schunck;
 mod lucas_kanade;
 mod normal_flow;
+mod pyramidal_lucas_kanade;
 
+pub use crate::differential::Weights;
 pub use horn_schunck::{HornSchunck, Solver};
-pub use lucas_kanade::{LucasKanade, Weights};
+pub use lucas_kanade::LucasKanade;
 pub use normal_flow::NormalFlow;
+pub use pyramidal_lucas_kanade::{Points, PyramidalLucasKanade};

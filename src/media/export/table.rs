@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// One number of a table.
+/// One number or word of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
     /// A whole number.
@@ -11,6 +11,8 @@ pub enum Cell {
     Real(f64),
     /// A real number of single precision, written the same way.
     Single(f32),
+    /// One of a few words of letters and hyphens.
+    Word(&'static str),
     /// Not known: left empty.
     Empty,
 }
@@ -21,6 +23,7 @@ impl fmt::Display for Cell {
             Cell::Int(v) => v.fmt(f),
             Cell::Real(v) if v.is_finite() => v.fmt(f),
             Cell::Single(v) if v.is_finite() => v.fmt(f),
+            Cell::Word(v) => f.write_str(v),
             Cell::Real(_) | Cell::Single(_) | Cell::Empty => Ok(()),
         }
     }

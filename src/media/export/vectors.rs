@@ -2,15 +2,16 @@
 
 use std::path::Path;
 
-use motionscope_core::{BlockField, Confidence, Error, Flow, Output};
+use motionscope_core::{BlockField, Confidence, Error, Feature, Flow, Output, PointField};
 
 use super::{Cell, Table, flo, kitti, npy};
 use crate::media::names::extension;
 
-/// `output` as CSV, one row per block or pixel, without those that have no result.
+/// `output` as CSV, one row per feature, or per block or pixel without those that have no result.
 pub fn csv(output: &Output) -> String {
     match output {
         Output::Blocks(field) => blocks(field).csv(),
+        Output::Points(field) => points(field).csv(),
         Output::Dense(field) => match &field.confidence {
             Some(Confidence { name, values }) => {
                 let rows = pixels(&field.flow).map(|([x, y], [u, v])| {
@@ -43,6 +44,17 @@ fn blocks(field: &BlockField) -> Table<7> {
     });
     let columns = ["x_px", "y_px", "width_px", "height_px", "u_px", "v_px", "cost"];
     Table { columns, rows: rows.collect() }
+}
+
+/// Place of each feature, its displacement per frame if it has one, and what became of it.
+fn points(field: &PointField) -> Table<6> {
+    let row = |point: &Feature| {
+        let [x, y] = point.at.map(Cell::Single);
+        let [u, v] = point.displacement.map_or([Cell::Empty; 2], |displacement| displacement.map(Cell::Single));
+        [x, y, u, v, Cell::Word(point.status.name()), point.residual.map_or(Cell::Empty, Cell::Single)]
+    };
+    let columns = ["x_px", "y_px", "u_px", "v_px", "status", "residual"];
+    Table { columns, rows: field.points.iter().map(row).collect() }
 }
 
 /// How a dense flow is kept in a file.
@@ -91,7 +103,7 @@ impl FlowFormat {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{BlockGrid, BlockVector, Border, DenseField, Grid};
+    use motionscope_core::{BlockGrid, BlockVector, Border, DenseField, Grid, Status};
 
     use super::*;
 
@@ -116,6 +128,19 @@ mod tests {
         assert_eq!(table(None), "x_px,y_px,u_px,v_px\n0,0,0.5,-1\n1,1,0.5,-1\n");
         let confidence = Confidence { name: "gradient", values: Grid::from_fn(2, 2, |x, _| x as f32) };
         assert_eq!(table(Some(confidence)), "x_px,y_px,u_px,v_px,gradient\n0,0,0.5,-1,0\n1,1,0.5,-1,1\n");
+    }
+
+    #[test]
+    fn a_feature_is_a_row_whatever_became_of_it() {
+        let feature = |at, displacement, status, residual| Feature { at, displacement, status, residual };
+        let points = vec![
+            feature([3.0, 2.0], Some([0.25, -1.5]), Status::Tracked, Some(0.5)),
+            feature([1.5, 0.0], None, Status::Outside, None),
+            feature([4.0, 4.0], None, Status::Found, None),
+        ];
+        let golden =
+            "x_px,y_px,u_px,v_px,status,residual\n3,2,0.25,-1.5,tracked,0.5\n1.5,0,,,lost-outside,\n4,4,,,found,\n";
+        assert_eq!(csv(&Output::Points(PointField { picture: (8, 8), points })), golden);
     }
 
     #[test]

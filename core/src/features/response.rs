@@ -1,0 +1,94 @@
+//! The structure tensors of one picture, row by row.
+
+use std::ops::Range;
+
+use crate::differential::filter::{add_weighted, filtered_row};
+use crate::differential::{Scheme, Tensor, Window};
+use crate::{Border, Gray};
+
+/// The structure tensors of a picture.
+pub struct Tensors<'a> {
+    /// The picture.
+    pub picture: &'a Gray,
+    /// How derivatives are taken.
+    pub scheme: Scheme,
+    /// The window under which their products are averaged, as far as it lies in the picture.
+    pub window: Window,
+}
+
+/// The products Iₓ², Iₓ I_y and I_y² of a row.
+type Products = [Vec<f32>; 3];
+
+impl Tensors<'_> {
+    /// Tells of each of `rows` its number and the means of Iₓ², Iₓ I_y and I_y² of its pixels, with the widest registers
+    /// there are; all give the same.
+    pub fn rows(&self, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has AVX2.
+            return unsafe { self.rows_avx2(rows, tell) };
+        }
+        self.rows_anyhow(rows, tell);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn rows_avx2(&self, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) {
+        self.rows_anyhow(rows, tell);
+    }
+
+    #[inline(always)]
+    fn rows_anyhow(&self, rows: Range<usize>, mut tell: impl FnMut(usize, [&[f32]; 3])) {
+        let ((width, height), reach) = (self.picture.size(), self.window.reach());
+        let side = 2 * reach + 1;
+        // The rows under the window, of which the oldest gives way to the next.
+        let mut ring: Vec<Products> = vec![[const { Vec::new() }; 3]; side];
+        let (mut next, mut desk) = (rows.start.saturating_sub(reach), [const { Vec::new() }; 3]);
+        let share = |at: usize, extent: usize| 1.0 / self.window.inside(at, extent).1.iter().sum::<f32>();
+        let shares: Vec<f32> = (0..width).map(|x| share(x, width)).collect();
+        let mut down = vec![0.0; width + 2 * reach];
+        let mut means = [const { Vec::new() }; 3];
+        for y in rows {
+            let (top, weights) = self.window.inside(y, height);
+            while next < top + weights.len() {
+                self.products(next, &mut ring[next % side], &mut desk);
+                next += 1;
+            }
+            let share = share(y, height);
+            for (part, mean) in means.iter_mut().enumerate() {
+                let inner = &mut down[reach..reach + width];
+                inner.fill(0.0);
+                add_weighted(inner, weights, |k| &ring[(top + k) % side][part][..]);
+                mean.clear();
+                mean.resize(width, 0.0);
+                add_weighted(mean, self.window.weights(), |k| &down[k..]);
+                mean.iter_mut().zip(&shares).for_each(|(mean, of_column)| *mean *= of_column * share);
+            }
+            tell(y, means.each_ref().map(Vec::as_slice));
+        }
+    }
+
+    /// The products of row `y`.
+    #[inline(always)]
+    fn products(&self, y: usize, products: &mut Products, [row, x, across]: &mut [Vec<f32>; 3]) {
+        let width = self.picture.width();
+        let (along, mean) = self.scheme.weights();
+        for (filter, part) in [((along, mean), &mut *x), ((mean, along), &mut *across)] {
+            part.clear();
+            part.resize(width, 0.0);
+            filtered_row(self.picture, filter, (Border::Replicate, y), row, part);
+        }
+        let [xx, xy, yy] = products;
+        for (product, (a, b)) in [(xx, (&*x, &*x)), (xy, (&*x, &*across)), (yy, (&*across, &*across))] {
+            product.clear();
+            product.extend(a.iter().zip(b).map(|(a, b)| a * b));
+        }
+    }
+
+    /// The tensor of one pixel.
+    pub fn at(&self, (x, y): (usize, usize)) -> Tensor {
+        let mut tensor = Tensor::default();
+        self.rows(y..y + 1, |_, [xx, xy, yy]| tensor = Tensor { xx: xx[x], xy: xy[x], yy: yy[x], ..Tensor::default() });
+        tensor
+    }
+}

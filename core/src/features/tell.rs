@@ -1,0 +1,295 @@
+//! How corner detection is told and drawn.
+
+use super::corners::{Corners, Event, Measure, Stage, State};
+use super::select::Settings;
+use crate::differential::{Tensor, tell};
+use crate::scene::{Fact, Math, Picture, Readout, Sentence, Shape, Step, Tile};
+use crate::{Grid, Role, Scene, Seen};
+
+/// A place as a person reads it.
+fn pixel((x, y): (usize, usize)) -> String {
+    // A space at which no line is broken.
+    format!("({x},\u{a0}{y})")
+}
+
+fn point((x, y): (usize, usize)) -> [f32; 2] {
+    [x as f32, y as f32]
+}
+
+/// The pixel that is explained and what is known of it.
+struct Looked {
+    place: (usize, usize),
+    tensor: Tensor,
+    response: f32,
+}
+
+impl<M: Measure> Corners<M> {
+    /// The pixel pointed at, or else the one at work.
+    fn look(&self, seen: &Seen<Self>) -> Option<Looked> {
+        let state = seen.before;
+        let at_work = match seen.events.last()? {
+            Event::Response(_) => (seen.events.len() - 1, state.row),
+            Event::Row => (0, state.row),
+            Event::Over(place, _) => *place,
+            Event::Ranked => state.strongest()?,
+            Event::Peak(peak, _) => state.place(*peak),
+        };
+        let place = seen.focus.and_then(|point| state.pixel_at(point)).unwrap_or(at_work);
+        let tensor = self.tensors(state).at(place);
+        Some(Looked { place, tensor, response: self.0.response([tensor.xx, tensor.xy, tensor.yy]) })
+    }
+
+    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+        let Some(last) = seen.events.last() else {
+            let sentence = "A place can be found again if gradients around it point in several directions. How much of a \
+                            corner each pixel is, its structure tensor tells.";
+            return Step { line: 0, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+        };
+        let line = match last {
+            Event::Response(_) => 3,
+            Event::Row => 4,
+            Event::Over(_, Some(_)) => 5,
+            Event::Over(_, None) => 4,
+            Event::Ranked => 6,
+            Event::Peak(_, Some(_)) => 7,
+            Event::Peak(_, None) => 8,
+        };
+        let looked = self.look(seen);
+        let sentence = self.sentence(seen, *last, looked.as_ref());
+        let readouts = looked.map_or_else(
+            || vec![Readout::Facts(vec![Fact { label: "Peaks", value: "none".into(), role: None }])],
+            |looked| self.readouts(seen, &looked),
+        );
+        Step { line, sentence, readouts }
+    }
+
+    fn sentence(&self, seen: &Seen<Self>, event: Event, looked: Option<&Looked>) -> Sentence {
+        let (state, peaks, said) = (seen.before, self.peaks(seen.before), Sentence::default());
+        let limit = tell::number(peaks.limit);
+        let share = tell::number(100.0 * self.0.settings().threshold);
+        let response = |place| tell::number(state.map[place]);
+        match event {
+            Event::Response(_) => match looked {
+                Some(looked) => {
+                    let [large, small] = looked.tensor.eigenvalues().map(tell::number);
+                    said.ink(Role::Reference, format!("Pixel {}", pixel(looked.place)))
+                        .text(format!(" has a tensor with eigenvalues {large} and {small}: {}. Its response is ", kind(looked)))
+                        .ink(Role::Result, tell::number(looked.response))
+                        .text(".")
+                }
+                None => said.text("The response of each pixel follows from its structure tensor."),
+            },
+            Event::Row => said.text(format!(
+                "The largest response is {}. Of row {}, {} pixels reach {share} % of it, {limit}; each must be a peak.",
+                tell::number(state.largest),
+                state.row,
+                peaks.over(state.row).count()
+            )),
+            Event::Over(place, Some(by)) => said
+                .ink(Role::Rejected, format!("Pixel {}", pixel(place)))
+                .text(format!(" is over the threshold with {}, but its neighbour ", response(place)))
+                .ink(Role::Best, pixel(by))
+                .text(if state.map[by] > state.map[place] {
+                    format!(" has {}: suppressed.", response(by))
+                } else {
+                    " is as strong and comes first: suppressed.".into()
+                }),
+            Event::Over(place, None) => said
+                .ink(Role::Best, format!("Pixel {}", pixel(place)))
+                .text(format!(" has {}, over the threshold of {limit}, and no neighbour is stronger: a peak.", response(place))),
+            Event::Ranked => said.text(format!(
+                "{} peaks are in order, the strongest first. At most {} are kept, each at least {} px from those before.",
+                state.peaks.len(),
+                self.0.settings().max_points,
+                self.0.settings().min_distance
+            )),
+            Event::Peak(peak, Some(near)) => said
+                .text("Peak ")
+                .ink(Role::Rejected, pixel(state.place(peak)))
+                .text(format!(" with {} is nearer than {} px to ", response(state.place(peak)), self.0.settings().min_distance))
+                .ink(Role::Result, pixel(state.place(near)))
+                .text(", which is stronger: dropped."),
+            Event::Peak(peak, None) => {
+                let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
+                said.text("Peak ")
+                    .ink(Role::Result, pixel(state.place(peak)))
+                    .text(format!(" with {} is kept: corner {count}.", response(state.place(peak))))
+            }
+        }
+    }
+
+    fn readouts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Readout> {
+        let (state, Looked { place, tensor, response }) = (seen.before, looked);
+        let fact = |label, value: String, role| Fact { label, value, role };
+        let [large, small] = tensor.eigenvalues().map(tell::number);
+        let Tensor { xx, xy, yy, .. } = *tensor;
+        let [a, b, c] = [xx, xy, yy].map(tell::number);
+        let mut facts = vec![
+            fact("Pixel", pixel(*place), Some(Role::Reference)),
+            fact("Tensor Σ w", format!("Iₓ² {a}, Iₓ I_y {b}, I_y² {c}"), None),
+            fact("Eigenvalues", format!("{large} and {small}"), None),
+            fact("Response", tell::number(*response), Some(Role::Result)),
+        ];
+        if state.stage != Stage::Response {
+            facts.push(fact("Threshold", tell::number(self.peaks(state).limit), None));
+        }
+        facts.push(fact("Verdict", self.verdict(seen, looked), None));
+        let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range };
+        let radius = (self.0.settings().window / 2 + 1).min(5);
+        let [symbols, numbers] = self.0.equation(tensor);
+        let mut tiles = vec![tile("Frame t", tell::around(state.picture.luma(), *place, radius), [0.0, 255.0])];
+        if state.stage != Stage::Response {
+            let shown = tell::around(&state.map.map(|response| M::shown(*response)), *place, radius);
+            let most = shown.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
+            tiles.push(tile("Response, as painted", shown, [0.0, most]));
+        }
+        vec![Readout::Facts(facts), Readout::Equation(vec![matrix(), symbols, numbers]), Readout::Tiles(tiles)]
+    }
+
+    /// What has become of a pixel by now.
+    fn verdict(&self, seen: &Seen<Self>, looked: &Looked) -> String {
+        let (state, peaks, place) = (seen.before, self.peaks(seen.before), looked.place);
+        if state.stage == Stage::Response {
+            return kind(looked).into();
+        }
+        if !peaks.is_over(place.0, place.1) {
+            let (width, height) = state.map.size();
+            let is_border = place.0 == 0 || place.1 == 0 || place.0 + 1 == width || place.1 + 1 == height;
+            return format!("{}: {}", kind(looked), if is_border { "at the border" } else { "below the threshold" });
+        }
+        if let Some(by) = peaks.suppressed_by(place) {
+            return format!("suppressed by {}", pixel(by));
+        }
+        let Settings { min_distance, max_points, .. } = self.0.settings();
+        let index = (place.1 * state.map.width() + place.0) as u32;
+        let choice = seen.events.iter().find_map(|event| match event {
+            Event::Peak(peak, near) if *peak == index => Some(*near),
+            _ => None,
+        });
+        match choice {
+            Some(None) => "corner, kept".into(),
+            Some(Some(near)) => format!("peak, nearer than {min_distance} px to {}", pixel(state.place(near))),
+            None if seen.after.is_some() && state.stage == Stage::Choice => {
+                format!("peak, not among the {max_points} strongest")
+            }
+            None => "peak".into(),
+        }
+    }
+
+    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let state = seen.before;
+        self.draw_map(seen, scene);
+        let mut points = |role, meaning, places: Vec<(usize, usize)>| {
+            if !places.is_empty() {
+                scene.mark(Picture::Current, role, Shape::Points(places.into_iter().map(point).collect()));
+                scene.legend(role, meaning);
+            }
+        };
+        let places = |peaks: &[u32]| peaks.iter().map(|peak| state.place(*peak)).collect::<Vec<_>>();
+        match state.stage {
+            Stage::Response => {}
+            Stage::Suppression => {
+                let over = |is_peak: bool| {
+                    let of_row = seen.events.iter().filter_map(move |event| match event {
+                        Event::Over(place, by) if by.is_none() == is_peak => Some(*place),
+                        _ => None,
+                    });
+                    of_row.collect::<Vec<_>>()
+                };
+                points(Role::Rejected, "suppressed by a neighbour", over(false));
+                points(Role::Best, "peak", [places(&state.peaks), over(true)].concat());
+            }
+            Stage::Choice => {
+                let looked_at = |is_kept: bool| {
+                    let peaks = seen.events.iter().filter_map(move |event| match event {
+                        Event::Peak(peak, near) if near.is_none() == is_kept => Some(*peak),
+                        _ => None,
+                    });
+                    places(&peaks.collect::<Vec<_>>())
+                };
+                let (kept, dropped) = (looked_at(true), looked_at(false));
+                let done: Vec<_> = kept.iter().chain(&dropped).copied().collect();
+                // What the last step left was not asked for.
+                let mut is_done = Grid::new(state.map.width(), state.map.height(), seen.after.is_some());
+                done.iter().for_each(|place| is_done[*place] = true);
+                let waiting = places(&state.peaks).into_iter().filter(|place| !is_done[*place]).collect();
+                points(Role::Candidate, "peak that waits", waiting);
+                points(Role::Rejected, "too near to a stronger one", dropped);
+                points(Role::Result, "corner", kept);
+            }
+        }
+        self.draw_pixel(seen, scene);
+    }
+
+    /// The responses so far; in later stages only those over the threshold.
+    fn draw_map(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let (state, peaks) = (seen.before, self.peaks(seen.before));
+        let (width, height) = state.map.size();
+        let values = Grid::from_fn(width, height, |x, y| match (state.stage, seen.events.get(x)) {
+            (Stage::Response, Some(Event::Response(response))) if y == state.row => M::shown(*response),
+            (Stage::Response, _) if y < state.row => M::shown(state.map[(x, y)]),
+            (Stage::Suppression | Stage::Choice, _) if peaks.is_over(x, y) => M::shown(state.map[(x, y)]),
+            _ => f32::NAN,
+        });
+        scene.mark(Picture::Current, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
+    }
+
+    fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let Some(looked) = self.look(seen) else { return };
+        let (x, y) = (looked.place.0 as i32, looked.place.1 as i32);
+        let Settings { window, min_distance, .. } = self.0.settings();
+        if let (Some(Event::Peak(..)), None) = (seen.events.last(), seen.focus) {
+            let radius = min_distance as f32;
+            let shape = Shape::Ellipse { center: point(looked.place), radii: [radius; 2], angle_rad: 0.0 };
+            scene.mark(Picture::Current, Role::Window, shape);
+            scene.legend(Role::Window, "least distance");
+        } else {
+            let reach = (window / 2) as i32;
+            let side = 2 * reach as usize + 1;
+            scene.mark(Picture::Current, Role::Window, Shape::pixels(x - reach, y - reach, side, side));
+            scene.legend(Role::Window, "window");
+        }
+        scene.mark(Picture::Current, Role::Reference, Shape::pixels(x, y, 1, 1));
+        scene.legend(Role::Reference, "pixel");
+    }
+}
+
+impl State {
+    /// The place of the strongest peak.
+    fn strongest(&self) -> Option<(usize, usize)> {
+        let better = |a: u32, b: u32| if self.map[self.place(b)] > self.map[self.place(a)] { b } else { a };
+        self.peaks.iter().copied().reduce(better).map(|peak| self.place(peak))
+    }
+}
+
+/// What the gradients around a pixel are like, by how its eigenvalues compare.
+fn kind(looked: &Looked) -> &'static str {
+    let [large, small] = looked.tensor.eigenvalues();
+    if large < 1.0 {
+        "flat"
+    } else if small < 0.1 * large {
+        "an edge"
+    } else {
+        "a corner"
+    }
+}
+
+/// The structure tensor in symbols.
+fn matrix() -> Math {
+    let product =
+        |parts: Vec<Math>| Math::Row([vec![Math::text("Σ "), Math::Var("w"), Math::text(" ")], parts].concat());
+    let squared = |along| product(vec![Math::power(tell::derivative(along), Math::text("2"))]);
+    let mixed = || product(vec![tell::derivative("x"), tell::derivative("y")]);
+    Math::Row(vec![
+        Math::Var("T"),
+        Math::text(" = ("),
+        squared("x"),
+        Math::text(", "),
+        mixed(),
+        Math::text("; "),
+        mixed(),
+        Math::text(", "),
+        squared("y"),
+        Math::text(")"),
+    ])
+}

@@ -1,0 +1,283 @@
+//! Where a window of frame t has gone, to a fraction of a pixel: J.-Y. Bouguet's iterations on one level.
+
+use crate::differential::Tensor;
+use crate::{Gray, Grid};
+
+/// Pixels that are worked on at once.
+const LANES: usize = 8;
+type Lanes = [f32; LANES];
+/// A row of the longest window, with a px more on either side and what fills its last lanes.
+type Row = [Lanes; 5];
+
+/// A picture whose edge is repeated around it, as far as windows reach.
+pub struct Level {
+    size: (usize, usize),
+    margin: usize,
+    pixels: Gray,
+}
+
+impl Level {
+    /// `picture`, for windows that reach `reach` px each way.
+    pub fn new(picture: &Gray, reach: usize) -> Self {
+        let (width, height) = picture.size();
+        // One px more for differences, one for what lies between pixels, and the lanes that hang over.
+        let (margin, beyond) = (reach + 2, reach + 2 + LANES);
+        let mut pixels = Grid::new(width + margin + beyond, height + 2 * margin, 0);
+        for y in 0..pixels.height() {
+            let source = picture.row(y.saturating_sub(margin).min(height - 1));
+            let row = pixels.row_mut(y);
+            row[..margin].fill(source[0]);
+            row[margin..margin + width].copy_from_slice(source);
+            row[margin + width..].fill(source[width - 1]);
+        }
+        Self { size: picture.size(), margin, pixels }
+    }
+
+    /// Width and height in px.
+    pub fn size(&self) -> (usize, usize) {
+        self.size
+    }
+
+    /// Memory that it takes, in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.pixels.cells())
+    }
+
+    /// Whether a place lies in the picture.
+    pub fn holds(&self, [x, y]: [f32; 2]) -> bool {
+        let inside = |c: f32, extent: usize| (0.0..=(extent - 1) as f32).contains(&c);
+        inside(x, self.size.0) && inside(y, self.size.1)
+    }
+
+    /// The gray value at a place, as far as the margin goes.
+    pub fn sample(&self, [x, y]: [f32; 2]) -> f32 {
+        self.pixels.sample(x + self.margin as f32, y + self.margin as f32)
+    }
+
+    /// The first pixel under a window around a place that reaches `reach` px, and how far the place lies beyond it.
+    #[inline(always)]
+    fn corner(&self, at: [f32; 2], reach: usize) -> ([usize; 2], [f32; 2]) {
+        let whole = at.map(|c| c as usize);
+        ([0, 1].map(|i| whole[i] + self.margin - reach), [0, 1].map(|i| at[i] - whole[i] as f32))
+    }
+
+    /// The gray values of row `y` of the padded picture from `x` on, `fraction` px further to the right each.
+    #[inline(always)]
+    fn between(&self, [x, y]: [usize; 2], fraction: f32, values: &mut [Lanes]) {
+        let row = &self.pixels.row(y)[x..x + LANES * values.len() + 1];
+        let (left, right) = (row.as_chunks::<LANES>().0, row[1..].as_chunks::<LANES>().0);
+        for (value, (left, right)) in values.iter_mut().zip(left.iter().zip(right)) {
+            for i in 0..LANES {
+                let [left, right] = [left[i], right[i]].map(f32::from);
+                value[i] = left + (right - left) * fraction;
+            }
+        }
+    }
+}
+
+/// A window of frame t with its gradients.
+pub struct Template {
+    reach: usize,
+    stride: usize,
+    values: Vec<f32>,
+    across: Vec<f32>,
+    down: Vec<f32>,
+    /// 1 where there is a pixel of the picture, else 0.
+    counts: Vec<f32>,
+    /// The means of the products of its gradients; those with time are not known yet.
+    pub tensor: Tensor,
+}
+
+/// How a window fits to a place of frame t + 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mismatch {
+    /// The means of δI Iₓ and δI I_y, where δI is what frame t has more.
+    pub vector: [f32; 2],
+    /// The mean of |δI| in gray levels.
+    pub residual: f32,
+}
+
+impl Template {
+    /// The window around a place of `level` that reaches `reach` px each way. Pixels outside the picture do not count.
+    pub fn new(level: &Level, at: [f32; 2], reach: usize) -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has AVX2.
+            return unsafe { Self::new_avx2(level, at, reach) };
+        }
+        Self::new_anyhow(level, at, reach)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn new_avx2(level: &Level, at: [f32; 2], reach: usize) -> Self {
+        Self::new_anyhow(level, at, reach)
+    }
+
+    #[inline(always)]
+    fn new_anyhow(level: &Level, at: [f32; 2], reach: usize) -> Self {
+        let side = 2 * reach + 1;
+        let stride = side.next_multiple_of(LANES);
+        let [mut values, mut across, mut down, mut counts] = [(); 4].map(|()| vec![0.0; side * stride]);
+        let ([x, y], [fx, fy]) = level.corner(at, reach + 1);
+        // Three rows of the window with a px more on either side, each from the two between which it lies.
+        let wide = (side + 2).div_ceil(LANES);
+        let mut rows: [Row; 3] = Default::default();
+        let [mut above, mut below]: [Row; 2] = Default::default();
+        level.between([x, y], fx, &mut above[..wide]);
+        let columns = (0..side).map(|i| inside(at[0] + i as f32 - reach as f32, level.size.0)).collect::<Vec<f32>>();
+        for j in 0..side + 2 {
+            level.between([x, y + j + 1], fx, &mut below[..wide]);
+            for (value, (a, b)) in
+                rows[j % 3].as_flattened_mut().iter_mut().zip(above.as_flattened().iter().zip(below.as_flattened()))
+            {
+                *value = a + (b - a) * fy;
+            }
+            std::mem::swap(&mut above, &mut below);
+            let Some(row) = j.checked_sub(2) else { continue };
+            let of_row = inside(at[1] + row as f32 - reach as f32, level.size.1);
+            let [top, middle, bottom] = [j - 2, j - 1, j].map(|j| &rows[j % 3].as_flattened()[..side + 2]);
+            let range = row * stride..row * stride + side;
+            values[range.clone()].copy_from_slice(&middle[1..=side]);
+            let differ = |out: &mut [f32], [after, before]: [&[f32]; 2]| {
+                for (out, ((after, before), column)) in out.iter_mut().zip(after.iter().zip(before).zip(&columns)) {
+                    *out = 0.5 * of_row * column * (after - before);
+                }
+            };
+            differ(&mut across[range.clone()], [&middle[2..], middle]);
+            differ(&mut down[range.clone()], [&bottom[1..], &top[1..]]);
+            counts[range].iter_mut().zip(&columns).for_each(|(count, column)| *count = of_row * column);
+        }
+        let pixels = dot(&counts, &counts);
+        let [xx, xy, yy] = [(&across, &across), (&across, &down), (&down, &down)].map(|(a, b)| dot(a, b) / pixels);
+        let tensor = Tensor { xx, xy, yy, pixels, ..Tensor::default() };
+        Self { reach, stride, values, across, down, counts, tensor }
+    }
+
+    /// How the window fits to a place in `next`, which lies in that picture.
+    pub fn mismatch(&self, next: &Level, at: [f32; 2]) -> Mismatch {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has AVX2.
+            return unsafe { self.mismatch_avx2(next, at) };
+        }
+        self.mismatch_anyhow(next, at)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn mismatch_avx2(&self, next: &Level, at: [f32; 2]) -> Mismatch {
+        self.mismatch_anyhow(next, at)
+    }
+
+    #[inline(always)]
+    fn mismatch_anyhow(&self, next: &Level, at: [f32; 2]) -> Mismatch {
+        let ([x, y], [fx, fy]) = next.corner(at, self.reach);
+        let wide = self.stride / LANES;
+        let [mut above, mut below]: [Row; 2] = Default::default();
+        next.between([x, y], fx, &mut above[..wide]);
+        let [mut across, mut down, mut size] = [[0.0f32; LANES]; 3];
+        for j in 0..2 * self.reach + 1 {
+            next.between([x, y + j + 1], fx, &mut below[..wide]);
+            let range = j * self.stride..(j + 1) * self.stride;
+            let [values, gx, gy, counts] = [&self.values, &self.across, &self.down, &self.counts]
+                .map(|part| part[range.clone()].as_chunks::<LANES>().0);
+            let windows = values.iter().zip(counts).zip(gx.iter().zip(gy));
+            for ((a, b), ((value, count), (gx, gy))) in above.iter().zip(&below).zip(windows) {
+                for i in 0..LANES {
+                    let off = value[i] - (a[i] + (b[i] - a[i]) * fy);
+                    across[i] += off * gx[i];
+                    down[i] += off * gy[i];
+                    size[i] += off.abs() * count[i];
+                }
+            }
+            std::mem::swap(&mut above, &mut below);
+        }
+        let mean = |sums: [f32; LANES]| sums.iter().sum::<f32>() / self.tensor.pixels;
+        Mismatch { vector: [mean(across), mean(down)], residual: mean(size) }
+    }
+
+    /// The displacement that would take the mismatch away if gray values changed evenly: T⁻¹ of its vector.
+    pub fn update(&self, mismatch: Mismatch) -> [f32; 2] {
+        let [x, y] = mismatch.vector;
+        Tensor { xt: -x, yt: -y, ..self.tensor }.solution()
+    }
+}
+
+/// The sum of the products of two windows.
+#[inline(always)]
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0) {
+        (0..LANES).for_each(|i| sums[i] += a[i] * b[i]);
+    }
+    sums.iter().sum()
+}
+
+/// 1 if a coordinate lies in a picture of that extent, else 0.
+#[inline(always)]
+fn inside(c: f32, extent: usize) -> f32 {
+    if (0.0..=(extent - 1) as f32).contains(&c) { 1.0 } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture() -> Gray {
+        Grid::from_fn(40, 30, |x, y| ((x * 37 + y * 101 + x * y * 13) % 251) as u8)
+    }
+
+    /// The value between pixels, the edge repeated.
+    fn sample(picture: &Gray, x: f64, y: f64) -> f64 {
+        let pixel = |x: f64, y: f64| f64::from(picture.at(x as isize, y as isize, crate::Border::Replicate));
+        let (x0, y0) = (x.floor(), y.floor());
+        let line = |y| pixel(x0, y) * (1.0 - (x - x0)) + pixel(x0 + 1.0, y) * (x - x0);
+        line(y0) * (1.0 - (y - y0)) + line(y0 + 1.0) * (y - y0)
+    }
+
+    #[test]
+    fn tensor_and_mismatch_are_the_plain_sums() {
+        let picture = picture();
+        for (reach, at, to) in [
+            (1, [12.0, 9.0], [13.4, 8.2]),
+            (10, [20.25, 14.5], [18.0, 15.9]),
+            (15, [2.5, 27.0], [0.0, 29.0]),
+            (3, [39.0, 0.0], [38.1, 0.7]),
+        ] {
+            let level = Level::new(&picture, reach);
+            let template = Template::new(&level, at, reach);
+            let (mut sums, mut count) = ([0.0; 6], 0.0);
+            let span = -(reach as i32)..=reach as i32;
+            for (i, j) in span.clone().flat_map(|j| span.clone().map(move |i| (f64::from(i), f64::from(j)))) {
+                let [x, y] = [f64::from(at[0]) + i, f64::from(at[1]) + j];
+                if !(0.0..=39.0).contains(&x) || !(0.0..=29.0).contains(&y) {
+                    continue;
+                }
+                let value = |x, y| sample(&picture, x, y);
+                let a = (value(x + 1.0, y) - value(x - 1.0, y)) / 2.0;
+                let b = (value(x, y + 1.0) - value(x, y - 1.0)) / 2.0;
+                let off = value(x, y) - value(f64::from(to[0]) + i, f64::from(to[1]) + j);
+                let products = [a * a, a * b, b * b, off * a, off * b, off.abs()];
+                sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+                count += 1.0;
+            }
+            let Mismatch { vector: [x, y], residual } = template.mismatch(&level, to);
+            let Tensor { xx, xy, yy, pixels, .. } = template.tensor;
+            assert_eq!(f64::from(pixels), count);
+            for (found, sum) in [xx, xy, yy, x, y, residual].into_iter().zip(sums) {
+                let plain = sum / count;
+                assert!((f64::from(found) - plain).abs() < 2e-3 * (1.0 + plain.abs()), "{found}, plainly {plain}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_margin_repeats_the_edge_and_a_px_is_a_picture() {
+        let level = Level::new(&Grid::new(1, 1, 7), 15);
+        let template = Template::new(&level, [0.0, 0.0], 15);
+        assert_eq!((template.tensor.pixels, template.tensor.eigenvalues()), (1.0, [0.0, 0.0]));
+        assert_eq!(template.mismatch(&level, [0.0, 0.0]).residual, 0.0);
+        assert!(level.holds([0.0, 0.0]) && !level.holds([0.1, 0.0]) && !level.holds([f32::NAN, 0.0]));
+    }
+}

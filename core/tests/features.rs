@@ -1,0 +1,277 @@
+//! Corners and the tracker of features against plain references and against places that are known exactly.
+
+use motionscope_core::{
+    AnyEstimator, Border, Clip, Cursor, Feature, Frame, Gray, Grid, Move, Status, Threads, estimator, scene,
+};
+
+fn set(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
+    let mut estimator = estimator(id).expect("it is there");
+    settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
+    estimator
+}
+
+fn clip(frames: [Gray; 2]) -> Clip {
+    Clip::from_frames("made", frames.into_iter().map(Frame::gray).collect()).expect("frames of one size")
+}
+
+fn points(id: &str, settings: &[(&str, &str)], clip: &Clip) -> Vec<Feature> {
+    let output = set(id, settings).run(clip, 0, &Threads::single()).expect("a run");
+    output.points().expect("features").points.clone()
+}
+
+const SIZE: (usize, usize) = (96, 80);
+
+/// Waves in all directions.
+fn waves(x: f64, y: f64) -> f64 {
+    let wave = |k: f64| {
+        let (period, angle) = (13.0 + 0.7 * k, k * std::f64::consts::PI / 8.0);
+        ((x * angle.cos() + y * angle.sin()) * std::f64::consts::TAU / period + k * k).sin()
+    };
+    128.0 + 15.0 * (0..8).map(|k| wave(f64::from(k))).sum::<f64>()
+}
+
+fn moving(motion: [f64; 2]) -> Clip {
+    let frame = |t: f64| {
+        Grid::from_fn(SIZE.0, SIZE.1, |x, y| (waves(x as f64 - motion[0] * t, y as f64 - motion[1] * t) + 0.5) as u8)
+    };
+    clip([frame(0.0), frame(1.0)])
+}
+
+/// Gradients as plainly as can be: Sobel's, the edge repeated.
+fn sobel(picture: &Gray, x: isize, y: isize) -> [f64; 2] {
+    let at = |i: isize, j: isize| f64::from(picture.at(x + i, y + j, Border::Replicate));
+    let across = |j: isize| (at(1, j) - at(-1, j)) / 2.0;
+    let down = |i: isize| (at(i, 1) - at(i, -1)) / 2.0;
+    [(across(-1) + 2.0 * across(0) + across(1)) / 4.0, (down(-1) + 2.0 * down(0) + down(1)) / 4.0]
+}
+
+/// The means of Iₓ², Iₓ I_y and I_y² under as much of a window as lies in the picture.
+fn plain_tensor(picture: &Gray, (x, y): (usize, usize), weights: &[f64]) -> [f64; 3] {
+    let (mut sums, mut total) = ([0.0; 3], 0.0);
+    let reach = weights.len() as isize / 2;
+    for (i, j) in (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (i, j))) {
+        let (Some(px), Some(py)) = (x.checked_add_signed(i), y.checked_add_signed(j)) else { continue };
+        if px < picture.width() && py < picture.height() {
+            let [a, b] = sobel(picture, px as isize, py as isize);
+            let weight = weights[(i + reach) as usize] * weights[(j + reach) as usize];
+            sums.iter_mut().zip([a * a, a * b, b * b]).for_each(|(sum, product)| *sum += weight * product);
+            total += weight;
+        }
+    }
+    sums.map(|sum| sum / total)
+}
+
+fn harris([xx, xy, yy]: [f64; 3]) -> f64 {
+    xx * yy - xy * xy - 0.04 * (xx + yy).powi(2)
+}
+
+fn smaller_eigenvalue([xx, xy, yy]: [f64; 3]) -> f64 {
+    (xx + yy) / 2.0 - (((xx - yy) / 2.0).powi(2) + xy * xy).sqrt()
+}
+
+#[test]
+fn corners_are_those_of_a_plain_detector_in_its_order() {
+    let clip = moving([0.0; 2]);
+    let picture = clip.frame(0).expect("a frame").luma().clone();
+    let gaussian: Vec<f64> = (-2i32..=2).map(|i| (-0.5 * f64::from(i * i)).exp()).collect();
+    type Response = fn([f64; 3]) -> f64;
+    for (id, weights, response) in
+        [("harris", &gaussian[..], harris as Response), ("shi-tomasi", &[1.0; 7][..], smaller_eigenvalue)]
+    {
+        let map = Grid::from_fn(SIZE.0, SIZE.1, |x, y| response(plain_tensor(&picture, (x, y), weights)));
+        let largest = map.cells().iter().copied().fold(0.0, f64::max);
+        let inner = (1..SIZE.1 - 1).flat_map(|y| (1..SIZE.0 - 1).map(move |x| (x, y)));
+        let is_peak = |&(x, y): &(usize, usize)| {
+            let around = (y - 1..=y + 1).flat_map(|j| (x - 1..=x + 1).map(move |i| (i, j)));
+            map[(x, y)] >= 0.1 * largest && around.into_iter().all(|place| map[place] <= map[(x, y)])
+        };
+        let mut peaks: Vec<_> = inner.filter(is_peak).collect();
+        peaks.sort_by(|a, b| map[*b].total_cmp(&map[*a]));
+        let mut kept: Vec<(usize, usize)> = Vec::new();
+        for (x, y) in peaks {
+            let is_far = |&(a, b): &(usize, usize)| a.abs_diff(x).pow(2) + b.abs_diff(y).pow(2) >= 81;
+            if kept.iter().all(is_far) && kept.len() < 25 {
+                kept.push((x, y));
+            }
+        }
+        let window = weights.len().to_string();
+        let kind = if weights[0] == 1.0 { "box" } else { "gaussian" };
+        let settings =
+            [("threshold", "0.1"), ("min-distance", "9"), ("max-points", "25"), ("window", &window), ("weights", kind)];
+        let found: Vec<_> = points(id, &settings, &clip).iter().map(|p| (p.at[0] as usize, p.at[1] as usize)).collect();
+        assert!(kept.len() > 15, "{id}: {} corners", kept.len());
+        assert_eq!(found, kept, "{id}");
+    }
+}
+
+/// A checkerboard with squares of 12 px whose corners lie on pixels, the first at (6, 6): lines between squares are gray.
+/// Each row of corners has less contrast than the one above it.
+fn checkerboard() -> Gray {
+    let sign = |c: usize| match (c + 6) % 24 {
+        0 | 12 => 0,
+        1..12 => 1,
+        _ => -1,
+    };
+    Grid::from_fn(72, 60, |x, y| (128 + (100 - 10 * (y as i32 / 12)) * sign(x) * sign(y)) as u8)
+}
+
+#[test]
+fn corners_of_a_checkerboard_are_at_their_exact_places_and_in_order() {
+    let board = checkerboard();
+    let clip = clip([board.clone(), board]);
+    let places: Vec<(usize, usize)> =
+        [6, 18, 30, 42, 54].iter().flat_map(|y| [6, 18, 30, 42, 54, 66].map(|x| (x, *y))).collect();
+    for id in ["harris", "shi-tomasi"] {
+        let found: Vec<_> = points(id, &[("threshold", "0.05")], &clip);
+        let mut at: Vec<_> = found.iter().map(|point| (point.at[0] as usize, point.at[1] as usize)).collect();
+        let rows: Vec<_> = at.iter().map(|place| place.1).collect();
+        assert!(rows.is_sorted(), "{id}: the more contrast, the sooner: {rows:?}");
+        assert!(found.iter().all(|point| point.status == Status::Found && point.displacement.is_none()));
+        at.sort_by_key(|(x, y)| (*y, *x));
+        assert_eq!(at, places, "{id}");
+    }
+}
+
+#[test]
+fn known_fractions_of_a_pixel_are_tracked() {
+    for motion in [[0.3, -0.45], [1.7, 2.2], [-6.5, 4.25]] {
+        let clip = moving(motion);
+        for kind in ["detect", "grid"] {
+            let found = points("pyramidal-lucas-kanade", &[("points", kind), ("max-points", "60")], &clip);
+            // Windows near the border look at what is not there any more.
+            let inner: Vec<_> =
+                found.iter().filter(|p| (20.0..76.0).contains(&p.at[0]) && (20.0..60.0).contains(&p.at[1])).collect();
+            assert!(inner.len() > 10, "{} points", inner.len());
+            for point in inner {
+                let [u, v] = point.displacement.unwrap_or([f32::NAN; 2]).map(f64::from);
+                let off = (u - motion[0]).hypot(v - motion[1]);
+                assert!(off < 0.04, "({u}, {v}) at {:?}, not {motion:?}", point.at);
+                assert!(point.status == Status::Tracked && point.residual < Some(2.0));
+            }
+        }
+    }
+}
+
+/// Bouguet's iterations on one level as plainly as can be, in f64.
+fn plain_track(clip: &Clip, at: [f64; 2], reach: i32, iterations: usize) -> [f64; 2] {
+    let [a, b] = clip.pair(0).expect("a pair");
+    let sample = |picture: &Gray, x: f64, y: f64| {
+        let pixel = |x: f64, y: f64| f64::from(picture.at(x as isize, y as isize, Border::Replicate));
+        let (x0, y0) = (x.floor(), y.floor());
+        let line = |y| pixel(x0, y) * (1.0 - (x - x0)) + pixel(x0 + 1.0, y) * (x - x0);
+        line(y0) * (1.0 - (y - y0)) + line(y0 + 1.0) * (y - y0)
+    };
+    let window: Vec<_> =
+        (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (f64::from(i), f64::from(j)))).collect();
+    let gradient = |x: f64, y: f64| {
+        let value = |x, y| sample(a.luma(), x, y);
+        [(value(x + 1.0, y) - value(x - 1.0, y)) / 2.0, (value(x, y + 1.0) - value(x, y - 1.0)) / 2.0]
+    };
+    let mut d = [0.0; 2];
+    for _ in 0..iterations {
+        let mut sums = [0.0; 5];
+        for (i, j) in &window {
+            let (x, y) = (at[0] + i, at[1] + j);
+            let [gx, gy] = gradient(x, y);
+            let off = sample(a.luma(), x, y) - sample(b.luma(), x + d[0], y + d[1]);
+            let products = [gx * gx, gx * gy, gy * gy, off * gx, off * gy];
+            sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+        }
+        let [xx, xy, yy, bx, by] = sums;
+        let det = xx * yy - xy * xy;
+        d = [d[0] + (yy * bx - xy * by) / det, d[1] + (xx * by - xy * bx) / det];
+    }
+    d
+}
+
+#[test]
+fn the_tracker_agrees_with_a_plain_one() {
+    let clip = moving([0.8, -0.6]);
+    for (window, reach, iterations) in [("5", 2, 1), ("14", 7, 3), ("21", 10, 8)] {
+        let count = iterations.to_string();
+        let settings = [
+            ("points", "grid"),
+            ("max-points", "80"),
+            ("window", window),
+            ("levels", "1"),
+            ("iterations", &count),
+            ("epsilon", "0"),
+            ("threshold", "0"),
+            ("max-residual", "255"),
+        ];
+        let found = points("pyramidal-lucas-kanade", &settings, &clip);
+        let inner = found.iter().filter(|p| (12.0..84.0).contains(&p.at[0]) && (12.0..68.0).contains(&p.at[1]));
+        let mut compared = 0;
+        for point in inner {
+            let plain = plain_track(&clip, point.at.map(f64::from), reach, iterations);
+            let Some(found) = point.displacement else { panic!("{:?} is lost at {:?}", point.status, point.at) };
+            let off = (f64::from(found[0]) - plain[0]).hypot(f64::from(found[1]) - plain[1]);
+            assert!(off < 2e-3, "{found:?} at {:?}, plainly {plain:?}", point.at);
+            compared += 1;
+        }
+        assert!(compared > 20, "{compared} points");
+    }
+}
+
+#[test]
+fn lost_points_are_told_why() {
+    let status = |clip: &Clip, settings: &[(&str, &str)]| -> Vec<Status> {
+        let settings = [&[("points", "grid"), ("max-points", "40")], settings].concat();
+        points("pyramidal-lucas-kanade", &settings, clip).iter().map(|point| point.status).collect()
+    };
+    let flat = Grid::new(SIZE.0, SIZE.1, 90);
+    assert!(status(&clip([flat.clone(), flat.clone()]), &[]).iter().all(|status| *status == Status::Flat));
+    let stripes = Grid::from_fn(SIZE.0, SIZE.1, |x, _| (128.0 + 60.0 * (x as f64 / 4.0).sin()) as u8);
+    assert!(status(&clip([stripes.clone(), stripes]), &[]).iter().all(|status| *status == Status::Flat));
+    // All moves to the right by 12 px, with waves that do not look alike so near: what was near the right edge is gone.
+    let long = |t: usize| {
+        Grid::from_fn(SIZE.0, SIZE.1, |x, y| waves((x as f64 - 12.0 * t as f64) / 3.0, y as f64 / 3.0) as u8)
+    };
+    let moved = clip([long(0), long(1)]);
+    let found = points("pyramidal-lucas-kanade", &[("points", "grid"), ("max-points", "200")], &moved);
+    let gone = |point: &&Feature| point.at[0] > 88.0;
+    assert!(found.iter().filter(gone).all(|point| point.status != Status::Tracked));
+    assert!(found.iter().any(|point| point.status == Status::Outside));
+    // Another picture altogether.
+    let other = Grid::from_fn(SIZE.0, SIZE.1, |x, y| waves(y as f64 * 1.7 + 400.0, x as f64 * 1.3) as u8);
+    let [first, _] = moving([0.0; 2]).pair(0).expect("a pair");
+    let unlike = clip([first.luma().clone(), other]);
+    assert!(status(&unlike, &[("max-residual", "5")]).iter().all(|status| *status != Status::Tracked));
+    let told = status(&unlike, &[("max-residual", "5")]);
+    assert!(told.contains(&Status::Unlike), "{told:?}");
+}
+
+#[test]
+fn pictures_too_small_for_a_corner_have_none_and_run_all_the_same() {
+    for size in [(1, 1), (1, 40), (40, 1), (2, 2), (3, 3)] {
+        let frame = || Grid::from_fn(size.0, size.1, |x, y| (x * 80 + y * 50) as u8);
+        for id in ["harris", "shi-tomasi", "pyramidal-lucas-kanade"] {
+            let found = points(id, &[], &clip([frame(), frame()]));
+            assert!(found.is_empty() || size == (3, 3), "{id}: {found:?} in {size:?}");
+        }
+        let found = points("pyramidal-lucas-kanade", &[("points", "grid")], &clip([frame(), frame()]));
+        assert_eq!(found.len(), size.0 * size.1, "a small picture has a point at each pixel");
+    }
+}
+
+#[test]
+fn an_iteration_is_told_with_its_numbers_and_its_trail() {
+    let clip = moving([1.2, -0.7]);
+    let estimator = set("pyramidal-lucas-kanade", &[("levels", "2"), ("max-points", "5")]);
+    let mut walk = estimator.walk(&clip, 0).expect("a walk");
+    assert_eq!(walk.units(), Some(10));
+    // The second iteration of the first point on the picture itself.
+    walk.jump(Move::To(Cursor { unit: 1, event: 3 }));
+    let step = walk.step(None);
+    assert!(step.sentence.plain().contains("The mismatch says to move by"), "{}", step.sentence.plain());
+    assert!(step.readouts.iter().any(|readout| matches!(readout, scene::Readout::Equation(lines) if lines.len() == 4)));
+    let drawn = walk.scene(None);
+    let trail = drawn.marks.iter().find_map(|mark| match &mark.shape {
+        scene::Shape::Path { points, .. } => Some(points.len()),
+        _ => None,
+    });
+    assert_eq!(trail, Some(3), "where it began and two iterations");
+    walk.jump(Move::End);
+    assert_eq!(walk.output().points().expect("features").points.len(), 5);
+    assert_eq!(walk.unit_at(walk.output().points().expect("features").points[3].at), Some(7));
+}
