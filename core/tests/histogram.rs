@@ -64,7 +64,8 @@ fn each_bin_leads_to_its_first_block_and_the_bits_are_those_of_the_coding() {
         }
         let frames = clip().pair(0).expect("a pair");
         let prediction = output.prediction(frames[1].luma());
-        let coding = Coding::of(&output, frames[0].luma(), &prediction).expect("one size");
+        let coding =
+            Coding::of(&output, frames[0].luma(), &prediction.expect("every block is known")).expect("one size");
         assert!((histogram.bits * bins.len() as f64 - coding.vector_bits.expect("of blocks")).abs() < 1e-6);
     }
 }
