@@ -271,7 +271,7 @@ impl Panes<'_> {
             return;
         }
         match (pane, info.rungs.contains(&"block")) {
-            (Pane::Surface3d, false) => {
+            (Pane::Surface | Pane::Surface3d, false) => {
                 empty(ui, "This estimator tests no candidates, so there are no costs to be seen.")
             }
             (Pane::Histogram, false) => empty(
