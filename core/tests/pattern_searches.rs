@@ -217,7 +217,7 @@ fn predictive(plain: &mut Plain) {
                 let grid = grid.into_iter().map(|(u, v)| (3 * u, 3 * v));
                 let mut starts: Vec<_> = grid.filter_map(|at| Some((cost(plain, at)?, at))).collect();
                 starts.sort();
-                for (mut key, mut at) in starts.into_iter().take(12) {
+                for (mut key, mut at) in starts.into_iter().take(10) {
                     loop {
                         plain.test(NEIGHBOURS, 1, at);
                         let around = NEIGHBOURS.iter().map(|(u, v)| (at.0 + u, at.1 + v));

@@ -27,7 +27,7 @@ block_search_params! {
         /// From one point of that grid to the next; at 1 it is a full search.
         grid: usize = 3, 1..=16, "px";
         /// From how many points of that grid, the best ones, the search walks downhill.
-        starts: usize = 12, 1..=64;
+        starts: usize = 10, 1..=64;
         /// Predict from the motion one frame before as well. That pair of frames is then searched first.
         temporal: bool = false;
     }
