@@ -142,7 +142,7 @@ impl Moment<'_> {
             scale,
             frame: Some(self.frame),
             legend: look.legend,
-            heat: heat.unwrap_or_default(),
+            heat: heat.or(self.scene.heat.map(str::to_owned)).unwrap_or_default(),
             caption: look.caption.then(|| self.caption()),
         };
         if self.tiles.is_empty() {

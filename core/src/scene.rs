@@ -225,6 +225,8 @@ pub struct Scene {
     pub legend: Vec<(Role, &'static str)>,
     /// The pyramid on which the step works, where there is one: its pictures can stand below the marks.
     pub levels: Option<Levels>,
+    /// What the values of a heat are called, where no surface says so: `λ`.
+    pub heat: Option<&'static str>,
 }
 
 impl Scene {
@@ -233,6 +235,7 @@ impl Scene {
         let same = |(a, b): (&Mark, &Mark)| a.on == b.on && a.role == b.role && a.shape.same(&b.shape);
         self.legend == other.legend
             && self.levels == other.levels
+            && self.heat == other.heat
             && self.marks.len() == other.marks.len()
             && self.marks.iter().zip(&other.marks).all(same)
     }

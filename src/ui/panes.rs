@@ -92,7 +92,7 @@ impl Panes<'_> {
             lockstep: self.lockstep(shown),
             theme: self.look.theme,
             colors: self.look.colors,
-            heat: heat.unwrap_or_default(),
+            heat: heat.or(shown.scene.heat).unwrap_or_default(),
             gpu: self.gpu,
             lengthen: self.look.lengthen,
             animate: self.animate,

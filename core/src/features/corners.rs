@@ -22,6 +22,9 @@ pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
     /// How much of a corner a pixel is, from the means of Iₓ², Iₓ I_y and I_y² around it.
     fn response(&self, tensor: [f32; 3]) -> f32;
 
+    /// What is painted of a response, for the legend.
+    const SHOWN: &'static str;
+
     /// A response as it is painted, in gray levels per px, so that more than the strongest few can be told apart.
     fn shown(response: f32) -> f32;
 

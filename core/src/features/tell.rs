@@ -232,6 +232,7 @@ impl<M: Measure> Corners<M> {
             _ => f32::NAN,
         });
         scene.mark(Picture::Current, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
+        scene.heat = Some(M::SHOWN);
     }
 
     fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {

@@ -58,6 +58,8 @@ impl Measure for Harris {
         xx * yy - xy * xy - self.k * trace * trace
     }
 
+    const SHOWN: &'static str = "fourth root of |R|, with its sign";
+
     fn shown(response: f32) -> f32 {
         response.signum() * response.abs().powf(0.25)
     }

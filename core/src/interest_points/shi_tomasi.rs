@@ -55,6 +55,8 @@ impl Measure for ShiTomasi {
         Tensor { xx, xy, yy, ..Tensor::default() }.eigenvalues()[1]
     }
 
+    const SHOWN: &'static str = "square root of R";
+
     fn shown(response: f32) -> f32 {
         response.sqrt()
     }
