@@ -8,7 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use motionscope::ui::app::App;
 use motionscope::ui::commands::Command;
-use motionscope::ui::model::walker::Snapshot;
+use motionscope::ui::model::snapshot::Snapshot;
 use motionscope::ui::{self, Start};
 use motionscope_core::Histogram;
 use motionscope_core::scene::Readout;

@@ -11,7 +11,7 @@ use super::dialogs::save::Kind;
 use super::dialogs::{compare, open as open_dialog, palette};
 use super::layout;
 use super::model::document::Owner;
-use super::model::walker::Place;
+use super::model::snapshot::Place;
 use super::style::ZOOM;
 use crate::company::Company;
 use crate::comparison::Row;

@@ -14,7 +14,7 @@ use super::app::{App, Overlay, title};
 use super::dialogs::open as open_dialog;
 use super::dialogs::save::{self, Kind};
 use super::model::loader::{Loading, Opened};
-use super::model::walker::{Place, Snapshot, Subject};
+use super::model::snapshot::{Place, Snapshot, Subject};
 use super::model::writer::{self, Order, What, Writing};
 use super::stage::Zoom;
 use crate::media::Open;

@@ -16,7 +16,8 @@ use super::commands::Command;
 use super::layout::Pane;
 use super::model::document::Document;
 use super::model::loader::Loading;
-use super::model::walker::{Snapshot, View};
+use super::model::snapshot::Snapshot;
+use super::model::walker::View;
 use super::parts::widgets;
 use super::{heat_map, histogram, parameters, plane, series, stack3d, stage, style, surface3d, tiles, why};
 use crate::paint::{LevelShown, Theme};
@@ -235,7 +236,7 @@ impl Panes<'_> {
             return empty(ui, "There is nothing to show before a clip is open.");
         };
         let (theme, colors) = (self.look.theme, self.look.colors);
-        let (info, step) = self.told(shown);
+        let (_, step) = self.told(shown);
         if pane == Pane::Surface3d && pyramid(ui, step, theme, self.states) {
             return;
         }
@@ -270,7 +271,7 @@ impl Panes<'_> {
             }
             return;
         }
-        match (pane, info.rungs.contains(&"block")) {
+        match (pane, shown.subject.estimator.tests_candidates()) {
             (Pane::Surface | Pane::Surface3d, false) => {
                 empty(ui, "This estimator tests no candidates, so there are no costs to be seen.")
             }

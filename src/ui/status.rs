@@ -3,7 +3,7 @@
 use motionscope_core::Cursor;
 
 use super::commands::{Command, Rungs, key_text};
-use super::model::walker::Snapshot;
+use super::model::snapshot::Snapshot;
 use crate::paint::grouped;
 use crate::tile;
 

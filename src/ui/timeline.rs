@@ -5,7 +5,7 @@ use eframe::egui::{
 };
 use motionscope_core::{Cursor, Role};
 
-use super::model::walker::Snapshot;
+use super::model::snapshot::Snapshot;
 use super::parts::slider::Scale;
 use super::style;
 use crate::paint::{Theme, grouped};

@@ -8,7 +8,7 @@ use lucide_icons::Icon;
 use super::action::{Action, Actions};
 use super::commands::{Command, Now, Rungs};
 use super::model::player::{Player, SPEEDS};
-use super::model::walker::Snapshot;
+use super::model::snapshot::Snapshot;
 use super::parts::widgets;
 use super::{style, timeline};
 use crate::paint::Theme;

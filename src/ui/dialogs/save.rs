@@ -8,7 +8,7 @@ use motionscope_core::Cursor;
 use crate::shot::{Format, Look, Steps};
 use crate::ui::action::{Action, Actions, Browse};
 use crate::ui::commands::Rungs;
-use crate::ui::model::walker::Snapshot;
+use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{Order, What};
 use crate::ui::parts::widgets;
 

@@ -7,7 +7,7 @@ use motionscope_core::synth::{self, Difficulty, Sample};
 use motionscope_core::{AnyEstimator, Clip, Error, Params, Value, estimators};
 
 use super::history::History;
-use super::walker::{Job, Place, Snapshot, Subject};
+use super::snapshot::{Job, Place, Snapshot, Subject};
 use crate::company::Company;
 use crate::source::Source;
 

@@ -7,5 +7,6 @@ pub mod history;
 pub mod loader;
 pub mod player;
 pub mod settings;
+pub mod snapshot;
 pub mod walker;
 pub mod writer;

@@ -6,7 +6,7 @@ use std::sync::mpsc::Receiver;
 use motionscope_core::{Cursor, Error, Output};
 
 use super::background::Background;
-use super::walker::{Snapshot, Subject};
+use super::snapshot::{Snapshot, Subject};
 use crate::media::Progress;
 use crate::media::export::{self, FlowFormat};
 use crate::shot::{Format, Look, Moment, Steps};

@@ -1,0 +1,137 @@
+//! What a run is a run of, where to go in it, and everything there is to see at one place of it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Pace, Role, Rung, Scene, Step};
+
+use crate::company::Company;
+use crate::paint::Pictures;
+use crate::source::Source;
+use crate::tile::Tile;
+
+/// What is run. A run never changes it: whoever has a picture of the run knows what it is a picture of.
+pub struct Subject {
+    /// The clip.
+    pub clip: Clip,
+    /// Where the clip comes from.
+    pub source: Source,
+    /// Truth that was given for it by hand.
+    pub truth: Option<PathBuf>,
+    /// The estimator with its parameters.
+    pub estimator: Box<dyn AnyEstimator>,
+    /// Who goes in lockstep with it.
+    pub company: Company,
+    /// The frame that the run starts on.
+    pub frame: usize,
+}
+
+/// A place in a run that is there in runs with other parameters as well.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Where to go.
+    pub cursor: Cursor,
+    /// The pixel whose unit is meant, if that is known better than its number.
+    pub near: Option<[f32; 2]>,
+}
+
+impl Place {
+    /// The end of the run.
+    pub const END: Self = Self { cursor: Cursor { unit: usize::MAX, event: usize::MAX }, near: None };
+
+    /// Where `shown` stands: the end of the run or of a unit stays one.
+    pub fn of(shown: &Snapshot) -> Self {
+        let Cursor { unit, event } = shown.cursor;
+        if shown.at_end {
+            return Self::END;
+        }
+        let event = if event > 0 && event == shown.events { usize::MAX } else { event };
+        Self { cursor: Cursor { unit, event }, near: shown.reference() }
+    }
+
+    /// Where several go on in lockstep from what is `shown`: as many candidates into the same block.
+    pub fn in_lockstep(shown: &Snapshot, pace: Pace) -> Self {
+        let place = Self::of(shown);
+        if place == Self::END {
+            return place;
+        }
+        let event = match place.cursor.event {
+            event @ (0 | usize::MAX) => event,
+            _ => shown.tested.max(1),
+        };
+        // Where the budget counts, a unit is one of the leader, on whatever level.
+        let near = place.near.filter(|_| pace == Pace::Block);
+        Self { cursor: Cursor { unit: shown.leader().unit, event }, near }
+    }
+
+    /// Where the leader goes on alone from what is `shown` of several.
+    pub fn alone(shown: &Snapshot) -> Self {
+        if shown.at_end { Self::END } else { Self { cursor: shown.leader(), near: None } }
+    }
+}
+
+/// What to walk through, and where to begin.
+pub struct Job {
+    /// What is run.
+    pub subject: Arc<Subject>,
+    /// Where to go at once.
+    pub place: Place,
+}
+
+/// Everything there is to see at one cursor.
+pub struct Snapshot {
+    /// What is run.
+    pub subject: Arc<Subject>,
+    /// What there is to say about the estimator.
+    pub info: &'static Info,
+    /// Frames t and t + 1, and at the end what the run has made of them.
+    pub pictures: Pictures,
+    /// Where the run stands.
+    pub cursor: Cursor,
+    /// Events of the unit at hand.
+    pub events: usize,
+    /// Units of the run, if that is known by now.
+    pub units: Option<usize>,
+    /// Whether this is the end of the run.
+    pub at_end: bool,
+    /// Where the unit stands on each rung but the innermost.
+    pub place: Vec<Rung>,
+    /// Events worth a mark, and their role.
+    pub landmarks: Vec<(usize, Role)>,
+    /// What ended the run early, if anything did.
+    pub failure: Option<Error>,
+    /// What the cursor tells.
+    pub step: Arc<Step>,
+    /// What the cursor shows.
+    pub scene: Arc<Scene>,
+    /// Candidates of the unit that were tested.
+    pub tested: usize,
+    /// Each of those that go in lockstep; none where there is but one.
+    pub tiles: Vec<Tile>,
+}
+
+impl Snapshot {
+    /// The centre of what is being matched, in image pixels of frame t; of several in lockstep, by the first.
+    pub fn reference(&self) -> Option<[f32; 2]> {
+        use motionscope_core::scene::{Picture, Shape};
+        let scene = self.tiles.first().map_or(&self.scene, |tile| &tile.scene);
+        let mut marks = scene.marks.iter().rev();
+        marks.find_map(|mark| match (mark.on, mark.role, &mark.shape) {
+            (Picture::Current, Role::Reference, Shape::Rect { min, max }) => {
+                Some([(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0])
+            }
+            _ => None,
+        })
+    }
+
+    /// Where the run of the estimator itself stands: the same place unless several go in lockstep.
+    pub fn leader(&self) -> Cursor {
+        self.tiles.first().map_or(self.cursor, |tile| tile.cursor)
+    }
+
+    /// Share of the work that was done, from 0 to 1, if the number of units is known.
+    pub fn share(&self) -> Option<f32> {
+        let inside = if self.events == 0 { 0.0 } else { self.cursor.event as f32 / self.events as f32 };
+        self.units.map(|units| ((self.cursor.unit as f32 + inside) / units.max(1) as f32).min(1.0))
+    }
+}

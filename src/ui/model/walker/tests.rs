@@ -1,0 +1,193 @@
+//! The walker with real runs.
+
+use std::sync::atomic::AtomicUsize;
+
+use motionscope_core::{Frame, FrameSource, Grid, Way, estimator};
+
+use super::*;
+use crate::company::Company;
+use crate::source::Source;
+
+fn clip() -> Clip {
+    let texture = |x: usize, y: usize| (x * 31 + y * 57 + x * y % 7 * 20) as u8;
+    let frame = |shift: usize| Frame::gray(Grid::from_fn(64, 48, |x, y| texture(x + 4 - shift, y)));
+    Clip::from_frames("shift", vec![frame(0), frame(2)]).unwrap()
+}
+
+fn subject() -> Subject {
+    let mut estimator = estimator("full-search").unwrap();
+    estimator.set("range", "4").unwrap();
+    Subject {
+        clip: clip(),
+        source: Source::File("shift".into()),
+        truth: None,
+        estimator,
+        company: Company::default(),
+        frame: 0,
+    }
+}
+
+fn job() -> Job {
+    Job { subject: Arc::new(subject()), place: Place::default() }
+}
+
+/// A run that takes a second or so, to be begun at its end.
+fn long() -> Job {
+    let mut subject = subject();
+    let frame = |t: usize| Frame::gray(Grid::from_fn(800, 600, |x, y| (x * 31 + y * 57 + x * y % 7 * 20 + t) as u8));
+    subject.clip = Clip::from_frames("long", vec![frame(0), frame(2)]).unwrap();
+    for (name, value) in [("block", "8"), ("spacing", "2"), ("range", "16")] {
+        subject.estimator.set(name, value).unwrap();
+    }
+    Job { subject: Arc::new(subject), place: Place::END }
+}
+
+fn started() -> Walker {
+    let walker = Walker::new(|| {}).unwrap();
+    walker.start(job());
+    walker.wait();
+    walker
+}
+
+fn cursor(walker: &Walker) -> Cursor {
+    walker.wait();
+    walker.view().shown.map(|shown| shown.cursor).unwrap()
+}
+
+#[test]
+fn there_and_back_again() {
+    let walker = started();
+    walker.go(Move::To(Cursor { unit: 3, event: 7 }));
+    assert_eq!(cursor(&walker), Cursor { unit: 3, event: 7 });
+    let before = walker.view().shown.unwrap();
+    walker.go(Move::Rung(2, Way::Forward));
+    walker.go(Move::Rung(2, Way::Back));
+    walker.wait();
+    let after = walker.view().shown.unwrap();
+    // Costs that are not known yet are NaN, so it is the words that are compared.
+    let told = |shown: &Snapshot| format!("{} {:?} {:?}", shown.cursor, shown.step, shown.scene);
+    assert!(told(&after) == told(&before));
+}
+
+#[test]
+fn a_refused_run_leaves_the_last_picture() {
+    let walker = started();
+    walker.start(Job { subject: Arc::new(Subject { frame: 9, ..subject() }), place: Place::default() });
+    walker.wait();
+    let view = walker.view();
+    assert!(view.shown.is_some() && view.refused.is_some_and(|error| error.to_string().contains("frame")));
+    let before = cursor(&walker);
+    walker.focus(Some([3.0, 3.0]));
+    walker.go(Move::Rung(2, Way::Forward));
+    walker.wait();
+    assert!(walker.view().refused.is_some() && cursor(&walker) == before, "the old run is no more");
+    walker.start(job());
+    walker.wait();
+    assert!(walker.view().refused.is_none());
+}
+
+/// Frames that take for ever, until nobody wants them.
+struct Slow(Arc<AtomicBool>);
+
+impl FrameSource for Slow {
+    fn frame(&self, _index: usize, stop: &Stop) -> Result<Arc<Frame>, Error> {
+        self.0.store(true, Ordering::SeqCst);
+        loop {
+            stop.check()?;
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn cached(&self, _index: usize) -> Option<Arc<Frame>> {
+        None
+    }
+}
+
+/// Has `walker` wait for a frame that never comes.
+fn stuck(walker: &Walker) {
+    let asked = Arc::new(AtomicBool::new(false));
+    let clip = Clip::new(clip().info().clone(), Arc::new(Slow(Arc::clone(&asked))));
+    walker.start(Job { subject: Arc::new(Subject { clip, ..subject() }), place: Place::default() });
+    while !asked.load(Ordering::SeqCst) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn nobody_waits_for_a_frame_that_is_not_wanted_any_more() {
+    let walker = Walker::new(|| {}).unwrap();
+    stuck(&walker);
+    walker.start(job());
+    walker.wait();
+    assert!(walker.view().shown.is_some() && walker.view().refused.is_none());
+    stuck(&walker);
+    drop(walker);
+}
+
+#[test]
+fn a_run_begins_where_it_is_wanted() {
+    let walker = Walker::new(|| {}).unwrap();
+    walker.start(Job { place: Place { cursor: Cursor { unit: 0, event: 5 }, near: Some([40.0, 20.0]) }, ..job() });
+    assert_eq!(cursor(&walker), Cursor { unit: 6, event: 5 });
+    walker.go_at([1.0, 1.0], Side::End);
+    assert_eq!((cursor(&walker).unit, cursor(&walker).event > 1), (0, true));
+    walker.go_at([40.0, 20.0], Side::Start);
+    assert_eq!(cursor(&walker), Cursor { unit: 6, event: 1 });
+}
+
+#[test]
+fn nothing_is_told_while_nothing_changes() {
+    let count = Arc::new(AtomicUsize::new(0));
+    let told = Arc::clone(&count);
+    let walker = Walker::new(move || {
+        told.fetch_add(1, Ordering::SeqCst);
+    })
+    .unwrap();
+    walker.start(job());
+    walker.wait();
+    std::thread::sleep(Duration::from_millis(20));
+    let before = count.load(Ordering::SeqCst);
+    walker.focus(None);
+    std::thread::sleep(Duration::from_millis(20));
+    assert_eq!(count.load(Ordering::SeqCst), before);
+}
+
+#[test]
+fn a_place_replaces_what_was_asked_before() {
+    let walker = started();
+    for event in 1..200 {
+        walker.go(Move::To(Cursor { unit: 5, event: event % 60 + 1 }));
+    }
+    walker.go(Move::To(Cursor { unit: 1, event: 1 }));
+    assert_eq!(cursor(&walker), Cursor { unit: 1, event: 1 });
+    let shown = walker.view().shown.unwrap();
+    assert!(walker.output(&shown).recv().is_ok_and(|output| output.flow().at(0, 0).is_some()));
+    walker.go(Move::Rung(2, Way::Forward));
+    assert!(walker.output(&shown).recv().is_err(), "the run has moved on");
+}
+
+#[test]
+fn a_small_move_waits_for_a_run_to_come_to_its_place() {
+    let walker = Walker::new(|| {}).unwrap();
+    walker.start(long());
+    std::thread::sleep(2 * PATIENCE);
+    assert!(walker.view().shown.is_none(), "it takes longer than that");
+    walker.go(Move::Rung(2, Way::Back));
+    walker.wait();
+    let shown = walker.view().shown.unwrap();
+    assert_eq!((Some(shown.cursor.unit + 1), shown.cursor.event + 1), (shown.units, shown.events));
+}
+
+#[test]
+fn a_run_that_is_stopped_on_its_way_stays_at_its_start() {
+    let walker = Walker::new(|| {}).unwrap();
+    walker.start(long());
+    std::thread::sleep(2 * PATIENCE);
+    walker.stop();
+    assert_eq!(cursor(&walker), Cursor::default());
+    walker.start(long());
+    walker.stop();
+    assert_eq!(cursor(&walker), Cursor::default());
+    walker.go(Move::Rung(2, Way::Forward));
+    assert_eq!(cursor(&walker), Cursor { unit: 0, event: 1 });
+}

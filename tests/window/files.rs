@@ -1,0 +1,311 @@
+//! What the window opens and writes.
+
+use super::*;
+
+#[test]
+fn the_step_is_exported_as_it_is_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    window.press(Modifiers::COMMAND, Key::E);
+    let file = folder.path().join("step.png");
+    write_to(&mut window, &file);
+    let message = window.app().message().unwrap_or_default().to_owned();
+    assert!(message.contains("Wrote"), "{message}");
+    let session = folder.path().join("step.motionscope");
+    window.press(Modifiers::COMMAND, Key::S);
+    write_to(&mut window, &session);
+    let line = folder.path().join("line.png");
+    paint(&session, 2, &line);
+    assert!(fs::read(&file).expect("a picture") == fs::read(&line).expect("a picture"), "the pictures differ");
+    let picture = image::open(&file).expect("a picture").to_rgb8();
+    assert!(picture.width() >= 2 * 2 * 320 && picture.height() > 2 * 240, "{:?}", picture.dimensions());
+
+    window.command(Command::ExportVectors);
+    let table = folder.path().join("vectors.csv");
+    write_to(&mut window, &table);
+    let text = fs::read_to_string(&table).expect("a table");
+    assert_eq!(text.lines().count(), window.cursor().unit + 1, "a row for each finished block under the names");
+
+    window.command(Command::ExportPicture);
+    write_to(&mut window, &folder.path().join("no/such/folder/step.png"));
+    let message = window.app().message().unwrap_or_default().to_owned();
+    assert!(message.contains("Not written"), "{message}");
+    // The folder that was wrong is not offered again.
+    window.command(Command::ExportPicture);
+    let offered = window.harness.query_all_by_role(Role::TextInput).find_map(|node| node.accesskit_node().value());
+    assert!(offered.is_some_and(|path| !path.contains("no/such")), "the last good folder is offered");
+}
+
+#[test]
+fn a_range_of_steps_is_exported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    window.command(Command::ExportSteps);
+    let unit = window.cursor().unit;
+    let step = |event| Cursor { unit, event }.to_string();
+    window.harness.get_by_label("First step").set_text_value_accesskit(&step(10));
+    window.harness.get_by_label("Last step").set_text_value_accesskit(&step(13));
+    window.settle();
+    let rung = window.shown().info.rungs[2];
+    window.click_role(Role::Button, rung);
+    window.click_role(Role::Button, "1×");
+    write_to(&mut window, folder.path());
+    let mut files: Vec<_> =
+        fs::read_dir(folder.path()).expect("the folder").map(|file| file.expect("a file").path()).collect();
+    files.sort();
+    let names: Vec<_> = (0..4).map(|index| folder.path().join(format!("step_0000{index}.png"))).collect();
+    assert_eq!(files, names, "{:?}", window.app().message());
+    // Each is the picture of its step.
+    for (event, file) in (10..).zip(&files) {
+        window.harness.get_by_label(&format!("Timeline, {rung}s")).set_value_accesskit(event as f64);
+        window.settle();
+        assert_eq!(window.cursor(), Cursor { unit, event });
+        window.command(Command::ExportPicture);
+        window.click_role(Role::Button, "1×");
+        let alone = folder.path().join("alone.png");
+        write_to(&mut window, &alone);
+        assert!(fs::read(file).expect("a picture") == fs::read(&alone).expect("a picture"), "step {event}");
+    }
+}
+
+fn write_to(window: &mut Window, path: &Path) {
+    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&path.display().to_string());
+    window.settle();
+    let exists = path.is_file();
+    window.click_role(Role::Button, if exists { "Replace" } else { "Write" });
+}
+
+#[test]
+fn nothing_is_replaced_unasked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lesson.motionscope");
+    fs::write(&file, "mine").expect("a file");
+    let mut window = Window::usual();
+    window.command(Command::SaveSession);
+    // The ending may be left away, and names the same file.
+    let typed = folder.path().join("lesson").display().to_string();
+    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&typed);
+    window.settle();
+    assert!(window.harness.query_by_role_and_label(Role::Button, "Write").is_none());
+    assert!(window.harness.query_by_label("There is a lesson.motionscope already.").is_some());
+    window.key(Key::Enter);
+    assert_eq!(fs::read_to_string(&file).expect("the file"), "mine");
+    window.key(Key::Enter);
+    assert!(Session::load(&file).is_ok(), "the button in focus is pressed: {:?}", window.app().message());
+
+    window.command(Command::ExportSteps);
+    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&folder.path().display().to_string());
+    window.settle();
+    assert!(window.harness.query_by_role_and_label(Role::Button, "Write").is_some(), "a folder alone is no harm");
+    fs::write(folder.path().join("step_00000.png"), "mine").expect("a file");
+    window.key(Key::Escape);
+    window.command(Command::ExportSteps);
+    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&folder.path().display().to_string());
+    window.settle();
+    assert!(window.harness.query_by_role_and_label(Role::Button, "Replace").is_some());
+}
+
+#[test]
+fn a_session_typed_without_its_ending_reopens() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    window.command(Command::SaveSession);
+    write_to(&mut window, &folder.path().join("lesson.2"));
+    let file = folder.path().join("lesson.2.motionscope");
+    assert!(Session::load(&file).is_ok(), "{:?}", window.app().message());
+    window.command(Command::ExportVectors);
+    write_to(&mut window, &folder.path().join("vectors"));
+    assert!(fs::read_to_string(folder.path().join("vectors.csv")).expect("a table").starts_with("x_px"));
+}
+
+#[test]
+fn steps_can_be_written_from_the_start_of_a_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    window.key(Key::Home);
+    window.command(Command::ExportSteps);
+    window.click_role(Role::Button, "block");
+    write_to(&mut window, &folder.path().join("steps"));
+    assert!(folder.path().join("steps/step_00000.png").exists(), "{:?}", window.app().message());
+}
+
+#[test]
+fn a_session_reopens_exactly() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lesson.motionscope");
+    let mut window = Window::usual();
+    window.click("Order: Spiral");
+    window.harness.get_by_role_and_label(Role::Slider, "Noise").set_value_accesskit(5.0);
+    window.settle();
+    window.key(Key::T);
+    window.key(Key::ArrowRight);
+    window.key(Key::Num5);
+    window.key(Key::Plus);
+    window.click("Legend");
+    for command in [Command::TurboColors, Command::FourfoldArrows] {
+        window.command(command);
+    }
+    window.press(Modifiers::COMMAND, Key::S);
+    write_to(&mut window, &file);
+    let before = window.told();
+    let stage = window.harness.get_by_label_contains("Stage: ").rect();
+    let looks = |window: &Window| {
+        let zoom = window.harness.query_all_by_label_contains(" %").filter_map(|node| node.accesskit_node().value());
+        let title = window.harness.get_by_label_contains("Stage: ").accesskit_node().label();
+        let legend = window.harness.query_by_label_contains("Legend: ").is_some();
+        (title, zoom.collect::<Vec<_>>(), legend)
+    };
+
+    let again = Window::with(vec2(1280.0, 720.0), Start { open: Some(file.clone().into()) });
+    assert!(again.told() == before, "the session does not show the same step");
+    assert_eq!(looks(&again), looks(&window));
+    assert!(!looks(&again).2, "the legend is folded");
+    let (mine, theirs) = (Session::load(&file).expect("a session"), folder.path().join("again.motionscope"));
+    let mut again = again;
+    again.press(Modifiers::COMMAND, Key::S);
+    write_to(&mut again, &theirs);
+    let theirs = Session::load(&theirs).expect("a session");
+    assert_eq!((theirs.look, theirs.sight, theirs.cursor), (mine.look, mine.sight, mine.cursor));
+    assert!(mine.sight.is_some_and(|sight| stage.is_positive() && sight.zoom > 1.0));
+    assert_eq!(again.app().settings().theme(), window.app().settings().theme());
+    assert_eq!(again.app().settings().recent.len(), 1);
+}
+
+#[test]
+fn a_session_keeps_truth_and_look_and_the_command_line_paints_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (first, second) = (folder.path().join("first.motionscope"), folder.path().join("second.motionscope"));
+    fs::write(folder.path().join("truth.flo"), still_truth(320, 240)).expect("the truth");
+    let text = "motionscope = 1\nclip = \"synth:pillar\"\ntruth = \"truth.flo\"\nestimator = \"full-search\"\n\
+                step = \"30.200\"\n[picture]\nview = \"blend\"\nlevel = 1\nblend = 0.8\ntheme = \"light\"\ncolors = \"turbo\"\narrows = 2.5\n\
+                legend = false\ncaption = true\n";
+    fs::write(&first, text).expect("the session");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(first.clone().into()) });
+    window.press(Modifiers::COMMAND, Key::S);
+    write_to(&mut window, &second);
+    let (before, after) = (Session::load(&first).expect("read"), Session::load(&second).expect("written"));
+    assert_eq!(after.look, before.look);
+    let truth = after.truth.and_then(|truth| truth.canonicalize().ok());
+    assert_eq!(truth, folder.path().join("truth.flo").canonicalize().ok());
+    assert_eq!((after.cursor, after.frame), (before.cursor, before.frame));
+
+    window.command(Command::ExportPicture);
+    let (mine, theirs) = (folder.path().join("window.png"), folder.path().join("line.png"));
+    window.click_role(Role::Button, "1×");
+    write_to(&mut window, &mine);
+    paint(&second, 1, &theirs);
+    assert!(fs::read(mine).expect("a picture") == fs::read(theirs).expect("a picture"), "the pictures differ");
+}
+
+/// The picture that the command line makes of a session.
+fn paint(session: &Path, scale: u32, file: &Path) {
+    let scale = scale.to_string();
+    let words = ["motionscope".as_ref(), "run".as_ref(), session.as_os_str(), "--scale".as_ref(), scale.as_ref()];
+    let words = words.into_iter().chain(["--overlay".as_ref(), file.as_os_str()]).map(OsString::from);
+    let code = motionscope::cli::main(words);
+    assert_eq!(format!("{code:?}"), format!("{:?}", std::process::ExitCode::SUCCESS));
+}
+
+/// A flow file that says that nothing moves.
+fn still_truth(width: u32, height: u32) -> Vec<u8> {
+    let head = [width.to_le_bytes(), height.to_le_bytes()].concat();
+    [b"PIEH".to_vec(), head, vec![0; (width * height * 8) as usize]].concat()
+}
+
+#[test]
+fn a_session_leaves_alone_what_it_does_not_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("short.motionscope");
+    let text = "motionscope = 1\nclip = \"synth:pillar,frames=3\"\nestimator = \"full-search\"\nframe = 9\n";
+    fs::write(&file, text).expect("the session");
+    let mut window = Window::usual();
+    for command in [Command::LightTheme, Command::TurboColors, Command::DoubleArrows, Command::Blend] {
+        window.command(command);
+    }
+    window.harness.state_mut().open(file.as_os_str());
+    window.settle();
+    let settings = window.app().settings();
+    assert_eq!((settings.theme(), settings.colors()), (Theme::Light, ColorMap::Turbo));
+    assert_eq!(settings.lengthen(), Lengthen::Times(2.0));
+    assert!(window.harness.query_by_label_contains("Stage: Frames").is_some() || window.shown().at_end);
+    assert_eq!(window.shown().subject.frame, 1);
+    let message = window.app().message().unwrap_or_default();
+    assert!(message.contains("frame 9") && message.contains("frame 1"), "{message}");
+}
+
+#[test]
+fn a_truth_that_cannot_be_read_is_told_beside_the_quality() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("clip");
+    let words = ["motionscope", "synth", "translation", "--set", "width=64", "--set", "height=48", "--set", "frames=3"];
+    let words = words.map(OsString::from).into_iter().chain(["--out".into(), out.clone().into_os_string()]);
+    motionscope::cli::main(words);
+    let truth = out.join("flow/frame_0000.flo");
+    let whole = fs::read(&truth).expect("the truth");
+    fs::write(&truth, &whole[..whole.len() / 2]).expect("half of it");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(out.into_os_string()) });
+    window.key(Key::End);
+    for label in ["Candidates: ", "Prediction: ", "Truth: "] {
+        assert!(window.harness.query_all_by_label_contains(label).next().is_some(), "{label} is not told");
+    }
+}
+
+#[test]
+fn several_pasted_lines_are_one_path() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for index in 0..2u8 {
+        let picture = image::GrayImage::from_pixel(64, 48, image::Luma([index]));
+        picture.save(folder.path().join(format!("frame {index}.png"))).expect("a picture");
+    }
+    let url = format!("file://{}/frame%200.png", folder.path().display());
+    let mut window = Window::usual();
+    window.press(Modifiers::COMMAND, Key::O);
+    window.harness.event(Event::Paste(format!("{url}\n{url}\n")));
+    window.settle();
+    window.key(Key::Enter);
+    assert_eq!(window.app().document().clip().map(|clip| clip.size()), Some((64, 48)), "{:?}", window.app().error());
+}
+
+#[test]
+fn a_bad_file_is_told_and_the_picture_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("broken.png");
+    fs::write(&file, b"\x89PNG\r\n\x1a\nthis is no picture").expect("a file");
+    let mut window = Window::usual();
+    let before = window.told();
+    for name in [file.display().to_string(), folder.path().join("gone.mp4").display().to_string()] {
+        window.harness.state_mut().open(&name);
+        window.settle();
+        let error = window.app().error().expect("an error").to_string();
+        let last = Path::new(&name).file_name().expect("a name").to_string_lossy().into_owned();
+        assert!(error.contains(&last), "{error}");
+        assert!(window.harness.query_by_role(Role::Alert).is_some(), "the error is on the stage");
+        assert!(window.told() == before);
+    }
+    window.click("Dismiss error");
+    assert!(window.app().error().is_none());
+    window.key(Key::ArrowRight);
+    assert_ne!(window.told(), before, "it goes on");
+}
+
+#[test]
+fn a_path_is_typed_and_pasted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for index in 0..3u8 {
+        let picture = image::GrayImage::from_fn(64, 48, |x, y| image::Luma([(x * 3 + y * 5) as u8 ^ index]));
+        picture.save(folder.path().join(format!("frame_{index}.png"))).expect("a picture");
+    }
+    let path = folder.path().display().to_string();
+    let mut window = Window::usual();
+    window.press(Modifiers::COMMAND, Key::O);
+    window.harness.get_by_label("Path of the clip").set_text_value_accesskit(&path);
+    window.settle();
+    window.click_role(Role::Button, "Open");
+    assert_eq!(window.app().document().clip().map(|clip| clip.size()), Some((64, 48)));
+    assert_eq!(window.cursor(), Cursor::default(), "a clip of one's own begins at its start");
+
+    let mut window = Window::usual();
+    window.harness.event(Event::Paste(format!("\"{path}\"\n")));
+    window.settle();
+    assert_eq!(window.app().document().clip().map(|clip| clip.size()), Some((64, 48)));
+}

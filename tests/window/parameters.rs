@@ -1,0 +1,104 @@
+//! Parameters, their sliders and undo in the window.
+
+use super::*;
+
+#[test]
+fn a_parameter_changes_the_run_and_undo_brings_it_back() {
+    let mut window = Window::usual();
+    let (before, place) = (window.told(), window.shown().reference().expect("a block"));
+    window.harness.get_by_role_and_label(Role::Slider, "Block").set_value_accesskit(24.0);
+    window.settle();
+    assert_eq!(window.value("block"), Value::Int(24));
+    let there = window.shown().reference().expect("a block");
+    assert!((0..2).all(|i| (there[i] - place[i]).abs() <= 20.0), "it stays where it was: {place:?} {there:?}");
+    window.click("Reset block");
+    assert_eq!(window.value("block"), Value::Int(16));
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.value("block"), Value::Int(24));
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.value("block"), Value::Int(16));
+    assert!(window.told() == before, "undo shows what was there before");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(window.value("block"), Value::Int(24));
+}
+
+#[test]
+fn dragging_a_slider_is_one_change() {
+    let mut window = Window::usual();
+    let rail = window.harness.get_by_role_and_label(Role::Slider, "Range").rect();
+    let at = |share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
+    window.drag(at(0.25), at(0.75));
+    let Value::Int(range) = window.value("range") else { panic!("the range is a whole number") };
+    assert!((44..=52).contains(&range), "{range}");
+    window.command(Command::Undo);
+    assert_eq!(window.value("range"), Value::Int(16));
+    assert!(!window.app().document().can_undo());
+}
+
+#[test]
+fn what_is_only_shown_does_not_change() {
+    let name = "synth:pillar,speed=1.255,noise=7.25,frames=4";
+    let mut window = Window::with(vec2(1440.0, 1400.0), Start { open: Some(name.into()) });
+    assert!(window.harness.query_by_role_and_label(Role::Slider, "Noise").is_some(), "the sliders are drawn");
+    // Going through the fields with the keyboard is no change either.
+    for _ in 0..60 {
+        window.harness.key_press(Key::Tab);
+        window.harness.run_steps(2);
+    }
+    window.settle();
+    assert_eq!(window.app().document().source().map(|source| source.to_string()).as_deref(), Some(name));
+    assert!(!window.app().document().can_undo());
+}
+
+#[test]
+fn each_gesture_on_a_slider_is_taken_back_by_itself() {
+    let mut window = Window::usual();
+    let rail = window.harness.get_by_role_and_label(Role::Slider, "Range").rect();
+    let at = |share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
+    let mut seen = vec![window.value("range")];
+    for share in [0.3, 0.6] {
+        window.click_at(at(share));
+        seen.push(window.value("range"));
+    }
+    for (from, to) in [(0.6, 0.9), (0.9, 0.1)] {
+        window.harness.drag_at(at(from));
+        window.harness.run_steps(1);
+        window.harness.hover_at(at((from + to) / 2.0));
+        window.harness.run_steps(1);
+        // A fast hand: the last move and the release come in one frame.
+        window.harness.drop_at(at(to));
+        window.settle();
+        seen.push(window.value("range"));
+    }
+    for before in seen.iter().rev().skip(1) {
+        window.command(Command::Undo);
+        assert_eq!(window.value("range"), *before, "of {seen:?}");
+    }
+    assert!(!window.app().document().can_undo());
+}
+
+#[test]
+fn choices_and_switches_are_clicked() {
+    let mut window = Window::usual();
+    window.click("Order: Spiral");
+    assert_eq!(window.value("order"), Value::Choice("spiral"));
+    // Too many to lie side by side: a list.
+    window.click_role(Role::ComboBox, "Cost");
+    window.click("SSD");
+    assert_eq!(window.value("cost"), Value::Choice("ssd"));
+    window.click_role(Role::CheckBox, "Early exit");
+    assert_eq!(window.value("early-exit"), Value::Switch(true));
+    window.click("Reset all: Estimator");
+    assert!(!window.app().document().is_tuned(Owner::Estimator));
+}
+
+#[test]
+fn the_difficulty_of_a_sample_makes_another_clip() {
+    let mut window = Window::usual();
+    let before = window.shown().pictures.pair[0].luma().clone();
+    window.harness.get_by_role_and_label(Role::Slider, "Noise").set_value_accesskit(20.0);
+    window.settle();
+    assert_ne!(*window.shown().pictures.pair[0].luma(), before);
+    window.command(Command::Undo);
+    assert_eq!(*window.shown().pictures.pair[0].luma(), before);
+}

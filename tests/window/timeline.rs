@@ -1,0 +1,104 @@
+//! Playing, and the timeline, in the window.
+
+use super::*;
+
+#[test]
+fn it_plays_and_pauses() {
+    let mut window = Window::usual();
+    let before = window.cursor();
+    window.harness.key_press(Key::Space);
+    let begun = Instant::now();
+    while window.cursor() < (Cursor { event: before.event + 5, ..before }) {
+        window.harness.step();
+        assert!(begun.elapsed() < Duration::from_secs(20), "it does not play");
+    }
+    window.click("Pause");
+    let paused = window.cursor();
+    window.harness.run_steps(30);
+    assert_eq!(window.cursor(), paused);
+}
+
+#[test]
+fn the_timeline_is_scrubbed() {
+    let mut window = Window::usual();
+    let unit = window.cursor().unit;
+    let rail = window.harness.get_by_label("Timeline, blocks").rect();
+    let at = |rail: Rect, share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
+    window.drag(at(rail, 0.1), at(rail, 0.9));
+    let there = window.cursor();
+    assert!(there.unit > unit && there.event == window.shown().events, "{there}");
+    let event = window.shown().info.rungs[2];
+    let rail = window.harness.get_by_label(&format!("Timeline, {event}s")).rect();
+    window.drag(at(rail, 0.9), at(rail, 0.5));
+    let half = window.shown().events / 2;
+    assert_eq!(window.cursor().unit, there.unit);
+    assert!(window.cursor().event.abs_diff(half) <= half / 20 + 2, "{}", window.cursor());
+}
+
+/// The number that the tip under the pointer gives to a `rung`.
+fn tip(window: &Window, rung: &str) -> Option<usize> {
+    let words = window.harness.query_all_by_label_contains(rung);
+    let texts = words.filter_map(|node| node.accesskit_node().value().or(node.accesskit_node().label()));
+    let numbers = texts.filter_map(|text| text.strip_prefix(rung)?.trim().replace('\u{202f}', "").parse().ok());
+    numbers.collect::<Vec<_>>().pop()
+}
+
+#[test]
+fn a_place_on_the_timeline_is_called_what_a_click_goes_to() {
+    let mut window = Window::usual();
+    window.key(Key::Home);
+    window.key(Key::ArrowRight);
+    for name in ["block", window.shown().info.rungs[2]] {
+        let rail = window.harness.get_by_label(&format!("Timeline, {name}s")).rect();
+        for share in [0.213, 0.487, 0.756] {
+            let place = Pos2::new(rail.left() + share * rail.width(), rail.center().y);
+            window.harness.hover_at(place);
+            window.harness.run_steps(60);
+            let told = tip(&window, name).expect("a tip says what lies there");
+            window.click_at(place);
+            let Cursor { unit, event } = window.cursor();
+            assert_eq!(if name == "block" { unit + 1 } else { event }, told, "{name} at {share}");
+        }
+    }
+}
+
+#[test]
+fn holding_the_timeline_still_asks_once() {
+    let mut window = Window::usual();
+    let rail = window.harness.get_by_label("Timeline, blocks").rect();
+    let place = Pos2::new(rail.left() + 0.4 * rail.width(), rail.center().y);
+    window.harness.drag_at(place);
+    window.harness.run_steps(2);
+    window.settle();
+    assert_eq!(window.cursor().event, window.shown().events);
+    let first = std::sync::Arc::clone(window.app().view().shown.as_ref().expect("a run is shown"));
+    for _ in 0..5 {
+        window.harness.run_steps(2);
+        window.harness.state_mut().wait();
+    }
+    let now = window.app().view().shown.as_ref().expect("a run is shown");
+    assert!(std::sync::Arc::ptr_eq(&first, now), "the same place was gone to again");
+    window.harness.drop_at(place);
+    window.settle();
+}
+
+#[test]
+fn the_timeline_is_moved_by_keys_and_screen_readers() {
+    let mut window = Window::usual();
+    let (before, event) = (window.cursor(), window.shown().info.rungs[2]);
+    let track = format!("Timeline, {event}s");
+    window.harness.get_by_label(&track).focus();
+    window.settle();
+    window.key(Key::ArrowUp);
+    assert_eq!(window.cursor(), Cursor { event: before.event + 1, ..before });
+    window.key(Key::ArrowDown);
+    assert_eq!(window.cursor(), before);
+    window.key(Key::ArrowRight);
+    assert_eq!(window.cursor(), Cursor { event: before.event + 1, ..before }, "the ladder keeps its keys");
+    window.harness.get_by_label(&track).set_value_accesskit(12.0);
+    window.settle();
+    assert_eq!(window.cursor(), Cursor { event: 12, ..before });
+    window.harness.get_by_label("Timeline, blocks").set_value_accesskit(3.0);
+    window.settle();
+    assert_eq!((window.cursor().unit, window.cursor().event), (2, window.shown().events));
+}
