@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::declare::HasSettings;
 use super::response::Tensors;
 use super::select::{Chosen, Peaks, Settings, largest, rank};
 use crate::differential::Tensor;
@@ -12,12 +13,9 @@ use crate::{
 };
 
 /// What makes a pixel a corner.
-pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
+pub trait Measure: Params + HasSettings + Default + Clone + Send + Sync + 'static {
     /// What there is to say about the detector.
     const INFO: Info;
-
-    /// All that detectors have in common.
-    fn settings(&self) -> Settings;
 
     /// How much of a corner a pixel is, from the means of Iₓ², Iₓ I_y and I_y² around it.
     fn response(&self, tensor: [f32; 3]) -> f32;

@@ -2,10 +2,13 @@
 //! tensors and tracked by Lucas and Kanade's method.
 
 mod corners;
+mod declare;
 mod response;
 mod select;
 mod tell;
 pub mod tracker;
 
 pub use corners::{Corners, Measure, detect};
+pub use declare::HasSettings;
+pub(crate) use declare::{corner_params, corner_pseudocode};
 pub use select::Settings;
