@@ -172,7 +172,18 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
         Vec::new()
     }
 
-    /// Memory that one state takes by itself, in bytes, for the budget of checkpoints.
+    /// The first frame of the pair that the next unit of `state` works on, for those that go through a clip; `None` where
+    /// that is always the pair of the run.
+    fn at_frame(&self, _state: &Self::State) -> Option<usize> {
+        None
+    }
+
+    /// The state as a checkpoint keeps it: without what [`Estimator::advance`] makes again where it is missing.
+    fn at_rest(&self, state: &Self::State) -> Self::State {
+        state.clone()
+    }
+
+    /// Memory that one state at rest takes by itself, in bytes, for the budget of checkpoints.
     fn state_bytes(&self, state: &Self::State) -> usize;
 
     /// Memory of all that a run needs beside the two frames, in bytes: what its states share as well.

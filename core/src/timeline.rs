@@ -76,6 +76,10 @@ pub trait Walk: Send {
     fn info(&self) -> &'static Info;
     /// The frame that the run started on.
     fn frame(&self) -> usize;
+    /// The first frame of the pair that the unit at hand works on.
+    fn at_frame(&self) -> usize {
+        self.frame()
+    }
     /// Where the run stands.
     fn cursor(&self) -> Cursor;
     /// Number of events in the unit at hand.
@@ -179,13 +183,14 @@ struct Checkpoints<S> {
     budget_bytes: usize,
 }
 
-impl<S: Clone> Checkpoints<S> {
-    /// Keeps `state` if its unit falls on the stride; thins out when the budget is used up.
-    fn offer(&mut self, index: usize, state: &S, bytes: usize) {
+impl<S> Checkpoints<S> {
+    /// Keeps a state and its bytes if its unit falls on the stride; thins out when the budget is used up.
+    fn offer(&mut self, index: usize, rest: impl FnOnce() -> (S, usize)) {
         if !index.is_multiple_of(self.stride) || self.states.contains_key(&index) {
             return;
         }
-        self.states.insert(index, (state.clone(), bytes));
+        let (state, bytes) = rest();
+        self.states.insert(index, (state, bytes));
         self.bytes += bytes;
         while self.bytes > self.budget_bytes && self.states.len() > 1 {
             self.stride *= 2;
@@ -308,7 +313,12 @@ impl<E: Estimator> Timeline<E> {
     /// Notes that the run has come to `state`, before unit `index`.
     fn come_by(&mut self, index: usize, state: &E::State) {
         self.groups.note(index, &self.estimator.place(state));
-        self.checkpoints.offer(index, state, self.estimator.state_bytes(state));
+        let estimator = &self.estimator;
+        self.checkpoints.offer(index, || {
+            let state = estimator.at_rest(state);
+            let bytes = estimator.state_bytes(&state);
+            (state, bytes)
+        });
     }
 
     /// The goal of a move, or `None` if the unit at hand has it; then the cursor is there.
@@ -417,6 +427,10 @@ impl<E: Estimator> Walk for Timeline<E> {
 
     fn frame(&self) -> usize {
         self.frame
+    }
+
+    fn at_frame(&self) -> usize {
+        self.estimator.at_frame(&self.unit.before).unwrap_or(self.frame)
     }
 
     fn cursor(&self) -> Cursor {
