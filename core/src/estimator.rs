@@ -21,6 +21,21 @@ impl<E> Observer<E> for Vec<E> {
     }
 }
 
+/// An observer to whom events are told as what `map` makes of them: a part of an estimator's work within the whole.
+pub struct Mapped<'a, O, F> {
+    /// Who sees them.
+    pub observer: &'a mut O,
+    /// What they are within the whole.
+    pub map: F,
+}
+
+impl<A, B, O: Observer<B>, F: Fn(A) -> B> Observer<A> for Mapped<'_, O, F> {
+    #[inline(always)]
+    fn see(&mut self, event: impl FnOnce() -> A) {
+        self.observer.see(|| (self.map)(event()));
+    }
+}
+
 /// An observer that only counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Count(pub u64);

@@ -1,13 +1,16 @@
 //! What is done with features: places of a picture that can be told from all around them. They are found by their structure
 //! tensors and tracked by Lucas and Kanade's method.
 
+mod account;
 mod corners;
 mod declare;
+pub mod follow;
 mod response;
 mod select;
 mod tell;
 pub mod tracker;
 
+pub use account::Account;
 pub use corners::{Corners, Measure, detect};
 pub use declare::HasSettings;
 pub(crate) use declare::{corner_params, corner_pseudocode};
