@@ -138,21 +138,28 @@ fn known_fractions_of_a_pixel_are_tracked() {
         let clip = moving(motion);
         for kind in ["detect", "grid"] {
             let found = points("pyramidal-lucas-kanade", &[("points", kind), ("max-points", "60")], &clip);
-            // Windows near the border look at what is not there any more.
-            let inner: Vec<_> =
-                found.iter().filter(|p| (20.0..76.0).contains(&p.at[0]) && (20.0..60.0).contains(&p.at[1])).collect();
-            assert!(inner.len() > 10, "{} points", inner.len());
-            for point in inner {
+            // Of windows near the border only what is still there counts, so that they are as exact.
+            let stays = |p: &&Feature| {
+                let inside = |c: f32, by: f64, extent: usize| {
+                    let reach = 3.0..extent as f64 - 4.0;
+                    reach.contains(&f64::from(c)) && reach.contains(&(f64::from(c) + by))
+                };
+                inside(p.at[0], motion[0], SIZE.0) && inside(p.at[1], motion[1], SIZE.1)
+            };
+            let stay: Vec<_> = found.iter().filter(stays).collect();
+            assert!(stay.len() > 30, "{} points", stay.len());
+            for point in stay {
                 let [u, v] = point.displacement.unwrap_or([f32::NAN; 2]).map(f64::from);
                 let off = (u - motion[0]).hypot(v - motion[1]);
-                assert!(off < 0.04, "({u}, {v}) at {:?}, not {motion:?}", point.at);
+                assert!(off < 0.06, "({u}, {v}) at {:?}, not {motion:?}", point.at);
                 assert!(point.status == Status::Tracked && point.residual < Some(2.0));
             }
         }
     }
 }
 
-/// Bouguet's iterations on one level as plainly as can be, in f64.
+/// Bouguet's iterations on one level as plainly as can be, in f64, over the pixels that have gradients and are in both
+/// frames.
 fn plain_track(clip: &Clip, at: [f64; 2], reach: i32, iterations: usize) -> [f64; 2] {
     let [a, b] = clip.pair(0).expect("a pair");
     let sample = |picture: &Gray, x: f64, y: f64| {
@@ -172,6 +179,11 @@ fn plain_track(clip: &Clip, at: [f64; 2], reach: i32, iterations: usize) -> [f64
         let mut sums = [0.0; 5];
         for (i, j) in &window {
             let (x, y) = (at[0] + i, at[1] + j);
+            let inside = |c: f64, extent: usize, margin: f64| c >= margin && c <= (extent - 1) as f64 - margin;
+            let has_gradient = inside(x, SIZE.0, 1.0) && inside(y, SIZE.1, 1.0);
+            if !has_gradient || !inside(x + d[0], SIZE.0, 0.0) || !inside(y + d[1], SIZE.1, 0.0) {
+                continue;
+            }
             let [gx, gy] = gradient(x, y);
             let off = sample(a.luma(), x, y) - sample(b.luma(), x + d[0], y + d[1]);
             let products = [gx * gx, gx * gy, gy * gy, off * gx, off * gy];
@@ -200,16 +212,15 @@ fn the_tracker_agrees_with_a_plain_one() {
             ("max-residual", "255"),
         ];
         let found = points("pyramidal-lucas-kanade", &settings, &clip);
-        let inner = found.iter().filter(|p| (12.0..84.0).contains(&p.at[0]) && (12.0..68.0).contains(&p.at[1]));
         let mut compared = 0;
-        for point in inner {
+        for point in &found {
             let plain = plain_track(&clip, point.at.map(f64::from), reach, iterations);
-            let Some(found) = point.displacement else { panic!("{:?} is lost at {:?}", point.status, point.at) };
+            let Some(found) = point.displacement else { continue };
             let off = (f64::from(found[0]) - plain[0]).hypot(f64::from(found[1]) - plain[1]);
             assert!(off < 2e-3, "{found:?} at {:?}, plainly {plain:?}", point.at);
             compared += 1;
         }
-        assert!(compared > 20, "{compared} points");
+        assert!(compared > 70, "{compared} points of {}", found.len());
     }
 }
 

@@ -42,7 +42,7 @@ impl Account<'_> {
         match self.events.last() {
             None | Some(Event::Window(_)) => self.guess,
             Some(Event::Iteration { from, update, .. }) => after(*from, *update),
-            Some(Event::End(displacement, _)) => *displacement,
+            Some(Event::Handed(displacement, _) | Event::End(displacement, _)) => *displacement,
         }
     }
 
@@ -55,7 +55,7 @@ impl Account<'_> {
         self.events.iter().find_map(|event| if let Event::Window(tensor) = event { Some(*tensor) } else { None })
     }
 
-    /// The last update and what led to it.
+    /// The last update and the mismatch that led to it.
     fn last(&self) -> Option<(Mismatch, [f32; 2])> {
         self.events.iter().rev().find_map(|event| match event {
             Event::Iteration { mismatch, update, .. } => Some((*mismatch, *update)),
@@ -74,7 +74,8 @@ impl Account<'_> {
         };
         mark(from, Role::Reference, rect(self.at), "window");
         mark(to, Role::Predicted, rect(place(self.guess)), "guess from the coarser level");
-        let role = if matches!(self.events.last(), Some(Event::End(..))) { Role::Best } else { Role::Candidate };
+        let is_done = matches!(self.events.last(), Some(Event::Handed(..) | Event::End(..)));
+        let role = if is_done { Role::Best } else { Role::Candidate };
         mark(to, role, rect(place(self.displacement())), "its place in the other frame");
         let steps = self.events.iter().filter_map(|event| match event {
             Event::Iteration { from, update, .. } => Some([*from, after(*from, *update)]),
@@ -121,12 +122,17 @@ impl Account<'_> {
                     .ink(Role::Candidate, px(after(*from, *update)))
                     .text(".")
             }
-            Some(Event::End(displacement, Ok(_))) if self.level > 0 => {
-                let told = format!(
-                    " leaves level {} with {}. The finer level begins with twice that, ",
-                    self.level,
-                    px(*displacement)
-                );
+            Some(Event::Handed(displacement, reason)) => {
+                let told = match reason {
+                    None => format!(" leaves level {} with {}.", self.level, px(*displacement)),
+                    Some(status) => format!(
+                        " finds nothing on level {}{} The guess of {} is handed on.",
+                        self.level,
+                        why(*status),
+                        px(*displacement)
+                    ),
+                };
+                let told = format!("{told} The finer level begins with twice that, ");
                 said.text(told).ink(Role::Predicted, px(displacement.map(|c| 2.0 * c))).text(".")
             }
             Some(Event::End(displacement, Ok(residual))) => {
@@ -134,7 +140,7 @@ impl Account<'_> {
                     format!(": its window differs by {} gray levels on average there.", tell::number(*residual));
                 said.text(" moves by ").ink(Role::Result, px(*displacement)).text(differs)
             }
-            Some(Event::End(_, Err(status))) => said.text(" is ").ink(Role::Rejected, "lost").text(why_lost(*status)),
+            Some(Event::End(_, Err(status))) => said.text(" is ").ink(Role::Rejected, "lost").text(why(*status)),
         }
     }
 
@@ -163,7 +169,7 @@ impl Account<'_> {
 
     /// The equation of the last update, and the windows.
     pub fn readouts(&self) -> Vec<Readout> {
-        let equation = self.tensor().map(|tensor| Readout::Equation(equation(tensor, self.last())));
+        let equation = self.tensor().map(|tensor| Readout::Equation(equation(&tensor, self.last())));
         equation.into_iter().chain([Readout::Tiles(self.tiles())]).collect()
     }
 
@@ -190,8 +196,8 @@ impl Account<'_> {
     }
 }
 
-/// Why a point is lost, after `is lost`.
-fn why_lost(status: Status) -> &'static str {
+/// Why nothing is found, as the end of a sentence.
+fn why(status: Status) -> &'static str {
     match status {
         Status::Outside => ": it leaves the picture.",
         Status::Flat => ": its window has too little gradient in one direction, or in both.",
@@ -200,7 +206,10 @@ fn why_lost(status: Status) -> &'static str {
 }
 
 /// T η = b in symbols, and with the means over the window.
-fn equation(tensor: Tensor, last: Option<(Mismatch, [f32; 2])>) -> Vec<Math> {
+fn equation(window: &Tensor, last: Option<(Mismatch, [f32; 2])>) -> Vec<Math> {
+    // Of a window that lies partly outside the other picture only the rest counts.
+    let tensor = last.as_ref().map_or(window, |(mismatch, _)| &mismatch.tensor);
+
     let eta = |index| Math::indexed(Math::Var("η"), Math::Var(index));
     let delta = || Math::Row(vec![Math::text("δ"), Math::Var("I")]);
     let symbols = Math::Row(vec![
@@ -209,7 +218,7 @@ fn equation(tensor: Tensor, last: Option<(Mismatch, [f32; 2])>) -> Vec<Math> {
         Math::Var("η"),
         Math::text(" = "),
         Math::Var("b"),
-        Math::text(" = Σ "),
+        Math::text(" = mean of "),
         delta(),
         Math::text(" ("),
         tell::derivative("x"),

@@ -34,12 +34,20 @@ pub enum Event {
         /// What is added to the displacement.
         update: [f32; 2],
     },
-    /// The level is done: with this displacement, which the finer level takes twice, or on the finest with this result.
+    /// A coarse level is done: with this displacement, which is the guess where the level can say nothing, and why it cannot.
+    Handed([f32; 2], Option<Status>),
+    /// The picture itself is done: with this displacement, and with the residual or why the point is lost.
     End([f32; 2], Result<f32, Status>),
 }
 
-/// What a point has come to on a level: its displacement, and its residual or why it is lost.
-pub type Followed = ([f32; 2], Result<f32, Status>);
+/// What a point has come to on a level.
+#[derive(Clone, Copy, Debug)]
+pub enum Followed {
+    /// On a coarse one: the guess for the next finer, in px of that.
+    Guess([f32; 2]),
+    /// On the picture itself: the displacement, and the residual or why the point is lost.
+    Done([f32; 2], Result<f32, Status>),
+}
 
 impl Follow {
     /// Follows the point at `at`, in px of the picture, on one level of both frames, beginning with a guess.
@@ -55,18 +63,24 @@ impl Follow {
         let template = Template::new(current, at, self.reach);
         observer.see(|| Event::Window(template.tensor));
         let (displacement, is_told) = self.iterate((&template, next), (at, guess), observer);
-        let (displacement, result) = match is_told {
-            Ok(()) if level > 0 => (displacement, Ok(f32::NAN)),
-            // Where a coarse level says nothing, its guess is handed on.
-            Err(_) if level > 0 => (guess, Ok(f32::NAN)),
-            Err(why) => (displacement, Err(why)),
-            Ok(()) => {
-                let residual = template.mismatch(next, [0, 1].map(|i| at[i] + displacement[i])).residual;
-                (displacement, if residual > self.max_residual { Err(Status::Unlike) } else { Ok(residual) })
-            }
-        };
+        if level > 0 {
+            let displacement = if is_told.is_ok() { displacement } else { guess };
+            observer.see(|| Event::Handed(displacement, is_told.err()));
+            return Followed::Guess(displacement.map(|c| 2.0 * c));
+        }
+        let result = is_told.and_then(|()| {
+            let residual = template.mismatch(next, [0, 1].map(|i| at[i] + displacement[i])).residual;
+            if residual > self.max_residual { Err(Status::Unlike) } else { Ok(residual) }
+        });
         observer.see(|| Event::End(displacement, result));
-        (displacement, result)
+        Followed::Done(displacement, result)
+    }
+
+    /// Whether the gradients of a window say too little in one direction. Even without a threshold, two lines that are one do
+    /// not cross.
+    fn is_flat(&self, tensor: &Tensor) -> bool {
+        let [large, small] = tensor.eigenvalues();
+        small <= 1e-5 * large || small < self.threshold
     }
 
     /// Moves the window until it fits.
@@ -76,9 +90,7 @@ impl Follow {
         (at, guess): ([f32; 2], [f32; 2]),
         observer: &mut impl Observer<Event>,
     ) -> ([f32; 2], Result<(), Status>) {
-        let [large, small] = template.tensor.eigenvalues();
-        // Even without a threshold, two lines that are one do not cross.
-        if small <= 1e-5 * large || small < self.threshold {
+        if self.is_flat(&template.tensor) {
             return (guess, Err(Status::Flat));
         }
         let mut displacement = guess;
@@ -88,7 +100,11 @@ impl Follow {
                 return (displacement, Err(Status::Outside));
             }
             let mismatch = template.mismatch(next, place);
-            let update = template.update(mismatch);
+            // What is left of a window that lies partly outside may say too little.
+            if self.is_flat(&mismatch.tensor) {
+                return (displacement, Err(Status::Outside));
+            }
+            let update = mismatch.update();
             let from = displacement;
             observer.see(|| Event::Iteration { from, mismatch, update });
             displacement = [0, 1].map(|i| from[i] + update[i]);
@@ -106,13 +122,16 @@ impl Follow {
         pyramids: [&[Level]; 2],
         at: [f32; 2],
         observer: &mut impl Observer<(usize, Event)>,
-    ) -> Followed {
-        let (mut guess, mut result) = ([0.0; 2], Ok(0.0));
+    ) -> ([f32; 2], Result<f32, Status>) {
+        let mut guess = [0.0; 2];
         for level in (0..pyramids[0].len()).rev() {
             let mut on_level = Mapped { observer: &mut *observer, map: |event| (level, event) };
-            let (displacement, told) = self.on_level(pyramids, level, (at, guess), &mut on_level);
-            (guess, result) = (displacement.map(|c| if level > 0 { 2.0 * c } else { c }), told);
+            match self.on_level(pyramids, level, (at, guess), &mut on_level) {
+                Followed::Guess(finer) => guess = finer,
+                Followed::Done(displacement, result) => return (displacement, result),
+            }
         }
-        (guess, result)
+        // A pyramid has at least the picture.
+        (guess, Err(Status::Flat))
     }
 }

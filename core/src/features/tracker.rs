@@ -1,6 +1,9 @@
 //! Where a window of frame t has gone, to a fraction of a pixel: J.-Y. Bouguet's iterations on one level.
 
+use std::ops::Range;
+
 use crate::differential::Tensor;
+use crate::pyramid::halvings;
 use crate::{Gray, Grid};
 
 /// Pixels that are worked on at once.
@@ -12,11 +15,24 @@ type Row = [Lanes; 5];
 /// A picture whose edge is repeated around it, as far as windows reach.
 pub struct Level {
     size: (usize, usize),
+    /// The last column and row that it stands for; of a coarse level they lie between its last pixel and the next.
+    last: [f32; 2],
     margin: usize,
     pixels: Gray,
 }
 
 impl Level {
+    /// The levels of a pyramid over `picture`, itself first, for windows that reach `reach` px each way: `count` of them, or
+    /// as many as leave no side of less than 16 px.
+    pub fn pyramid(picture: &Gray, count: usize, reach: usize) -> Vec<Self> {
+        let (width, height) = picture.size();
+        let level = |(n, level): (usize, &Gray)| {
+            let last = [width, height].map(|side| (side - 1) as f32 / (1u32 << n) as f32);
+            Self { last, ..Self::new(level, reach) }
+        };
+        halvings(picture, count).iter().enumerate().map(level).collect()
+    }
+
     /// `picture`, for windows that reach `reach` px each way.
     pub fn new(picture: &Gray, reach: usize) -> Self {
         let (width, height) = picture.size();
@@ -30,7 +46,7 @@ impl Level {
             row[margin..margin + width].copy_from_slice(source);
             row[margin + width..].fill(source[width - 1]);
         }
-        Self { size: picture.size(), margin, pixels }
+        Self { size: (width, height), last: [width, height].map(|side| (side - 1) as f32), margin, pixels }
     }
 
     /// Width and height in px.
@@ -44,9 +60,19 @@ impl Level {
     }
 
     /// Whether a place lies in the picture.
-    pub fn holds(&self, [x, y]: [f32; 2]) -> bool {
-        let inside = |c: f32, extent: usize| (0.0..=(extent - 1) as f32).contains(&c);
-        inside(x, self.size.0) && inside(y, self.size.1)
+    pub fn holds(&self, at: [f32; 2]) -> bool {
+        at.iter().zip(self.last).all(|(c, last)| (0.0..=last).contains(c))
+    }
+
+    /// Which columns and rows of a window around a place that reaches `reach` px each way lie between pixels of the picture.
+    fn within(&self, at: [f32; 2], reach: usize) -> [Range<usize>; 2] {
+        let side = 2 * reach + 1;
+        let span = |c: f32, extent: usize| {
+            let before = reach as f32 - c;
+            let start = before.ceil().clamp(0.0, side as f32) as usize;
+            start..((extent as f32 + before).floor().clamp(0.0, side as f32) as usize).max(start)
+        };
+        [span(at[0], self.size.0), span(at[1], self.size.1)]
     }
 
     /// The gray value at a place, as far as the margin goes.
@@ -82,7 +108,7 @@ pub struct Template {
     values: Vec<f32>,
     across: Vec<f32>,
     down: Vec<f32>,
-    /// 1 where there is a pixel of the picture, else 0.
+    /// 1 where there is a pixel of the picture that has neighbours on all sides, else 0.
     counts: Vec<f32>,
     /// The means of the products of its gradients; those with time are not known yet.
     pub tensor: Tensor,
@@ -91,14 +117,17 @@ pub struct Template {
 /// How a window fits to a place of frame t + 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mismatch {
-    /// The means of δI Iₓ and δI I_y, where δI is what frame t has more.
+    /// The tensor of that part of the window that lies in frame t + 1 there.
+    pub tensor: Tensor,
+    /// The means over that part of δI Iₓ and δI I_y, where δI is what frame t has more.
     pub vector: [f32; 2],
     /// The mean of |δI| in gray levels.
     pub residual: f32,
 }
 
 impl Template {
-    /// The window around a place of `level` that reaches `reach` px each way. Pixels outside the picture do not count.
+    /// The window around a place of `level` that reaches `reach` px each way. Pixels outside the picture do not
+    /// count, and neither do those at its edge: their gradients are not known.
     pub fn new(level: &Level, at: [f32; 2], reach: usize) -> Self {
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") {
@@ -148,9 +177,8 @@ impl Template {
             differ(&mut down[range.clone()], [&bottom[1..], &top[1..]]);
             counts[range].iter_mut().zip(&columns).for_each(|(count, column)| *count = of_row * column);
         }
-        let pixels = dot(&counts, &counts);
-        let [xx, xy, yy] = [(&across, &across), (&across, &down), (&down, &down)].map(|(a, b)| dot(a, b) / pixels);
-        let tensor = Tensor { xx, xy, yy, pixels, ..Tensor::default() };
+        let sums = [(&across, &across), (&across, &down), (&down, &down)].map(|(a, b)| dot(a, b));
+        let tensor = tensor(sums, dot(&counts, &counts));
         Self { reach, stride, values, across, down, counts, tensor }
     }
 
@@ -172,12 +200,17 @@ impl Template {
 
     #[inline(always)]
     fn mismatch_anyhow(&self, next: &Level, at: [f32; 2]) -> Mismatch {
+        let side = 2 * self.reach + 1;
+        let [columns, rows] = next.within(at, self.reach);
+        if columns.len() < side || rows.len() < side {
+            return self.partial_mismatch(next, at, [columns, rows]);
+        }
         let ([x, y], [fx, fy]) = next.corner(at, self.reach);
         let wide = self.stride / LANES;
         let [mut above, mut below]: [Row; 2] = Default::default();
         next.between([x, y], fx, &mut above[..wide]);
         let [mut across, mut down, mut size] = [[0.0f32; LANES]; 3];
-        for j in 0..2 * self.reach + 1 {
+        for j in 0..side {
             next.between([x, y + j + 1], fx, &mut below[..wide]);
             let range = j * self.stride..(j + 1) * self.stride;
             let [values, gx, gy, counts] = [&self.values, &self.across, &self.down, &self.counts]
@@ -194,14 +227,45 @@ impl Template {
             std::mem::swap(&mut above, &mut below);
         }
         let mean = |sums: [f32; LANES]| sums.iter().sum::<f32>() / self.tensor.pixels;
-        Mismatch { vector: [mean(across), mean(down)], residual: mean(size) }
+        Mismatch { tensor: self.tensor, vector: [mean(across), mean(down)], residual: mean(size) }
     }
 
-    /// The displacement that would take the mismatch away if gray values changed evenly: T⁻¹ of its vector.
-    pub fn update(&self, mismatch: Mismatch) -> [f32; 2] {
-        let [x, y] = mismatch.vector;
+    /// The same where only some `columns` and `rows` of the window lie in `next`.
+    fn partial_mismatch(&self, next: &Level, at: [f32; 2], [columns, rows]: [Range<usize>; 2]) -> Mismatch {
+        let ([x, y], [fx, fy]) = next.corner(at, self.reach);
+        let wide = self.stride / LANES;
+        let [mut above, mut below]: [Row; 2] = Default::default();
+        let ([mut xx, mut xy, mut yy, mut pixels], [mut across, mut down, mut size]) = ([0.0; 4], [0.0; 3]);
+        for j in rows {
+            next.between([x, y + j], fx, &mut above[..wide]);
+            next.between([x, y + j + 1], fx, &mut below[..wide]);
+            let (above, below) = (above.as_flattened(), below.as_flattened());
+            for i in columns.clone() {
+                let k = j * self.stride + i;
+                let (gx, gy, count) = (self.across[k], self.down[k], self.counts[k]);
+                let off = self.values[k] - (above[i] + (below[i] - above[i]) * fy);
+                (xx, xy, yy, pixels) = (xx + gx * gx, xy + gx * gy, yy + gy * gy, pixels + count);
+                (across, down, size) = (across + off * gx, down + off * gy, size + off.abs() * count);
+            }
+        }
+        let mean = |sum: f32| sum / pixels.max(1.0);
+        let tensor = tensor([xx, xy, yy], pixels);
+        Mismatch { tensor, vector: [mean(across), mean(down)], residual: mean(size) }
+    }
+}
+
+impl Mismatch {
+    /// The displacement that would take it away if gray values changed evenly: T⁻¹ of its vector.
+    pub fn update(&self) -> [f32; 2] {
+        let [x, y] = self.vector;
         Tensor { xt: -x, yt: -y, ..self.tensor }.solution()
     }
+}
+
+/// The tensor of a window from the sums of Iₓ², Iₓ I_y and I_y² over so many pixels.
+fn tensor([xx, xy, yy]: [f32; 3], pixels: f32) -> Tensor {
+    let mean = |sum: f32| sum / pixels.max(1.0);
+    Tensor { xx: mean(xx), xy: mean(xy), yy: mean(yy), pixels, ..Tensor::default() }
 }
 
 /// The sum of the products of two windows.
@@ -214,10 +278,10 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
     sums.iter().sum()
 }
 
-/// 1 if a coordinate lies in a picture of that extent, else 0.
+/// 1 if a coordinate lies a px or more inside a picture of that extent, else 0.
 #[inline(always)]
 fn inside(c: f32, extent: usize) -> f32 {
-    if (0.0..=(extent - 1) as f32).contains(&c) { 1.0 } else { 0.0 }
+    if (1.0..=extent as f32 - 2.0).contains(&c) { 1.0 } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -251,19 +315,21 @@ mod tests {
             let span = -(reach as i32)..=reach as i32;
             for (i, j) in span.clone().flat_map(|j| span.clone().map(move |i| (f64::from(i), f64::from(j)))) {
                 let [x, y] = [f64::from(at[0]) + i, f64::from(at[1]) + j];
-                if !(0.0..=39.0).contains(&x) || !(0.0..=29.0).contains(&y) {
+                let there = [f64::from(to[0]) + i, f64::from(to[1]) + j];
+                let is_in = (0.0..=39.0).contains(&there[0]) && (0.0..=29.0).contains(&there[1]);
+                if !(1.0..=38.0).contains(&x) || !(1.0..=28.0).contains(&y) || !is_in {
                     continue;
                 }
                 let value = |x, y| sample(&picture, x, y);
                 let a = (value(x + 1.0, y) - value(x - 1.0, y)) / 2.0;
                 let b = (value(x, y + 1.0) - value(x, y - 1.0)) / 2.0;
-                let off = value(x, y) - value(f64::from(to[0]) + i, f64::from(to[1]) + j);
+                let off = value(x, y) - value(there[0], there[1]);
                 let products = [a * a, a * b, b * b, off * a, off * b, off.abs()];
                 sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
                 count += 1.0;
             }
-            let Mismatch { vector: [x, y], residual } = template.mismatch(&level, to);
-            let Tensor { xx, xy, yy, pixels, .. } = template.tensor;
+            let Mismatch { vector: [x, y], residual, tensor } = template.mismatch(&level, to);
+            let Tensor { xx, xy, yy, pixels, .. } = tensor;
             assert_eq!(f64::from(pixels), count);
             for (found, sum) in [xx, xy, yy, x, y, residual].into_iter().zip(sums) {
                 let plain = sum / count;
@@ -276,7 +342,7 @@ mod tests {
     fn the_margin_repeats_the_edge_and_a_px_is_a_picture() {
         let level = Level::new(&Grid::new(1, 1, 7), 15);
         let template = Template::new(&level, [0.0, 0.0], 15);
-        assert_eq!((template.tensor.pixels, template.tensor.eigenvalues()), (1.0, [0.0, 0.0]));
+        assert_eq!((template.tensor.pixels, template.tensor.eigenvalues()), (0.0, [0.0, 0.0]));
         assert_eq!(template.mismatch(&level, [0.0, 0.0]).residual, 0.0);
         assert!(level.holds([0.0, 0.0]) && !level.holds([0.1, 0.0]) && !level.holds([f32::NAN, 0.0]));
     }

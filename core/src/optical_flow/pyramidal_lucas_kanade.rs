@@ -8,11 +8,10 @@ use crate::features::follow::{self, Follow, Followed};
 use crate::features::tracker::Level;
 use crate::features::{Account, detect};
 use crate::interest_points::ShiTomasi;
-use crate::pyramid::halvings;
 use crate::scene::{Arrow, Fact, Picture, Readout, Sentence, Shape};
 use crate::{
-    Clip, Error, Estimator, Feature, Flow, Info, Observer, Output, PointField, Progress, Promise, Role, Rung,
-    Scene, Seen, Status, Step, Threads, choices, params,
+    Clip, Error, Estimator, Feature, Flow, Info, Observer, Output, PointField, Progress, Promise, Role, Rung, Scene,
+    Seen, Status, Step, Threads, choices, params,
 };
 
 choices! {
@@ -96,10 +95,7 @@ impl PyramidalLucasKanade {
             }
             Points::Grid => grid(clip.size(), self.max_points),
         };
-        let of_frame = |i: usize| {
-            let levels = halvings(pair[i].luma(), self.levels);
-            levels.iter().map(|level| Level::new(level, self.reach())).collect::<Vec<_>>()
-        };
+        let of_frame = |i: usize| Level::pyramid(pair[i].luma(), self.levels, self.reach());
         let levels = <[_; 2]>::try_from(threads.map(2, of_frame)).unwrap_or_default();
         let level = levels[0].len() - 1;
         let fixed = Fixed { levels, points, truth: truth(clip, frame) };
@@ -124,7 +120,7 @@ fn grid((width, height): (usize, usize), most: usize) -> Vec<[f32; 2]> {
 }
 
 /// What a point has come to, as others know it.
-fn feature(at: [f32; 2], (displacement, result): Followed) -> Feature {
+fn feature(at: [f32; 2], (displacement, result): ([f32; 2], Result<f32, Status>)) -> Feature {
     match result {
         Ok(residual) => {
             Feature { at, displacement: Some(displacement), status: Status::Tracked, residual: Some(residual) }
@@ -146,10 +142,10 @@ impl Estimator for PyramidalLucasKanade {
             "for each point x",
             "  g ← 0",
             "  for each level, from the coarsest to the picture itself",
-            "    T ← Σ (Iₓ², Iₓ I_y; Iₓ I_y, I_y²) over the window at x in frame t",
+            "    T ← mean of (Iₓ², Iₓ I_y; Iₓ I_y, I_y²) over the window at x in frame t",
             "    if the smaller eigenvalue of T < threshold, then hand g on, or lost on the picture",
             "    d ← g; repeat",
-            "      b ← Σ δI (Iₓ, I_y), δI = frame t at x − frame t+1 at x + d",
+            "      b ← mean of δI (Iₓ, I_y), δI = frame t at x − frame t+1 at x + d",
             "      d ← d + T⁻¹ b",
             "    until |T⁻¹ b| < epsilon, or iterations are done",
             "    g ← 2 d",
@@ -173,13 +169,13 @@ impl Estimator for PyramidalLucasKanade {
             return Ok(Progress::Done);
         };
         let mut observer = Mapped { observer, map: Event::Of };
-        let tracked = self.follow().on_level(fixed.pyramids(), state.level, (at, state.guess), &mut observer);
-        if state.level > 0 {
-            state.level -= 1;
-            state.guess = tracked.0.map(|c| 2.0 * c);
-            return Ok(Progress::More);
+        match self.follow().on_level(fixed.pyramids(), state.level, (at, state.guess), &mut observer) {
+            Followed::Guess(finer) => {
+                (state.level, state.guess) = (state.level - 1, finer);
+                return Ok(Progress::More);
+            }
+            Followed::Done(displacement, result) => state.found.push(feature(at, (displacement, result))),
         }
-        state.found.push(feature(at, tracked));
         (state.level, state.guess) = (fixed.levels[0].len() - 1, [0.0; 2]);
         Ok(if state.found.len() == fixed.points.len() { Progress::Done } else { Progress::More })
     }
@@ -225,8 +221,10 @@ impl Estimator for PyramidalLucasKanade {
             None | Some(Event::Nothing) => 0,
             Some(Event::Of(follow::Event::Window(_))) => 4,
             Some(Event::Of(follow::Event::Iteration { .. })) => 8,
-            Some(Event::Of(follow::Event::End(_, Err(Status::Flat)))) => 5,
-            Some(Event::Of(follow::Event::End(..))) if seen.before.level > 0 => 10,
+            Some(Event::Of(
+                follow::Event::Handed(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat)),
+            )) => 5,
+            Some(Event::Of(follow::Event::Handed(..))) => 10,
             Some(Event::Of(follow::Event::End(..))) => 11,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
@@ -301,11 +299,15 @@ impl PyramidalLucasKanade {
         match (account(self, seen), seen.events.is_empty()) {
             (Some(account), _) => account.sentence(),
             (None, false) => Sentence::default().text("The picture has no corner: there is nothing to track."),
-            (None, true) => Sentence::default().text(format!(
-                "{} points are tracked, each from the coarsest of {} levels, where its way is short, to the picture.",
-                fixed.points.len(),
-                fixed.levels[0].len()
-            )),
+            (None, true) => {
+                let said = Sentence::default().text(format!("{} points are tracked", fixed.points.len()));
+                match fixed.levels[0].len() {
+                    1 => said.text(", each on the picture itself."),
+                    levels => said.text(format!(
+                        ", each from the coarsest of {levels} levels, where its way is short, to the picture."
+                    )),
+                }
+            }
         }
     }
 
