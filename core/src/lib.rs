@@ -30,6 +30,7 @@ mod stop;
 pub mod synth;
 mod threads;
 mod timeline;
+mod variational;
 
 pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use coding::Coding;

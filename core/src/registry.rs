@@ -7,6 +7,7 @@ use crate::block_matching::{
 use crate::features::Corners;
 use crate::interest_points::{Harris, ShiTomasi};
 use crate::optical_flow::{HornSchunck, LucasKanade, NormalFlow, PyramidalLucasKanade};
+use crate::variational::Variational;
 use crate::{AnyEstimator, Error};
 
 /// Every estimator with its default parameters, in the order of the course.
@@ -26,7 +27,7 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(NormalFlow::default()),
         Box::new(LucasKanade::default()),
         Box::new(PyramidalLucasKanade::default()),
-        Box::new(HornSchunck::default()),
+        Box::new(Variational::<HornSchunck>::default()),
         Box::new(Corners::<Harris>::default()),
         Box::new(Corners::<ShiTomasi>::default()),
     ]

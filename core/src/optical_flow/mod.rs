@@ -1,5 +1,5 @@
 //! Optical flow: displacements of pixels or of features, from derivatives. One file per estimator; the shared parts are in
-//! `differential`.
+//! `differential` and `variational`.
 
 mod horn_schunck;
 mod lucas_kanade;
@@ -7,7 +7,8 @@ mod normal_flow;
 mod pyramidal_lucas_kanade;
 
 pub use crate::differential::Weights;
-pub use horn_schunck::{HornSchunck, Solver};
+pub use crate::variational::Solver;
+pub use horn_schunck::HornSchunck;
 pub use lucas_kanade::LucasKanade;
 pub use normal_flow::NormalFlow;
 pub use pyramidal_lucas_kanade::{Points, PyramidalLucasKanade};

@@ -1,0 +1,17 @@
+//! What the methods share that make an energy of the whole field small: from the coarsest level of a pyramid to the picture,
+//! in warps, frame t + 1 is brought back by what was found, and iterations go on from there.
+//!
+//! A method is a [`Model`]: what an iteration is, what its energy is, and how both are told. One blanket implementation makes
+//! every [`Model`] an estimator, [`Variational`].
+
+mod declare;
+mod model;
+mod run;
+mod solver;
+mod tell;
+
+pub(crate) use declare::variational_params;
+pub use declare::{HasSettings, Settings};
+pub use model::{Looked, Model, Told, Warp};
+pub use run::Variational;
+pub use solver::Solver;

@@ -1,0 +1,130 @@
+//! What makes a variational method.
+
+use std::sync::Arc;
+
+use super::declare::HasSettings;
+use crate::differential::{Field, Linear};
+use crate::scene::{Constraint, Fact, Math, Role, Sentence};
+use crate::{Info, Params, Promise, Threads};
+
+/// What iterations change: a field, and whatever else goes with it.
+pub trait Unknowns: Clone + Send + Sync + 'static {
+    /// Those with which a warp begins at `start`; `last` are those of the warp before on the same level.
+    fn begin(start: &Field, last: Option<&Self>) -> Self;
+
+    /// The displacements.
+    fn field(&self) -> &Field;
+
+    /// Memory that they take, in bytes.
+    fn bytes(&self) -> usize;
+}
+
+impl Unknowns for Field {
+    fn begin(start: &Field, _: Option<&Self>) -> Self {
+        start.clone()
+    }
+
+    fn field(&self) -> &Field {
+        self
+    }
+
+    fn bytes(&self) -> usize {
+        2 * size_of_val(self.u.cells())
+    }
+}
+
+/// A method that makes an energy of the whole field small.
+pub trait Model: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+    /// What there is to say about the method.
+    const INFO: Info;
+    /// What it can be relied on to find.
+    const PROMISE: Promise;
+    /// The line of the pseudocode that begins a warp, and those of the steps in which an iteration is told.
+    const LINES: (usize, &'static [usize]);
+    /// What the energy is measured in.
+    const ENERGY_UNIT: &'static str;
+    /// What is said before anything was done.
+    const OPENING: &'static str;
+    /// How many numbers for each pixel [`Model::System`] holds.
+    const SYSTEM_PARTS: usize;
+    /// What is worked out from the constraints once for all iterations of a warp.
+    type System: Send + Sync + 'static;
+    /// What iterations change.
+    type Unknowns: Unknowns;
+
+    /// What all iterations of a warp need.
+    fn system(&self, linear: &Linear, threads: &Threads) -> Self::System;
+
+    /// `count` iterations of a warp from `from` on.
+    fn iterate(&self, warp: &Warp<Self>, from: &Self::Unknowns, count: usize, threads: &Threads) -> Self::Unknowns;
+
+    /// The parts of the energy for data and for smoothness, on average over the pixels.
+    fn energy(&self, warp: &Warp<Self>, at: &Self::Unknowns) -> [f64; 2];
+
+    /// How step `step` of an iteration is told at a pixel.
+    fn told(&self, step: usize, looked: &Looked<Self>) -> Told;
+}
+
+/// The constraints of a warp.
+pub struct Warp<M: Model> {
+    /// Those of the pixels.
+    pub linear: Linear,
+    /// What the method makes of them.
+    pub system: M::System,
+}
+
+/// An iteration that was done.
+pub struct Iteration<M: Model> {
+    /// The warp it belongs to.
+    pub warp: Arc<Warp<M>>,
+    /// What it went from.
+    pub from: Arc<M::Unknowns>,
+    /// What it came to.
+    pub to: Arc<M::Unknowns>,
+    /// The pixel that changes most; the first of several.
+    pub most: (usize, usize),
+}
+
+/// An iteration at one pixel of its level.
+pub struct Looked<'a, M: Model> {
+    /// The iteration.
+    pub iteration: &'a Iteration<M>,
+    /// The pixel.
+    pub place: (usize, usize),
+}
+
+impl<M: Model> Looked<'_, M> {
+    /// Its derivatives a and b, and c of the constraint a u + b v + c = 0.
+    pub fn factors(&self) -> [f32; 3] {
+        self.iteration.warp.linear.factors.at(self.place)
+    }
+
+    /// Its displacement before the iteration, in px of the level.
+    pub fn from(&self) -> [f32; 2] {
+        self.iteration.from.field().at(self.place.0, self.place.1)
+    }
+
+    /// Its displacement after the iteration, in px of the level.
+    pub fn to(&self) -> [f32; 2] {
+        self.iteration.to.field().at(self.place.0, self.place.1)
+    }
+
+    /// What the pixel is called.
+    pub fn pixel(&self) -> String {
+        format!("pixel ({}, {})", self.place.0, self.place.1)
+    }
+}
+
+/// How a step of an iteration is told.
+pub struct Told {
+    /// What happens to the pixel, and why.
+    pub sentence: Sentence,
+    /// What there is to say about it beside its derivatives and its displacement before.
+    pub facts: Vec<Fact>,
+    /// What is done, in symbols and with its numbers.
+    pub equation: Vec<Math>,
+    /// Displacements to be shown beside the one before and the true one.
+    pub points: Vec<(&'static str, Role, [f32; 2])>,
+    /// What is shown of the constraints.
+    pub lines: Vec<Constraint>,
+}
