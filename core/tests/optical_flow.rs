@@ -74,7 +74,7 @@ fn motions() -> [(&'static str, Clip, Flow); 3] {
 
 /// How far off each may be on average. Over the window of Lucas and Kanade displacements are taken to be the same, which they
 /// are not in a turn.
-const MOST_PX: [(&str, f64); 2] = [("horn-schunck", 0.05), ("lucas-kanade", 0.07)];
+const MOST_PX: [(&str, f64); 4] = [("horn-schunck", 0.05), ("lucas-kanade", 0.07), ("clg", 0.05), ("tv-l1", 0.05)];
 
 #[test]
 fn shifts_turns_and_growths_are_recovered() {

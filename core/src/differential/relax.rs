@@ -8,9 +8,9 @@ use super::{Field, Linear};
 use crate::{Border, Grid, Threads};
 
 /// Weight of the neighbours beside, above and below in the average.
-const BESIDE: f32 = 1.0 / 6.0;
+pub const BESIDE: f32 = 1.0 / 6.0;
 /// Weight of those across the corners.
-const CORNER: f32 = 1.0 / 12.0;
+pub const CORNER: f32 = 1.0 / 12.0;
 /// Iterations that are done while the rows are in the cache.
 const DEPTH: usize = 16;
 

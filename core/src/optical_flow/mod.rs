@@ -1,14 +1,18 @@
 //! Optical flow: displacements of pixels or of features, from derivatives. One file per estimator; the shared parts are in
 //! `differential` and `variational`.
 
+mod clg;
 mod horn_schunck;
 mod lucas_kanade;
 mod normal_flow;
 mod pyramidal_lucas_kanade;
+mod tv_l1;
 
 pub use crate::differential::Weights;
 pub use crate::variational::Solver;
+pub use clg::Clg;
 pub use horn_schunck::HornSchunck;
 pub use lucas_kanade::LucasKanade;
 pub use normal_flow::NormalFlow;
 pub use pyramidal_lucas_kanade::{Points, PyramidalLucasKanade};
+pub use tv_l1::TvL1;

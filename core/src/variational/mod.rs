@@ -5,13 +5,18 @@
 //! every [`Model`] an estimator, [`Variational`].
 
 mod declare;
+mod local;
 mod model;
+pub mod primal_dual;
 mod run;
 mod solver;
 mod tell;
+mod wide;
 
 pub(crate) use declare::variational_params;
 pub use declare::{HasSettings, Settings};
+pub use local::{Local, MotionTensor};
 pub use model::{Looked, Model, Told, Warp};
+pub use primal_dual::Dual;
 pub use run::Variational;
 pub use solver::Solver;

@@ -1,0 +1,202 @@
+//! The combined local-global method: the smoothest field that the constraints around every pixel allow together.
+
+use std::sync::OnceLock;
+
+use crate::differential::{Field, Linear, filter, relax, tell};
+use crate::scene::{Constraint, Fact, Math, Sentence};
+use crate::variational::{Local, Looked, Model, MotionTensor, Solver, Told, Warp, variational_params};
+use crate::{Info, Promise, Role, Threads};
+
+variational_params! {
+    /// The combined local-global method. The energy ∫∫ (w, 1)ᵀ T (w, 1) + α² (|∇u|² + |∇v|²), w = (u, v), is made as small as can
+    /// be, where T is the motion tensor over a window: Lucas and Kanade's where α is 0, Horn and Schunck's where ρ is 0.
+    pub struct Clg {
+        /// Weight α of smoothness: the larger, the smoother the field; about the gradient, in gray levels per px, that counts as much.
+        alpha: f32 = 8.0, 0.1..=1000.0;
+        /// Standard deviation ρ of the Gaussian window over which constraints are taken together; 0 leaves each pixel to itself.
+        rho: f32 = 1.0, 0.0..=10.0, "px";
+        /// How the equations are solved.
+        solver: Solver = Solver::Jacobi;
+        /// How far SOR goes beyond Gauss and Seidel: 1 is theirs, from 2 on nothing converges.
+        relaxation: f32 = 1.9, 1.0..=1.99;
+    }
+    iterations = 100, levels = 4, warps = 3, smoothing = 0.5
+}
+
+/// The step of an iteration that is told first.
+const AVERAGED: usize = 0;
+
+/// What the iterations of a warp need.
+pub struct System {
+    solutions: Local,
+    /// The tensors, for whoever looks.
+    tensor: OnceLock<MotionTensor>,
+}
+
+impl Model for Clg {
+    const INFO: Info = Info {
+        id: "clg",
+        name: "Combined local-global",
+        family: "Optical flow",
+        summary: "Finds the smoothest field that fits the gradient constraints of a window around every pixel.",
+        source: "A. Bruhn, J. Weickert and C. Schnörr, Lucas/Kanade meets Horn/Schunck: combining local and global optic flow \
+                 methods, International Journal of Computer Vision 61(3), 2005; medians: D. Sun, S. Roth and M. J. Black, \
+                 Secrets of optical flow estimation and their principles, CVPR 2010",
+        pseudocode: &[
+            "E(u, v) = ∫∫ (w, 1)ᵀ T (w, 1) + α² (|∇u|² + |∇v|²), where w = (u, v)",
+            "(u, v) ← 0 on the coarsest level",
+            "for each level, from the coarsest to the picture itself",
+            "  for each warp",
+            "    (u, v) ← medians of 3×3 px: nothing astray is carried on",
+            "    bring frame t+1 back along (u, v), take Iₓ, I_y, Iₜ",
+            "    T ← Gaussian of ρ px over (Iₓ, I_y, Iₜ) (Iₓ, I_y, Iₜ)ᵀ",
+            "    for each iteration",
+            "      (u_m, v_m) ← mean of the neighbours, for each pixel",
+            "      (u, v) ← solution of (T + α²) (u, v) = α² (u_m, v_m) − (T_xt, T_yt)",
+        ],
+        rungs: &["frame", "level", "warp", "iteration", "step"],
+        frames: 2,
+    };
+    const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
+    const LINES: (usize, &'static [usize]) = (6, &[8, 9]);
+    const ENERGY_UNIT: &'static str = "gray levels²";
+    const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints of a window \
+                                   around each pixel are off, which makes the field proof against noise, and α² times how \
+                                   unlike neighbours move, which fills in where a window says too little.";
+    const SYSTEM_PARTS: usize = 5;
+    type System = System;
+    type Unknowns = Field;
+
+    fn system(&self, linear: &Linear, threads: &Threads) -> System {
+        let tensor = MotionTensor::new(linear, self.rho, threads);
+        System { solutions: Local::new(&tensor, self.alpha), tensor: OnceLock::new() }
+    }
+
+    fn iterate(&self, warp: &Warp<Self>, from: &Field, count: usize, threads: &Threads) -> Field {
+        let Some(relaxation) = self.solver.relaxation(self.relaxation) else {
+            return warp.system.solutions.jacobi(from, count, threads);
+        };
+        let mut field = from.clone();
+        (0..count).for_each(|_| warp.system.solutions.sweep(&mut field, relaxation));
+        field
+    }
+
+    fn energy(&self, warp: &Warp<Self>, at: &Field) -> [f64; 2] {
+        let [_, smoothness] = relax::energy(&warp.linear, self.alpha, at);
+        [self.tensor(warp).energy(at), smoothness]
+    }
+
+    fn told(&self, step: usize, looked: &Looked<Self>) -> Told {
+        let mean = self.solver.mean_of(looked);
+        let tensor = self.tensor(&looked.iteration.warp).at(looked.place);
+        let mut points = vec![("average", Role::Predicted, mean), ("after", Role::Result, looked.to())];
+        if step == AVERAGED {
+            points.pop();
+        }
+        let [xx, xy, yy, ..] = tensor.map(tell::number);
+        Told {
+            sentence: if step == AVERAGED { looked.averaged(mean) } else { self.updated(looked) },
+            facts: vec![Fact { label: "T_xx, T_xy, T_yy", value: format!("{xx}, {xy}, {yy}"), role: None }],
+            equation: self.equation(tensor, mean, looked.to()),
+            points,
+            lines: self.lines(looked),
+        }
+    }
+}
+
+impl Clg {
+    fn tensor<'a>(&self, warp: &'a Warp<Self>) -> &'a MotionTensor {
+        warp.system.tensor.get_or_init(|| MotionTensor::new(&warp.linear, self.rho, &Threads::single()))
+    }
+
+    fn updated(&self, looked: &Looked<Self>) -> Sentence {
+        let window = if self.rho > 0.0 {
+            format!("The constraints within about {} px of ", tell::number(2.0 * self.rho))
+        } else {
+            "The constraint of ".into()
+        };
+        let relaxed = if self.solver == Solver::Sor { ", and beyond," } else { "" };
+        Sentence::default()
+            .text(window)
+            .ink(Role::Reference, looked.pixel())
+            .text(format!(" and the average of its neighbours are weighed against each other{relaxed}: it goes to "))
+            .ink(Role::Result, format!("{} px", tell::vector(looked.to())))
+            .text(", the nearer to where the lines of the window cross, the larger their gradients are beside α.")
+    }
+
+    /// The two equations of the pixel in symbols, and with its numbers.
+    fn equation(&self, [xx, xy, yy, xt, yt, _]: [f32; 6], mean: [f32; 2], to: [f32; 2]) -> Vec<Math> {
+        let weight = self.alpha * self.alpha;
+        let squared = || Math::power(Math::Var("α"), Math::text("2"));
+        let part = |along: &'static str| Math::indexed(Math::Var("T"), Math::Var(along));
+        let right = |name: &'static str, along: &'static str| {
+            let mean = Math::indexed(Math::Var(name), Math::Var("m"));
+            Math::Row(vec![Math::text(" = "), squared(), Math::text(" "), mean, Math::text(" − "), part(along)])
+        };
+        let with_weight = |along: &'static str| {
+            Math::Row(vec![Math::text("("), part(along), Math::text(" + "), squared(), Math::text(") ")])
+        };
+        let row = |parts: [Math; 5]| Math::Row(parts.into());
+        let symbols = [
+            row([
+                with_weight("xx"),
+                Math::Var("u"),
+                Math::text(" + "),
+                Math::Row(vec![part("xy"), Math::text(" "), Math::Var("v")]),
+                right("u", "xt"),
+            ]),
+            row([
+                Math::Row(vec![part("xy"), Math::text(" ")]),
+                Math::Var("u"),
+                Math::text(" + "),
+                Math::Row(vec![with_weight("yy"), Math::Var("v")]),
+                right("v", "yt"),
+            ]),
+        ];
+        let numbers = |a: f32, b: f32, mean: f32, t: f32| {
+            Math::Row(vec![
+                Math::text(format!("{} ", tell::number(a))),
+                Math::Var("u"),
+                Math::text(format!(" {} ", tell::plus(b))),
+                Math::Var("v"),
+                Math::text(format!(" = {} · ", tell::number(weight))),
+                Math::ink(Role::Predicted, tell::number(mean)),
+                Math::text(format!(" {}", tell::plus(-t))),
+            ])
+        };
+        let over = if self.solver == Solver::Sor { ") → " } else { ") = " };
+        let solution = Math::Row(vec![
+            Math::text("("),
+            Math::Var("u"),
+            Math::text(", "),
+            Math::Var("v"),
+            Math::text(over),
+            Math::ink(Role::Result, tell::vector(to)),
+        ]);
+        let [first, second] = symbols;
+        vec![first, second, numbers(xx + weight, xy, mean[0], xt), numbers(xy, yy + weight, mean[1], yt), solution]
+    }
+
+    /// What the pixels of the window say of this one, each as strongly as it counts; of a large window only some.
+    fn lines(&self, looked: &Looked<Self>) -> Vec<Constraint> {
+        let Linear { factors, start } = &looked.iteration.warp.linear;
+        let (width, height) = start.u.size();
+        let (x, y) = looked.place;
+        let [u, v] = start.at(x, y);
+        let weights = filter::gaussian(self.rho);
+        let reach = weights.len() as isize / 2;
+        let apart = (reach as usize / 4).max(1);
+        let along = || (-(reach / apart as isize)..=reach / apart as isize).map(|i| i * apart as isize);
+        let places = along().flat_map(|j| along().map(move |i| (i, j))).filter_map(|(i, j)| {
+            let place = (x.checked_add_signed(i)?, y.checked_add_signed(j)?);
+            let weight = |k: isize| weights[(k + reach) as usize] / weights[reach as usize];
+            (place.0 < width && place.1 < height).then(|| (place, weight(i) * weight(j)))
+        });
+        let line = |(place, weight): ((usize, usize), f32)| {
+            let ([a, b, c], [other_u, other_v]) = (factors.at(place), start.at(place.0, place.1));
+            // What is left to find there, of the displacement here.
+            tell::line([a, b, c + a * (other_u - u) + b * (other_v - v)], weight, Role::Candidate)
+        };
+        places.filter_map(line).collect()
+    }
+}
