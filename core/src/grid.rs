@@ -59,6 +59,12 @@ impl<T> Grid<T> {
         (x < self.width && y < self.height).then(|| &self.cells[y * self.width + x])
     }
 
+    /// The cell whose square holds `point`, if one does.
+    pub fn cell_at(&self, point: [f32; 2]) -> Option<(usize, usize)> {
+        let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
+        Some((inside(point[0], self.width)?, inside(point[1], self.height)?))
+    }
+
     /// Row `y`, left to right.
     ///
     /// # Panics
@@ -184,6 +190,13 @@ mod tests {
         assert_eq!(read(Border::Replicate), [0, 0, 0, 0, 1, 2, 3, 3, 3, 3]);
         assert_eq!(read(Border::Mirror), [3, 2, 1, 0, 1, 2, 3, 2, 1, 0]);
         assert_eq!(Border::Mirror.index(-5, 1), 0);
+    }
+
+    #[test]
+    fn a_cell_is_the_square_around_its_middle() {
+        let grid = Grid::new(3, 2, 0);
+        assert_eq!((grid.cell_at([-0.5, 1.4]), grid.cell_at([2.4, 0.6])), (Some((0, 1)), Some((2, 1))));
+        assert!([[-0.6, 0.0], [2.5, 0.0], [0.0, 1.5], [f32::NAN, 0.0]].iter().all(|p| grid.cell_at(*p).is_none()));
     }
 
     #[test]

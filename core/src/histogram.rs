@@ -27,7 +27,7 @@ pub struct Histogram {
     pub units: Grid<Option<usize>>,
     /// The bin of the newest result, if there is one at hand.
     pub newest: Option<[i32; 2]>,
-    /// Zero-order entropy in bits for each, the displacements taken exactly as they are.
+    /// Zero-order entropy in bits for each, displacements told apart by hundredths of a px.
     pub bits: f64,
     /// Whether some lie between whole px, and were rounded to their bin.
     pub is_rounded: bool,

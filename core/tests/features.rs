@@ -1,14 +1,9 @@
 //! Corners and the tracker of features against plain references and against places that are known exactly.
 
-use motionscope_core::{
-    AnyEstimator, Border, Clip, Cursor, Feature, Frame, Gray, Grid, Move, Status, Threads, estimator, scene,
-};
+mod common;
 
-fn set(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
-    let mut estimator = estimator(id).expect("it is there");
-    settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
-    estimator
-}
+use common::{set, waves};
+use motionscope_core::{Border, Clip, Cursor, Feature, Frame, Gray, Grid, Move, Status, Threads, scene};
 
 fn clip(frames: [Gray; 2]) -> Clip {
     Clip::from_frames("made", frames.into_iter().map(Frame::gray).collect()).expect("frames of one size")
@@ -21,15 +16,6 @@ fn points(id: &str, settings: &[(&str, &str)], clip: &Clip) -> Vec<Feature> {
 
 const SIZE: (usize, usize) = (96, 80);
 
-/// Waves in all directions.
-fn waves(x: f64, y: f64) -> f64 {
-    let wave = |k: f64| {
-        let (period, angle) = (13.0 + 0.7 * k, k * std::f64::consts::PI / 8.0);
-        ((x * angle.cos() + y * angle.sin()) * std::f64::consts::TAU / period + k * k).sin()
-    };
-    128.0 + 15.0 * (0..8).map(|k| wave(f64::from(k))).sum::<f64>()
-}
-
 fn moving(motion: [f64; 2]) -> Clip {
     let frame = |t: f64| {
         Grid::from_fn(SIZE.0, SIZE.1, |x, y| (waves(x as f64 - motion[0] * t, y as f64 - motion[1] * t) + 0.5) as u8)
@@ -37,9 +23,18 @@ fn moving(motion: [f64; 2]) -> Clip {
     clip([frame(0.0), frame(1.0)])
 }
 
-/// Gradients as plainly as can be: Sobel's, the edge repeated.
+/// Gradients as plainly as can be: Sobel's, the picture going on along a straight line beyond its edge.
 fn sobel(picture: &Gray, x: isize, y: isize) -> [f64; 2] {
-    let at = |i: isize, j: isize| f64::from(picture.at(x + i, y + j, Border::Replicate));
+    let inside = |i: isize, j: isize| f64::from(picture.at(i, j, Border::Replicate));
+    let in_row = |i: isize, j: isize| {
+        let edge = i.clamp(0, picture.width() as isize - 1);
+        if i == edge { inside(i, j) } else { 2.0 * inside(edge, j) - inside(2 * edge - i, j) }
+    };
+    let at = |i: isize, j: isize| {
+        let (i, j) = (x + i, y + j);
+        let edge = j.clamp(0, picture.height() as isize - 1);
+        if j == edge { in_row(i, j) } else { 2.0 * in_row(i, edge) - in_row(i, 2 * edge - j) }
+    };
     let across = |j: isize| (at(1, j) - at(-1, j)) / 2.0;
     let down = |i: isize| (at(i, 1) - at(i, -1)) / 2.0;
     [(across(-1) + 2.0 * across(0) + across(1)) / 4.0, (down(-1) + 2.0 * down(0) + down(1)) / 4.0]
@@ -285,4 +280,23 @@ fn an_iteration_is_told_with_its_numbers_and_its_trail() {
     walk.jump(Move::End);
     assert_eq!(walk.output().points().expect("features").points.len(), 5);
     assert_eq!(walk.unit_at(walk.output().points().expect("features").points[3].at), Some(7));
+}
+
+#[test]
+fn a_faint_corner_is_no_less_one_and_ties_are_told_as_such() {
+    // A checkerboard of contrast 2, whose corners are all alike.
+    let board = Grid::from_fn(72, 60, |x, y| 128 + 2 * ((x / 12 + y / 12) % 2) as u8);
+    let clip = clip([board.clone(), board]);
+    let mut walk = set("shi-tomasi", &[("min-distance", "20")]).walk(&clip, 0).expect("a walk");
+    walk.jump(Move::To(Cursor { unit: 11, event: 12 }));
+    let said = walk.step(None).sentence.plain();
+    assert!(said.contains("has a tensor with eigenvalues") && !said.contains("flat"), "{said}");
+    let mut told = Vec::new();
+    walk.jump(Move::To(Cursor { unit: 120, event: 1 }));
+    while !walk.at_end() {
+        walk.jump(Move::Rung(3, motionscope_core::Way::Forward));
+        told.push(walk.step(None).sentence.plain());
+    }
+    assert!(told[0].contains("is kept: corner 1"), "{}", told[0]);
+    assert!(told.iter().any(|said| said.contains("which is as strong and comes first: dropped")), "{told:?}");
 }

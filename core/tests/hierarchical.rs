@@ -1,26 +1,16 @@
 //! Hierarchical search: against a plain reference, on far motion, and what it says about its levels.
 
+mod common;
+
 use std::collections::BTreeSet;
 
+use common::halved;
 use motionscope_core::{
     BlockGrid, Border, Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, Way, estimator, synth,
 };
 use proptest::prelude::*;
 
 type Vector = (i64, i64);
-
-/// The picture at half the size, from 5×5 px weighted 1, 4, 6, 4, 1 each way.
-fn half(picture: &Gray) -> Gray {
-    let weights = [1, 4, 6, 4, 1];
-    Grid::from_fn(picture.width().div_ceil(2), picture.height().div_ceil(2), |x, y| {
-        let mut sum = 128;
-        for (i, j) in (0..5).flat_map(|j| (0..5).map(move |i| (i, j))) {
-            let at = picture.at((2 * x + i) as isize - 2, (2 * y + j) as isize - 2, Border::Mirror);
-            sum += weights[i] * weights[j] * u32::from(at);
-        }
-        (sum / 256) as u8
-    })
-}
 
 /// One level of both frames.
 struct Level {
@@ -116,7 +106,7 @@ proptest! {
         let mut pictures = vec![(cut(dx, dy), cut(3, 4))];
         while pictures.len() < count {
             let (current, next) = &pictures[pictures.len() - 1];
-            pictures.push((half(current), half(next)));
+            pictures.push((halved(current), halved(next)));
         }
         let frames = [&pictures[0].0, &pictures[0].1].map(|picture| Frame::gray(picture.clone()));
         let clip = Clip::from_frames("pair", frames.into()).expect("sound");

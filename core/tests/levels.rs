@@ -1,10 +1,13 @@
 //! The pictures of a pyramid's levels against the pyramid itself, and against the marks that lie on them.
 
+mod common;
+
 use std::sync::Arc;
 
+use common::halved;
 use motionscope_core::scene::{Picture, Readout, Shape};
 use motionscope_core::{
-    Border, Clip, Cursor, Floor, Frame, Gray, Grid, Levels, Move, Role, Scene, Stack, Walk, Way, estimator,
+    Clip, Cursor, Floor, Frame, Gray, Grid, Levels, Move, Role, Scene, Stack, Walk, Way, estimator,
 };
 
 fn texture(x: usize, y: usize) -> u8 {
@@ -22,21 +25,6 @@ fn walk() -> Box<dyn Walk> {
         search.set(name, value).expect("it has the parameter");
     }
     search.walk(&clip(), 0).expect("the clip suits the search")
-}
-
-/// Every second pixel, as the mean of 5×5 px with the weights of Burt and Adelson.
-fn halved(picture: &Gray) -> Gray {
-    let weights = [1u32, 4, 6, 4, 1];
-    Grid::from_fn(picture.width().div_ceil(2), picture.height().div_ceil(2), |x, y| {
-        let window = (0..5).flat_map(|j| (0..5).map(move |i| (i, j)));
-        let sum: u32 = window
-            .map(|(i, j)| {
-                let at = picture.at((2 * x + i) as isize - 2, (2 * y + j) as isize - 2, Border::Mirror);
-                weights[i] * weights[j] * u32::from(at)
-            })
-            .sum();
-        ((sum + 128) / 256) as u8
-    })
 }
 
 fn levels(scene: &Scene) -> &Levels {

@@ -1,26 +1,14 @@
 //! Optical flow against plain references and against motion that is known exactly.
 
-use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Flow, Frame, Grid, Move, Output, Role, Threads, Way, estimator, metrics, scene, synth,
-};
+mod common;
 
-fn set(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
-    let mut estimator = estimator(id).expect("it is there");
-    settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
-    estimator
-}
+use common::{central, set, waves};
+use motionscope_core::{
+    AnyEstimator, Clip, Cursor, Flow, Frame, Grid, Move, Output, Role, Threads, Way, metrics, scene, synth,
+};
 
 fn flow(id: &str, settings: &[(&str, &str)], clip: &Clip) -> Flow {
     set(id, settings).run(clip, 0, &Threads::single()).expect("a run").flow()
-}
-
-/// Waves in all directions.
-fn waves(x: f64, y: f64) -> f64 {
-    let wave = |k: f64| {
-        let (period, angle) = (13.0 + 0.7 * k, k * std::f64::consts::PI / 8.0);
-        ((x * angle.cos() + y * angle.sin()) * std::f64::consts::TAU / period + k * k).sin()
-    };
-    128.0 + 15.0 * (0..8).map(|k| wave(f64::from(k))).sum::<f64>()
 }
 
 const SIZE: (usize, usize) = (96, 80);
@@ -136,8 +124,8 @@ fn plain_horn_schunck(clip: &Clip, alpha: f64, iterations: usize) -> Vec<[f64; 2
                     (at(1, 0, p) + at(-1, 0, p) + at(0, 1, p) + at(0, -1, p)) / 6.0
                         + (at(1, 1, p) + at(-1, 1, p) + at(1, -1, p) + at(-1, -1, p)) / 12.0
                 });
-                let ix = (mean(x + 1, y) - mean(x - 1, y)) / 2.0;
-                let iy = (mean(x, y + 1) - mean(x, y - 1)) / 2.0;
+                let ix = central(|x| mean(x, y), x, width);
+                let iy = central(|y| mean(x, y), y, height);
                 let it = value(&b, x, y) - value(&a, x, y);
                 let off = (ix * average[0] + iy * average[1] + it) / (alpha * alpha + ix * ix + iy * iy);
                 field[y as usize * width + x as usize] = [average[0] - ix * off, average[1] - iy * off];
@@ -222,6 +210,163 @@ fn lucas_kanade_agrees_with_a_plain_one() {
             assert!(near(found[0], plain[0]) && near(found[1], plain[1]), "{found:?} at ({x}, {y}), plainly {plain:?}");
             assert!(near(smaller[(x, y)], eigenvalue), "{} at ({x}, {y}), plainly {eigenvalue}", smaller[(x, y)]);
         }
+    }
+}
+
+/// The step at the end of unit `unit` for the pixel at `place`.
+fn told(estimator: &dyn AnyEstimator, clip: &Clip, unit: usize, place: [f32; 2]) -> scene::Step {
+    let mut walk = estimator.walk(clip, 0).expect("a walk");
+    walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+    walk.step(Some(place))
+}
+
+/// A row of the table of facts of a step.
+fn fact(step: &scene::Step, label: &str) -> Option<String> {
+    step.readouts.iter().find_map(|readout| match readout {
+        scene::Readout::Facts(facts) => facts.iter().find(|fact| fact.label == label).map(|fact| fact.value.clone()),
+        _ => None,
+    })
+}
+
+/// The numbers in a text, in their order.
+fn numbers(text: &str) -> Vec<f64> {
+    let plain = text.replace('−', "-");
+    let parts = plain.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'));
+    parts.filter_map(|part| part.parse().ok()).collect()
+}
+
+fn tile(step: &scene::Step, label: &str) -> Grid<f32> {
+    let tiles = step.readouts.iter().find_map(|readout| match readout {
+        scene::Readout::Tiles(tiles) => Some(tiles),
+        _ => None,
+    });
+    let tile = tiles.expect("tiles").iter().find(|tile| tile.label == label);
+    tile.unwrap_or_else(|| panic!("no tile {label}")).values.clone()
+}
+
+/// A slope of 4 gray levels per px that moves by half a px.
+fn slope() -> Clip {
+    let frame = |t: usize| Frame::gray(Grid::from_fn(40, 12, |x, _| (4 * x + 20 - 2 * t) as u8));
+    Clip::from_frames("slope", vec![frame(0), frame(1)]).expect("frames of one size")
+}
+
+#[test]
+fn a_slope_is_told_alike_at_the_edge_and_inside() {
+    for scheme in ["central", "sobel", "scharr", "cube", "five-point"] {
+        for smoothing in ["0", "1"] {
+            let estimator = set("normal-flow", &[("smoothing", smoothing), ("derivatives", scheme)]);
+            for x in [0.0, 1.0, 20.0, 38.0, 39.0] {
+                let step = told(&*estimator, &slope(), 4, [x, 4.0]);
+                let derivatives = numbers(&fact(&step, "Iₓ, I_y, Iₜ").expect("derivatives"));
+                assert_eq!(derivatives, [4.0, 0.0, -2.0], "{scheme} at {x}");
+                let found = numbers(&fact(&step, "Normal flow").expect("a displacement"));
+                assert_eq!(found, [0.5, 0.0], "{scheme} at {x}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_tensor_of_a_slope_is_the_square_of_it() {
+    let step = told(&*set("lucas-kanade", &[("smoothing", "0")]), &slope(), 4, [20.0, 4.0]);
+    assert_eq!(fact(&step, "Eigenvalues").as_deref(), Some("16.0 and 0.00: edge"));
+    let without = told(&*set("lucas-kanade", &[("smoothing", "0"), ("threshold", "0")]), &slope(), 4, [20.0, 4.0]);
+    let said = without.sentence.plain();
+    assert!(said.contains("the other 0.00, nearly 0 beside it"), "{said}");
+    let flat = Clip::from_frames("flat", vec![Frame::gray(Grid::new(40, 12, 77)); 2]).unwrap();
+    for (threshold, why) in [("0", "nearly 0"), ("0.5", "below the threshold of 0.500")] {
+        let step = told(&*set("lucas-kanade", &[("threshold", threshold)]), &flat, 4, [20.0, 4.0]);
+        assert!(step.sentence.plain().contains(why), "{}", step.sentence.plain());
+        assert!(fact(&step, "Eigenvalues").is_some_and(|value| value.ends_with("flat")));
+    }
+}
+
+#[test]
+fn what_left_the_picture_does_not_count() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.5, 0.0]);
+    let estimator =
+        set("lucas-kanade", &[("window", "15"), ("weights", "box"), ("iterations", "2"), ("smoothing", "0")]);
+    let height = SIZE.1;
+    // The windows in the last column see less of the picture in the second iteration, but what they see is as it was.
+    let [before, after] = [30, height + 30].map(|unit| told(&*estimator, &clip, unit, [95.0, 30.0]));
+    let larger = |step: &scene::Step| numbers(&fact(step, "Eigenvalues").expect("eigenvalues"))[0];
+    assert!(larger(&after) > 0.5 * larger(&before), "{} was {}", larger(&after), larger(&before));
+    assert!(fact(&before, "Left the picture").is_none());
+    let left = numbers(&fact(&after, "Left the picture").expect("some left"));
+    assert!(left[0] >= 30.0 && left[1] == 120.0, "{left:?}");
+    // All goes far beyond the edge: nothing is left, and it is said why.
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.0, 0.0]);
+    let narrow = Clip::from_frames(
+        "narrow",
+        [0, 1]
+            .map(|t| {
+                let frame = clip.frame(t).expect("a frame");
+                Frame::gray(Grid::from_fn(5, 40, |x, y| frame.luma()[(40 + x, y)]))
+            })
+            .into(),
+    )
+    .unwrap();
+    let thin = set("lucas-kanade", &[("window", "3"), ("iterations", "2"), ("smoothing", "0"), ("threshold", "0")]);
+    let mut walk = thin.walk(&narrow, 0).unwrap();
+    walk.jump(Move::End);
+    let told = (0..40).map(|y| walk.step(Some([4.0, y as f32])).sentence.plain());
+    let gone: Vec<_> = told.filter(|said| said.contains("all pixels of the window left the picture")).collect();
+    assert!(!gone.is_empty());
+}
+
+#[test]
+fn what_a_later_iteration_tells_of_a_pixel_can_be_recomputed() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, -0.6]);
+    let step =
+        told(&*set("lucas-kanade", &[("iterations", "2"), ("smoothing", "0")]), &clip, SIZE.1 + 30, [40.0, 30.0]);
+    let [x, y, t] = numbers(&fact(&step, "Iₓ, I_y, Iₜ").unwrap())[..] else { panic!("three") };
+    let [u, v] = numbers(&fact(&step, "Before, (u₀, v₀)").unwrap())[..] else { panic!("two") };
+    // What is told of time is the difference of the pictures that are shown.
+    let [current, back, change] = ["Frame t", "Brought back", "Iₜ"].map(|label| tile(&step, label));
+    for (i, difference) in change.cells().iter().enumerate() {
+        assert!((back.cells()[i] - current.cells()[i] - difference).abs() < 0.16, "{i}");
+    }
+    assert!((f64::from(change[(5, 5)]) - t).abs() < 0.06, "{} and {t}", change[(5, 5)]);
+    // At nearly the true displacement, hardly any difference is left.
+    assert!(t.abs() < 1.0 && (u - 1.3).abs() < 0.1 && (v + 0.6).abs() < 0.1);
+    let lines = step.readouts.iter().find_map(|readout| match readout {
+        scene::Readout::Equation(lines) => Some(lines.iter().map(scene::Math::plain).collect::<Vec<_>>()),
+        _ => None,
+    });
+    let lines = lines.expect("an equation");
+    assert!(lines[0].starts_with("c = "), "{lines:?}");
+    let c = *numbers(&lines[1]).last().unwrap();
+    assert!((c - (t - x * u - y * v)).abs() < 0.02 * (1.0 + c.abs()), "{lines:?}");
+}
+
+#[test]
+fn what_nobody_answered_for_stays_unknown_in_the_next_iteration() {
+    // A flat picture with a patch of waves: most windows say nothing.
+    let (waves, _) = linear_motion([[0.0; 2]; 2], [0.4, 0.2]);
+    let patch = |t: usize| {
+        let frame = waves.frame(t).expect("a frame");
+        let is_patch = |x: usize, y: usize| (20..50).contains(&x) && (20..50).contains(&y);
+        Frame::gray(Grid::from_fn(SIZE.0, SIZE.1, |x, y| if is_patch(x, y) { frame.luma()[(x, y)] } else { 128 }))
+    };
+    let clip = Clip::from_frames("patch", vec![patch(0), patch(1)]).unwrap();
+    let mut walk = set("lucas-kanade", &[("iterations", "2")]).walk(&clip, 0).unwrap();
+    let mut unknown = |unit: usize| {
+        walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+        let Output::Dense(field) = walk.output() else { panic!("a dense field") };
+        field.flow.0.cells().iter().filter(|uv| uv[0].is_nan()).count()
+    };
+    let (first, later, end) = (unknown(SIZE.1 - 1), unknown(SIZE.1), unknown(2 * SIZE.1 - 1));
+    assert!(first > 2000 && later.abs_diff(first) < 100 && end.abs_diff(first) < 500, "{first}, {later}, {end}");
+}
+
+#[test]
+fn the_memory_of_a_run_counts_its_pictures() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [0.4, 0.2]);
+    // At least both pictures, their derivatives and the result, in four bytes each.
+    for (id, least) in [("normal-flow", 7), ("lucas-kanade", 9), ("horn-schunck", 9), ("harris", 1), ("shi-tomasi", 1)]
+    {
+        let bytes = set(id, &[]).extent(&clip, 0).unwrap().memory_bytes;
+        assert!(bytes >= 4 * least * SIZE.0 * SIZE.1, "{id}: {bytes}");
     }
 }
 

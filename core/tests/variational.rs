@@ -1,28 +1,16 @@
 //! The combined local-global method and TV-L1, against plain references, exact motion and what is known of their energies.
 
+mod common;
+
 use std::sync::Arc;
 
+use common::{central, set, waves};
 use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Error, Flow, Frame, Grid, Move, Step, Threads, Truth, estimator, metrics, scene,
+    AnyEstimator, Clip, Cursor, Error, Flow, Frame, Grid, Move, Step, Threads, Truth, metrics, scene,
 };
-
-fn set(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
-    let mut estimator = estimator(id).expect("it is there");
-    settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
-    estimator
-}
 
 fn flow(id: &str, settings: &[(&str, &str)], clip: &Clip) -> Flow {
     set(id, settings).run(clip, 0, &Threads::single()).expect("a run").flow()
-}
-
-/// Waves in all directions.
-fn waves(x: f64, y: f64) -> f64 {
-    let wave = |k: f64| {
-        let (period, angle) = (13.0 + 0.7 * k, k * std::f64::consts::PI / 8.0);
-        ((x * angle.cos() + y * angle.sin()) * std::f64::consts::TAU / period + k * k).sin()
-    };
-    128.0 + 15.0 * (0..8).map(|k| wave(f64::from(k))).sum::<f64>()
 }
 
 const SIZE: (usize, usize) = (96, 80);
@@ -93,14 +81,14 @@ impl Plain {
     }
 }
 
-/// Iₓ, I_y and Iₜ by central differences, of the mean of both frames.
+/// Iₓ, I_y and Iₜ by central differences, of the mean of both frames; at the edge, to one side.
 fn derivatives(clip: &Clip) -> [Plain; 3] {
     let [a, b] = clip.pair(0).expect("a pair");
     let value = |frame: &Frame, x: isize, y: isize| f64::from(frame.luma()[(x as usize, y as usize)]);
     let mean = Plain::new(|x, y| (value(&a, x, y) + value(&b, x, y)) / 2.0);
     [
-        Plain::new(|x, y| (mean.at(x + 1, y) - mean.at(x - 1, y)) / 2.0),
-        Plain::new(|x, y| (mean.at(x, y + 1) - mean.at(x, y - 1)) / 2.0),
+        Plain::new(|x, y| central(|x| mean.at(x, y), x, SIZE.0)),
+        Plain::new(|x, y| central(|y| mean.at(x, y), y, SIZE.1)),
         Plain::new(|x, y| value(&b, x, y) - value(&a, x, y)),
     ]
 }

@@ -1,7 +1,7 @@
 //! The derivatives of a pair of pictures.
 
-use super::filter::separable;
-use crate::{Border, Grid, Threads, choices};
+use super::filter::{Beyond, separable};
+use crate::{Grid, Threads, choices};
 
 choices! {
     /// How derivatives are estimated from pixels.
@@ -20,9 +20,12 @@ choices! {
     }
 }
 
+/// The square of a gradient that comes from rounding alone, in (gray levels per px)².
+pub const FLAT: f32 = 1e-6;
+
 /// The derivatives of the gray values along x, y and time, in gray levels per px and per frame.
 ///
-/// A pixel of which one is not known holds NaN there.
+/// At the edge they are differences to one side. A pixel of which one is not known holds NaN there.
 #[derive(Clone, Debug)]
 pub struct Derivatives {
     /// Iₓ.
@@ -58,7 +61,7 @@ impl Scheme {
             combined
         };
         let (along, across) = self.weights();
-        let filter = |image: &Grid<f32>, weights| separable(image, weights, Border::Replicate, threads);
+        let filter = |image: &Grid<f32>, weights| separable(image, weights, Beyond::Slope, threads);
         let mean = both(|a, b| 0.5 * (a + b));
         let change = both(|a, b| b - a);
         Derivatives {
@@ -66,6 +69,13 @@ impl Scheme {
             y: filter(&mean, (across, along)),
             t: if self == Scheme::Cube { filter(&change, (across, across)) } else { change },
         }
+    }
+}
+
+impl Derivatives {
+    /// Memory that they take, in bytes.
+    pub fn bytes(&self) -> usize {
+        [&self.x, &self.y, &self.t].map(|part| size_of_val(part.cells())).iter().sum()
     }
 }
 
@@ -91,6 +101,17 @@ mod tests {
             let truth = [2.0 + 0.5 * y + 0.5, -5.0 + 0.5 * x - 1.0, 7.0 + x - 2.0 * y];
             for (found, truth) in at(scheme, f).into_iter().zip(truth) {
                 assert!((found - truth).abs() < 1e-4, "{scheme:?}: {found}, not {truth}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_slope_is_as_steep_at_the_edge_as_elsewhere() {
+        for scheme in ALL {
+            let frame = |t: f32| Grid::from_fn(7, 6, |x, y| 4.0 * (x as f32 - 0.5 * t) - 3.0 * y as f32);
+            let Derivatives { x, y, t } = scheme.of(&frame(0.0), &frame(1.0), &Threads::single());
+            for (part, truth) in [(x, 4.0), (y, -3.0), (t, -2.0)] {
+                assert!(part.cells().iter().all(|v| (v - truth).abs() < 1e-4), "{scheme:?}: {part:?}");
             }
         }
     }

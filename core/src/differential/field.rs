@@ -25,6 +25,16 @@ impl Field {
         [self.u[(x, y)], self.v[(x, y)]]
     }
 
+    /// Whether nothing moves.
+    pub fn is_zero(&self) -> bool {
+        self.u.cells().iter().chain(self.v.cells()).all(|c| *c == 0.0)
+    }
+
+    /// Memory that it takes, in bytes.
+    pub fn bytes(&self) -> usize {
+        2 * size_of_val(self.u.cells())
+    }
+
     /// The same field on a picture of another `size`, displacements longer or shorter by as much.
     pub fn resized(&self, size: (usize, usize), threads: &Threads) -> Self {
         let part = |grid: &Grid<f32>, times: f32| {

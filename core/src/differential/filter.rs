@@ -1,6 +1,24 @@
 //! Filters that go along rows and columns.
 
+use std::borrow::Cow;
+
 use crate::{Border, Grid, Threads};
+
+/// How a picture goes on beyond its edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beyond {
+    /// With its own pixels, brought back in by a rule: for what cannot be negative.
+    Pixels(Border),
+    /// With its own pixels, turned by half a turn about the one at the edge, so that a slope goes on as steeply: for gray
+    /// values whose derivatives are taken.
+    Slope,
+}
+
+impl From<Border> for Beyond {
+    fn from(border: Border) -> Self {
+        Beyond::Pixels(border)
+    }
+}
 
 /// The sums of `image` weighted by `across` along each row and by `down` along each column.
 ///
@@ -8,10 +26,15 @@ use crate::{Border, Grid, Threads};
 ///
 /// # Panics
 /// If the image or one of the filters is empty.
-pub fn separable(image: &Grid<f32>, (across, down): (&[f32], &[f32]), border: Border, threads: &Threads) -> Grid<f32> {
-    let (width, height) = image.size();
+pub fn separable(
+    image: &Grid<f32>,
+    (across, down): (&[f32], &[f32]),
+    beyond: impl Into<Beyond>,
+    threads: &Threads,
+) -> Grid<f32> {
+    let ((width, height), beyond) = (image.size(), beyond.into());
     let mut filtered = Grid::new(width, height, 0.0);
-    threads.rows(&mut filtered, |y, target| filtered_row(image, (across, down), (border, y), &mut Vec::new(), target));
+    threads.rows(&mut filtered, |y, target| filtered_row(image, (across, down), (beyond, y), &mut Vec::new(), target));
     filtered
 }
 
@@ -20,7 +43,7 @@ pub fn separable(image: &Grid<f32>, (across, down): (&[f32], &[f32]), border: Bo
 pub fn filtered_row<T: Copy + Into<f32>>(
     image: &Grid<T>,
     (across, down): (&[f32], &[f32]),
-    (border, y): (Border, usize),
+    (beyond, y): (Beyond, usize),
     row: &mut Vec<f32>,
     target: &mut [f32],
 ) {
@@ -29,14 +52,53 @@ pub fn filtered_row<T: Copy + Into<f32>>(
     // With room on either side for what `across` reaches.
     row.clear();
     row.resize(width + across.len() - 1, 0.0);
-    add_weighted(&mut row[left..left + width], down, |k| {
-        image.row(border.index((y + k) as isize - above as isize, height))
-    });
+    let (inner, first) = (left..left + width, y as isize - above as isize);
+    match beyond {
+        Beyond::Pixels(border) => {
+            add_weighted(&mut row[inner.clone()], down, |k| image.row(border.index(first + k as isize, height)));
+        }
+        Beyond::Slope => {
+            let (first, down) = folded(down, first, height);
+            add_weighted(&mut row[inner.clone()], &down, |k| image.row(first + k));
+        }
+    }
     for i in (0..left).chain(left + width..row.len()) {
-        row[i] = row[left + border.index(i as isize - left as isize, width)];
+        let at = i as isize - left as isize;
+        row[i] = match beyond {
+            Beyond::Pixels(border) => row[left + border.index(at, width)],
+            Beyond::Slope => on_slope(at, width).map(|(inside, times)| times * row[left + inside]).sum(),
+        };
     }
     let row = &*row;
     add_weighted(target, across, |k| &row[k..]);
+}
+
+/// What pixel `i` of `extent` in a row is made from where a picture goes on as [`Beyond::Slope`]: pixels inside, and how often.
+fn on_slope(mut i: isize, extent: usize) -> impl Iterator<Item = (usize, f32)> {
+    let (last, mut sign, mut is_inside) = (extent as isize - 1, 1.0, false);
+    std::iter::from_fn(move || {
+        if is_inside {
+            return None;
+        }
+        let edge = i.clamp(0, last);
+        is_inside = i == edge || last == 0;
+        let times = if is_inside { sign } else { 2.0 * sign };
+        (i, sign) = (2 * edge - i, -sign);
+        Some((edge as usize, times))
+    })
+}
+
+/// `weights` of pixels in a row of `extent`, the first being for pixel `first`: those beyond the edge are given to what
+/// stands for it there. With the pixel that the first weight is for then.
+fn folded(weights: &[f32], first: isize, extent: usize) -> (usize, Cow<'_, [f32]>) {
+    if first >= 0 && first as usize + weights.len() <= extent {
+        return (first as usize, Cow::Borrowed(weights));
+    }
+    let mut inside = vec![0.0; extent];
+    for (i, weight) in (first..).zip(weights) {
+        on_slope(i, extent).for_each(|(place, times)| inside[place] += times * weight);
+    }
+    (0, Cow::Owned(inside))
 }
 
 /// Adds to `target` source k, `weights[k]` times, for all k; those of weight 0 are left out.
@@ -88,13 +150,13 @@ pub fn gaussian_within(sigma_px: f32, reach: usize) -> Vec<f32> {
     weights.iter().map(|weight| (weight / sum) as f32).collect()
 }
 
-/// `image` smoothed by a Gaussian of `sigma_px`, mirrored at its edge.
-pub fn smooth(image: Grid<f32>, sigma_px: f32, threads: &Threads) -> Grid<f32> {
+/// `image` smoothed by a Gaussian of `sigma_px`.
+pub fn smooth(image: Grid<f32>, sigma_px: f32, beyond: impl Into<Beyond>, threads: &Threads) -> Grid<f32> {
     if sigma_px <= 0.0 {
         return image;
     }
     let weights = gaussian(sigma_px);
-    separable(&image, (&weights, &weights), Border::Mirror, threads)
+    separable(&image, (&weights, &weights), beyond, threads)
 }
 
 /// The median of the 3×3 px around each pixel, the edge repeated.
@@ -164,13 +226,33 @@ mod tests {
     }
 
     #[test]
+    fn a_slope_goes_on_beyond_the_edge() {
+        let weights = [1.0 / 12.0, -8.0 / 12.0, 0.0, 8.0 / 12.0, -1.0 / 12.0];
+        for (width, height) in [(9, 7), (2, 3), (3, 2), (4, 5)] {
+            let slope = Grid::from_fn(width, height, |x, y| 4.0 * x as f32 - 3.0 * y as f32);
+            for (filter, truth) in [((&weights[..], &[0.25, 0.5, 0.25][..]), 4.0), ((&[1.0], &[-1.0, 1.0]), -3.0)] {
+                let found = separable(&slope, filter, Beyond::Slope, &Threads::single());
+                assert!(found.cells().iter().all(|v| (v - truth).abs() < 1e-4), "{width}×{height}: {found:?}");
+            }
+        }
+        let line = Grid::from_fn(1, 6, |_, y| (y * y) as f32);
+        let across = separable(&line, (&weights, &[1.0]), Beyond::Slope, &Threads::single());
+        assert!(across.cells().iter().all(|v| v.abs() < 1e-4), "a single pixel has no slope: {across:?}");
+    }
+
+    #[test]
     fn smoothing_has_the_spread_it_is_named_by_and_keeps_flat_pictures() {
         let weights = gaussian(1.5);
         let middle = (weights.len() / 2) as f32;
         let variance: f32 = weights.iter().enumerate().map(|(i, w)| w * (i as f32 - middle).powi(2)).sum();
         assert!((variance.sqrt() - 1.5).abs() < 0.02, "{}", variance.sqrt());
         assert_eq!(gaussian(0.0), [1.0]);
-        let flat = smooth(Grid::new(1, 5, 7.0), 2.0, &Threads::single());
+        let flat = smooth(Grid::new(1, 5, 7.0), 2.0, Border::Mirror, &Threads::single());
         assert!(flat.cells().iter().all(|v| (v - 7.0).abs() < 1e-5));
+        let slope = |x: usize, y: usize| 4.0 * x as f32 - y as f32;
+        let smoothed = smooth(Grid::from_fn(9, 5, slope), 2.0, Beyond::Slope, &Threads::single());
+        for (x, y) in (0..5).flat_map(|y| (0..9).map(move |x| (x, y))) {
+            assert!((smoothed[(x, y)] - slope(x, y)).abs() < 1e-4, "({x}, {y}) of a slope stays {}", slope(x, y));
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::filter;
+use super::filter::{self, Beyond};
 use crate::{Clip, Error, Flow, Grid, Threads};
 
 /// A pair of frames, smoothed.
@@ -20,7 +20,7 @@ impl Given {
     /// If there is no such pair, or it cannot be read.
     pub fn new(clip: &Clip, frame: usize, sigma_px: f32, threads: &Threads) -> Result<Self, Error> {
         let pair = clip.pair(frame)?;
-        let smooth = |i: usize| filter::smooth(pair[i].luma().map(|&v| f32::from(v)), sigma_px, threads);
+        let smooth = |i: usize| filter::smooth(pair[i].luma().map(|&v| f32::from(v)), sigma_px, Beyond::Slope, threads);
         Ok(Self { pictures: [smooth(0), smooth(1)], truth: truth(clip, frame) })
     }
 
@@ -31,9 +31,12 @@ impl Given {
 
     /// The pixel at `point`, if that lies in the picture.
     pub fn pixel_at(&self, point: [f32; 2]) -> Option<(usize, usize)> {
-        let (width, height) = self.size();
-        let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
-        Some((inside(point[0], width)?, inside(point[1], height)?))
+        self.pictures[0].cell_at(point)
+    }
+
+    /// Memory that it takes, in bytes; the truth is the clip's.
+    pub fn bytes(&self) -> usize {
+        self.pictures.iter().map(|picture| size_of_val(picture.cells())).sum()
     }
 
     /// The true displacement of a pixel, if it is known.

@@ -11,9 +11,9 @@ pub mod tell;
 mod tensor;
 mod warp;
 
-pub use derivatives::{Derivatives, Scheme};
+pub use derivatives::{Derivatives, FLAT, Scheme};
 pub use field::Field;
 pub use given::{Given, truth};
-pub use linear::Linear;
-pub use tensor::{Sums, Tensor, Weights, Window};
+pub use linear::{Constraints, Linear};
+pub use tensor::{Sums, Tensor, Texture, Weights, Window};
 pub use warp::{Sampling, backward};

@@ -23,7 +23,7 @@ pub struct System {
 impl System {
     /// The system of `linear` for a weight `alpha` of smoothness.
     pub fn new(linear: &Linear, alpha: f32, threads: &Threads) -> Self {
-        let [a, b, c] = [&linear.factors.x, &linear.factors.y, &linear.factors.t];
+        let [a, b, c] = [&linear.factors.a, &linear.factors.b, &linear.factors.c];
         let scaled = |part: &Grid<f32>| {
             let mut scaled = Grid::new(part.width(), part.height(), 0.0);
             threads.rows(&mut scaled, |y, row| {
@@ -272,7 +272,7 @@ pub fn energy(linear: &Linear, alpha: f32, field: &Field) -> [f64; 2] {
     for y in 0..height {
         let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
         let around = [&field.u, &field.v].map(|part| rows.map(|y| part.row(y)));
-        let [a, b, c] = [&linear.factors.x, &linear.factors.y, &linear.factors.t].map(|part| part.row(y));
+        let [a, b, c] = [&linear.factors.a, &linear.factors.b, &linear.factors.c].map(|part| part.row(y));
         for x in 0..width {
             let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
             let [u, v] = around.map(|rows| f64::from(rows[1][x]));

@@ -1,6 +1,6 @@
 //! How derivatives and displacements are told.
 
-use super::Derivatives;
+use super::{Derivatives, Linear, Sampling};
 use crate::Grid;
 use crate::scene::{Constraint, Fact, Math, Role, Tile};
 
@@ -89,37 +89,116 @@ impl Derivatives {
 
     /// A table's row with them.
     pub fn fact(&self, place: (usize, usize)) -> Fact {
-        let [x, y, t] = self.at(place).map(number);
-        Fact { label: "Iₓ, I_y, Iₜ", value: format!("{x}, {y}, {t}"), role: None }
+        derivatives_fact(self.at(place))
     }
 
     /// Frame t, frame t + 1 and their derivatives around a pixel, as far as `radius` px.
     pub fn tiles(&self, pictures: [&Grid<f32>; 2], place: (usize, usize), radius: usize) -> Vec<Tile> {
-        let around = |grid: &Grid<f32>| around(grid, place, radius);
-        let signed = |label, grid: &Grid<f32>| {
-            let values = around(grid);
-            let most = values.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
-            Tile { label, role: None, values, range: [-most, most] }
-        };
-        let picture =
-            |label, role, grid: &Grid<f32>| Tile { label, role: Some(role), values: around(grid), range: [0.0, 255.0] };
-        vec![
-            picture("Frame t", Role::Reference, pictures[0]),
-            picture("Frame t+1", Role::Candidate, pictures[1]),
-            signed("Iₓ", &self.x),
-            signed("I_y", &self.y),
-            signed("Iₜ", &self.t),
-        ]
+        let [current, next] = pictures.map(|picture| around(picture, place, radius));
+        let parts = [&self.x, &self.y, &self.t].map(|part| around(part, place, radius));
+        derivative_tiles([("Frame t", current), ("Frame t+1", next)], parts)
     }
 }
 
+impl Linear {
+    /// A table's row with Iₓ, I_y and Iₜ of a pixel.
+    pub fn fact(&self, place: (usize, usize)) -> Fact {
+        derivatives_fact(self.derivatives(place))
+    }
+
+    /// Frame t, frame t + 1 as it is brought back, and their derivatives around a pixel, as far as `radius` px.
+    pub fn tiles(&self, [current, next]: [&Grid<f32>; 2], place: (usize, usize), radius: usize) -> Vec<Tile> {
+        let back = |(x, y): (usize, usize)| {
+            let [u, v] = self.start.at(x, y);
+            Sampling::Bicubic.sample_inside(next, x as f32 + u, y as f32 + v)
+        };
+        let part = |i: usize| around_with(next.size(), place, radius, |place| self.derivatives(place)[i]);
+        let label = if self.start.is_zero() { "Frame t+1" } else { "Brought back" };
+        let pictures =
+            [("Frame t", around(current, place, radius)), (label, around_with(next.size(), place, radius, back))];
+        derivative_tiles(pictures, [0, 1, 2].map(part))
+    }
+
+    /// What stands for Iₜ where frame t + 1 was brought back: in symbols, and with the numbers of a pixel.
+    pub fn definition(&self, place: (usize, usize), role: Role) -> [Math; 2] {
+        let ([x, y, t], [u, v]) = (self.derivatives(place), self.start.at(place.0, place.1));
+        let zero = |name| Math::indexed(Math::Var(name), Math::text("0"));
+        let symbols = Math::Row(vec![
+            Math::Var("c"),
+            Math::text(" = "),
+            derivative("t"),
+            Math::text(" − "),
+            derivative("x"),
+            Math::text(" "),
+            zero("u"),
+            Math::text(" − "),
+            derivative("y"),
+            Math::text(" "),
+            zero("v"),
+        ]);
+        if !t.is_finite() {
+            return [symbols, Math::text("is not known: the pixel left the picture")];
+        }
+        let times = |a: f32, b: f32| Math::ink(role, format!("{} · {}", factor(a), factor(b)));
+        let numbers = Math::Row(vec![
+            Math::text("= "),
+            Math::ink(role, number(t)),
+            Math::text(" − "),
+            times(x, u),
+            Math::text(" − "),
+            times(y, v),
+            Math::text(" = "),
+            Math::ink(role, number(self.factors.at(place)[2])),
+        ]);
+        [symbols, numbers]
+    }
+}
+
+/// A number as it stands behind a sign.
+pub fn factor(v: f32) -> String {
+    let number = number(v);
+    if number.starts_with('−') { format!("({number})") } else { number }
+}
+
+fn derivatives_fact(derivatives: [f32; 3]) -> Fact {
+    let [x, y, t] = derivatives.map(number);
+    let is_known = derivatives.iter().all(|d| d.is_finite());
+    let value = if is_known { format!("{x}, {y}, {t}") } else { "none: it left the picture".into() };
+    Fact { label: "Iₓ, I_y, Iₜ", value, role: None }
+}
+
+fn derivative_tiles(pictures: [(&'static str, Grid<f32>); 2], [x, y, t]: [Grid<f32>; 3]) -> Vec<Tile> {
+    let [(first, current), (second, next)] = pictures;
+    let picture = |label, role, values| Tile { label, role: Some(role), values, range: [0.0, 255.0] };
+    let signed = |label, values: Grid<f32>| {
+        let most = values.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
+        Tile { label, role: None, values, range: [-most, most] }
+    };
+    vec![
+        picture(first, Role::Reference, current),
+        picture(second, Role::Candidate, next),
+        signed("Iₓ", x),
+        signed("I_y", y),
+        signed("Iₜ", t),
+    ]
+}
+
 /// The values of `grid` around a place; NaN outside it. Rounded to a tenth, as they are read.
-pub fn around<T: Copy + Into<f32>>(grid: &Grid<T>, (x, y): (usize, usize), radius: usize) -> Grid<f32> {
+pub fn around<T: Copy + Into<f32>>(grid: &Grid<T>, place: (usize, usize), radius: usize) -> Grid<f32> {
+    around_with(grid.size(), place, radius, |place| grid[place].into())
+}
+
+/// As [`around`], of values that `of` gives for the pixels of a picture of a `size`.
+fn around_with(
+    (width, height): (usize, usize),
+    (x, y): (usize, usize),
+    radius: usize,
+    of: impl Fn((usize, usize)) -> f32,
+) -> Grid<f32> {
     let side = 2 * radius + 1;
-    let inside = |i: usize, k: usize| (i + k).checked_sub(radius);
+    let inside = |i: usize, k: usize, extent: usize| (i + k).checked_sub(radius).filter(|i| *i < extent);
     Grid::from_fn(side, side, |i, j| {
-        let place = inside(x, i).zip(inside(y, j));
-        let value = place.and_then(|(x, y)| grid.get(x, y)).map_or(f32::NAN, |value| (*value).into());
+        let value = inside(x, i, width).zip(inside(y, j, height)).map_or(f32::NAN, &of);
         (value * 10.0).round() / 10.0
     })
 }

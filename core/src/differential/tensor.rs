@@ -1,7 +1,7 @@
 //! The structure tensor: what the gradients in a window say together.
 
-use super::Derivatives;
 use super::filter::gaussian_within;
+use super::{Constraints, FLAT};
 use crate::choices;
 use crate::scene::Spread;
 
@@ -25,7 +25,20 @@ impl Weights {
     }
 }
 
-/// The weighted means over a window of the products of the derivatives.
+/// What the gradients of a window are like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Texture {
+    /// No pixel of it is known.
+    Gone,
+    /// There are hardly any.
+    Flat,
+    /// They are all in one direction.
+    Edge,
+    /// They are in several directions.
+    Corner,
+}
+
+/// The weighted means over a window of the products of the derivatives: sums whose weights sum to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tensor {
     /// Of Iₓ².
@@ -51,6 +64,20 @@ impl Tensor {
         let (mean, half) = ((self.xx + self.yy) / 2.0, (self.xx - self.yy) / 2.0);
         let apart = (half * half + self.xy * self.xy).sqrt();
         [mean + apart, (mean - apart).max(0.0)]
+    }
+
+    /// What the gradients are like, where eigenvalues count from `threshold` on.
+    #[inline(always)]
+    pub fn texture(&self, threshold: f32) -> Texture {
+        let [large, small] = self.eigenvalues();
+        // Even without a threshold rounding is no gradient, and two lines that are one do not cross.
+        let counts = |eigenvalue: f32| eigenvalue >= threshold && eigenvalue > FLAT;
+        match () {
+            () if self.pixels == 0.0 => Texture::Gone,
+            () if counts(small) && small > 1e-5 * large => Texture::Corner,
+            () if counts(large) => Texture::Edge,
+            () => Texture::Flat,
+        }
     }
 
     /// The displacement that fits all constraints of the window best, in the mean square. Not finite where the smaller
@@ -98,7 +125,51 @@ const PRODUCTS: [[usize; 2]; 6] = [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2
 pub struct Sums {
     down: [Vec<f32>; 6],
     across: [Vec<f32>; 6],
+    unknown: Unknown,
 }
+
+/// How much of the weights under a window belongs to pixels of which nothing is known.
+#[derive(Default)]
+struct Unknown {
+    /// The sums of weights and of their squares, down each column.
+    down: Vec<[f32; 2]>,
+    /// The same under the whole window; nothing where all is known.
+    across: Vec<[f32; 2]>,
+}
+
+impl Unknown {
+    /// Adds up what is not known under the window of each pixel of a row.
+    fn sum_up(&mut self, window: &Window, of: &Constraints, (top, weights): (usize, &[f32])) {
+        let width = of.a.width();
+        self.across.clear();
+        self.down.clear();
+        for (k, weight) in weights.iter().enumerate() {
+            for x in of.unknown_in_row(top + k) {
+                self.down.resize(width, [0.0; 2]);
+                add(&mut self.down[x], [*weight, weight * weight]);
+            }
+        }
+        for (x, down) in self.down.iter().enumerate().filter(|(_, down)| down[0] > 0.0) {
+            self.across.resize(width, [0.0; 2]);
+            let (first, weights) = window.inside(x, width);
+            // Windows are symmetric: what a column is to a pixel, the pixel is to the column.
+            for (target, weight) in self.across[first..].iter_mut().zip(weights) {
+                add(target, [weight * down[0], weight * weight * down[1]]);
+            }
+        }
+    }
+
+    fn at(&self, x: usize) -> [f32; 2] {
+        self.across.get(x).copied().unwrap_or_default()
+    }
+}
+
+fn add(sums: &mut [f32; 2], more: [f32; 2]) {
+    *sums = [sums[0] + more[0], sums[1] + more[1]];
+}
+
+/// A window in which less weight is known has no known pixel: the smallest weight of one is larger.
+const LEAST_WEIGHT: f32 = 1e-3;
 
 impl Window {
     /// A window that reaches `reach` px each way, all pixels alike.
@@ -136,27 +207,30 @@ impl Window {
         (first, &self.weights[skip..skip + last + 1 - first])
     }
 
-    /// The tensors along row `y`, over as much of the window as lies in the picture.
-    pub fn row(&self, of: &Derivatives, y: usize, sums: &mut Sums, mut tell: impl FnMut(usize, Tensor)) {
-        let (width, height) = of.x.size();
+    /// The tensors along row `y`, over as much of the window as lies in the picture and is known.
+    pub fn row(&self, of: &Constraints, y: usize, sums: &mut Sums, mut tell: impl FnMut(usize, Tensor)) {
+        let (width, height) = of.a.size();
         let reach = self.reach();
         let (top, down) = self.inside(y, height);
         sum_up(self, of, (top, down), sums);
+        sums.unknown.sum_up(self, of, (top, down));
         let count = |weights: &[f32]| [weights.iter().sum::<f32>(), weights.iter().map(|w| w * w).sum()];
         let [weight_down, squares_down] = count(down);
         let whole = count(&self.weights);
         for x in 0..width {
             let is_whole = x >= reach && x + reach < width;
             let [weight, squares] = if is_whole { whole } else { count(self.inside(x, width).1) };
-            let (weight, squares) = (weight * weight_down, squares * squares_down);
+            let unknown = sums.unknown.at(x);
+            let (weight, squares) = (weight * weight_down - unknown[0], squares * squares_down - unknown[1]);
             let [xx, xy, yy, xt, yt, tt] = [0, 1, 2, 3, 4, 5].map(|i| sums.across[i][x] / weight);
-            tell(x, Tensor { xx, xy, yy, xt, yt, tt, pixels: weight * weight / squares });
+            let tensor = Tensor { xx, xy, yy, xt, yt, tt, pixels: weight * weight / squares };
+            tell(x, if weight > LEAST_WEIGHT { tensor } else { Tensor::default() });
         }
     }
 }
 
 /// Adds up the products under the window of each pixel of a row, with the widest registers there are; all give the same.
-fn sum_up(window: &Window, of: &Derivatives, rows: (usize, &[f32]), sums: &mut Sums) {
+fn sum_up(window: &Window, of: &Constraints, rows: (usize, &[f32]), sums: &mut Sums) {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2") {
         // SAFETY: the processor has AVX2.
@@ -167,14 +241,14 @@ fn sum_up(window: &Window, of: &Derivatives, rows: (usize, &[f32]), sums: &mut S
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn sum_up_avx2(window: &Window, of: &Derivatives, rows: (usize, &[f32]), sums: &mut Sums) {
+fn sum_up_avx2(window: &Window, of: &Constraints, rows: (usize, &[f32]), sums: &mut Sums) {
     sum_up_anyhow(window, of, rows, sums);
 }
 
 #[inline(always)]
-fn sum_up_anyhow(window: &Window, of: &Derivatives, (top, weights): (usize, &[f32]), sums: &mut Sums) {
-    let (width, reach) = (of.x.width(), window.reach());
-    let parts = [&of.x, &of.y, &of.t];
+fn sum_up_anyhow(window: &Window, of: &Constraints, (top, weights): (usize, &[f32]), sums: &mut Sums) {
+    let (width, reach) = (of.a.width(), window.reach());
+    let parts = [&of.a, &of.b, &of.c];
     for (product, [i, j]) in PRODUCTS.into_iter().enumerate() {
         let (down, across) = (&mut sums.down[product], &mut sums.across[product]);
         down.clear();
@@ -201,33 +275,57 @@ mod tests {
     use super::*;
     use crate::Grid;
 
-    #[test]
-    fn a_tensor_is_the_weighted_mean_over_the_part_of_the_window_in_the_picture() {
-        let part = |k: usize| Grid::from_fn(11, 9, move |x, y| ((x * 7 + y * 13 + x * y * k) % 17) as f32 - 8.0);
-        let of = Derivatives { x: part(3), y: part(5), t: part(7) };
-        for window in [Window::even(2), Window::gaussian(3)] {
-            let reach = window.reach() as isize;
-            for y in 0..9 {
-                window.row(&of, y, &mut Sums::default(), |x, found| {
-                    let (mut total, mut sums) = (0.0, [0.0; 6]);
-                    for (i, j) in (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (i, j))) {
-                        let place = (x.checked_add_signed(i), y.checked_add_signed(j));
-                        let (Some(px), Some(py)) = place else { continue };
-                        if px < 11 && py < 9 {
-                            let [a, b, c] = of.at((px, py));
-                            let weight = window.weight([i, j]);
-                            let products = [a * a, a * b, b * b, a * c, b * c, c * c];
-                            sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += weight * product);
-                            total += weight;
-                        }
+    /// Checks the tensors of all pixels against plain sums over what is known.
+    fn assert_plain(of: &Constraints, window: &Window) {
+        let (reach, (width, height)) = (window.reach() as isize, of.a.size());
+        for y in 0..height {
+            window.row(of, y, &mut Sums::default(), |x, found| {
+                let (mut total, mut squares, mut sums) = (0.0, 0.0, [0.0; 6]);
+                for (i, j) in (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (i, j))) {
+                    let place = (x.checked_add_signed(i), y.checked_add_signed(j));
+                    let (Some(px), Some(py)) = place else { continue };
+                    if px < width && py < height && of.is_known((px, py)) {
+                        let [a, b, c] = of.at((px, py));
+                        let weight = window.weight([i, j]);
+                        let products = [a * a, a * b, b * b, a * c, b * c, c * c];
+                        sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += weight * product);
+                        (total, squares) = (total + weight, squares + weight * weight);
                     }
-                    let found = [found.xx, found.xy, found.yy, found.xt, found.yt, found.tt];
-                    for (found, sum) in found.into_iter().zip(sums) {
-                        assert!((found - sum / total).abs() < 1e-3, "({x}, {y}): {found}, not {}", sum / total);
-                    }
-                });
-            }
+                }
+                let Tensor { xx, xy, yy, xt, yt, tt, pixels } = found;
+                let plain = sums.map(|sum| if total > 0.0 { sum / total } else { 0.0 });
+                for (found, plain) in [xx, xy, yy, xt, yt, tt].into_iter().zip(plain) {
+                    assert!((found - plain).abs() < 1e-3 * (1.0 + plain.abs()), "({x}, {y}): {found}, not {plain}");
+                }
+                let plain = if total > 0.0 { total * total / squares } else { 0.0 };
+                assert!((pixels - plain).abs() < 1e-3 * (1.0 + plain), "({x}, {y}): {pixels} pixels, not {plain}");
+            });
         }
+    }
+
+    #[test]
+    fn a_tensor_is_the_weighted_mean_over_what_is_known_under_the_window() {
+        let part = |k: usize| Grid::from_fn(11, 9, move |x, y| ((x * 7 + y * 13 + x * y * k) % 17) as f32 - 8.0);
+        let hidden = Grid::from_fn(11, 9, |x, y| {
+            let is_gone = x > 5 || (x, y) == (2, 3) || y == 0;
+            if is_gone { f32::NAN } else { part(7)[(x, y)] }
+        });
+        for c in [part(7), hidden] {
+            let of = Constraints::new([part(3), part(5), c]);
+            [Window::even(2), Window::gaussian(3)].iter().for_each(|window| assert_plain(&of, window));
+        }
+    }
+
+    #[test]
+    fn a_texture_is_told_by_its_eigenvalues() {
+        let texture = |xx, yy, threshold| Tensor { xx, yy, pixels: 9.0, ..Tensor::default() }.texture(threshold);
+        assert_eq!(texture(4.0, 3.0, 0.5), Texture::Corner);
+        assert_eq!((texture(4.0, 0.4, 0.5), texture(0.4, 0.4, 0.5)), (Texture::Edge, Texture::Flat));
+        // Without a threshold, rounding is neither an edge nor a corner.
+        assert_eq!((texture(4.0, 2e-5, 0.0), texture(1e-3, 1e-7, 0.0)), (Texture::Edge, Texture::Edge));
+        assert_eq!((texture(1e-9, 0.0, 0.0), texture(1e-9, 1e-9, 0.0)), (Texture::Flat, Texture::Flat));
+        assert_eq!(texture(0.4, 0.3, 0.0), Texture::Corner);
+        assert_eq!(Tensor::default().texture(0.0), Texture::Gone);
     }
 
     #[test]

@@ -23,6 +23,15 @@ impl Sampling {
             Sampling::Bicubic => bicubic(image, x, y),
         }
     }
+
+    /// The value of `image` at `(x, y)`, NaN where that lies outside the picture or is not known.
+    #[inline(always)]
+    pub fn sample_inside(self, image: &Grid<f32>, x: f32, y: f32) -> f32 {
+        let [right, bottom] = [image.width(), image.height()].map(|extent| extent as f32 - 1.0);
+        // False for NaN as well.
+        let is_inside = (0.0..=right).contains(&x) && (0.0..=bottom).contains(&y);
+        if is_inside { self.sample(image, x, y) } else { f32::NAN }
+    }
 }
 
 /// The weights of the pixels at −1, 0, 1 and 2 for a place `f` px after 0.
@@ -52,15 +61,10 @@ fn bicubic(image: &Grid<f32>, x: f32, y: f32) -> f32 {
 /// lies outside the picture or is not known.
 pub fn backward(next: &Grid<f32>, [u, v]: [&Grid<f32>; 2], sampling: Sampling, threads: &Threads) -> Grid<f32> {
     let (width, height) = next.size();
-    let [right, bottom] = [width, height].map(|extent| (extent - 1) as f32);
     let mut warped = Grid::new(width, height, f32::NAN);
     threads.rows(&mut warped, |y, row| {
         for (x, (value, (u, v))) in row.iter_mut().zip(u.row(y).iter().zip(v.row(y))).enumerate() {
-            let (to_x, to_y) = (x as f32 + u, y as f32 + v);
-            // False for NaN as well.
-            if (0.0..=right).contains(&to_x) && (0.0..=bottom).contains(&to_y) {
-                *value = sampling.sample(next, to_x, to_y);
-            }
+            *value = sampling.sample_inside(next, x as f32 + u, y as f32 + v);
         }
     });
     warped

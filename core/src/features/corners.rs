@@ -252,13 +252,17 @@ impl<M: Measure> Estimator for Corners<M> {
     }
 
     fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let (_, y) = state.pixel_at(point)?;
+        let (_, y) = state.map.cell_at(point)?;
         Some(if state.stage == Stage::Response { y } else { state.map.height() + y })
     }
 
     fn state_bytes(&self, state: &State) -> usize {
         let lists = size_of_val(&state.peaks[..]) + size_of_val(&state.kept[..]);
         size_of::<State>() + size_of_val(state.map.cells()) + lists
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + self.tensors(state).bytes()
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -275,13 +279,5 @@ impl<M: Measure> Estimator for Corners<M> {
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         Ok(self.whole(State::new(clip, frame)?, threads))
-    }
-}
-
-impl State {
-    /// The pixel at `point`, if that lies in the picture.
-    pub(super) fn pixel_at(&self, point: [f32; 2]) -> Option<(usize, usize)> {
-        let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
-        Some((inside(point[0], self.map.width())?, inside(point[1], self.map.height())?))
     }
 }

@@ -50,7 +50,7 @@ macro_rules! corner_pseudocode {
     ($response:literal) => {
         &[
             "Iₓ, I_y ← derivatives of frame t",
-            "for each pixel, over the window around it",
+            "for each pixel, over the window around it, Σ w = 1",
             "  T ← Σ w (Iₓ², Iₓ I_y; Iₓ I_y, I_y²)",
             $response,
             "for each pixel with R ≥ threshold · largest R",

@@ -1,7 +1,7 @@
 //! Following one point from the coarsest level of a pyramid to the picture: J.-Y. Bouguet's algorithm.
 
 use super::tracker::{Level, Mismatch, Template};
-use crate::differential::Tensor;
+use crate::differential::{Tensor, Texture};
 use crate::estimator::Mapped;
 use crate::{Observer, Status};
 
@@ -76,11 +76,9 @@ impl Follow {
         Followed::Done(displacement, result)
     }
 
-    /// Whether the gradients of a window say too little in one direction. Even without a threshold, two lines that are one do
-    /// not cross.
+    /// Whether the gradients of a window say too little in one direction.
     fn is_flat(&self, tensor: &Tensor) -> bool {
-        let [large, small] = tensor.eigenvalues();
-        small <= 1e-5 * large || small < self.threshold
+        tensor.texture(self.threshold) != Texture::Corner
     }
 
     /// Moves the window until it fits.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use crate::differential::filter::{add_weighted, filtered_row};
+use crate::Gray;
+use crate::differential::filter::{Beyond, add_weighted, filtered_row};
 use crate::differential::{Scheme, Tensor, Window};
-use crate::{Border, Gray};
 
 /// The structure tensors of a picture.
 pub struct Tensors<'a> {
@@ -68,6 +68,13 @@ impl Tensors<'_> {
         }
     }
 
+    /// Memory that the rows under the window take while they are worked out, in bytes.
+    pub fn bytes(&self) -> usize {
+        // Of each row three products; and the means of one, with what they are made from.
+        let rows = 3 * (2 * self.window.reach() + 1) + 3 + 3;
+        rows * self.picture.width() * size_of::<f32>()
+    }
+
     /// The products of row `y`.
     #[inline(always)]
     fn products(&self, y: usize, products: &mut Products, [row, x, across]: &mut [Vec<f32>; 3]) {
@@ -76,7 +83,7 @@ impl Tensors<'_> {
         for (filter, part) in [((along, mean), &mut *x), ((mean, along), &mut *across)] {
             part.clear();
             part.resize(width, 0.0);
-            filtered_row(self.picture, filter, (Border::Replicate, y), row, part);
+            filtered_row(self.picture, filter, (Beyond::Slope, y), row, part);
         }
         let [xx, xy, yy] = products;
         for (product, (a, b)) in [(xx, (&*x, &*x)), (xy, (&*x, &*across)), (yy, (&*across, &*across))] {

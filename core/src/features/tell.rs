@@ -1,7 +1,7 @@
 //! How corner detection is told and drawn.
 
 use super::corners::{Corners, Event, Measure, Stage, State};
-use super::select::Settings;
+use super::select::{Peaks, Settings};
 use crate::differential::{Tensor, tell};
 use crate::scene::{Fact, Math, Picture, Readout, Sentence, Shape, Step, Tile};
 use crate::{Grid, Role, Scene, Seen};
@@ -34,7 +34,7 @@ impl<M: Measure> Corners<M> {
             Event::Ranked => state.strongest()?,
             Event::Peak(peak, _) => state.place(*peak),
         };
-        let place = seen.focus.and_then(|point| state.pixel_at(point)).unwrap_or(at_work);
+        let place = seen.focus.and_then(|point| state.map.cell_at(point)).unwrap_or(at_work);
         let tensor = self.tensors(state).at(place);
         Some(Looked { place, tensor, response: self.0.response([tensor.xx, tensor.xy, tensor.yy]) })
     }
@@ -65,57 +65,45 @@ impl<M: Measure> Corners<M> {
 
     fn sentence(&self, seen: &Seen<Self>, event: Event, looked: Option<&Looked>) -> Sentence {
         let (state, peaks, said) = (seen.before, self.peaks(seen.before), Sentence::default());
-        let limit = tell::number(peaks.limit);
-        let share = tell::number(100.0 * self.0.settings().threshold);
-        let response = |place| tell::number(state.map[place]);
+        let Settings { threshold, max_points, min_distance, .. } = self.0.settings();
         match event {
             Event::Response(_) => match looked {
-                Some(looked) => {
-                    let [large, small] = looked.tensor.eigenvalues().map(tell::number);
-                    said.ink(Role::Reference, format!("Pixel {}", pixel(looked.place)))
-                        .text(format!(" has a tensor with eigenvalues {large} and {small}: {}. Its response is ", kind(looked)))
-                        .ink(Role::Result, tell::number(looked.response))
-                        .text(".")
-                }
+                Some(looked) => responds(looked),
                 None => said.text("The response of each pixel follows from its structure tensor."),
             },
             Event::Row => said.text(format!(
-                "The largest response is {}. Of row {}, {} pixels reach {share} % of it, {limit}; each must be a peak.",
+                "The largest response is {}. Of row {}, {} pixels reach {} % of it, {}; each must be a peak.",
                 tell::number(state.largest),
                 state.row,
-                peaks.over(state.row).count()
+                peaks.over(state.row).count(),
+                tell::number(100.0 * threshold),
+                tell::number(peaks.limit)
             )),
-            Event::Over(place, Some(by)) => said
-                .ink(Role::Rejected, format!("Pixel {}", pixel(place)))
-                .text(format!(" is over the threshold with {}, but its neighbour ", response(place)))
-                .ink(Role::Best, pixel(by))
-                .text(if state.map[by] > state.map[place] {
-                    format!(" has {}: suppressed.", response(by))
-                } else {
-                    " is as strong and comes first: suppressed.".into()
-                }),
-            Event::Over(place, None) => said
-                .ink(Role::Best, format!("Pixel {}", pixel(place)))
-                .text(format!(" has {}, over the threshold of {limit}, and no neighbour is stronger: a peak.", response(place))),
+            Event::Over(place, by) => over(&peaks, place, by),
             Event::Ranked => said.text(format!(
-                "{} peaks are in order, the strongest first. At most {} are kept, each at least {} px from those before.",
-                state.peaks.len(),
-                self.0.settings().max_points,
-                self.0.settings().min_distance
+                "{} peaks are in order, the strongest first. At most {max_points} are kept, each at least {min_distance} px \
+                 from those before.",
+                state.peaks.len()
             )),
-            Event::Peak(peak, Some(near)) => said
-                .text("Peak ")
-                .ink(Role::Rejected, pixel(state.place(peak)))
-                .text(format!(" with {} is nearer than {} px to ", response(state.place(peak)), self.0.settings().min_distance))
-                .ink(Role::Result, pixel(state.place(near)))
-                .text(", which is stronger: dropped."),
-            Event::Peak(peak, None) => {
-                let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
-                said.text("Peak ")
-                    .ink(Role::Result, pixel(state.place(peak)))
-                    .text(format!(" with {} is kept: corner {count}.", response(state.place(peak))))
-            }
+            Event::Peak(peak, near) => self.chosen(seen, peak, near),
         }
+    }
+
+    /// What becomes of a peak.
+    fn chosen(&self, seen: &Seen<Self>, peak: u32, near: Option<u32>) -> Sentence {
+        let state = seen.before;
+        let response = |peak: u32| state.map[state.place(peak)];
+        let with = format!(" with {}", tell::number(response(peak)));
+        let said = Sentence::default().text("Peak ");
+        let Some(near) = near else {
+            let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
+            return said.ink(Role::Result, pixel(state.place(peak))).text(format!("{with} is kept: corner {count}."));
+        };
+        let why = if response(near) > response(peak) { "is stronger" } else { "is as strong and comes first" };
+        said.ink(Role::Rejected, pixel(state.place(peak)))
+            .text(format!("{with} is nearer than {} px to ", self.0.settings().min_distance))
+            .ink(Role::Result, pixel(state.place(near)))
+            .text(format!(", which {why}: dropped."))
     }
 
     fn readouts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Readout> {
@@ -126,14 +114,14 @@ impl<M: Measure> Corners<M> {
         let [a, b, c] = [xx, xy, yy].map(tell::number);
         let mut facts = vec![
             fact("Pixel", pixel(*place), Some(Role::Reference)),
-            fact("Tensor Σ w", format!("Iₓ² {a}, Iₓ I_y {b}, I_y² {c}"), None),
+            fact("Tensor, Σ w = 1", format!("Iₓ² {a}, Iₓ I_y {b}, I_y² {c}"), None),
             fact("Eigenvalues", format!("{large} and {small}"), None),
             fact("Response", tell::number(*response), Some(Role::Result)),
         ];
         if state.stage != Stage::Response {
             facts.push(fact("Threshold", tell::number(self.peaks(state).limit), None));
+            facts.push(fact("Verdict", self.verdict(seen, looked), None));
         }
-        facts.push(fact("Verdict", self.verdict(seen, looked), None));
         let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range };
         let radius = (self.0.settings().window / 2 + 1).min(5);
         let [symbols, numbers] = self.0.equation(tensor);
@@ -146,16 +134,13 @@ impl<M: Measure> Corners<M> {
         vec![Readout::Facts(facts), Readout::Equation(vec![matrix(), symbols, numbers]), Readout::Tiles(tiles)]
     }
 
-    /// What has become of a pixel by now.
+    /// What has become of a pixel by now, once all responses are known.
     fn verdict(&self, seen: &Seen<Self>, looked: &Looked) -> String {
         let (state, peaks, place) = (seen.before, self.peaks(seen.before), looked.place);
-        if state.stage == Stage::Response {
-            return kind(looked).into();
-        }
         if !peaks.is_over(place.0, place.1) {
             let (width, height) = state.map.size();
             let is_border = place.0 == 0 || place.1 == 0 || place.0 + 1 == width || place.1 + 1 == height;
-            return format!("{}: {}", kind(looked), if is_border { "at the border" } else { "below the threshold" });
+            return if is_border { "at the border" } else { "below the threshold" }.into();
         }
         if let Some(by) = peaks.suppressed_by(place) {
             return format!("suppressed by {}", pixel(by));
@@ -214,7 +199,7 @@ impl<M: Measure> Corners<M> {
                 done.iter().for_each(|place| is_done[*place] = true);
                 let waiting = places(&state.peaks).into_iter().filter(|place| !is_done[*place]).collect();
                 points(Role::Candidate, "peak that waits", waiting);
-                points(Role::Rejected, "too near to a stronger one", dropped);
+                points(Role::Rejected, "too near to one kept before", dropped);
                 points(Role::Result, "corner", kept);
             }
         }
@@ -263,16 +248,34 @@ impl State {
     }
 }
 
-/// What the gradients around a pixel are like, by how its eigenvalues compare.
-fn kind(looked: &Looked) -> &'static str {
-    let [large, small] = looked.tensor.eigenvalues();
-    if large < 1.0 {
-        "flat"
-    } else if small < 0.1 * large {
-        "an edge"
-    } else {
-        "a corner"
-    }
+/// How much of a corner a pixel is.
+fn responds(looked: &Looked) -> Sentence {
+    let [large, small] = looked.tensor.eigenvalues().map(tell::number);
+    Sentence::default()
+        .ink(Role::Reference, format!("Pixel {}", pixel(looked.place)))
+        .text(format!(" has a tensor with eigenvalues {large} and {small}. Its response is "))
+        .ink(Role::Result, tell::number(looked.response))
+        .text(".")
+}
+
+/// What becomes of a pixel over the threshold, which `by` suppresses, if there is such a neighbour.
+fn over(peaks: &Peaks<'_>, place: (usize, usize), by: Option<(usize, usize)>) -> Sentence {
+    let (said, response) = (Sentence::default(), |place| tell::number(peaks.map[place]));
+    let Some(by) = by else {
+        let limit = tell::number(peaks.limit);
+        return said.ink(Role::Best, format!("Pixel {}", pixel(place))).text(format!(
+            " has {}, over the threshold of {limit}, and no neighbour is stronger: a peak.",
+            response(place)
+        ));
+    };
+    said.ink(Role::Rejected, format!("Pixel {}", pixel(place)))
+        .text(format!(" is over the threshold with {}, but its neighbour ", response(place)))
+        .ink(Role::Best, pixel(by))
+        .text(if peaks.map[by] > peaks.map[place] {
+            format!(" has {}: suppressed.", response(by))
+        } else {
+            " is as strong and comes first: suppressed.".into()
+        })
 }
 
 /// The structure tensor in symbols.

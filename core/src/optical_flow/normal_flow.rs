@@ -10,7 +10,7 @@
 
 use std::sync::Arc;
 
-use crate::differential::{Derivatives, Given, Scheme, field, tell};
+use crate::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
 use crate::scene::{Fact, Math, Picture, Plane, Readout, Sentence, Shape};
 use crate::{
     Clip, Confidence, DenseField, Error, Estimator, Flow, Grid, Info, Observer, Output, Progress, Promise, Role, Rung,
@@ -28,9 +28,6 @@ params! {
         threshold: f32 = 3.0, 0.0..=50.0;
     }
 }
-
-/// The square of a gradient that comes from rounding alone.
-const FLAT: f32 = 1e-6;
 
 /// What a run reads and writes.
 #[derive(Clone)]
@@ -146,6 +143,11 @@ impl Estimator for NormalFlow {
         size_of::<State>() + size_of_val(&state.found[..])
     }
 
+    fn memory_bytes(&self, state: &State) -> usize {
+        let Fixed { given, derivatives } = &*state.fixed;
+        self.state_bytes(state) + given.bytes() + derivatives.bytes()
+    }
+
     fn step(&self, seen: &Seen<Self>) -> Step {
         let Some(pixel) = pixel(seen) else {
             let sentence = "Both frames are smoothed and their derivatives taken. Each pixel is asked by itself.";
@@ -198,8 +200,10 @@ impl NormalFlow {
         let said = Sentence::default().ink(Role::Reference, format!("Pixel ({x}, {y})"));
         let size = tell::number(a.hypot(b));
         if !found[0].is_finite() {
-            let threshold = tell::number(self.threshold);
-            let why = if a.hypot(b) > 0.0 { format!("below the threshold of {threshold}") } else { "flat".into() };
+            let why = match a.hypot(b) < self.threshold {
+                true => format!("below the threshold of {}", tell::number(self.threshold)),
+                false => "which is but rounding".into(),
+            };
             return said.text(format!(" has a gradient of {size} gray levels per px, {why}: it says nothing."));
         }
         said.text(format!(

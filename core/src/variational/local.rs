@@ -5,7 +5,7 @@
 
 use super::wide::{LANES, lane, widest};
 use crate::differential::{Field, Linear, filter, relax};
-use crate::{Grid, Threads};
+use crate::{Border, Grid, Threads};
 
 /// The motion tensor of every pixel: the products of the factors of the constraints, smoothed.
 ///
@@ -20,11 +20,11 @@ impl MotionTensor {
     /// The tensors of `linear` over a Gaussian of `sigma_px`.
     pub fn new(linear: &Linear, sigma_px: f32, threads: &Threads) -> Self {
         let left = left(linear);
-        let [x, y, t] = [&linear.factors.x, &linear.factors.y, &left];
+        let [x, y, t] = [&linear.factors.a, &linear.factors.b, &left];
         let smoothed = |a: &Grid<f32>, b: &Grid<f32>| {
             let mut product = a.clone();
             product.cells_mut().iter_mut().zip(b.cells()).for_each(|(a, b)| *a *= b);
-            filter::smooth(product, sigma_px, threads)
+            filter::smooth(product, sigma_px, Border::Mirror, threads)
         };
         let mut parts = [(x, x), (x, y), (y, y), (x, t), (y, t), (t, t)].map(|(a, b)| smoothed(a, b));
         let [xx, xy, yy, xt, yt, tt] = &mut parts;
@@ -60,8 +60,8 @@ impl MotionTensor {
 
 /// Iₜ of what is left to find beside the field about which the constraints are linear.
 fn left(linear: &Linear) -> Grid<f32> {
-    let mut left = linear.factors.t.clone();
-    let gradients = linear.factors.x.cells().iter().zip(linear.factors.y.cells());
+    let mut left = linear.factors.c.clone();
+    let gradients = linear.factors.a.cells().iter().zip(linear.factors.b.cells());
     let start = linear.start.u.cells().iter().zip(linear.start.v.cells());
     for (t, ((a, b), (u, v))) in left.cells_mut().iter_mut().zip(gradients.zip(start)) {
         *t += a * u + b * v;

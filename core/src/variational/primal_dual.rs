@@ -101,7 +101,7 @@ impl Dual {
     fn fit_and_smooth(&mut self, linear: &Linear, weights: Weights, (rows, threads): (usize, &Threads)) {
         let Self { field, p } = self;
         let width = field.u.width();
-        let factors = [&linear.factors.x, &linear.factors.y, &linear.factors.t];
+        let factors = [&linear.factors.a, &linear.factors.b, &linear.factors.c];
         let nothing = vec![0.0; width];
         let bands = bands(&mut field.u, rows).zip(bands(&mut field.v, rows)).enumerate();
         threads.each(bands.collect(), |(band, (u, v))| {
@@ -228,7 +228,7 @@ pub fn energy(linear: &Linear, lambda: f32, field: &Field) -> [f64; 2] {
     let (width, height) = field.u.size();
     let (mut data, mut variation) = (0.0, 0.0);
     for y in 0..height {
-        let [a, b, c] = [&linear.factors.x, &linear.factors.y, &linear.factors.t].map(|part| part.row(y));
+        let [a, b, c] = [&linear.factors.a, &linear.factors.b, &linear.factors.c].map(|part| part.row(y));
         let parts = [&field.u, &field.v].map(|part| [part.row(y), part.row((y + 1).min(height - 1))]);
         for x in 0..width {
             let [u, v] = parts.map(|[here, _]| here[x]);

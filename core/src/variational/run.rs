@@ -144,8 +144,8 @@ impl<M: Model> Variational<M> {
     fn constraints(&self, state: &State<M>, threads: &Threads) -> Arc<Warp<M>> {
         let start = match &state.constraints {
             Constraints::Made(warp) => return Arc::clone(warp),
-            Constraints::About(start) => (**start).clone(),
-            Constraints::Next => state.next_start(threads),
+            Constraints::About(start) => Arc::clone(start),
+            Constraints::Next => Arc::new(state.next_start(threads)),
         };
         let pictures = [0, 1].map(|i| &state.fixed.levels[i][state.level]);
         let linear = Linear::about(start, pictures, self.settings().derivatives, threads);
@@ -307,7 +307,7 @@ impl<M: Model> Estimator for Variational<M> {
     /// The constraints of a warp are made again from the field at which it began.
     fn at_rest(&self, state: &State<M>) -> State<M> {
         let constraints = match &state.constraints {
-            Constraints::Made(warp) => Constraints::About(Arc::new(warp.linear.start.clone())),
+            Constraints::Made(warp) => Constraints::About(Arc::clone(&warp.linear.start)),
             constraints => constraints.clone(),
         };
         State { constraints, ..state.clone() }

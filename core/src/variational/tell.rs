@@ -61,7 +61,7 @@ impl<M: Model> Variational<M> {
         if let Some((looked, more)) = looked {
             let (x, y) = looked.place;
             facts.push(fact("Pixel", format!("({x}, {y}) of the level"), Some(Role::Reference)));
-            facts.push(looked.iteration.warp.linear.factors.fact(looked.place));
+            facts.push(looked.iteration.warp.linear.fact(looked.place));
             facts.push(fact("Before", format!("{} px", tell::vector(looked.from())), Some(Role::Best)));
             facts.extend(more);
         }
