@@ -44,7 +44,8 @@ pub use interpolation::Interpolation;
 pub use levels::{Floor, Level, Levels, Stack};
 pub use lockstep::{Beside, Lockstep, Pace};
 pub use output::{
-    Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Feature, Output, PointField, Status, predict,
+    Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Feature, Output, PointField, Status, Track,
+    TrackField, predict,
 };
 pub use params::{Params, Spec, Value};
 pub use registry::{estimator, estimators};

@@ -1,5 +1,7 @@
 //! What an estimator amounts to, whatever its kind.
 
+use std::sync::Arc;
+
 use crate::{Border, Flow, Gray, Grid, Interpolation};
 
 /// The result of a run, or of the part of it that was done.
@@ -11,15 +13,19 @@ pub enum Output {
     Dense(DenseField),
     /// Features, with displacements where they were tracked.
     Points(PointField),
+    /// Features that were tracked from frame to frame.
+    Tracks(TrackField),
 }
 
 impl Output {
-    /// The displacement of every pixel of the picture; unknown wherever nothing is said of one.
+    /// The displacement of every pixel of the picture, of the last pair where there are several; unknown wherever nothing is
+    /// said of one.
     pub fn flow(&self) -> Flow {
         match self {
             Output::Blocks(field) => field.flow(),
             Output::Dense(field) => field.flow.clone(),
             Output::Points(field) => field.flow(),
+            Output::Tracks(field) => field.frames().last().map_or_else(|| field.at(0), |t| field.at(t)).flow(),
         }
     }
 
@@ -29,7 +35,7 @@ impl Output {
         match self {
             Output::Blocks(field) => Some(predict(&field.flow(), next, (field.border, field.filter))),
             Output::Dense(field) => Some(predict(&field.flow, next, (Border::Replicate, Interpolation::Bilinear))),
-            Output::Points(_) => None,
+            Output::Points(_) | Output::Tracks(_) => None,
         }
     }
 
@@ -37,7 +43,7 @@ impl Output {
     pub fn blocks(&self) -> Option<&BlockField> {
         match self {
             Output::Blocks(field) => Some(field),
-            Output::Dense(_) | Output::Points(_) => None,
+            Output::Dense(_) | Output::Points(_) | Output::Tracks(_) => None,
         }
     }
 
@@ -45,7 +51,15 @@ impl Output {
     pub fn points(&self) -> Option<&PointField> {
         match self {
             Output::Points(field) => Some(field),
-            Output::Blocks(_) | Output::Dense(_) => None,
+            Output::Blocks(_) | Output::Dense(_) | Output::Tracks(_) => None,
+        }
+    }
+
+    /// The tracks, if it has any.
+    pub fn tracks(&self) -> Option<&TrackField> {
+        match self {
+            Output::Tracks(field) => Some(field),
+            Output::Blocks(_) | Output::Dense(_) | Output::Points(_) => None,
         }
     }
 }
@@ -219,6 +233,10 @@ pub enum Status {
     Flat,
     /// Lost: what it led to looks too different.
     Unlike,
+    /// Lost: tracked back, it does not come to where it was.
+    Astray,
+    /// Lost: it no longer looks as it did where it was first seen.
+    Changed,
 }
 
 impl Status {
@@ -230,6 +248,8 @@ impl Status {
             Status::Outside => "lost-outside",
             Status::Flat => "lost-flat",
             Status::Unlike => "lost-unlike",
+            Status::Astray => "lost-astray",
+            Status::Changed => "lost-changed",
         }
     }
 }
@@ -250,6 +270,59 @@ impl PointField {
     /// How many features have a status for which `is` holds.
     pub fn count(&self, is: impl Fn(Status) -> bool) -> usize {
         self.points.iter().filter(|point| is(point.status)).count()
+    }
+}
+
+/// Features that were tracked from frame to frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackField {
+    /// Width and height of the picture in px.
+    pub picture: (usize, usize),
+    /// The first frame.
+    pub first: usize,
+    /// The frame that the last one was tracked to.
+    pub last: usize,
+    /// The tracks in the order in which they began.
+    pub tracks: Vec<Arc<Track>>,
+}
+
+/// One feature in all frames in which it was seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// The frame in which it begins.
+    pub first: usize,
+    /// What became of it in that frame and those that follow: tracked in all but the last, where it is lost or where the run
+    /// ends.
+    pub points: Vec<Feature>,
+}
+
+impl Track {
+    /// The feature in frame `t`, if it was seen there.
+    pub fn at(&self, t: usize) -> Option<&Feature> {
+        self.points.get(t.checked_sub(self.first)?)
+    }
+
+    /// Whether it was not lost.
+    pub fn is_alive(&self) -> bool {
+        self.points.last().is_some_and(|point| point.status == Status::Found)
+    }
+
+    /// Memory that it takes, in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&self.points[..])
+    }
+}
+
+impl TrackField {
+    /// The frames that features were tracked from.
+    pub fn frames(&self) -> std::ops::Range<usize> {
+        self.first..self.last
+    }
+
+    /// The features in frame `t`.
+    pub fn at(&self, t: usize) -> PointField {
+        let points = self.tracks.iter().filter_map(|track| track.at(t).copied()).collect();
+        PointField { picture: self.picture, points }
     }
 }
 

@@ -62,6 +62,8 @@ pub struct State {
     /// The local maxima over the threshold, later the strongest first.
     pub(super) peaks: Vec<u32>,
     pub(super) kept: Vec<u32>,
+    /// Places that are taken, row by row: new corners keep their distance from them as well.
+    taken: Vec<u32>,
 }
 
 /// What is done.
@@ -99,7 +101,16 @@ impl State {
     fn of(picture: Arc<Frame>) -> Self {
         let (width, height) = picture.size();
         let map = Arc::new(Grid::new(width, height, 0.0));
-        Self { picture, map, largest: 0.0, stage: Stage::Response, row: 0, peaks: Vec::new(), kept: Vec::new() }
+        Self {
+            picture,
+            map,
+            largest: 0.0,
+            stage: Stage::Response,
+            row: 0,
+            peaks: Vec::new(),
+            kept: Vec::new(),
+            taken: Vec::new(),
+        }
     }
 
     /// The place of a pixel that is counted row by row.
@@ -129,6 +140,50 @@ impl State {
 /// The corners of `picture` that `measure` finds, strongest first.
 pub fn detect<M: Measure>(measure: &M, picture: Arc<Frame>, threads: &Threads) -> Vec<Feature> {
     Corners(measure.clone()).whole(State::of(picture), threads).features().points
+}
+
+/// How corners were found: what each stage of the detection came to.
+#[derive(Debug)]
+pub struct Detection {
+    /// The responses.
+    pub map: Arc<Grid<f32>>,
+    /// A response as it is painted.
+    pub shown: fn(f32) -> f32,
+    /// What is painted of a response, for the legend.
+    pub name: &'static str,
+    /// The least response of a corner.
+    pub limit: f32,
+    /// The local maxima that reach it, in px; the strongest first.
+    pub peaks: Vec<[f32; 2]>,
+    /// Those that were kept.
+    pub kept: Vec<[f32; 2]>,
+}
+
+/// The corners of `picture` that `measure` finds, each at its distance from those at the places `taken` too.
+pub fn detect_around<M: Measure>(
+    measure: &M,
+    picture: Arc<Frame>,
+    taken: impl Iterator<Item = [f32; 2]>,
+    threads: &Threads,
+) -> Detection {
+    let corners = Corners(measure.clone());
+    let mut state = State::of(picture);
+    let last = [state.map.width(), state.map.height()].map(|side| (side - 1) as f32);
+    let nearest = |at: [f32; 2]| [0, 1].map(|i| at[i].clamp(0.0, last[i]).round() as usize);
+    state.taken = taken.map(nearest).map(|[x, y]| (y * state.map.width() + x) as u32).collect();
+    let state = corners.whole(state, threads);
+    let places = |indices: &[u32]| {
+        let place = |index: &u32| <[usize; 2]>::from(state.place(*index)).map(|c| c as f32);
+        indices.iter().map(place).collect()
+    };
+    Detection {
+        shown: M::shown,
+        name: M::SHOWN,
+        limit: corners.peaks(&state).limit,
+        peaks: places(&state.peaks),
+        kept: places(&state.kept),
+        map: state.map,
+    }
 }
 
 impl<M: Measure> Corners<M> {
@@ -169,6 +224,7 @@ impl<M: Measure> Corners<M> {
         state.peaks = rank(&state.map, &state.peaks);
         observer.see(|| Event::Ranked);
         let mut chosen = Chosen::new(state.map.size(), min_distance);
+        state.taken.iter().for_each(|place| chosen.hold(*place));
         for &peak in &state.peaks {
             if state.kept.len() == max_points {
                 return;

@@ -2,6 +2,7 @@
 //! tensors and tracked by Lucas and Kanade's method.
 
 mod account;
+pub mod affine;
 mod corners;
 mod declare;
 pub mod follow;
@@ -11,7 +12,7 @@ mod tell;
 pub mod tracker;
 
 pub use account::Account;
-pub use corners::{Corners, Measure, detect};
+pub use corners::{Corners, Detection, Measure, detect, detect_around};
 pub use declare::HasSettings;
 pub(crate) use declare::{corner_params, corner_pseudocode};
 pub use select::Settings;

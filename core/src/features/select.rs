@@ -95,6 +95,12 @@ impl Chosen {
         Self { min_distance, width, squares }
     }
 
+    /// Holds a place, however near others are.
+    pub fn hold(&mut self, place: u32) {
+        let (side, place_of) = (self.min_distance.max(1), place as usize);
+        self.squares[(place_of % self.width / side, place_of / self.width / side)].push(place);
+    }
+
     /// Takes `peak` unless one that was taken before is too near: then gives that.
     pub fn take(&mut self, peak: u32) -> Option<u32> {
         if self.min_distance == 0 {

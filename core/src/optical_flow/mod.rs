@@ -3,6 +3,7 @@
 
 mod clg;
 mod horn_schunck;
+mod klt;
 mod lucas_kanade;
 mod normal_flow;
 mod pyramidal_lucas_kanade;
@@ -12,6 +13,7 @@ pub use crate::differential::Weights;
 pub use crate::variational::Solver;
 pub use clg::Clg;
 pub use horn_schunck::HornSchunck;
+pub use klt::Klt;
 pub use lucas_kanade::LucasKanade;
 pub use normal_flow::NormalFlow;
 pub use pyramidal_lucas_kanade::{Points, PyramidalLucasKanade};
