@@ -1,8 +1,12 @@
 //! How good an estimate is, for the command line and for the window.
 
+use std::sync::Arc;
+
 use motionscope_core::metrics::{self, FlowError};
 use motionscope_core::scene::Fact;
-use motionscope_core::{BlockField, Clip, Coding, Error, Gray, Output, PointField, Status};
+use motionscope_core::{
+    BlockField, Clip, Coding, Error, Flow, Gray, Grid, Output, PointField, Status, TrackField, Truth,
+};
 use serde::Serialize;
 
 use crate::paint::grouped;
@@ -42,9 +46,9 @@ pub struct Prediction {
 /// How many features there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Features {
-    /// All of them.
+    /// All of them; of a run through several frames, all tracks.
     pub points: usize,
-    /// Those that were tracked, if any were to be.
+    /// Those that were tracked, if any were to be; of tracks, those that were not lost.
     pub tracked: Option<usize>,
 }
 
@@ -53,6 +57,11 @@ impl Features {
         let points = field.points.len();
         let is_tracked = field.count(|status| status == Status::Found) < points;
         Self { points, tracked: is_tracked.then(|| field.count(|status| status == Status::Tracked)) }
+    }
+
+    fn of_tracks(field: &TrackField) -> Self {
+        let alive = field.tracks.iter().filter(|track| track.is_alive()).count();
+        Self { points: field.tracks.len(), tracked: Some(alive) }
     }
 
     /// The same in words: `500, tracked 478`.
@@ -77,8 +86,15 @@ pub struct AgainstTruth {
 
 impl AgainstTruth {
     fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Option<Self>, Error> {
-        let Some(truth) = clip.truth().map(|truth| truth.flow(frame)).transpose()?.flatten() else { return Ok(None) };
-        let error = metrics::flow_error(&output.flow(), &truth)?;
+        let Some(truth) = clip.truth() else { return Ok(None) };
+        let (flow, truth) = match output {
+            Output::Tracks(field) => displacements(field, &**truth)?,
+            _ => match truth.flow(frame)? {
+                Some(truth) => (output.flow(), truth),
+                None => return Ok(None),
+            },
+        };
+        let error = metrics::flow_error(&flow, &truth)?;
         Ok(error.map(|FlowError { epe_px, epe_median_px, aae_deg, known }| Self {
             epe_px,
             epe_median_px,
@@ -86,6 +102,25 @@ impl AgainstTruth {
             known,
         }))
     }
+}
+
+/// What was found of all displacements of tracks whose truth is known, and that truth, in a row.
+fn displacements(field: &TrackField, truth: &dyn Truth) -> Result<(Flow, Arc<Flow>), Error> {
+    let mut both = Vec::new();
+    for frame in field.frames() {
+        let Some(truth) = truth.flow(frame)? else { continue };
+        let known = field.at(frame).points.into_iter().filter_map(|point| {
+            let [x, y] = point.at.map(|c| c.round() as usize);
+            let place = truth.0.get(x, y).map(|_| (x, y))?;
+            Some((point.displacement?, truth.at(place.0, place.1)?))
+        });
+        both.extend(known);
+    }
+    // A grid has at least one cell.
+    both.push((Flow::UNKNOWN, Flow::UNKNOWN));
+    let [found, known] =
+        [0, 1].map(|i| Flow(Grid::from_fn(both.len(), 1, |x, _| if i == 0 { both[x].0 } else { both[x].1 })));
+    Ok((found, Arc::new(known)))
 }
 
 impl Prediction {
@@ -126,7 +161,7 @@ impl Quality {
         Ok(Self {
             candidates: output.blocks().map(BlockField::candidates),
             prediction,
-            features: output.points().map(Features::of),
+            features: output.points().map(Features::of).or(output.tracks().map(Features::of_tracks)),
             truth,
             truth_error,
         })

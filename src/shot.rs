@@ -67,6 +67,25 @@ pub fn pair(clip: &Clip, t: usize) -> Result<Pictures, Error> {
     Ok(Pictures { names: [t, t + 1].map(|frame| clip.frame_name(frame)), ..Pictures::of(clip.pair(t)?) })
 }
 
+/// The pair of frames that was shown last: most steps show the same as the one before.
+#[derive(Default)]
+pub struct LastPair(Option<(usize, Pictures)>);
+
+impl LastPair {
+    /// The frames that the unit at hand of `walk` works on.
+    ///
+    /// # Errors
+    /// As [`pair`].
+    pub fn of(&mut self, walk: &dyn Walk, clip: &Clip) -> Result<&Pictures, Error> {
+        let t = walk.at_frame();
+        let pictures = match self.0.take() {
+            Some((frame, pictures)) if frame == t => pictures,
+            _ => pair(clip, t)?,
+        };
+        Ok(&self.0.insert((t, pictures)).1)
+    }
+}
+
 /// What can be looked at where `walk` stands, which runs on `pair`.
 pub fn pictures(walk: &dyn Walk, pair: &Pictures) -> Pictures {
     Pictures { prediction: walk.at_end().then(|| predicted(&walk.output(), pair)).flatten(), ..pair.clone() }
@@ -88,7 +107,7 @@ impl Still {
     pub fn of(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Self {
         let tiles = tiles(walk, None, &endings(walk, clip, pair));
         Self {
-            frame: walk.frame(),
+            frame: walk.at_frame(),
             cursor: walk.cursor(),
             at_end: walk.at_end(),
             step: walk.step(None),
@@ -236,7 +255,7 @@ impl Steps {
         progress: Option<&dyn Progress>,
     ) -> Result<usize, Error> {
         let mut walk = company.walk(estimator, clip, frame)?;
-        let pair = pair(clip, frame)?;
+        let mut pairs = LastPair::default();
         travel(&mut *walk, Move::To(self.from), 0, progress)?;
         if walk.cursor().unit < self.from.unit {
             let short =
@@ -251,7 +270,7 @@ impl Steps {
         })?;
         let mut written = 0;
         while walk.cursor() <= self.to {
-            let still = Still::of(&*walk, clip, &pair);
+            let still = Still::of(&*walk, clip, pairs.of(&*walk, clip)?);
             let picture = still.moment(estimator).encode(&self.look, self.format, self.scale)?;
             export::save(&folder.join(Self::file_name(written, self.format)), &picture)?;
             written += 1;

@@ -74,10 +74,13 @@ fn run_tells_one_object_with_time_and_errors() {
     );
     let run = json(folder.path(), &line);
     let keys: Vec<_> = run.as_object().unwrap().keys().map(String::as_str).collect();
-    assert_eq!(keys, ["clip", "estimator", "params", "frame", "units", "events", "threads", "ms", "metrics"]);
+    assert_eq!(
+        keys,
+        ["clip", "estimator", "params", "frame", "last_frame", "units", "events", "threads", "ms", "metrics"]
+    );
     assert_eq!((&run["estimator"], &run["frame"], &run["threads"]), (&"full-search".into(), &1.into(), &2.into()));
     assert_eq!((&run["params"]["block"], &run["params"]["range"]), (&8.into(), &7.into()));
-    assert_eq!(run["units"], 48);
+    assert_eq!((&run["last_frame"], &run["units"]), (&2.into(), &48.into()));
     assert!(run["ms"]["min"].as_f64().unwrap() <= run["ms"]["median"].as_f64().unwrap());
     let metrics = &run["metrics"];
     // Each candidate is an event; so is each window, each result, and each new best.
@@ -451,4 +454,32 @@ fn a_picture_shows_the_level_that_is_asked_for() {
     assert!(run("") == one, "a session keeps its level");
     assert!(run("--level at-work") == two, "the first units are those of the coarsest level");
     assert!(run("--level 2 --step 0") != run("--level at-work --step 0"), "nothing is at work yet");
+}
+
+#[test]
+fn a_run_through_several_frames_tells_its_tracks() {
+    let folder = tempfile::tempdir().unwrap();
+    let line =
+        "run synth:translation,frames=5,width=160,height=120 --estimator klt --frame 1 --json --table tracks.csv";
+    let run = json(folder.path(), line);
+    assert_eq!((&run["frame"], &run["last_frame"]), (&1.into(), &4.into()));
+    let (all, alive) = (run["metrics"]["points"].as_u64().unwrap(), run["metrics"]["tracked"].as_u64().unwrap());
+    assert!(alive > 20 && all >= alive, "{all} tracks, {alive} to the end");
+    assert!(run["metrics"]["epe_px"].as_f64().unwrap() < 0.05, "{}", run["metrics"]);
+    let table = fs::read_to_string(folder.path().join("tracks.csv")).unwrap();
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("track,frame,x_px,y_px,u_px,v_px,status,residual"));
+    assert!(lines.clone().all(|line| line.split(',').count() == 8));
+    assert_eq!(
+        lines.filter(|line| line.split(',').nth(1) == Some("4") && line.contains(",found,")).count() as u64,
+        alive
+    );
+    // The picture shows the pair at hand, not the first one.
+    let picture = |step: &str| {
+        let name = format!("{step}.png");
+        let line = format!("{line} --step {step} --overlay {name}").replace(" --json", "");
+        ok(folder.path(), &line);
+        fs::read(folder.path().join(name)).unwrap()
+    };
+    assert_ne!(picture("1"), picture("200"));
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motionscope_core::{Error, Extent};
+use motionscope_core::{Error, Extent, Output};
 use serde::Serialize;
 use serde_json::Map;
 
@@ -17,6 +17,8 @@ pub struct Report {
     estimator: &'static str,
     params: Map<String, serde_json::Value>,
     frame: usize,
+    /// The frame that the last pair ends with.
+    last_frame: usize,
     units: usize,
     events: u64,
     threads: usize,
@@ -41,7 +43,7 @@ pub struct Timing {
 
 impl Report {
     /// What `task` led to, in numbers.
-    pub fn new(task: &Task, metrics: Quality, extent: Extent, timing: Timing) -> Self {
+    pub fn new(task: &Task, output: &Output, metrics: Quality, extent: Extent, timing: Timing) -> Self {
         let Timing { threads, mut times } = timing;
         times.sort();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
@@ -52,6 +54,7 @@ impl Report {
             estimator: task.estimator.info().id,
             params: task.estimator.values().into_iter().map(|(name, v)| (name.into(), value(v))).collect(),
             frame: task.frame,
+            last_frame: output.tracks().map_or(task.frame + 1, |tracks| tracks.last),
             units: extent.units,
             events: extent.events,
             threads,
@@ -62,9 +65,9 @@ impl Report {
 
     /// The same for a person.
     pub fn text(&self) -> String {
-        let Self { clip, estimator, params, frame, units, events, threads, ms, metrics } = self;
+        let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, metrics } = self;
         let params: Vec<_> = params.iter().map(|(name, value)| format!("{name}={}", bare(value))).collect();
-        let mut text = format!("{estimator} on {clip}, frame {frame} to {}\n", frame + 1);
+        let mut text = format!("{estimator} on {clip}, frame {frame} to {last_frame}\n");
         text += &format!("parameters  {}\n", params.join(" "));
         let candidates = metrics.candidates.map_or_else(String::new, |count| format!(", {count} candidates"));
         text += &format!("work        {units} units, {events} events{candidates}\n");

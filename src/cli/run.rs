@@ -38,7 +38,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
         Some(error) => eprintln!("warning: {error}"),
         None => {}
     }
-    let report = Report::new(&task, quality, extent, Timing { threads: threads.count(), times });
+    let report = Report::new(&task, &output, quality, extent, Timing { threads: threads.count(), times });
     let mut files = Vec::new();
     if let Some((path, format)) = outputs.overlay {
         files.push((path, overlay(&task, args, format)?));
@@ -131,7 +131,7 @@ fn overlay(task: &Task, args: &RunArgs, format: Format) -> Result<Vec<u8>, Error
             "the {view} is made at the end of the run; leave --step away or choose another --view"
         )));
     }
-    let pair = shot::pair(&task.clip, task.frame)?;
+    let pair = shot::pair(&task.clip, walk.at_frame())?;
     let still = Still::of(&*walk, &task.clip, &pair);
     if let Some(LevelShown::Number(level)) = args.look.level {
         check_level(level, still.levels(), task.estimator.info().id)?;

@@ -88,7 +88,7 @@ impl Panes<'_> {
         });
         let input = stage::Input {
             pictures: &shown.pictures,
-            frame: shown.subject.frame,
+            frame: shown.frame,
             scene: &shown.scene,
             lockstep: self.lockstep(shown),
             theme: self.look.theme,

@@ -1,8 +1,9 @@
 //! What an estimator found, as a table and as a dense field.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use motionscope_core::{BlockField, Confidence, Error, Feature, Flow, Output, PointField};
+use motionscope_core::{BlockField, Confidence, Error, Feature, Flow, Output, PointField, Track, TrackField};
 
 use super::{Cell, Table, flo, kitti, npy};
 use crate::media::names::extension;
@@ -12,6 +13,7 @@ pub fn csv(output: &Output) -> String {
     match output {
         Output::Blocks(field) => blocks(field).csv(),
         Output::Points(field) => points(field).csv(),
+        Output::Tracks(field) => tracks(field).csv(),
         Output::Dense(field) => match &field.confidence {
             Some(Confidence { name, values }) => {
                 let rows = pixels(&field.flow).map(|([x, y], [u, v])| {
@@ -46,15 +48,31 @@ fn blocks(field: &BlockField) -> Table<7> {
     Table { columns, rows: rows.collect() }
 }
 
+fn row(point: &Feature) -> [Cell; 6] {
+    let [x, y] = point.at.map(Cell::Single);
+    let [u, v] = point.displacement.map_or([Cell::Empty; 2], |displacement| displacement.map(Cell::Single));
+    [x, y, u, v, Cell::Word(point.status.name()), point.residual.map_or(Cell::Empty, Cell::Single)]
+}
+
 /// Place of each feature, its displacement per frame if it has one, and what became of it.
 fn points(field: &PointField) -> Table<6> {
-    let row = |point: &Feature| {
-        let [x, y] = point.at.map(Cell::Single);
-        let [u, v] = point.displacement.map_or([Cell::Empty; 2], |displacement| displacement.map(Cell::Single));
-        [x, y, u, v, Cell::Word(point.status.name()), point.residual.map_or(Cell::Empty, Cell::Single)]
-    };
     let columns = ["x_px", "y_px", "u_px", "v_px", "status", "residual"];
     Table { columns, rows: field.points.iter().map(row).collect() }
+}
+
+/// Place of each track in each frame, its displacement to the next if it has one, and what became of it.
+fn tracks(field: &TrackField) -> Table<8> {
+    let row = |(number, frame): (usize, usize), point: &Feature| {
+        let [id, frame] = [number + 1, frame].map(|v| Cell::Int(v as i64));
+        let [x, y, u, v, status, residual] = row(point);
+        [id, frame, x, y, u, v, status, residual]
+    };
+    let of_track = |(number, track): (usize, &Arc<Track>)| {
+        let points = track.points.iter().enumerate();
+        points.map(|(i, point)| row((number, track.first + i), point)).collect::<Vec<_>>()
+    };
+    let columns = ["track", "frame", "x_px", "y_px", "u_px", "v_px", "status", "residual"];
+    Table { columns, rows: field.tracks.iter().enumerate().flat_map(of_track).collect() }
 }
 
 /// How a dense flow is kept in a file.
@@ -141,6 +159,17 @@ mod tests {
         let golden =
             "x_px,y_px,u_px,v_px,status,residual\n3,2,0.25,-1.5,tracked,0.5\n1.5,0,,,lost-outside,\n4,4,,,found,\n";
         assert_eq!(csv(&Output::Points(PointField { picture: (8, 8), points })), golden);
+    }
+
+    #[test]
+    fn a_track_is_a_row_for_each_frame() {
+        let feature = |at, displacement, status| Feature { at, displacement, status, residual: None };
+        let points =
+            vec![feature([3.0, 2.0], Some([0.5, 0.0]), Status::Tracked), feature([3.5, 2.0], None, Status::Changed)];
+        let tracks = vec![Arc::new(Track { first: 4, points })];
+        let golden =
+            "track,frame,x_px,y_px,u_px,v_px,status,residual\n1,4,3,2,0.5,0,tracked,\n1,5,3.5,2,,,lost-changed,\n";
+        assert_eq!(csv(&Output::Tracks(TrackField { picture: (8, 8), first: 4, last: 6, tracks })), golden);
     }
 
     #[test]

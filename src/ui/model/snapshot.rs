@@ -84,6 +84,8 @@ pub struct Snapshot {
     pub subject: Arc<Subject>,
     /// What there is to say about the estimator.
     pub info: &'static Info,
+    /// Frame t of the pair at hand.
+    pub frame: usize,
     /// Frames t and t + 1, and at the end what the run has made of them.
     pub pictures: Pictures,
     /// Where the run stands.

@@ -17,7 +17,7 @@ use motionscope_core::{Clip, Cursor, Error, Move, Output, Step, Stop, Walk};
 use super::snapshot::{Job, Place, Snapshot, Subject};
 use crate::paint::Pictures;
 use crate::quality::Quality;
-use crate::shot::{pair, pictures};
+use crate::shot::{LastPair, pictures};
 use crate::tile::{self, Ending, add_facts, endings, tiles};
 use crate::ui::action::Side;
 
@@ -224,6 +224,7 @@ struct Run {
     subject: Arc<Subject>,
     walk: Box<dyn Walk>,
     clip: Clip,
+    pairs: LastPair,
     pair: Pictures,
     /// What the whole run amounts to, once its end was reached.
     end: OnceCell<End>,
@@ -335,13 +336,14 @@ impl<'a> Worker<'a> {
     fn open(&mut self, Job { subject, place }: Job) -> Result<bool, Error> {
         self.run = None;
         let clip = subject.clip.clone().until(self.shared.stop.clone());
-        let pair = pair(&clip, subject.frame)?;
+        let mut pairs = LastPair::default();
         let walk = subject.company.walk(&*subject.estimator, &clip, subject.frame)?;
+        let pair = pairs.of(&*walk, &clip)?.clone();
         let Place { mut cursor, near } = place;
         if let Some(unit) = near.and_then(|point| walk.unit_at(point)) {
             cursor.unit = unit;
         }
-        self.run = Some(Run { subject, walk, clip, pair, end: OnceCell::new() });
+        self.run = Some(Run { subject, walk, clip, pairs, pair, end: OnceCell::new() });
         Ok(cursor == Cursor::default() || self.travel(Move::To(cursor)))
     }
 
@@ -361,7 +363,13 @@ impl<'a> Worker<'a> {
         loop {
             let slice = Instant::now();
             if run.walk.work(&mut || slice.elapsed() < NEWS && wanted()) {
-                return true;
+                return match run.turn() {
+                    Ok(()) => true,
+                    Err(error) => {
+                        self.refuse(error);
+                        false
+                    }
+                };
             }
             if !wanted() {
                 return false;
@@ -404,12 +412,19 @@ impl<'a> Worker<'a> {
 }
 
 impl Run {
+    /// Takes the frames of the place where it stands now.
+    fn turn(&mut self) -> Result<(), Error> {
+        self.pair = self.pairs.of(&*self.walk, &self.clip)?.clone();
+        Ok(())
+    }
+
     fn snapshot(&self, focus: Option<[f32; 2]>) -> Snapshot {
         let walk = &self.walk;
         let tiles = tiles(&**walk, focus, if walk.at_end() { &self.end().beside } else { &[] });
         Snapshot {
             subject: Arc::clone(&self.subject),
             info: walk.info(),
+            frame: walk.at_frame(),
             pictures: self.pictures(),
             cursor: walk.cursor(),
             events: walk.events(),

@@ -73,7 +73,7 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     let format = Format::of(&order.path)?;
     let moment = Moment {
         estimator: shown.subject.estimator.as_ref(),
-        frame: shown.subject.frame,
+        frame: shown.frame,
         cursor: shown.cursor,
         at_end: shown.at_end,
         step: &shown.step,
