@@ -478,7 +478,7 @@ fn a_run_through_several_frames_tells_its_tracks() {
     let picture = |step: &str| {
         let name = format!("{step}.png");
         let line = format!("{line} --step {step} --overlay {name}").replace(" --json", "");
-        ok(folder.path(), &line);
+        stdout(folder.path(), &line);
         fs::read(folder.path().join(name)).unwrap()
     };
     assert_ne!(picture("1"), picture("200"));
