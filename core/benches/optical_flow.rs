@@ -4,6 +4,7 @@
 //! Jacobi iterations, no pyramid. The others with their defaults.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use motionscope_core::interest_points::Harris;
 use motionscope_core::{AnyEstimator, Clip, Frame, Grid, Threads, estimator, estimators};
 
 fn clip(width: usize, height: usize) -> Clip {
@@ -24,6 +25,17 @@ fn tracking(c: &mut Criterion) {
     c.bench_function("pyramidal-lucas-kanade VGA on a grid, 1 thread(s)", |b| {
         b.iter(|| estimator.run(&clip, 0, &Threads::single()).expect("a run"));
     });
+}
+
+/// How fast responses are worked out, without the choice of peaks among them.
+fn responses(c: &mut Criterion) {
+    let picture = clip(640, 480).frame(0).expect("a frame");
+    for threads in [1, 2] {
+        let pool = Threads::new(threads).expect("threads");
+        c.bench_function(&format!("harris, map of responses alone VGA {threads} thread(s)"), |b| {
+            b.iter(|| Harris::default().responses(picture.luma(), &pool));
+        });
+    }
 }
 
 fn tuned(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
@@ -49,5 +61,5 @@ fn whole_runs(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, tracking, whole_runs);
+criterion_group!(benches, tracking, responses, whole_runs);
 criterion_main!(benches);

@@ -320,6 +320,7 @@ impl<E: Estimator> AnyEstimator for E {
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error> {
+        crate::memory::keep();
         Estimator::run(self, clip, frame, threads).map(|state| self.output(&state))
     }
 

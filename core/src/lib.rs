@@ -19,6 +19,7 @@ pub mod interest_points;
 mod interpolation;
 mod levels;
 pub mod lockstep;
+mod memory;
 pub mod metrics;
 pub mod optical_flow;
 mod output;

@@ -8,8 +8,8 @@ use super::select::{Chosen, Peaks, Settings, largest, rank};
 use crate::differential::Tensor;
 use crate::scene::{Math, Step};
 use crate::{
-    Clip, Error, Estimator, Feature, Frame, Grid, Info, Observer, Output, Params, PointField, Progress, Promise, Rung,
-    Scene, Seen, Spec, Status, Threads, Value,
+    Clip, Error, Estimator, Feature, Frame, Gray, Grid, Info, Observer, Output, Params, PointField, Progress, Promise,
+    Rung, Scene, Seen, Spec, Status, Threads, Value,
 };
 
 /// What makes a pixel a corner.
@@ -188,8 +188,23 @@ pub fn detect_around<M: Measure>(
 
 impl<M: Measure> Corners<M> {
     pub(super) fn tensors<'a>(&self, state: &'a State) -> Tensors<'a> {
+        self.tensors_of(state.picture.luma())
+    }
+
+    fn tensors_of<'a>(&self, picture: &'a Gray) -> Tensors<'a> {
         let Settings { window, weights, derivatives, .. } = self.0.settings();
-        Tensors { picture: state.picture.luma(), scheme: derivatives, window: weights.window(window / 2) }
+        Tensors { picture, scheme: derivatives, window: weights.window(window / 2) }
+    }
+
+    /// The responses of all pixels of a picture.
+    pub(crate) fn map(&self, picture: &Gray, threads: &Threads) -> Grid<f32> {
+        let (width, height) = picture.size();
+        let rows = rows_at_once(height, threads);
+        let mut map = Grid::new(width, height, 0.0);
+        let parts = map.cells_mut().chunks_mut(rows * width).enumerate().collect();
+        let tensors = self.tensors_of(picture);
+        threads.each(parts, |(i, part): (usize, &mut [f32])| self.respond(&tensors, i * rows, part));
+        map
     }
 
     pub(super) fn peaks<'a>(&self, state: &'a State) -> Peaks<'a> {
@@ -212,10 +227,8 @@ impl<M: Measure> Corners<M> {
         observer.see(|| Event::Row);
         for x in peaks.over(y) {
             observer.see(|| Event::Over((x, y), peaks.suppressed_by((x, y))));
-            if peaks.is_peak((x, y)) {
-                found.push((y * peaks.map.width() + x) as u32);
-            }
         }
+        peaks.peaks(y, |x| found.push((y * peaks.map.width() + x) as u32));
     }
 
     /// Keeps the strongest peaks at their distance.
@@ -239,19 +252,11 @@ impl<M: Measure> Corners<M> {
 
     /// Runs to the end from the start.
     fn whole(&self, mut state: State, threads: &Threads) -> State {
-        let (width, height) = state.picture.size();
-        // A thread's first row costs as much as all that lie under its window.
-        let rows = match threads.count() {
-            1 => height,
-            count => height.div_ceil(4 * count),
-        };
-        let mut map = Grid::new(width, height, 0.0);
-        let parts = map.cells_mut().chunks_mut(rows * width).enumerate().collect();
-        let tensors = self.tensors(&state);
-        threads.each(parts, |(i, part): (usize, &mut [f32])| self.respond(&tensors, i * rows, part));
+        let height = state.map.height();
+        let map = self.map(state.picture.luma(), threads);
         state.largest = largest(map.cells());
         state.map = Arc::new(map);
-        let peaks = self.peaks(&state);
+        let (peaks, rows) = (self.peaks(&state), rows_at_once(height, threads));
         let of_rows = threads.map(height.div_ceil(rows), |i| {
             let mut found = Vec::new();
             (i * rows..((i + 1) * rows).min(height)).for_each(|y| self.suppress(peaks, y, &mut found, &mut ()));
@@ -261,6 +266,14 @@ impl<M: Measure> Corners<M> {
         (state.stage, state.row) = (Stage::Choice, 0);
         self.choose(&mut state, &mut ());
         state
+    }
+}
+
+/// Rows that a thread takes at once. Its first costs as much as all that lie under its window.
+fn rows_at_once(height: usize, threads: &Threads) -> usize {
+    match threads.count() {
+        1 => height,
+        count => height.div_ceil(4 * count),
     }
 }
 

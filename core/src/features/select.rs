@@ -40,7 +40,7 @@ impl Peaks<'_> {
 
     #[inline(always)]
     fn reaches(&self, response: f32) -> bool {
-        response > 0.0 && response >= self.limit
+        (response > 0.0) & (response >= self.limit)
     }
 
     /// The pixels of row `y` that are over the threshold.
@@ -48,6 +48,36 @@ impl Peaks<'_> {
         let (width, height) = self.map.size();
         let inner = if y > 0 && y + 1 < height && width > 2 { &self.map.row(y)[1..width - 1] } else { &[] };
         inner.iter().enumerate().filter(|(_, response)| self.reaches(**response)).map(|(i, _)| i + 1)
+    }
+
+    /// Tells of each peak of row `y`: those over the threshold of whose eight neighbours none is stronger, or as strong and
+    /// first.
+    #[inline(always)]
+    pub fn peaks(&self, y: usize, mut tell: impl FnMut(usize)) {
+        const LANES: usize = 16;
+        let (width, height) = self.map.size();
+        if y == 0 || y + 1 >= height || width < 3 {
+            return;
+        }
+        let rows = [y - 1, y, y + 1].map(|y| self.map.row(y));
+        let mut start = 1;
+        while start + LANES < width {
+            // Whole chunks, so that the compiler makes vector instructions of it.
+            let lanes = |row: usize, x: usize| &rows[row][x..x + LANES];
+            let [above, here, below] = [0, 1, 2].map(|row| [start - 1, start, start + 1].map(|x| lanes(row, x)));
+            let mut is_peak = [false; LANES];
+            for i in 0..LANES {
+                let response = here[1][i];
+                let beats_earlier = above.iter().fold(response > here[0][i], |all, row| all & (response > row[i]));
+                let beats_all = below.iter().fold(response >= here[2][i], |all, row| all & (response >= row[i]));
+                is_peak[i] = self.reaches(response) & beats_earlier & beats_all;
+            }
+            if is_peak != [false; LANES] {
+                is_peak.iter().enumerate().filter(|(_, is_peak)| **is_peak).for_each(|(i, _)| tell(start + i));
+            }
+            start += LANES;
+        }
+        (start..width - 1).filter(|&x| self.reaches(rows[1][x]) && self.is_peak((x, y))).for_each(tell);
     }
 
     /// Whether none of the eight neighbours of `(x, y)` is stronger, or as strong and first.
@@ -154,6 +184,15 @@ mod tests {
         let peaks = Peaks { map: &noise, limit: 0.0 };
         for place in (1..19).flat_map(|y| (1..29).map(move |x| (x, y))) {
             assert_eq!(peaks.is_peak(place), peaks.suppressed_by(place).is_none(), "{place:?}");
+        }
+        for width in [1, 2, 3, 17, 18, 19, 40] {
+            let noise = Grid::from_fn(width, 9, |x, y| ((x * 37 + y * 101 + x * y * 13) % 23) as f32 - 4.0);
+            let peaks = Peaks { map: &noise, limit: 3.0 };
+            for y in 0..9 {
+                let mut found = Vec::new();
+                peaks.peaks(y, |x| found.push(x));
+                assert_eq!(found, peaks.over(y).filter(|&x| peaks.is_peak((x, y))).collect::<Vec<_>>(), "{width}, {y}");
+            }
         }
     }
 

@@ -1,15 +1,22 @@
 //! Harris and Stephens' corner detector.
 
 use crate::differential::{Tensor, tell};
-use crate::features::{Measure, corner_params, corner_pseudocode};
+use crate::features::{Corners, Measure, corner_params, corner_pseudocode};
 use crate::scene::Math;
-use crate::{Info, Role};
+use crate::{Gray, Grid, Info, Role, Threads};
 
 corner_params! {
     /// Harris and Stephens' corners: where det T − k (tr T)² of the structure tensor T is largest.
     pub struct Harris {
         /// How much the trace counts against the determinant: the larger, the less an edge passes for a corner.
         k: f32 = 0.04, 0.0..=0.25;
+    }
+}
+
+impl Harris {
+    /// The responses of all pixels of a picture.
+    pub fn responses(&self, picture: &Gray, threads: &Threads) -> Grid<f32> {
+        Corners(self.clone()).map(picture, threads)
     }
 }
 
