@@ -24,6 +24,7 @@ pub mod metrics;
 pub mod optical_flow;
 mod output;
 pub mod params;
+mod polynomial;
 mod pyramid;
 mod registry;
 pub mod scene;

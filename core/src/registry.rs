@@ -6,7 +6,7 @@ use crate::block_matching::{
 };
 use crate::features::Corners;
 use crate::interest_points::{Harris, ShiTomasi};
-use crate::optical_flow::{Clg, HornSchunck, Klt, LucasKanade, NormalFlow, PyramidalLucasKanade, TvL1};
+use crate::optical_flow::{Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PyramidalLucasKanade, TvL1};
 use crate::variational::Variational;
 use crate::{AnyEstimator, Error};
 
@@ -31,6 +31,7 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(Variational::<HornSchunck>::default()),
         Box::new(Variational::<Clg>::default()),
         Box::new(Variational::<TvL1>::default()),
+        Box::new(Farneback::default()),
         Box::new(Corners::<Harris>::default()),
         Box::new(Corners::<ShiTomasi>::default()),
     ]

@@ -76,7 +76,7 @@ fn into(way: Way, walk: &mut dyn Walk) {
 /// Parameters small enough that whole runs can be walked.
 fn small(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
     // More candidates than are passed over at once.
-    for (name, value) in [("block", "8"), ("range", "3"), ("levels", "2"), ("warps", "2"), ("iterations", "6")] {
+    for (name, value) in [("block", "8"), ("range", "3"), ("levels", "2"), ("warps", "2"), ("iterations", "7")] {
         if estimator.get(name).is_ok() {
             estimator.set(name, value).expect("in range");
         }

@@ -55,6 +55,14 @@ impl Field {
     }
 }
 
+/// The pixel whose displacement changes most from one field to the other; the first of several.
+pub fn most_changed(from: &Field, to: &Field) -> (usize, usize) {
+    let squared = |place: (usize, usize)| (to.u[place] - from.u[place]).powi(2) + (to.v[place] - from.v[place]).powi(2);
+    let (width, height) = from.u.size();
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    places.fold((0, 0), |most, place| if squared(place) > squared(most) { place } else { most })
+}
+
 /// About how many arrows stand along the longer side of a picture; a painter leaves out those it has no room for.
 const ARROWS: usize = 36;
 

@@ -1,7 +1,8 @@
 //! Optical flow: displacements of pixels or of features, from derivatives. One file per estimator; the shared parts are in
-//! `differential` and `variational`.
+//! `differential`, `variational` and `polynomial`.
 
 mod clg;
+mod farneback;
 mod horn_schunck;
 mod klt;
 mod lucas_kanade;
@@ -12,6 +13,7 @@ mod tv_l1;
 pub use crate::differential::Weights;
 pub use crate::variational::Solver;
 pub use clg::Clg;
+pub use farneback::Farneback;
 pub use horn_schunck::HornSchunck;
 pub use klt::Klt;
 pub use lucas_kanade::LucasKanade;

@@ -1,0 +1,10 @@
+//! What Farnebäck's method stands on: pictures as polynomials around each pixel, and how those that have moved tell by how
+//! much.
+
+mod expansion;
+mod shift;
+mod tell;
+
+pub use expansion::{Applicability, Expander, Packed, Polynomial};
+pub use shift::{Agreed, Agreement, Moved, Shift};
+pub use tell::{Looked, Part};
