@@ -3,7 +3,7 @@
 mod common;
 
 use common::{set, waves};
-use motionscope_core::{Border, Clip, Cursor, Feature, Frame, Gray, Grid, Move, Status, Threads, scene};
+use motionscope_core::{Border, Clip, Cursor, Feature, Frame, Gray, Grid, Move, Output, Status, Threads, Way, scene};
 
 fn clip(frames: [Gray; 2]) -> Clip {
     Clip::from_frames("made", frames.into_iter().map(Frame::gray).collect()).expect("frames of one size")
@@ -294,9 +294,101 @@ fn a_faint_corner_is_no_less_one_and_ties_are_told_as_such() {
     let mut told = Vec::new();
     walk.jump(Move::To(Cursor { unit: 120, event: 1 }));
     while !walk.at_end() {
-        walk.jump(Move::Rung(3, motionscope_core::Way::Forward));
+        walk.jump(Move::Rung(3, Way::Forward));
         told.push(walk.step(None).sentence.plain());
     }
     assert!(told[0].contains("is kept: corner 1"), "{}", told[0]);
     assert!(told.iter().any(|said| said.contains("which is as strong and comes first: dropped")), "{told:?}");
+}
+
+#[test]
+fn what_is_found_from_cubes_lies_half_a_pixel_further() {
+    // Squares of 12 px whose corners lie between pixels, the first at (5.5, 5.5).
+    let sign = |c: usize| if ((c + 6) / 12).is_multiple_of(2) { 1 } else { -1 };
+    let board = Grid::from_fn(72, 60, |x, y| (128 + 100 * sign(x) * sign(y)) as u8);
+    let clip = clip([board.clone(), board]);
+    for id in ["harris", "shi-tomasi"] {
+        let found = points(id, &[("derivatives", "cube"), ("threshold", "0.05")], &clip);
+        let mut at: Vec<_> = found.iter().map(|point| point.at.map(|c| c + 0.5)).collect();
+        at.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
+        let places: Vec<_> = [5.5, 17.5, 29.5, 41.5, 53.5]
+            .iter()
+            .flat_map(|y| [5.5, 17.5, 29.5, 41.5, 53.5, 65.5].map(|x| [x, *y]))
+            .collect();
+        assert_eq!(at, places, "{id}");
+    }
+}
+
+/// A dense run with few iterations, so that it can be walked.
+const DENSE: [(&str, &str); 4] = [("points", "dense"), ("levels", "2"), ("window", "11"), ("iterations", "5")];
+
+#[test]
+fn every_pixel_is_tracked_as_a_single_point_is() {
+    let clip = moving([1.3, -0.8]);
+    let output = set("pyramidal-lucas-kanade", &DENSE).run(&clip, 0, &Threads::single()).expect("a run");
+    let Output::Dense(field) = &output else { panic!("a dense field") };
+    let settings = [&DENSE[..], &[("points", "grid"), ("max-points", "400")]].concat();
+    for point in points("pyramidal-lucas-kanade", &settings, &clip) {
+        let (x, y) = (point.at[0] as usize, point.at[1] as usize);
+        assert_eq!(field.flow.at(x, y), point.displacement, "({x}, {y})");
+    }
+    let confidence = field.confidence.as_ref().expect("how certain each is");
+    let inner = (16..64).flat_map(|y| (16..80).map(move |x| (x, y)));
+    let (mut sum, mut known) = (0.0, 0);
+    for (x, y) in inner {
+        let Some([u, v]) = field.flow.at(x, y) else { continue };
+        assert!(confidence.values[(x, y)] >= 0.5, "a pixel that is not lost has gradients");
+        (sum, known) = (sum + (u - 1.3).hypot(v + 0.8), known + 1);
+    }
+    assert!(known > 2000 && sum / (known as f32) < 0.03, "{known} pixels, {} px off", sum / known as f32);
+}
+
+#[test]
+fn walking_along_every_pixel_comes_to_what_a_run_comes_to() {
+    let frame = |t: f64| Grid::from_fn(40, 34, |x, y| (waves(x as f64 - 0.7 * t, y as f64 + 0.4 * t) + 0.5) as u8);
+    let clip = clip([frame(0.0), frame(1.0)]);
+    let estimator = set("pyramidal-lucas-kanade", &DENSE);
+    let mut walk = estimator.walk(&clip, 0).expect("a walk");
+    assert_eq!(walk.units(), Some(2 * 34), "a row on a level each");
+    while !walk.at_end() {
+        walk.jump(Move::Rung(2, Way::Forward));
+    }
+    for threads in 1..4 {
+        let run = estimator.run(&clip, 0, &Threads::new(threads).expect("threads")).expect("a run");
+        assert_eq!(run, walk.output(), "{threads} threads");
+    }
+    assert_eq!(walk.unit_at([20.0, 7.0]), Some(2 * 8 - 1));
+    // Row 10 on the picture, up to its pixel 4: any pixel above can be explained, none below.
+    walk.jump(Move::To(Cursor { unit: 21, event: 5 }));
+    let told = |at| walk.step(Some(at)).sentence.plain();
+    assert!(told([33.0, 9.0]).starts_with("Pixel (33, 9)"), "{}", told([33.0, 9.0]));
+    assert!(told([2.0, 10.0]).starts_with("Pixel (2, 10)"));
+    assert!(told([5.0, 10.0]).starts_with("Pixel (4, 10)") && told([5.0, 30.0]).starts_with("Pixel (4, 10)"));
+}
+
+#[test]
+fn a_feature_that_is_pointed_at_is_explained_with_its_way_through_the_levels() {
+    let clip = moving([1.2, -0.7]);
+    let estimator = set("pyramidal-lucas-kanade", &[("levels", "2"), ("max-points", "5")]);
+    let mut walk = estimator.walk(&clip, 0).expect("a walk");
+    walk.jump(Move::End);
+    let output = walk.output();
+    let found = &output.points().expect("features").points;
+    // In the middle of the last one's way, on its coarse level.
+    walk.jump(Move::To(Cursor { unit: 8, event: 2 }));
+    let stack = |step: scene::Step| {
+        let readouts = step.readouts.into_iter();
+        readouts
+            .filter_map(|r| if let scene::Readout::Stack(stack) = r { Some(stack) } else { None })
+            .next()
+            .expect("a stack")
+    };
+    let (first, last) = (walk.step(Some(found[0].at)), walk.step(None));
+    assert!(first.sentence.plain().starts_with("Point 1 "), "{}", first.sentence.plain());
+    assert_eq!(stack(first).floors[0].vector.map(|(vector, _)| Some(vector)), Some(found[0].displacement));
+    let stack = stack(last);
+    assert_eq!((stack.levels.at_work, stack.floors[0].vector, stack.floors.len()), (1, None, 2));
+    let floors: Vec<_> = stack.floors.iter().map(|floor| floor.middle().expect("a window")).collect();
+    assert!((0..2).all(|i| (floors[1][i] * 2.0 - floors[0][i]).abs() < 1e-4), "a place of the picture on each level");
+    assert_eq!(walk.scene(None).levels.expect("a pyramid").at_work, 1);
 }

@@ -13,7 +13,8 @@ choices! {
         /// Central differences of three rows (columns), weighted 3 : 10 : 3, which depends less on the direction of an edge.
         Scharr = "scharr" "Scharr",
         /// The mean of the four differences along the edges of a cube of 2×2×2 pixels, as in the paper of Horn and
-        /// Schunck. It stands for the middle of the cube, half a pixel to the right of and below the pixel.
+        /// Schunck. It stands for the middle of the cube, half a pixel to the right of and below the pixel, and so does what
+        /// is found from it: a corner, or the displacement of a window.
         Cube = "cube" "2×2×2 cube",
         /// (1, −8, 0, 8, −1) / 12, exact up to the fourth power.
         FivePoint = "five-point" "Five-point",

@@ -38,7 +38,7 @@ impl Account<'_> {
     }
 
     /// The displacement by now, in px of the level.
-    fn displacement(&self) -> [f32; 2] {
+    pub fn displacement(&self) -> [f32; 2] {
         match self.events.last() {
             None | Some(Event::Window(_)) => self.guess,
             Some(Event::Iteration { from, update, .. }) => after(*from, *update),

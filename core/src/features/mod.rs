@@ -9,6 +9,7 @@ pub mod follow;
 mod response;
 mod select;
 mod tell;
+mod trace;
 pub mod tracker;
 
 pub use account::Account;
@@ -16,3 +17,4 @@ pub use corners::{Corners, Detection, Measure, detect, detect_around};
 pub use declare::HasSettings;
 pub(crate) use declare::{corner_params, corner_pseudocode};
 pub use select::Settings;
+pub use trace::Trace;

@@ -1,17 +1,18 @@
 //! Pyramidal Lucas-Kanade: features are tracked from coarse to fine.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use crate::differential::{tell, truth};
+use crate::differential::{field, tell, truth};
 use crate::estimator::Mapped;
 use crate::features::follow::{self, Follow, Followed};
 use crate::features::tracker::Level;
-use crate::features::{Account, detect};
+use crate::features::{Account, Trace, detect};
 use crate::interest_points::ShiTomasi;
+use crate::pyramid::halvings;
 use crate::scene::{Arrow, Fact, Picture, Readout, Sentence, Shape};
 use crate::{
-    Clip, Error, Estimator, Feature, Flow, Info, Observer, Output, PointField, Progress, Promise, Role, Rung, Scene,
-    Seen, Status, Step, Threads, choices, params,
+    Clip, Confidence, DenseField, Error, Estimator, Feature, Flow, Frame, Grid, Info, Levels, Observer, Output,
+    PointField, Progress, Promise, Role, Rung, Scene, Seen, Stack, Status, Step, Threads, choices, params,
 };
 
 choices! {
@@ -21,6 +22,8 @@ choices! {
         Detect = "detect" "Detected corners",
         /// Those of an even grid.
         Grid = "grid" "Grid",
+        /// Every pixel: a dense field, which is not known where a pixel is lost.
+        Dense = "dense" "Every pixel",
     }
 }
 
@@ -29,7 +32,7 @@ params! {
     pub struct PyramidalLucasKanade {
         /// Which points are tracked.
         points: Points = Points::Detect;
-        /// At most so many points, of corners the strongest.
+        /// At most so many points, of corners the strongest; not where every pixel is tracked.
         max_points: usize = 500, 1..=5000;
         /// Side of the window around each point, on every level; an even one reaches as far as the next odd one.
         window: usize = 21, 3..=31, "px";
@@ -50,12 +53,20 @@ params! {
 #[derive(Clone)]
 pub struct State {
     fixed: Arc<Fixed>,
-    /// What became of the points that are done.
-    found: Vec<Feature>,
+    /// What became of the points that are done, group by group.
+    found: Vec<Arc<[Found]>>,
     /// The level at hand.
     level: usize,
-    /// The displacement with which it begins, in px of the level.
-    guess: [f32; 2],
+    /// The displacements with which it begins for each point of the group at hand, in px of the level.
+    guesses: Vec<[f32; 2]>,
+}
+
+/// What became of a point.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    feature: Feature,
+    /// The smaller eigenvalue of its window's tensor on the picture.
+    certainty: f32,
 }
 
 /// What stays the same all along.
@@ -63,12 +74,31 @@ struct Fixed {
     /// The levels of both frames, the picture itself first.
     levels: [Vec<Level>; 2],
     points: Vec<[f32; 2]>,
+    /// Points that are followed together in one unit: a single one, or of all pixels a row.
+    group: usize,
     truth: Option<Arc<Flow>>,
+    /// The frames, and their levels as pictures once somebody looks at them.
+    pair: [Arc<Frame>; 2],
+    pictures: OnceLock<Arc<[crate::Level]>>,
 }
 
 impl Fixed {
     fn pyramids(&self) -> [&[Level]; 2] {
         self.levels.each_ref().map(Vec::as_slice)
+    }
+
+    fn coarsest(&self) -> usize {
+        self.levels[0].len() - 1
+    }
+
+    /// How many groups of points there are.
+    fn groups(&self) -> usize {
+        self.points.len() / self.group
+    }
+
+    /// The points of a group.
+    fn group(&self, index: usize) -> &[[f32; 2]] {
+        self.points.chunks_exact(self.group).nth(index).unwrap_or_default()
     }
 }
 
@@ -79,6 +109,21 @@ pub enum Event {
     Nothing,
     /// A step of following it.
     Of(follow::Event),
+    /// The next pixel of the row has been followed on this level.
+    Pixel,
+}
+
+/// Keeps the smaller eigenvalue of the last window that was seen.
+#[derive(Default)]
+struct Smaller(f32);
+
+impl Observer<follow::Event> for Smaller {
+    #[inline(always)]
+    fn see(&mut self, event: impl FnOnce() -> follow::Event) {
+        if let follow::Event::Window(tensor) = event() {
+            self.0 = tensor.eigenvalues()[1];
+        }
+    }
 }
 
 impl PyramidalLucasKanade {
@@ -94,12 +139,14 @@ impl PyramidalLucasKanade {
                 detect(&detector, Arc::clone(&pair[0]), threads).iter().map(|feature| feature.at).collect()
             }
             Points::Grid => grid(clip.size(), self.max_points),
+            Points::Dense => grid(clip.size(), usize::MAX),
         };
+        let group = if self.points == Points::Dense { clip.size().0 } else { 1 };
         let of_frame = |i: usize| Level::pyramid(pair[i].luma(), self.levels, self.reach());
         let levels = <[_; 2]>::try_from(threads.map(2, of_frame)).unwrap_or_default();
         let level = levels[0].len() - 1;
-        let fixed = Fixed { levels, points, truth: truth(clip, frame) };
-        Ok(State { fixed: Arc::new(fixed), found: Vec::new(), level, guess: [0.0; 2] })
+        let fixed = Fixed { levels, points, group, truth: truth(clip, frame), pair, pictures: OnceLock::new() };
+        Ok(State { fixed: Arc::new(fixed), found: Vec::new(), level, guesses: vec![[0.0; 2]; group] })
     }
 
     fn follow(&self) -> Follow {
@@ -163,50 +210,71 @@ impl Estimator for PyramidalLucasKanade {
     }
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let fixed = Arc::clone(&state.fixed);
-        let Some(&at) = fixed.points.get(state.found.len()) else {
+        let (fixed, follow) = (Arc::clone(&state.fixed), self.follow());
+        let group = fixed.group(state.found.len());
+        if group.is_empty() {
             observer.see(|| Event::Nothing);
             return Ok(Progress::Done);
-        };
-        let mut observer = Mapped { observer, map: Event::Of };
-        match self.follow().on_level(fixed.pyramids(), state.level, (at, state.guess), &mut observer) {
-            Followed::Guess(finer) => {
-                (state.level, state.guess) = (state.level - 1, finer);
-                return Ok(Progress::More);
-            }
-            Followed::Done(displacement, result) => state.found.push(feature(at, (displacement, result))),
         }
-        (state.level, state.guess) = (fixed.levels[0].len() - 1, [0.0; 2]);
-        Ok(if state.found.len() == fixed.points.len() { Progress::Done } else { Progress::More })
+        let mut done = Vec::new();
+        for (at, guess) in group.iter().zip(&mut state.guesses) {
+            let mut smaller = Smaller::default();
+            let (from, pyramids) = ((*at, *guess), fixed.pyramids());
+            let followed = match self.points {
+                Points::Dense => follow.on_level(pyramids, state.level, from, &mut smaller),
+                _ => follow.on_level(
+                    pyramids,
+                    state.level,
+                    from,
+                    &mut Mapped { observer: &mut *observer, map: Event::Of },
+                ),
+            };
+            if self.points == Points::Dense {
+                observer.see(|| Event::Pixel);
+            }
+            match followed {
+                Followed::Guess(finer) => *guess = finer,
+                Followed::Done(displacement, result) => {
+                    done.push(Found { feature: feature(*at, (displacement, result)), certainty: smaller.0 });
+                    *guess = [0.0; 2];
+                }
+            }
+        }
+        if let Some(finer) = state.level.checked_sub(1) {
+            state.level = finer;
+            return Ok(Progress::More);
+        }
+        state.found.push(done.into());
+        state.level = fixed.coarsest();
+        Ok(if state.found.len() == fixed.groups() { Progress::Done } else { Progress::More })
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        Some((state.fixed.points.len() * state.fixed.levels[0].len()).max(1))
+        Some((state.fixed.groups() * state.fixed.levels[0].len()).max(1))
     }
 
     fn place(&self, state: &State) -> Vec<Rung> {
-        let (points, levels) = (state.fixed.points.len(), state.fixed.levels[0].len());
+        let (groups, levels) = (state.fixed.groups(), state.fixed.levels[0].len());
         let rung = |index, of| Rung { index, of: Some(of) };
-        vec![rung(0, 1), rung(state.found.len(), points.max(1)), rung(levels - 1 - state.level, levels)]
+        vec![rung(0, 1), rung(state.found.len(), groups.max(1)), rung(levels - 1 - state.level, levels)]
     }
 
     /// The unit that finds the point nearest to a place.
     fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let points = state.fixed.points.iter().enumerate();
-        let nearest = points.min_by(|(_, a), (_, b)| {
-            let far = |at: &[f32; 2]| (at[0] - point[0]).hypot(at[1] - point[1]);
-            far(a).total_cmp(&far(b))
-        });
-        nearest.map(|(index, _)| (index + 1) * state.fixed.levels[0].len() - 1)
+        let index = nearest(&state.fixed.points, point)?;
+        Some((index / state.fixed.group + 1) * state.fixed.levels[0].len() - 1)
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + size_of_val(&state.found[..])
+        // What was found is shared by the states after it.
+        let groups = size_of_val(&state.found[..]) + size_of_val(&state.guesses[..]);
+        size_of::<State>() + groups + state.fixed.group * size_of::<Found>()
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
         let levels: usize = state.fixed.levels.iter().flatten().map(Level::bytes).sum();
-        self.state_bytes(state) + size_of_val(&state.fixed.points[..]) + levels
+        let points = size_of_val(&state.fixed.points[..]) + state.fixed.points.len() * size_of::<Found>();
+        self.state_bytes(state) + points + levels
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -217,64 +285,183 @@ impl Estimator for PyramidalLucasKanade {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        let line = match seen.events.last() {
-            None | Some(Event::Nothing) => 0,
-            Some(Event::Of(follow::Event::Window(_))) => 4,
-            Some(Event::Of(follow::Event::Iteration { .. })) => 8,
-            Some(Event::Of(
-                follow::Event::Handed(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat)),
-            )) => 5,
-            Some(Event::Of(follow::Event::Handed(..))) => 10,
-            Some(Event::Of(follow::Event::End(..))) => 11,
+        let looked = self.look(seen);
+        let line = match looked.as_ref().and_then(|looked| looked.trace.last()) {
+            None => 0,
+            Some(follow::Event::Window(_)) => 4,
+            Some(follow::Event::Iteration { .. }) => 8,
+            Some(follow::Event::Handed(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => 5,
+            Some(follow::Event::Handed(..)) => 10,
+            Some(follow::Event::End(..)) => 11,
         };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        Step { line, sentence: self.sentence(seen, looked.as_ref()), readouts: self.readouts(seen, looked.as_ref()) }
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        draw_points(seen, scene);
-        if let Some(account) = account(self, seen) {
-            account.draw([Picture::Current, Picture::Next], scene);
+        let state = seen.after.unwrap_or(seen.before);
+        match self.points {
+            Points::Dense => field::draw(state.field().flow.0, scene),
+            _ => draw_points(state, scene),
         }
+        let looked = self.look(seen);
+        if let Some(looked) = &looked {
+            looked.account().draw([Picture::Current, Picture::Next], scene);
+        }
+        scene.levels = Some(state.fixed.shown(looked.map_or(0, |looked| looked.trace.level())));
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::Points(PointField { picture: state.fixed.levels[0][0].size(), points: state.found.clone() })
+        match self.points {
+            Points::Dense => Output::Dense(state.field()),
+            _ => Output::Points(PointField { picture: state.fixed.pair[0].size(), points: state.features().collect() }),
+        }
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
-        let fixed = Arc::clone(&state.fixed);
-        state.found = threads.map(fixed.points.len(), |i| {
-            let at = fixed.points[i];
-            feature(at, self.follow().through(fixed.pyramids(), at, &mut ()))
-        });
+        let (fixed, follow) = (Arc::clone(&state.fixed), self.follow());
+        let found = |&at: &[f32; 2]| {
+            let mut smaller = Smaller::default();
+            let mut on_level = Mapped { observer: &mut smaller, map: |(_, event)| event };
+            let result = follow.through(fixed.pyramids(), at, &mut on_level);
+            Found { feature: feature(at, result), certainty: smaller.0 }
+        };
+        state.found = threads.map(fixed.groups(), |index| fixed.group(index).iter().map(found).collect());
         Ok(state)
     }
 }
 
-/// What has happened to the point at the cursor on its level.
-fn account<'a>(estimator: &PyramidalLucasKanade, seen: &Seen<'a, PyramidalLucasKanade>) -> Option<Account<'a>> {
-    let state = seen.before;
-    let events = seen.events.iter().filter_map(|event| if let Event::Of(event) = event { Some(*event) } else { None });
-    Some(Account {
-        follow: estimator.follow(),
-        pyramids: state.fixed.pyramids(),
-        level: state.level,
-        at: *state.fixed.points.get(state.found.len())?,
-        guess: state.guess,
-        events: events.collect(),
-        name: format!("Point {}", state.found.len() + 1),
-    })
-    .filter(|account| !account.events.is_empty())
+/// The point nearest to a place.
+fn nearest(points: &[[f32; 2]], place: [f32; 2]) -> Option<usize> {
+    let far = |at: &[f32; 2]| (at[0] - place[0]).hypot(at[1] - place[1]);
+    let nearest = points.iter().enumerate().min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
+    nearest.map(|(index, _)| index)
 }
 
-fn draw_points(seen: &Seen<PyramidalLucasKanade>, scene: &mut Scene) {
-    let state = seen.after.unwrap_or(seen.before);
-    let tracked = state.found.iter().filter_map(|point| {
+impl Fixed {
+    /// The pyramid as pictures, with the level at work.
+    fn shown(&self, at_work: usize) -> Levels {
+        let all = self.pictures.get_or_init(|| {
+            let [current, next] = self.pair.each_ref().map(|frame| {
+                let coarser = halvings(frame.luma(), self.levels[0].len()).into_iter().skip(1);
+                let coarser = coarser.map(|level| Arc::new(Frame::gray(level)));
+                [Arc::clone(frame)].into_iter().chain(coarser).collect::<Vec<_>>()
+            });
+            current.into_iter().zip(next).map(|(current, next)| crate::Level::new([current, next])).collect()
+        });
+        Levels { all: Arc::clone(all), at_work }
+    }
+}
+
+impl State {
+    fn features(&self) -> impl Iterator<Item = Feature> {
+        self.found.iter().flat_map(|group| group.iter().map(|found| found.feature))
+    }
+
+    /// What was found of all pixels, row by row.
+    fn field(&self) -> DenseField {
+        let (width, height) = self.fixed.pair[0].size();
+        let of = |x: usize, y: usize| self.found.get(y).map(|row| row[x]);
+        let displacement = |x, y| of(x, y).and_then(|found| found.feature.displacement).unwrap_or(Flow::UNKNOWN);
+        let certainty = |x, y| of(x, y).map_or(0.0, |found| found.certainty);
+        let values = Grid::from_fn(width, height, certainty);
+        let confidence = Some(Confidence { name: "smaller_eigenvalue", values });
+        DenseField { flow: Flow(Grid::from_fn(width, height, displacement)), confidence }
+    }
+}
+
+/// The point that is explained: the one pointed at if it is known, else the one at work.
+struct Looked<'a> {
+    /// Which one, and what it is called.
+    index: usize,
+    name: String,
+    trace: Trace<'a>,
+}
+
+impl<'a> Looked<'a> {
+    fn account(&self) -> Account<'a> {
+        self.trace.account(self.name.clone())
+    }
+}
+
+impl PyramidalLucasKanade {
+    fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Looked<'a>> {
+        let (state, fixed) = (seen.before, &*seen.before.fixed);
+        let first = state.found.len() * fixed.group;
+        let at_work = match seen.events.last()? {
+            Event::Nothing => return None,
+            Event::Of(_) => first,
+            Event::Pixel => first + seen.events.len() - 1,
+        };
+        // Every point up to the one at work is known, as far as it was followed.
+        let pointed_at = seen.focus.and_then(|place| {
+            let index = nearest(&fixed.points[..=at_work], place)?;
+            let reach = if self.points == Points::Dense { 0.5 } else { self.reach() as f32 + 0.5 };
+            let at = fixed.points[index];
+            (0..2).all(|i| (at[i] - place[i]).abs() <= reach).then_some(index)
+        });
+        let index = pointed_at.unwrap_or(at_work);
+        let at = fixed.points[index];
+        let level = if index < first { 0 } else { state.level };
+        let trace = Trace::new(self.follow(), fixed.pyramids(), at, level);
+        let is_in_steps = index == at_work && self.points != Points::Dense;
+        let trace = if is_in_steps { trace.until(seen.events.len()) } else { trace };
+        let name = match self.points {
+            Points::Dense => format!("Pixel ({}, {})", at[0], at[1]),
+            _ => format!("Point {}", index + 1),
+        };
+        Some(Looked { index, name, trace })
+    }
+
+    fn sentence(&self, seen: &Seen<Self>, looked: Option<&Looked>) -> Sentence {
+        let fixed = &seen.before.fixed;
+        match (looked, seen.events.is_empty()) {
+            (Some(looked), _) => looked.account().sentence(),
+            (None, false) => Sentence::default().text("The picture has no corner: there is nothing to track."),
+            (None, true) => {
+                let said = Sentence::default().text(match self.points {
+                    Points::Dense => "Every pixel is tracked, row by row".into(),
+                    _ => format!("{} points are tracked", fixed.points.len()),
+                });
+                match fixed.levels[0].len() {
+                    1 => said.text(", each on the picture itself."),
+                    levels => said.text(format!(
+                        ", each from the coarsest of {levels} levels, where its way is short, to the picture."
+                    )),
+                }
+            }
+        }
+    }
+
+    fn readouts(&self, seen: &Seen<Self>, looked: Option<&Looked>) -> Vec<Readout> {
+        let (fixed, count) = (&seen.before.fixed, seen.before.fixed.points.len());
+        let fact = |label, value: String, role| Fact { label, value, role };
+        let Some(looked) = looked else {
+            let points = || vec![Readout::Facts(vec![fact("Points", count.to_string(), None)])];
+            return if seen.events.is_empty() { Vec::new() } else { points() };
+        };
+        let (point, account) = (looked.trace.at, looked.account());
+        let mut facts = vec![match self.points {
+            Points::Dense => fact("Pixel", format!("({}, {})", point[0], point[1]), Some(Role::Reference)),
+            _ => {
+                let place = format!("{} of {count} at {}", looked.index + 1, tell::vector(point));
+                fact("Point", place, Some(Role::Reference))
+            }
+        }];
+        facts.extend(account.facts());
+        let truth = fixed.truth.as_ref().and_then(|truth| truth.at(point[0] as usize, point[1] as usize));
+        facts.extend(truth.map(|truth| fact("Truth", format!("{} px", tell::vector(truth)), Some(Role::Truth))));
+        let stack = Stack { levels: fixed.shown(looked.trace.level()), floors: looked.trace.floors() };
+        [vec![Readout::Facts(facts)], account.readouts(), vec![Readout::Stack(stack)]].concat()
+    }
+}
+
+fn draw_points(state: &State, scene: &mut Scene) {
+    let tracked = state.features().filter_map(|point| {
         let [u, v] = point.displacement?;
         Some(Arrow { from: point.at, to: [point.at[0] + u, point.at[1] + v] })
     });
-    let lost = state.found.iter().filter(|point| point.displacement.is_none()).map(|point| point.at);
+    let lost = state.features().filter(|point| point.displacement.is_none()).map(|point| point.at);
     let mut points = |role, meaning, places: Vec<[f32; 2]>| {
         if !places.is_empty() {
             scene.mark(Picture::Current, role, Shape::Points(places));
@@ -290,40 +477,5 @@ fn draw_points(seen: &Seen<PyramidalLucasKanade>, scene: &mut Scene) {
     }
     if state.fixed.points.is_empty() {
         scene.legend(Role::Rejected, "no points");
-    }
-}
-
-impl PyramidalLucasKanade {
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
-        let fixed = &seen.before.fixed;
-        match (account(self, seen), seen.events.is_empty()) {
-            (Some(account), _) => account.sentence(),
-            (None, false) => Sentence::default().text("The picture has no corner: there is nothing to track."),
-            (None, true) => {
-                let said = Sentence::default().text(format!("{} points are tracked", fixed.points.len()));
-                match fixed.levels[0].len() {
-                    1 => said.text(", each on the picture itself."),
-                    levels => said.text(format!(
-                        ", each from the coarsest of {levels} levels, where its way is short, to the picture."
-                    )),
-                }
-            }
-        }
-    }
-
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
-        let (state, count) = (seen.before, seen.before.fixed.points.len());
-        let fact = |label, value: String, role| Fact { label, value, role };
-        let Some(account) = account(self, seen) else {
-            let points = || vec![Readout::Facts(vec![fact("Points", count.to_string(), None)])];
-            return if seen.events.is_empty() { Vec::new() } else { points() };
-        };
-        let point = account.at;
-        let place = format!("{} of {count} at {}", state.found.len() + 1, tell::vector(point));
-        let mut facts = vec![fact("Point", place, Some(Role::Reference))];
-        facts.extend(account.facts());
-        let truth = state.fixed.truth.as_ref().and_then(|truth| truth.at(point[0] as usize, point[1] as usize));
-        facts.extend(truth.map(|truth| fact("Truth", format!("{} px", tell::vector(truth)), Some(Role::Truth))));
-        [vec![Readout::Facts(facts)], account.readouts()].concat()
     }
 }
