@@ -437,6 +437,8 @@ impl Surface {
 pub struct Plane {
     /// What is shown: `Gradient constraint`.
     pub title: &'static str,
+    /// What displacements are measured in: `px`, or `px of level 2`.
+    pub unit: String,
     /// Displacements from `-reach` to `reach` px are shown on both axes.
     pub reach: f32,
     /// The lines on which pixels allow the displacement to lie.

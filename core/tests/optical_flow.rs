@@ -494,28 +494,53 @@ fn horn_schunck_stops_when_little_changes() {
     assert!(change[units - 1] < 0.002 && change[units - 2] >= 0.002);
 }
 
+fn plane(step: &scene::Step) -> &scene::Plane {
+    let plane = step.readouts.iter().find_map(|readout| match readout {
+        scene::Readout::Plane(plane) => Some(plane),
+        _ => None,
+    });
+    plane.expect("a plane")
+}
+
+/// A point of the plane that a step shows.
+fn point(step: &scene::Step, name: &str) -> [f32; 2] {
+    plane(step).points.iter().find(|(known, ..)| *known == name).expect("a point").2
+}
+
+/// The lines of the equation that a step shows.
+fn equation(step: &scene::Step) -> Vec<String> {
+    let lines = step.readouts.iter().find_map(|readout| match readout {
+        scene::Readout::Equation(lines) => Some(lines.iter().map(scene::Math::plain).collect()),
+        _ => None,
+    });
+    lines.expect("an equation")
+}
+
 #[test]
 fn the_update_that_is_told_is_the_one_that_is_done() {
     let (clip, _) = linear_motion([[0.01, 0.0], [0.0, 0.01]], [0.2, 0.4]);
-    for solver in ["jacobi", "gauss-seidel", "sor"] {
-        let estimator = set("horn-schunck", &[&PAPER[..], &[("solver", solver), ("relaxation", "1")]].concat());
+    for (solver, relaxation) in [("jacobi", 1.0), ("gauss-seidel", 1.0), ("sor", 1.9f32)] {
+        let estimator = set("horn-schunck", &[&PAPER[..], &[("solver", solver), ("relaxation", "1.9")]].concat());
         let mut walk = estimator.walk(&clip, 0).unwrap();
         walk.jump(Move::To(Cursor { unit: 6, event: usize::MAX }));
         let focus = [40.0, 30.0];
         let Output::Dense(field) = walk.output() else { panic!("a dense field") };
         let step = walk.step(Some(focus));
-        let plane = step.readouts.iter().find_map(|readout| match readout {
-            scene::Readout::Plane(plane) => Some(plane),
-            _ => None,
-        });
-        let plane = plane.expect("a plane");
-        let point = |name: &str| plane.points.iter().find(|(known, ..)| *known == name).expect("a point").2;
-        let (mean, after) = (point("average"), point("after"));
+        let [before, mean, after] = ["before", "average", "after"].map(|name| point(&step, name));
         assert_eq!(after, field.flow.at(40, 30).unwrap());
-        let [a, b, c] = plane.lines[0].factors;
+        let [a, b, c] = plane(&step).lines[0].factors;
         let off = (a * mean[0] + b * mean[1] + c) / (100.0 + a * a + b * b);
-        let told = [mean[0] - a * off, mean[1] - b * off];
+        let update = [mean[0] - a * off, mean[1] - b * off];
+        let told = [0, 1].map(|i| before[i] + relaxation * (update[i] - before[i]));
         assert!((0..2).all(|i| (told[i] - after[i]).abs() < 1e-4), "{solver}: {told:?}, done {after:?}");
+        // The numbers of the last line are what was done.
+        let last = equation(&step).pop().unwrap();
+        assert!((numbers(&last).pop().unwrap() - f64::from(after[1])).abs() < 2e-3, "{last}");
+        let said = step.sentence.plain();
+        assert_eq!(said.contains("SOR goes 1.90 times as far from where it was"), solver == "sor", "{said}");
+        if let [.., result] = &numbers(&said)[..] {
+            assert!((result - f64::from(after[1])).abs() < 2e-3, "{said}");
+        }
         walk.jump(Move::Rung(4, Way::Back));
         assert!(walk.step(Some(focus)).sentence.plain().contains("pixel (40, 30)"));
     }
@@ -690,4 +715,104 @@ fn windows_larger_than_the_picture_and_half_known_truth_show_no_nan() {
         let step = format!("{:?}", walk.step(Some(focus)));
         assert!(step.contains("Mean endpoint error") && !step.contains("NaN"), "{step}");
     }
+}
+
+#[test]
+fn what_a_later_warp_tells_of_a_pixel_can_be_recomputed() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, -0.6]);
+    for id in ["horn-schunck", "clg", "tv-l1"] {
+        let estimator = set(id, &[("levels", "1"), ("warps", "2"), ("iterations", "30"), ("smoothing", "0")]);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        // The first event of an iteration in the middle of the second warp.
+        walk.jump(Move::To(Cursor { unit: 40, event: 1 }));
+        let step = walk.step(Some([40.0, 30.0]));
+        let [x, y, t] = numbers(&fact(&step, "Iₓ, I_y, Iₜ").unwrap())[..] else { panic!("three") };
+        let [u, v] = numbers(&fact(&step, "Warp (u₀, v₀)").unwrap())[..] else { panic!("two") };
+        assert!(t.abs() < 2.0 && (u - 1.3).abs() < 0.2 && (v + 0.6).abs() < 0.2, "{id}: little is left to find");
+        if id != "clg" {
+            let lines = equation(&step);
+            let c = numbers(&lines[1]).pop().unwrap();
+            assert!((c - (t - x * u - y * v)).abs() < 0.02 * (1.0 + c.abs()), "{id}: {lines:?}");
+            assert!(lines[2].contains(" + c"), "{id}: {lines:?}");
+        }
+    }
+}
+
+#[test]
+fn displacements_on_a_level_are_told_in_its_px_and_as_on_the_picture() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [2.4, -1.2]);
+    for id in ["horn-schunck", "clg", "tv-l1"] {
+        let estimator = set(id, &[("levels", "2"), ("warps", "1"), ("iterations", "20")]);
+        let coarse = told(&*estimator, &clip, 19, [40.0, 30.0]);
+        assert!(fact(&coarse, "Before").is_some_and(|value| value.ends_with("px of level 1")), "{id}");
+        let (on_level, on_picture) = (point(&coarse, "after"), numbers(&fact(&coarse, "On the picture").unwrap()));
+        for i in 0..2 {
+            assert!((2.0 * f64::from(on_level[i]) - on_picture[i]).abs() < 0.01, "{id}: {on_level:?}, {on_picture:?}");
+        }
+        let fine = told(&*estimator, &clip, 39, [40.0, 30.0]);
+        assert!(
+            fact(&fine, "Before").is_some_and(|value| value.ends_with(" px"))
+                && fact(&fine, "On the picture").is_none()
+        );
+    }
+}
+
+#[test]
+fn medians_are_told_where_they_are_taken() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [0.4, 0.2]);
+    for id in ["horn-schunck", "clg", "tv-l1"] {
+        let estimator = set(id, &[("levels", "2"), ("warps", "2"), ("iterations", "3")]);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let mut at = |unit, event| {
+            walk.jump(Move::To(Cursor { unit, event }));
+            let step = walk.step(None);
+            (estimator.info().pseudocode[step.line], step.sentence.plain())
+        };
+        let first = at(0, 1);
+        assert!(first.1.contains("nothing was found yet") && !first.0.contains("medians"), "{id}: {first:?}");
+        for (unit, is_enlarged) in [(3, false), (6, true), (9, false)] {
+            let (line, said) = at(unit, 1);
+            assert!(line.contains("medians") && said.contains("median"), "{id}: {line}: {said}");
+            assert_eq!(said.contains("enlarged"), is_enlarged, "{id}: {said}");
+            assert!(at(unit, 2).1.contains("brought back by what was found"), "{id}");
+        }
+    }
+}
+
+#[test]
+fn a_pixel_without_a_constraint_is_told_as_such() {
+    let flat = Clip::from_frames("flat", vec![Frame::gray(Grid::new(40, 30, 77)); 2]).unwrap();
+    let said = told(&*set("horn-schunck", &[]), &flat, 0, [20.0, 15.0]).sentence.plain();
+    assert!(said.contains("has no gradient") && said.contains("takes the average"), "{said}");
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.5, 0.0]);
+    for (id, event) in [("horn-schunck", usize::MAX), ("tv-l1", 1)] {
+        let estimator = set(id, &[("levels", "1"), ("warps", "2"), ("iterations", "40")]);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        walk.jump(Move::To(Cursor { unit: 50, event }));
+        let step = walk.step(Some([95.0, 40.0]));
+        assert!(step.sentence.plain().contains("has left the picture"), "{id}: {}", step.sentence.plain());
+        assert_eq!(fact(&step, "Iₓ, I_y, Iₜ").as_deref(), Some("none: it left the picture"), "{id}");
+    }
+}
+
+#[test]
+fn the_tolerance_is_in_px_of_the_picture_on_every_level() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, 0.8]);
+    let settings = [("levels", "3"), ("warps", "2"), ("tolerance", "0.004"), ("iterations", "400")];
+    let estimator = set("horn-schunck", &settings);
+    let mut walk = estimator.walk(&clip, 0).unwrap();
+    walk.jump(Move::End);
+    let change = plotted(&*estimator, &clip, "Mean change", "change");
+    let mut ends = 0;
+    for (unit, change) in change.iter().enumerate() {
+        walk.jump(Move::To(Cursor { unit: unit + 1, event: 1 }));
+        let is_last = walk.place()[3].index == 0;
+        if unit + 1 < walk.units().unwrap() {
+            assert_eq!(*change < 0.004, is_last, "iteration {unit} changes by {change}");
+        } else {
+            assert!(*change < 0.004);
+        }
+        ends += usize::from(*change < 0.004);
+    }
+    assert_eq!(ends, 6, "two warps on three levels");
 }

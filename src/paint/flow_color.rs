@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn the_wheel_is_that_of_the_benchmark() {
-        // As the published code paints them: to the right, up, to the left, and down.
+        // As the published code paints them: to the right, down, to the left, and up.
         let known = [
             ([1.0, 0.0], [255, 0, 0]),
             ([0.0, 1.0], [255, 230, 0]),

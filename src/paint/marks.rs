@@ -205,7 +205,7 @@ impl Painter<'_> {
 }
 
 /// Points along an ellipse, whatever the unit.
-pub(super) fn ellipse(center: Point, radii: [f32; 2], angle_rad: f32) -> Vec<Point> {
+pub fn ellipse(center: Point, radii: [f32; 2], angle_rad: f32) -> Vec<Point> {
     let (sin, cos) = angle_rad.sin_cos();
     let on_rim = |i: usize| {
         let (y, x) = (i as f32 / 64.0 * std::f32::consts::TAU).sin_cos();

@@ -24,7 +24,7 @@ pub use color::Color;
 pub use color_map::ColorMap;
 pub use flow_color::flow_color;
 pub use fonts::Face;
-pub use marks::{Lengthen, Look, Placement, is_lengthened, resolve};
+pub use marks::{Lengthen, Look, Placement, ellipse, is_lengthened, resolve};
 pub use number::{grouped, number};
 pub use panel::{LevelShown, Panel, Pictures, Share, Shown, View};
 pub use plate::{Caption, Layer, Part, Plate, PlateOptions};

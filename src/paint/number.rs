@@ -13,6 +13,8 @@ pub fn number(value: f32) -> String {
         _ if value.fract() == 0.0 || size >= 1000.0 => 0,
         _ if size >= 100.0 => 1,
         _ if size >= 1.0 => 2,
+        // Three that count, and nothing of what is but rounding.
+        _ if (1e-6..0.01).contains(&size) => (2.0 - size.log10().floor()) as usize,
         _ => 3,
     };
     let digits = format!("{size:.decimals$}");
@@ -45,9 +47,10 @@ mod tests {
 
     #[test]
     fn numbers_are_written_for_people() {
-        let shown = [-3.0, 812.0, 4096.0, 65_025.0, 16_646_400.0, 3.17, -0.0001, f32::NAN].map(number);
+        let shown = [-3.0, 812.0, 4096.0, 65_025.0, 16_646_400.0, 3.17, -1e-7, f32::NAN].map(number);
         assert_eq!(shown, ["−3", "812", "4096", "65\u{202f}025", "16\u{202f}646\u{202f}400", "3.17", "0.000", "–"]);
         assert_eq!([0.5, 12.34, 110.73, 10_234.4].map(number), ["0.500", "12.34", "110.7", "10\u{202f}234"]);
+        assert_eq!([0.05, 0.0012, -0.0004, 2e-6].map(number), ["0.050", "0.00120", "−0.000400", "0.00000200"]);
     }
 
     #[test]

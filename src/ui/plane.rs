@@ -1,11 +1,12 @@
 //! The plane of displacements: what pixels allow, as lines, and displacements as points.
 
 use eframe::egui::{self, Align2, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use motionscope_core::Role;
 use motionscope_core::scene::{Plane, Spread};
 
 use super::axis::Axis;
 use super::{ink, primitives};
-use crate::paint::{Face, Theme, legend, number};
+use crate::paint::{self, Face, Theme, legend, number};
 
 /// What is shown.
 #[derive(Clone, Copy)]
@@ -49,7 +50,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>) {
     let painter = ui.painter_at(area);
     let font = ink::font(Face::Sans, small);
     painter.text(area.min, Align2::LEFT_TOP, plane.title, font, ink::color(theme.chrome().dim));
-    axes(&painter, &map, theme);
+    axes(&painter, &map, input);
     let inside = painter.with_clip_rect(map.rect);
     for line in &plane.lines {
         if let Some(ends) = line.within(plane.reach) {
@@ -58,13 +59,13 @@ pub fn show(ui: &mut Ui, input: Input<'_>) {
             inside.line_segment(ends.map(|end| map.at(end)), Stroke::new(1.0 + line.weight, color));
         }
     }
-    if let Some(spread) = &plane.ellipse {
-        ellipse(&inside, &map, spread, theme);
+    if let Some(ellipse) = &plane.ellipse {
+        spread(&inside, &map, ellipse, theme);
     }
     names(&painter, &map, area, input);
 }
 
-fn axes(painter: &Painter, map: &Map, theme: Theme) {
+fn axes(painter: &Painter, map: &Map, Input { plane, theme }: Input<'_>) {
     let chrome = theme.chrome();
     let small = theme.sizes().small;
     let font = ink::font(Face::Sans, small);
@@ -81,7 +82,7 @@ fn axes(painter: &Painter, map: &Map, theme: Theme) {
         painter.text(beside, Align2::RIGHT_CENTER, tick(v), font.clone(), dim);
     }
     let under = pos2(map.rect.center().x, map.rect.max.y + 4.0 + 1.3 * small);
-    painter.text(under, Align2::CENTER_TOP, "u, v in px", font, dim);
+    painter.text(under, Align2::CENTER_TOP, format!("u, v in {}", plane.unit), font, dim);
 }
 
 /// A number at an axis, without zeros that tell nothing: `0.5`.
@@ -90,15 +91,13 @@ fn tick(value: f32) -> String {
     if shown.contains('.') { shown.trim_end_matches('0').trim_end_matches('.').into() } else { shown }
 }
 
-fn ellipse(painter: &Painter, map: &Map, spread: &Spread, theme: Theme) {
-    let (sin, cos) = spread.angle_rad.sin_cos();
-    let on_rim = |i: usize| {
-        let (y, x) = (i as f32 / 64.0 * std::f32::consts::TAU).sin_cos();
-        let (x, y) = (x * spread.radii[0], y * spread.radii[1]);
-        map.at([spread.center[0] + x * cos - y * sin, spread.center[1] + x * sin + y * cos])
-    };
-    let ink = theme.ink(motionscope_core::Role::Estimate);
-    painter.add(Shape::closed_line((0..64).map(on_rim).collect(), Stroke::new(ink.width, ink::color(ink.color))));
+fn spread(painter: &Painter, map: &Map, spread: &Spread, theme: Theme) {
+    // One px is as long across as down.
+    let px = map.across.place(1.0) - map.across.place(0.0);
+    let rim = paint::ellipse(map.at(spread.center).into(), spread.radii.map(|r| r * px), spread.angle_rad);
+    let ink = theme.ink(Role::Measured);
+    let points = rim.into_iter().map(Pos2::from).collect();
+    painter.add(Shape::closed_line(points, Stroke::new(ink.width, ink::color(ink.color))));
 }
 
 /// The points, and beside the plane what each is called.
@@ -130,12 +129,15 @@ fn summary(plane: &Plane) -> String {
         1 => "one line".to_owned(),
         count => format!("{count} lines"),
     };
-    [format!("{}: {lines}", plane.title)].into_iter().chain(points).collect::<Vec<_>>().join(", ")
+    let spread = plane.ellipse.as_ref().map(|spread| {
+        let [long, short] = spread.radii.map(number);
+        format!("one standard deviation {long} by {short} {}", plane.unit)
+    });
+    [format!("{}: {lines}", plane.title)].into_iter().chain(points).chain(spread).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Role;
     use motionscope_core::scene::Constraint;
 
     use super::*;
@@ -144,8 +146,12 @@ mod tests {
     fn the_plane_is_told_in_words_and_lies_the_right_way_up() {
         let line = Constraint { factors: [1.0, 0.0, -1.0], weight: 1.0, role: Role::Candidate };
         let points = vec![("normal flow", Role::Result, [1.0, -0.25])];
-        let plane = Plane { title: "Gradient constraint", reach: 2.0, lines: vec![line], points, ellipse: None };
+        let (title, lines) = ("Gradient constraint", vec![line]);
+        let plane = Plane { title, unit: "px".into(), reach: 2.0, lines, points, ellipse: None };
         assert_eq!(summary(&plane), "Gradient constraint: one line, normal flow at (1, −0.250)");
+        let spread = Spread { center: [1.0, 0.0], radii: [0.5, 0.25], angle_rad: 0.0 };
+        let told = summary(&Plane { ellipse: Some(spread), ..plane });
+        assert!(told.ends_with("one standard deviation 0.500 by 0.250 px"), "{told}");
         let map = Map::new(Rect::from_min_size(Pos2::ZERO, vec2(300.0, 200.0)), 2.0, 10.0);
         assert!(map.at([1.0, 0.0]).x > map.at([0.0, 0.0]).x && map.at([0.0, 1.0]).y > map.at([0.0, 0.0]).y);
         assert_eq!(map.at([0.0, 0.0]), map.rect.center());

@@ -2,7 +2,8 @@
 //!
 //! All solvers lessen the energy Σ (a u + b v + c)² + α² Σ wₙ |(u, v) − (u, v)ₙ|², the second sum over the pairs of
 //! neighbours n with the weights of the paper's average: 1/6 beside, above and below, 1/12 across the corners; beyond the
-//! edge the pixel at the edge is repeated.
+//! edge the pixel at the edge is repeated. Of a slope the second sum is a third of its square for each pixel, so that α² stands
+//! for α²/3 in the integral: the paper takes the 3 of its Laplacian, 3 (mean − value), into α² as well.
 
 use super::jacobi::{self, DEPTH, Rows};
 use super::{Field, Linear};
@@ -165,4 +166,23 @@ pub fn mean_around(earlier: &Field, later: &Field, (x, y): (usize, usize)) -> [f
             + CORNER * (at(-1, -1) + at(1, -1) + at(-1, 1) + at(1, 1))
     };
     [mean(&earlier.u, &later.u), mean(&earlier.v, &later.v)]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::differential::Constraints;
+
+    #[test]
+    fn the_smoothness_of_a_slope_is_a_third_of_its_square() {
+        let zero = || Grid::new(200, 200, 0.0);
+        let field = Field { u: Grid::from_fn(200, 200, |x, _| x as f32), v: zero() };
+        let factors = Constraints::new([zero(), zero(), zero()]);
+        let linear = Linear { factors, start: Arc::new(field.clone()) };
+        let [data, smoothness] = energy(&linear, 5.0, &field);
+        // A little less, for the last column has no neighbour.
+        assert!(data == 0.0 && (smoothness - 25.0 / 3.0).abs() < 0.01 * 25.0, "{smoothness}");
+    }
 }

@@ -47,12 +47,12 @@ impl Model for Clg {
             "(u, v) ← 0 on the coarsest level",
             "for each level, from the coarsest to the picture itself",
             "  for each warp",
-            "    (u, v) ← medians of 3×3 px: nothing astray is carried on",
-            "    bring frame t+1 back along (u, v), take Iₓ, I_y, Iₜ",
+            "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
+            "    bring frame t+1 back along (u₀, v₀), take Iₓ, I_y, Iₜ",
             "    T ← Gaussian of ρ px over (Iₓ, I_y, Iₜ) (Iₓ, I_y, Iₜ)ᵀ",
             "    for each iteration",
             "      (u_m, v_m) ← mean of the neighbours, for each pixel",
-            "      (u, v) ← solution of (T + α²) (u, v) = α² (u_m, v_m) − (T_xt, T_yt)",
+            "      (u, v) ← solution of (T + α²) (u, v) = α² (u_m, v_m) + T (u₀, v₀) − (T_xt, T_yt)",
         ],
         rungs: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
@@ -93,11 +93,15 @@ impl Model for Clg {
         if step == AVERAGED {
             points.pop();
         }
-        let [xx, xy, yy, ..] = tensor.map(tell::number);
+        let update = solution(tensor, self.alpha * self.alpha, mean);
+        let [xx, xy, yy, xt, yt] = about_zero(tensor, looked.start().unwrap_or_default()).map(tell::number);
         Told {
-            sentence: if step == AVERAGED { looked.averaged(mean) } else { self.updated(looked) },
-            facts: vec![Fact { label: "T_xx, T_xy, T_yy", value: format!("{xx}, {xy}, {yy}"), role: None }],
-            equation: self.equation(tensor, mean, looked.to()),
+            sentence: if step == AVERAGED { looked.averaged(mean) } else { self.updated(looked, update) },
+            facts: vec![
+                Fact { label: "T_xx, T_xy, T_yy", value: format!("{xx}, {xy}, {yy}"), role: None },
+                Fact { label: "T_xt, T_yt", value: format!("{xt}, {yt}"), role: None },
+            ],
+            equation: self.equation(tensor, (mean, update), looked),
             points,
             lines: self.lines(looked),
         }
@@ -109,72 +113,37 @@ impl Clg {
         warp.system.tensor.get_or_init(|| MotionTensor::new(&warp.linear, self.rho, &Threads::single()))
     }
 
-    fn updated(&self, looked: &Looked<Self>) -> Sentence {
+    fn updated(&self, looked: &Looked<Self>, update: [f32; 2]) -> Sentence {
         let window = if self.rho > 0.0 {
             format!("The constraints within about {} px of ", tell::number(2.0 * self.rho))
         } else {
             "The constraint of ".into()
         };
-        let relaxed = if self.solver == Solver::Sor { ", and beyond," } else { "" };
-        Sentence::default()
+        let beyond = self.solver.beyond(self.relaxation);
+        let said = Sentence::default()
             .text(window)
             .ink(Role::Reference, looked.pixel())
-            .text(format!(" and the average of its neighbours are weighed against each other{relaxed}: it goes to "))
-            .ink(Role::Result, format!("{} px", tell::vector(looked.to())))
-            .text(", the nearer to where the lines of the window cross, the larger their gradients are beside α.")
+            .text(" and the average of its neighbours are weighed against each other: it goes to ");
+        match beyond {
+            Some(_) => looked.goes(said, update, beyond).text("."),
+            None => looked
+                .goes(said, update, beyond)
+                .text(", the nearer to where the lines of the window cross, the larger their gradients are beside α."),
+        }
     }
 
     /// The two equations of the pixel in symbols, and with its numbers.
-    fn equation(&self, [xx, xy, yy, xt, yt, _]: [f32; 6], mean: [f32; 2], to: [f32; 2]) -> Vec<Math> {
-        let weight = self.alpha * self.alpha;
-        let squared = || Math::power(Math::Var("α"), Math::text("2"));
-        let part = |along: &'static str| Math::indexed(Math::Var("T"), Math::Var(along));
-        let right = |name: &'static str, along: &'static str| {
-            let mean = Math::indexed(Math::Var(name), Math::Var("m"));
-            Math::Row(vec![Math::text(" = "), squared(), Math::text(" "), mean, Math::text(" − "), part(along)])
-        };
-        let with_weight = |along: &'static str| {
-            Math::Row(vec![Math::text("("), part(along), Math::text(" + "), squared(), Math::text(") ")])
-        };
-        let row = |parts: [Math; 5]| Math::Row(parts.into());
-        let symbols = [
-            row([
-                with_weight("xx"),
-                Math::Var("u"),
-                Math::text(" + "),
-                Math::Row(vec![part("xy"), Math::text(" "), Math::Var("v")]),
-                right("u", "xt"),
-            ]),
-            row([
-                Math::Row(vec![part("xy"), Math::text(" ")]),
-                Math::Var("u"),
-                Math::text(" + "),
-                Math::Row(vec![with_weight("yy"), Math::Var("v")]),
-                right("v", "yt"),
-            ]),
-        ];
-        let numbers = |a: f32, b: f32, mean: f32, t: f32| {
-            Math::Row(vec![
-                Math::text(format!("{} ", tell::number(a))),
-                Math::Var("u"),
-                Math::text(format!(" {} ", tell::plus(b))),
-                Math::Var("v"),
-                Math::text(format!(" = {} · ", tell::number(weight))),
-                Math::ink(Role::Predicted, tell::number(mean)),
-                Math::text(format!(" {}", tell::plus(-t))),
-            ])
-        };
-        let over = if self.solver == Solver::Sor { ") → " } else { ") = " };
-        let solution = Math::Row(vec![
-            Math::text("("),
-            Math::Var("u"),
-            Math::text(", "),
-            Math::Var("v"),
-            Math::text(over),
-            Math::ink(Role::Result, tell::vector(to)),
-        ]);
-        let [first, second] = symbols;
-        vec![first, second, numbers(xx + weight, xy, mean[0], xt), numbers(xy, yy + weight, mean[1], yt), solution]
+    fn equation(&self, tensor: [f32; 6], (mean, update): ([f32; 2], [f32; 2]), looked: &Looked<Self>) -> Vec<Math> {
+        let (weight, [xx, xy, yy, xt, yt, _]) = (self.alpha * self.alpha, tensor);
+        let beyond = self.solver.beyond(self.relaxation);
+        let mut lines = looked.start().map(|start| definitions(tensor, start).to_vec()).unwrap_or_default();
+        lines.extend(symbols(looked.start().is_some()));
+        lines.push(numbers([xx + weight, xy], weight, mean[0], xt));
+        lines.push(numbers([xy, yy + weight], weight, mean[1], yt));
+        let named = if beyond.is_some() { "(u, v) of GS = " } else { "(u, v) = " };
+        lines.push(Math::Row(vec![Math::text(named), Math::ink(Role::Result, tell::vector(update))]));
+        lines.extend(beyond.into_iter().flat_map(|relaxation| looked.relaxed(update, relaxation)));
+        lines
     }
 
     /// What the pixels of the window say of this one, each as strongly as it counts; of a large window only some.
@@ -199,4 +168,86 @@ impl Clg {
         };
         places.filter_map(line).collect()
     }
+}
+
+/// What solves (T + α²) (u, v) = α² (u_m, v_m) − (xt, yt).
+fn solution([xx, xy, yy, xt, yt, _]: [f32; 6], weight: f32, mean: [f32; 2]) -> [f32; 2] {
+    let (a, d, e, f) = (xx + weight, yy + weight, weight * mean[0] - xt, weight * mean[1] - yt);
+    let det = a * d - xy * xy;
+    [(e * d - xy * f) / det, (a * f - xy * e) / det]
+}
+
+/// T_xx, T_xy, T_yy, T_xt and T_yt as they are taken about a field that is `start` at the pixel; those of a [`MotionTensor`] are
+/// about the whole displacement.
+fn about_zero([xx, xy, yy, xt, yt, _]: [f32; 6], [u, v]: [f32; 2]) -> [f32; 5] {
+    [xx, xy, yy, xt + xx * u + xy * v, yt + xy * u + yy * v]
+}
+
+fn part(along: &'static str) -> Math {
+    Math::indexed(Math::Var("T"), Math::Var(along))
+}
+
+/// What stands for T_xt and T_yt where frame t + 1 was brought back by `start`, in symbols and numbers.
+fn definitions(tensor: [f32; 6], start: [f32; 2]) -> [Math; 2] {
+    let [xx, xy, yy, xt, yt] = about_zero(tensor, start);
+    let [u, v] = start.map(tell::factor);
+    let zero = |name| Math::indexed(Math::Var(name), Math::text("0"));
+    let line = |[to, t, first, second]: [&'static str; 4], [total, a, b, rest]: [f32; 4]| {
+        Math::Row(vec![
+            Math::indexed(Math::Var("c"), Math::Var(to)),
+            Math::text(" = "),
+            part(t),
+            Math::text(" − "),
+            part(first),
+            Math::text(" "),
+            zero("u"),
+            Math::text(" − "),
+            part(second),
+            Math::text(" "),
+            zero("v"),
+            Math::text(format!(
+                " = {} − {} · {u} − {} · {v} = ",
+                tell::number(total),
+                tell::factor(a),
+                tell::factor(b)
+            )),
+            Math::ink(Role::Reference, tell::number(rest)),
+        ])
+    };
+    [line(["x", "xt", "xx", "xy"], [xt, xx, xy, tensor[3]]), line(["y", "yt", "xy", "yy"], [yt, xy, yy, tensor[4]])]
+}
+
+/// The two equations of a pixel in symbols; where frame t + 1 was brought back (`is_about`), c stands for what T has of time.
+fn symbols(is_about: bool) -> [Math; 2] {
+    let squared = || Math::power(Math::Var("α"), Math::text("2"));
+    let time = |t: &'static str, c: &'static str| {
+        if is_about { Math::indexed(Math::Var("c"), Math::Var(c)) } else { part(t) }
+    };
+    let right = |name: &'static str, time: Math| {
+        let mean = Math::indexed(Math::Var(name), Math::Var("m"));
+        Math::Row(vec![Math::text(" = "), squared(), Math::text(" "), mean, Math::text(" − "), time])
+    };
+    let with_weight = |along: &'static str| {
+        Math::Row(vec![Math::text("("), part(along), Math::text(" + "), squared(), Math::text(") ")])
+    };
+    let mixed = || Math::Row(vec![part("xy"), Math::text(" ")]);
+    let row =
+        |first, second, right| Math::Row(vec![first, Math::Var("u"), Math::text(" + "), second, Math::Var("v"), right]);
+    [
+        row(with_weight("xx"), mixed(), right("u", time("xt", "x"))),
+        row(mixed(), with_weight("yy"), right("v", time("yt", "y"))),
+    ]
+}
+
+/// One of them in numbers.
+fn numbers([a, b]: [f32; 2], weight: f32, mean: f32, t: f32) -> Math {
+    Math::Row(vec![
+        Math::text(format!("{} ", tell::number(a))),
+        Math::Var("u"),
+        Math::text(format!(" {} ", tell::plus(b))),
+        Math::Var("v"),
+        Math::text(format!(" = {} · ", tell::number(weight))),
+        Math::ink(Role::Predicted, tell::factor(mean)),
+        Math::text(format!(" {}", tell::plus(-t))),
+    ])
 }

@@ -1,6 +1,6 @@
 //! Horn and Schunck's method: the smoothest field that the gradient constraints allow.
 
-use crate::differential::{Field, Linear, relax, tell};
+use crate::differential::{FLAT, Field, Linear, relax, tell};
 use crate::scene::{Math, Sentence};
 use crate::variational::{Looked, Model, Solver, Told, Warp, variational_params};
 use crate::{Info, Promise, Role, Threads};
@@ -8,6 +8,8 @@ use crate::{Info, Promise, Role, Threads};
 variational_params! {
     /// Horn and Schunck's method. The energy ∫∫ (Iₓ u + I_y v + Iₜ)² + α² (|∇u|² + |∇v|²) is made as small as can be.
     /// Where course notes multiply the second part by (Iₓ² + I_y²) as well, that is a misprint: smoothness counts everywhere alike.
+    /// Between pixels, |∇u|² is three times what the weights of the average make of the differences to the eight neighbours: as in
+    /// the paper, that 3 is left out, so that α² counts as α²/3 would. One level and warp, no smoothing and the 2×2×2 cube make it the paper's.
     pub struct HornSchunck {
         /// Weight α of smoothness: the larger, the smoother the field; about the gradient, in gray levels per px, that counts as much.
         alpha: f32 = 8.0, 0.1..=1000.0;
@@ -37,11 +39,11 @@ impl Model for HornSchunck {
             "(u, v) ← 0 on the coarsest level",
             "for each level, from the coarsest to the picture itself",
             "  for each warp",
-            "    (u, v) ← medians of 3×3 px: nothing astray is carried on",
-            "    bring frame t+1 back along (u, v), take Iₓ, I_y, Iₜ",
+            "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
+            "    bring frame t+1 back along (u₀, v₀), take Iₓ, I_y, Iₜ; c ← Iₜ − Iₓ u₀ − I_y v₀",
             "    for each iteration",
             "      (u_m, v_m) ← mean of the neighbours, for each pixel",
-            "      (u, v) ← (u_m, v_m) − ∇I (Iₓ u_m + I_y v_m + Iₜ) / (α² + |∇I|²)",
+            "      (u, v) ← (u_m, v_m) − ∇I (Iₓ u_m + I_y v_m + c) / (α² + |∇I|²)",
         ],
         rungs: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
@@ -74,85 +76,128 @@ impl Model for HornSchunck {
     }
 
     fn told(&self, step: usize, looked: &Looked<Self>) -> Told {
-        let mean = self.solver.mean_of(looked);
-        let mut points = vec![("average", Role::Predicted, mean), ("after", Role::Result, looked.to())];
+        let update = Update::of(self, looked);
+        let mut points = vec![("average", Role::Predicted, update.mean), ("after", Role::Result, looked.to())];
         if step == AVERAGED {
             points.pop();
         }
         Told {
-            sentence: self.sentence(step, looked, mean),
+            sentence: if step == AVERAGED { looked.averaged(update.mean) } else { update.sentence(self, looked) },
             facts: Vec::new(),
-            equation: self.equation(looked, mean),
+            equation: update.equation(self, looked),
             points,
             lines: tell::line(looked.factors(), 1.0, Role::Candidate).into_iter().collect(),
         }
     }
 }
 
-impl HornSchunck {
-    fn sentence(&self, step: usize, looked: &Looked<Self>, mean: [f32; 2]) -> Sentence {
-        if step == AVERAGED {
-            return looked.averaged(mean);
+/// An iteration at a pixel in numbers.
+struct Update {
+    /// The average of its neighbours.
+    mean: [f32; 2],
+    /// By how much the constraint is off there.
+    off: f32,
+    /// α² + |∇I|².
+    weight: f32,
+    /// What fits the pixel and that average.
+    to: [f32; 2],
+}
+
+impl Update {
+    fn of(model: &HornSchunck, looked: &Looked<HornSchunck>) -> Self {
+        let (mean, [a, b, c]) = (model.solver.mean_of(looked), looked.factors());
+        let (off, weight) = (a * mean[0] + b * mean[1] + c, model.alpha * model.alpha + a * a + b * b);
+        Self { mean, off, weight, to: [mean[0] - a * off / weight, mean[1] - b * off / weight] }
+    }
+
+    fn sentence(&self, model: &HornSchunck, looked: &Looked<HornSchunck>) -> Sentence {
+        let (said, pixel) = (Sentence::default(), looked.pixel());
+        let beyond = model.solver.beyond(model.relaxation);
+        let [a, b, _] = looked.factors();
+        if a * a + b * b <= FLAT {
+            let why = if looked.is_known() { "has no gradient" } else { "has left the picture" };
+            let said = said
+                .ink(Role::Reference, pixel)
+                .text(format!(" {why}: no constraint holds it. It takes the average, "));
+            return looked.goes(said, self.to, beyond).text(".");
         }
-        let [a, b, c] = looked.factors();
-        let off = tell::number(a * mean[0] + b * mean[1] + c);
-        let relaxed = if self.solver == Solver::Sor { " and beyond" } else { "" };
-        Sentence::default()
+        let off = tell::number(self.off);
+        let said = said
             .text(format!("With the average, the constraint is off by {off} gray levels at "))
-            .ink(Role::Reference, looked.pixel())
-            .text(format!(". It is moved along its gradient towards the line{relaxed}, to "))
-            .ink(Role::Result, format!("{} px", tell::vector(looked.to())))
-            .text(": the nearer to it, the larger the gradient is beside α.")
+            .ink(Role::Reference, pixel)
+            .text(". From the average it is moved along its gradient towards the line, to ");
+        match beyond {
+            Some(_) => looked.goes(said, self.to, beyond).text("."),
+            None => looked
+                .goes(said, self.to, beyond)
+                .text(": the nearer to the line, the larger the gradient is beside α."),
+        }
     }
 
     /// The update in symbols, and with the numbers of the pixel.
-    fn equation(&self, looked: &Looked<Self>, mean: [f32; 2]) -> Vec<Math> {
-        let ([a, b, c], to) = (looked.factors(), looked.to());
-        let (off, weight) = (a * mean[0] + b * mean[1] + c, self.alpha * self.alpha + a * a + b * b);
-        let squared = |base: Math| Math::power(base, Math::text("2"));
-        let mean_of = |name: &'static str| Math::indexed(Math::Var(name), Math::Var("m"));
-        let symbols = |to: &'static str, along: &'static str| {
-            let top = vec![
-                tell::derivative("x"),
-                Math::text(" "),
-                mean_of("u"),
-                Math::text(" + "),
-                tell::derivative("y"),
-                Math::text(" "),
-                mean_of("v"),
-                Math::text(" + "),
-                tell::derivative("t"),
-            ];
-            let bottom = vec![
-                squared(Math::Var("α")),
-                Math::text(" + "),
-                squared(tell::derivative("x")),
-                Math::text(" + "),
-                squared(tell::derivative("y")),
-            ];
-            Math::Row(vec![
-                Math::Var(to),
-                Math::text(" = "),
-                mean_of(to),
-                Math::text(" − "),
-                tell::derivative(along),
-                Math::text(" "),
-                Math::Frac(Box::new(Math::Row(top)), Box::new(Math::Row(bottom))),
-            ])
+    fn equation(&self, model: &HornSchunck, looked: &Looked<HornSchunck>) -> Vec<Math> {
+        let beyond = model.solver.beyond(model.relaxation);
+        let name = |name: &'static str| match beyond {
+            Some(_) => Math::indexed(Math::Var(name), Math::text("GS")),
+            None => Math::Var(name),
         };
-        let numbers = |gradient: f32, mean: f32, to: f32| {
-            let over = if self.solver == Solver::Sor { " → " } else { " = " };
-            Math::Row(vec![
-                Math::text("= "),
-                Math::ink(Role::Predicted, tell::number(mean)),
-                Math::text(" − "),
-                Math::ink(Role::Reference, tell::number(gradient)),
-                Math::text(" · "),
-                Math::Frac(Box::new(Math::text(tell::number(off))), Box::new(Math::text(tell::number(weight)))),
-                Math::text(over),
-                Math::ink(Role::Result, tell::number(to)),
-            ])
-        };
-        vec![symbols("u", "x"), numbers(a, mean[0], to[0]), symbols("v", "y"), numbers(b, mean[1], to[1])]
+        let [a, b, _] = looked.factors();
+        let mut lines = looked.definition();
+        lines.extend([
+            symbols(name("u"), ("u", "x"), looked.rest()),
+            self.numbers(a, self.mean[0], self.to[0]),
+            symbols(name("v"), ("v", "y"), looked.rest()),
+            self.numbers(b, self.mean[1], self.to[1]),
+        ]);
+        lines.extend(beyond.into_iter().flat_map(|relaxation| looked.relaxed(self.to, relaxation)));
+        lines
     }
+
+    fn numbers(&self, gradient: f32, mean: f32, to: f32) -> Math {
+        let share =
+            Math::Frac(Box::new(Math::text(tell::number(self.off))), Box::new(Math::text(tell::number(self.weight))));
+        Math::Row(vec![
+            Math::text("= "),
+            Math::ink(Role::Predicted, tell::number(mean)),
+            Math::text(" − "),
+            Math::ink(Role::Reference, tell::factor(gradient)),
+            Math::text(" · "),
+            share,
+            Math::text(" = "),
+            Math::ink(Role::Result, tell::number(to)),
+        ])
+    }
+}
+
+/// The update of one part of the displacement in symbols; `rest` is what stands for Iₜ.
+fn symbols(to: Math, (part, along): (&'static str, &'static str), rest: Math) -> Math {
+    let squared = |base: Math| Math::power(base, Math::text("2"));
+    let mean_of = |name: &'static str| Math::indexed(Math::Var(name), Math::Var("m"));
+    let top = vec![
+        tell::derivative("x"),
+        Math::text(" "),
+        mean_of("u"),
+        Math::text(" + "),
+        tell::derivative("y"),
+        Math::text(" "),
+        mean_of("v"),
+        Math::text(" + "),
+        rest,
+    ];
+    let bottom = vec![
+        squared(Math::Var("α")),
+        Math::text(" + "),
+        squared(tell::derivative("x")),
+        Math::text(" + "),
+        squared(tell::derivative("y")),
+    ];
+    Math::Row(vec![
+        to,
+        Math::text(" = "),
+        mean_of(part),
+        Math::text(" − "),
+        tell::derivative(along),
+        Math::text(" "),
+        Math::Frac(Box::new(Math::Row(top)), Box::new(Math::Row(bottom))),
+    ])
 }

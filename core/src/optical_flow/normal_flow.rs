@@ -238,6 +238,7 @@ impl NormalFlow {
         points.extend(truth.map(|truth| ("truth", Role::Truth, truth)));
         let plane = Plane {
             title: "Gradient constraint",
+            unit: "px".into(),
             reach: tell::reach(points.iter().map(|(.., point)| *point)),
             lines: tell::line(factors, 1.0, Role::Candidate).into_iter().collect(),
             points,

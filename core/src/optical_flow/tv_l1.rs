@@ -38,10 +38,10 @@ impl Model for TvL1 {
             "(u, v) ← 0 on the coarsest level",
             "for each level, from the coarsest to the picture itself; p ← 0",
             "  for each warp",
-            "    (u, v) ← medians of 3×3 px: nothing astray is carried on",
-            "    bring frame t+1 back along (u, v), take Iₓ, I_y, Iₜ",
+            "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
+            "    bring frame t+1 back along (u₀, v₀), take Iₓ, I_y, Iₜ; c ← Iₜ − Iₓ u₀ − I_y v₀",
             "    for each iteration",
-            "      (u_f, v_f) ← (u, v) − ∇I · (ρ / |∇I|², but at most λ θ either way)",
+            "      (u_f, v_f) ← (u, v) − ∇I · (ρ / |∇I|², but at most λ θ either way), ρ = Iₓ u + I_y v + c",
             "      (u, v) ← (u_f, v_f) + θ (div p_u, div p_v)",
             "      p ← (p + τ/θ ∇) / (1 + τ/θ |∇|), with ∇u for p_u and ∇v for p_v",
         ],
@@ -136,7 +136,9 @@ impl Pixel {
             FITTED => {
                 let most = tell::number(model.weights().most);
                 let said = said.text("At ").ink(Role::Reference, looked.pixel());
-                let why = if self.is_flat || self.off == 0.0 {
+                let why = if !looked.is_known() {
+                    " nothing is known: it has left the picture. The pixel stays at ".to_owned()
+                } else if self.is_flat || self.off == 0.0 {
                     " the constraint asks for nothing: it holds, or there is no gradient. The pixel stays at ".to_owned()
                 } else if self.step == self.whole {
                     format!(
@@ -152,7 +154,7 @@ impl Pixel {
                         tell::number(self.whole.abs())
                     )
                 };
-                said.text(why).ink(Role::Predicted, format!("{} px", tell::vector(self.fitted))).text(".")
+                said.text(why).ink(Role::Predicted, looked.px(self.fitted)).text(".")
             }
             SMOOTHED => said
                 .text("From there ")
@@ -161,14 +163,15 @@ impl Pixel {
                     " is pulled towards its neighbours by θ times the divergence {} of p, to ",
                     tell::vector(self.divergence)
                 ))
-                .ink(Role::Result, format!("{} px", tell::vector(looked.to())))
+                .ink(Role::Result, looked.px(looked.to()))
                 .text(": p points to where the field grows, and is never longer than 1, so that no jump pulls harder than another."),
             _ => {
                 let [u, v] = self.gradients.map(|g| tell::number(g[0].hypot(g[1])));
                 let [long_u, long_v] = self.p[1].map(|p| tell::number(p[0].hypot(p[1])));
                 said.text("Now the field differs at ").ink(Role::Reference, looked.pixel()).text(format!(
-                    " by {u} px (u) and {v} px (v) from its neighbours to the right and below. p turns towards that, and is \
-                     {long_u} and {long_v} long: near 1 there is a jump, or a slope that stays."
+                    " by {u} (u) and {v} (v) {} from its neighbours to the right and below. p turns towards that, and is \
+                     {long_u} and {long_v} long: near 1 there is a jump, or a slope that stays.",
+                    looked.unit()
                 ))
             }
         }
@@ -177,7 +180,7 @@ impl Pixel {
     fn facts(&self, step: usize) -> Vec<Fact> {
         let fact = |label, value, role| Fact { label, value, role };
         let case = match self.step {
-            _ if self.is_flat => "no gradient: stays",
+            _ if self.is_flat => "no gradient, or left the picture: stays",
             step if step == self.whole => "near: to the line",
             step if step > 0.0 => "too bright: as far as λ θ allows",
             _ => "too dark: as far as λ θ allows",
@@ -213,6 +216,20 @@ impl Pixel {
             Box::new(Math::Var("ρ")),
             Box::new(Math::power(Math::Abs(Box::new(gradient())), Math::text("2"))),
         );
+        let off = Math::Row(vec![
+            Math::Var("ρ"),
+            Math::text(" = "),
+            tell::derivative("x"),
+            Math::text(" "),
+            Math::Var("u"),
+            Math::text(" + "),
+            tell::derivative("y"),
+            Math::text(" "),
+            Math::Var("v"),
+            Math::text(" + "),
+            looked.rest(),
+            Math::text(format!(" = {}", tell::number(self.off))),
+        ]);
         let step = Math::Row(vec![
             Math::Var("s"),
             Math::text(" = "),
@@ -231,13 +248,14 @@ impl Pixel {
                 tell::derivative(along),
                 Math::text(" = "),
                 Math::ink(Role::Best, tell::number(from)),
-                Math::text(format!(" − {} · ", tell::number(self.step))),
+                Math::text(format!(" − {} · ", tell::factor(self.step))),
                 Math::ink(Role::Reference, tell::number(gradient)),
                 Math::text(" = "),
                 Math::ink(Role::Predicted, tell::number(to)),
             ])
         };
-        vec![step, line("u", u, "x", a, self.fitted[0]), line("v", v, "y", b, self.fitted[1])]
+        let lines = [line("u", u, "x", a, self.fitted[0]), line("v", v, "y", b, self.fitted[1])];
+        looked.definition().into_iter().chain([off, step]).chain(lines).collect()
     }
 }
 
@@ -253,7 +271,7 @@ fn smoothing(model: &TvL1, (name, p): (&'static str, &'static str), (fitted, div
         Math::Var(p),
         Math::text(" = "),
         Math::ink(Role::Predicted, tell::number(fitted)),
-        Math::text(format!(" + {} · {} = ", tell::number(model.theta), tell::number(div))),
+        Math::text(format!(" + {} · {} = ", tell::number(model.theta), tell::factor(div))),
         Math::ink(Role::Result, tell::number(to)),
     ])]
 }

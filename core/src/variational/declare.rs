@@ -13,7 +13,7 @@ pub trait HasSettings {
 pub struct Settings {
     /// Iterations for each level and warp.
     pub iterations: usize,
-    /// A warp is over when an iteration changes displacements by less on average, in px of the level; 0 for never.
+    /// A warp is over when an iteration changes displacements by less on average, in px of the picture; 0 for never.
     pub tolerance: f32,
     /// The most levels of the pyramid.
     pub levels: usize,
@@ -40,7 +40,7 @@ macro_rules! variational_params {
                 $($own)*
                 /// Iterations for each level and warp.
                 iterations: usize = $iterations, 1..=1000;
-                /// Go on to the next warp when an iteration changes displacements by less on average; 0 does all iterations.
+                /// Go on to the next warp when an iteration changes displacements by less on average, in px of the picture; 0 does all iterations.
                 tolerance: f32 = 0.0, 0.0..=1.0, "px";
                 /// Levels of the pyramid, each half as large as the one before; fewer where a side would be less than 16 px. 1 works on the picture alone.
                 levels: usize = $levels, 1..=10;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::declare::HasSettings;
-use crate::differential::{Field, Linear};
+use crate::differential::{Field, Linear, tell};
 use crate::scene::{Constraint, Fact, Math, Role, Sentence};
 use crate::{Info, Params, Promise, Threads};
 
@@ -91,6 +91,10 @@ pub struct Looked<'a, M: Model> {
     pub iteration: &'a Iteration<M>,
     /// The pixel.
     pub place: (usize, usize),
+    /// The level, 0 being the picture itself.
+    pub level: usize,
+    /// How many px of the picture one of the level is, across and down.
+    pub scale: [f32; 2],
 }
 
 impl<M: Model> Looked<'_, M> {
@@ -107,6 +111,38 @@ impl<M: Model> Looked<'_, M> {
     /// Its displacement after the iteration, in px of the level.
     pub fn to(&self) -> [f32; 2] {
         self.iteration.to.field().at(self.place.0, self.place.1)
+    }
+
+    /// Whether the constraint of the pixel is known, and not that of one that left the picture.
+    pub fn is_known(&self) -> bool {
+        self.iteration.warp.linear.factors.is_known(self.place)
+    }
+
+    /// The displacement (u₀, v₀) by which frame t + 1 was brought back to the pixel, if it was brought back.
+    pub fn start(&self) -> Option<[f32; 2]> {
+        let start = &self.iteration.warp.linear.start;
+        (!start.is_zero()).then(|| start.at(self.place.0, self.place.1))
+    }
+
+    /// What stands for Iₜ in the constraint.
+    pub fn rest(&self) -> Math {
+        if self.start().is_some() { Math::Var("c") } else { tell::derivative("t") }
+    }
+
+    /// What that is, where it is not Iₜ.
+    pub fn definition(&self) -> Vec<Math> {
+        let definition = || self.iteration.warp.linear.definition(self.place, Role::Reference);
+        self.start().map(|_| definition().to_vec()).unwrap_or_default()
+    }
+
+    /// A displacement in px of the level as it is told.
+    pub fn px(&self, uv: [f32; 2]) -> String {
+        format!("{} {}", tell::vector(uv), self.unit())
+    }
+
+    /// What displacements on the level are measured in.
+    pub fn unit(&self) -> String {
+        if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) }
     }
 
     /// What the pixel is called.

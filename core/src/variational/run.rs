@@ -102,6 +102,8 @@ pub(super) struct Note {
 
 /// What happens in an iteration.
 pub enum Event<M: Model> {
+    /// What was found by now is cleared of what is astray.
+    Medians,
     /// Frame t + 1 is brought back, and the constraints are taken anew.
     Warped,
     /// Step so many of the iteration is done.
@@ -111,6 +113,7 @@ pub enum Event<M: Model> {
 impl<M: Model> Clone for Event<M> {
     fn clone(&self) -> Self {
         match self {
+            Event::Medians => Event::Medians,
             Event::Warped => Event::Warped,
             Event::Step(step, iteration) => Event::Step(*step, Arc::clone(iteration)),
         }
@@ -153,8 +156,8 @@ impl<M: Model> Variational<M> {
         Arc::new(Warp { linear, system })
     }
 
-    /// Does `count` iterations of the warp at hand, and takes the place of the next. How far displacements changed on average
-    /// is known where that is one.
+    /// Does `count` iterations of the warp at hand, and takes the place of the next. How far displacements changed on average,
+    /// in px of the picture, is known where that is one.
     fn work(&self, state: &mut State<M>, count: usize, threads: &Threads) -> (Done<M>, f64) {
         let Settings { iterations, tolerance, warps, .. } = self.settings();
         let warp = self.constraints(state, threads);
@@ -163,7 +166,8 @@ impl<M: Model> Variational<M> {
             _ => Arc::clone(&state.unknowns),
         };
         let to = Arc::new(self.0.iterate(&warp, &from, count, threads));
-        let change = if count == 1 { relax::change(from.field(), to.field()) } else { f64::INFINITY };
+        let scale = f64::from(state.scale(state.level)[0]);
+        let change = if count == 1 { scale * relax::change(from.field(), to.field()) } else { f64::INFINITY };
         state.unknowns = Arc::clone(&to);
         state.constraints = Constraints::Made(Arc::clone(&warp));
         state.iteration += count;
@@ -185,8 +189,7 @@ impl<M: Model> Variational<M> {
     /// An iteration on `level` in numbers.
     fn note(&self, state: &State<M>, level: usize, done: &Iteration<M>, change: f64) -> Note {
         let [data, smoothness] = self.0.energy(&done.warp, &done.to).map(|part| part as f32);
-        let change = change as f32 * state.scale(level)[0];
-        Note { data, smoothness, change, error: state.error(level) }
+        Note { data, smoothness, change: change as f32, error: state.error(level) }
     }
 }
 
@@ -202,10 +205,15 @@ impl<M: Model> State<M> {
     fn next_start(&self, threads: &Threads) -> Field {
         let (found, size) = (self.unknowns.field(), self.level_size(self.level));
         let start = if found.u.size() == size { found.clone() } else { found.resized(size, threads) };
-        if self.warp == 0 && self.level + 1 == self.levels() {
+        if self.is_first_warp() {
             return start;
         }
         Field { u: filter::median(&start.u, threads), v: filter::median(&start.v, threads) }
+    }
+
+    /// Whether nothing was found before the warp at hand.
+    pub(super) fn is_first_warp(&self) -> bool {
+        self.warp == 0 && self.level + 1 == self.levels()
     }
 
     /// How many levels there are.
@@ -275,9 +283,12 @@ impl<M: Model> Estimator for Variational<M> {
         state: &mut State<M>,
         observer: &mut impl Observer<Event<M>>,
     ) -> Result<Progress, Error> {
-        let (level, is_first) = (state.level, state.iteration == 0);
+        let (level, is_first, has_medians) = (state.level, state.iteration == 0, !state.is_first_warp());
         let (Done { warp, from, to }, change) = self.work(state, 1, &Threads::single());
         if is_first {
+            if has_medians {
+                observer.see(|| Event::Medians);
+            }
             observer.see(|| Event::Warped);
         }
         let most = most_changed(from.field(), to.field());

@@ -2,7 +2,7 @@
 
 use super::model::{Looked, Model};
 use crate::differential::{Field, relax, tell};
-use crate::scene::Sentence;
+use crate::scene::{Math, Sentence};
 use crate::{Role, choices};
 
 choices! {
@@ -27,6 +27,11 @@ impl Solver {
         }
     }
 
+    /// `over` where pixels are taken beyond Gauss and Seidel's value by it.
+    pub fn beyond(self, over: f32) -> Option<f32> {
+        (self == Solver::Sor).then_some(over)
+    }
+
     /// The average of the neighbours from which a pixel was set.
     pub fn mean_of<M: Model<Unknowns = Field>>(self, looked: &Looked<M>) -> [f32; 2] {
         let iteration = looked.iteration;
@@ -42,7 +47,46 @@ impl<M: Model<Unknowns = Field>> Looked<'_, M> {
             .text("The neighbours of ")
             .ink(Role::Reference, self.pixel())
             .text(" move by ")
-            .ink(Role::Predicted, format!("{} px", tell::vector(mean)))
+            .ink(Role::Predicted, self.px(mean))
             .text(" on average. If smoothness alone counted, so would the pixel.")
+    }
+
+    /// The end of what is said of an update: where the pixel goes, with SOR `beyond` that.
+    pub fn goes(&self, said: Sentence, update: [f32; 2], beyond: Option<f32>) -> Sentence {
+        let to = self.px(self.to());
+        let Some(relaxation) = beyond else { return said.ink(Role::Result, to) };
+        said.ink(Role::Predicted, self.px(update))
+            .text(format!(". SOR goes {} times as far from where it was, ", tell::number(relaxation)))
+            .ink(Role::Best, self.px(self.from()))
+            .text(", to ")
+            .ink(Role::Result, to)
+    }
+
+    /// How SOR goes beyond an update, in symbols and in numbers.
+    pub fn relaxed(&self, update: [f32; 2], relaxation: f32) -> Vec<Math> {
+        let (from, to) = (self.from(), self.to());
+        let line = |i: usize, name: &'static str| {
+            let indexed = |index: &'static str| Math::indexed(Math::Var(name), Math::text(index));
+            Math::Row(vec![
+                Math::Var(name),
+                Math::text(" = "),
+                indexed("before"),
+                Math::text(" + "),
+                Math::Var("ω"),
+                Math::text(" ("),
+                indexed("GS"),
+                Math::text(" − "),
+                indexed("before"),
+                Math::text(") = "),
+                Math::ink(Role::Best, tell::number(from[i])),
+                Math::text(format!(" + {} · (", tell::number(relaxation))),
+                Math::ink(Role::Predicted, tell::number(update[i])),
+                Math::text(" − "),
+                Math::ink(Role::Best, tell::factor(from[i])),
+                Math::text(") = "),
+                Math::ink(Role::Result, tell::number(to[i])),
+            ])
+        };
+        vec![line(0, "u"), line(1, "v")]
     }
 }

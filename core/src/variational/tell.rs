@@ -6,6 +6,9 @@ use crate::differential::tell;
 use crate::scene::{Fact, Picture, Plane, Readout, Sentence, Series, Shape};
 use crate::{Estimator, Role, Scene, Seen, Step};
 
+/// The line of every method's pseudocode in which medians are taken.
+const MEDIANS: usize = 4;
+
 impl<M: Model> Looked<'_, M> {
     /// The iteration at a cursor, at the pixel pointed at, or else the one that changes most; `None` before its first step.
     fn at<'a>(seen: &'a Seen<Variational<M>>) -> Option<Looked<'a, M>> {
@@ -16,7 +19,7 @@ impl<M: Model> Looked<'_, M> {
             let on_level = |c: usize, scale: f32, extent: usize| (((c as f32 + 0.5) / scale) as usize).min(extent - 1);
             (on_level(x, scale[0], width), on_level(y, scale[1], height))
         });
-        Some(Looked { iteration, place: pointed_at.unwrap_or(iteration.most) })
+        Some(Looked { iteration, place: pointed_at.unwrap_or(iteration.most), level: state.level, scale })
     }
 }
 
@@ -32,6 +35,7 @@ impl<M: Model> Variational<M> {
                 let plane = plane(seen.before, &looked, points, lines);
                 (M::LINES.1[*step], sentence, vec![Readout::Facts(facts), Readout::Equation(equation), plane])
             }
+            (Some(Event::Medians), _) => (MEDIANS, medians(seen.before), vec![Readout::Facts(self.facts(seen, None))]),
             _ => (M::LINES.0, self.warped(seen.before), vec![Readout::Facts(self.facts(seen, None))]),
         };
         readouts.extend(self.series(seen).into_iter().map(Readout::Series));
@@ -42,11 +46,13 @@ impl<M: Model> Variational<M> {
     fn warped(&self, state: &State<M>) -> Sentence {
         let (width, height) = state.level_size(state.level);
         let warp = format!("{} of {}", state.warp + 1, self.settings().warps);
-        Sentence::default().text(format!(
-            "Level {} of the pyramid is {width}×{height} px large. Warp {warp}: frame t+1 is brought back by what was \
-             found so far, and the derivatives are taken of what is left.",
-            state.level
-        ))
+        let what = if state.is_first_warp() {
+            "nothing was found yet, so the derivatives are taken of both frames as they are."
+        } else {
+            "frame t+1 is brought back by what was found so far, and the derivatives are taken of what is left."
+        };
+        Sentence::default()
+            .text(format!("Level {} of the pyramid is {width}×{height} px large. Warp {warp}: {what}", state.level))
     }
 
     fn facts(&self, seen: &Seen<Self>, looked: Option<(&Looked<M>, Vec<Fact>)>) -> Vec<Fact> {
@@ -62,8 +68,14 @@ impl<M: Model> Variational<M> {
             let (x, y) = looked.place;
             facts.push(fact("Pixel", format!("({x}, {y}) of the level"), Some(Role::Reference)));
             facts.push(looked.iteration.warp.linear.fact(looked.place));
-            facts.push(fact("Before", format!("{} px", tell::vector(looked.from())), Some(Role::Best)));
+            facts.extend(looked.start().map(|start| fact("Warp (u₀, v₀)", looked.px(start), None)));
+            facts.push(fact("Before", looked.px(looked.from()), Some(Role::Best)));
             facts.extend(more);
+            if seen.after.is_some() && looked.level > 0 {
+                let ([u, v], [across, down]) = (looked.to(), looked.scale);
+                let value = format!("{} px", tell::vector([u * across, v * down]));
+                facts.push(fact("On the picture", value, Some(Role::Result)));
+            }
         }
         if let Some(note) = seen.after.and_then(|after| after.notes.last()) {
             let [data, smoothness] = [note.data, note.smoothness].map(tell::number);
@@ -78,8 +90,7 @@ impl<M: Model> Variational<M> {
 
     /// Marks the pixel that is explained.
     pub(super) fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let Some(Looked { place: (x, y), .. }) = Looked::at(seen) else { return };
-        let scale = seen.before.scale(seen.before.level);
+        let Some(Looked { place: (x, y), scale, .. }) = Looked::at(seen) else { return };
         let edge = |i: usize, scale: f32| i as f32 * scale - 0.5;
         let min = [edge(x, scale[0]), edge(y, scale[1])];
         let max = [edge(x + 1, scale[0]), edge(y + 1, scale[1])];
@@ -106,13 +117,22 @@ impl<M: Model> Variational<M> {
         ];
         let mut all = vec![
             series("Energy per pixel", M::ENERGY_UNIT, energy),
-            series("Mean change", "px", vec![("change", Role::Best, line(|note| note.change))]),
+            series("Mean change", "px", vec![("change", Role::Measured, line(|note| note.change))]),
         ];
         if notes.iter().all(|note| note.error.is_finite()) {
             all.push(series("Mean endpoint error", "px", vec![("error", Role::Error, line(|note| note.error))]));
         }
         all
     }
+}
+
+/// What is said before a warp that begins with what was found.
+fn medians<M: Model>(state: &State<M>) -> Sentence {
+    let from = if state.warp == 0 { "The field of the coarser level is enlarged to this one. " } else { "" };
+    Sentence::default().text(format!(
+        "{from}Each displacement becomes the median of those of the 3×3 px around it, u and v by themselves, so that nothing \
+         astray is carried on."
+    ))
 }
 
 /// The constraint of the pixel, where the iteration takes it, and where it truly goes.
@@ -122,13 +142,14 @@ fn plane<M: Model>(
     points: Vec<(&'static str, Role, [f32; 2])>,
     lines: Vec<crate::scene::Constraint>,
 ) -> Readout {
-    let scale = state.scale(state.level);
+    let scale = looked.scale;
     let mut all = vec![("before", Role::Best, looked.from())];
     all.extend(points);
     let truth = state.truth(looked.place, scale);
     all.extend(truth.map(|[u, v]| ("truth", Role::Truth, [u / scale[0], v / scale[1]])));
     Readout::Plane(Plane {
         title: "Constraint and smoothness",
+        unit: looked.unit(),
         reach: tell::reach(all.iter().map(|(.., point)| *point)),
         lines,
         points: all,

@@ -143,6 +143,7 @@ impl LucasKanade {
         points.extend(truth.map(|truth| ("truth", Role::Truth, truth)));
         let plane = Plane {
             title: "Gradient constraints of the window",
+            unit: "px".into(),
             reach: tell::reach(points.iter().map(|(.., point)| *point)),
             lines: self.lines(&looked.linear.factors, looked.pixel),
             points,
