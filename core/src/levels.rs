@@ -6,24 +6,42 @@ use std::sync::{Arc, OnceLock};
 use crate::{Frame, Grid, Role};
 
 /// Frames t and t + 1 on one level of a pyramid.
-///
-/// Pixel `(x, y)` of level n stands for the place `(2ⁿ x, 2ⁿ y)` of the picture.
 pub struct Level {
     /// The two frames.
     pub pair: [Arc<Frame>; 2],
+    placing: Placing,
     /// Made when it is first looked at: every step of a run shows the same one.
     enlarged: OnceLock<[Arc<Frame>; 2]>,
 }
 
+/// Where the pixels of a level lie in the picture.
+#[derive(Clone, Copy)]
+enum Placing {
+    /// Pixel `(x, y)` of level n at `(2ⁿ x, 2ⁿ y)`.
+    Multiples,
+    /// All together over the same area, each as large as the others.
+    Area,
+}
+
 impl Level {
-    /// A level of these frames.
+    /// A level of these frames, of which pixel `(x, y)` stands for the place `(2ⁿ x, 2ⁿ y)` of the picture if it is level n.
     pub fn new(pair: [Arc<Frame>; 2]) -> Self {
-        Self { pair, enlarged: OnceLock::new() }
+        Self { pair, placing: Placing::Multiples, enlarged: OnceLock::new() }
+    }
+
+    /// A level of these frames, which cover the same area as the picture.
+    pub fn covering(pair: [Arc<Frame>; 2]) -> Self {
+        Self { placing: Placing::Area, ..Self::new(pair) }
     }
 
     /// Its frames enlarged `factor` times, each pixel to a square of them, and cut to the `size` of the picture.
     fn enlarged(&self, factor: usize, size: (usize, usize)) -> [Arc<Frame>; 2] {
-        let enlarge = |frame: &Arc<Frame>| Arc::new(Frame::gray(enlarge(frame, factor, size)));
+        let enlarge = |frame: &Arc<Frame>| {
+            Arc::new(Frame::gray(match self.placing {
+                Placing::Multiples => enlarge(frame, factor, size),
+                Placing::Area => stretch(frame, size),
+            }))
+        };
         self.enlarged.get_or_init(|| self.pair.each_ref().map(enlarge)).clone()
     }
 }
@@ -33,6 +51,13 @@ fn enlarge(frame: &Frame, factor: usize, (width, height): (usize, usize)) -> Gri
     // The middle of a pixel stays where the pyramid has it.
     let nearest = |c: usize, extent: usize| ((c + factor / 2) / factor).min(extent.saturating_sub(1));
     Grid::from_fn(width, height, |x, y| luma[(nearest(x, luma.width()), nearest(y, luma.height()))])
+}
+
+fn stretch(frame: &Frame, (width, height): (usize, usize)) -> Grid<u8> {
+    let luma = frame.luma();
+    // Twice, so that the middle of a pixel is a whole number.
+    let nearest = |c: usize, of: usize, extent: usize| ((2 * c + 1) * of / (2 * extent)).min(of.saturating_sub(1));
+    Grid::from_fn(width, height, |x, y| luma[(nearest(x, luma.width(), width), nearest(y, luma.height(), height))])
 }
 
 impl PartialEq for Level {
@@ -102,6 +127,16 @@ impl Floor {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_level_that_covers_the_picture_is_stretched_over_it() {
+        let frame = Arc::new(Frame::gray(Grid::from_fn(4, 2, |x, y| (10 * y + x) as u8)));
+        let [current, _] = Level::covering([frame.clone(), frame]).enlarged(2, (7, 5));
+        for (x, y) in (0..5).flat_map(|y| (0..7).map(move |x| (x, y))) {
+            let on_level = |c: usize, of: f32, extent: f32| ((c as f32 + 0.5) * of / extent).floor() as u8;
+            assert_eq!(current.luma()[(x, y)], 10 * on_level(y, 2.0, 5.0) + on_level(x, 4.0, 7.0), "{x}, {y}");
+        }
+    }
 
     #[test]
     fn a_level_is_enlarged_to_the_picture_once() {

@@ -361,3 +361,41 @@ fn pixels_of_unknown_truth_are_left_out_of_the_error() {
         assert!(plane(&step).points.iter().all(|(name, ..)| *name != "truth"), "{id} knows what nobody knows");
     }
 }
+
+#[test]
+fn every_level_shows_what_was_found_where_the_pixel_lies() {
+    let clip = moving(|x, y| (x - 2.5, y + 1.5), 0.0);
+    for id in ["horn-schunck", "clg", "tv-l1"] {
+        let estimator = set(id, &[("levels", "3"), ("warps", "2"), ("iterations", "30")]);
+        let mut walk = estimator.walk(&clip, 0).expect("a walk");
+        let levels = walk.scene(None).levels.expect("a pyramid");
+        assert_eq!((levels.at_work, levels.size(0), levels.size(1), levels.size(2)), (0, SIZE, (48, 40), (24, 20)));
+        assert_eq!(levels.pair(0)[0], clip.frame(0).expect("a frame"), "the picture itself");
+        // A walk to the second level's last iteration, and one that comes back to it.
+        for cursor in [119, 179, 119].map(|unit| Cursor { unit, event: usize::MAX }) {
+            walk.jump(Move::To(cursor));
+            let (level, focus) = (if cursor.unit == 119 { 1 } else { 0 }, [41.0, 30.0]);
+            assert_eq!(walk.scene(Some(focus)).levels.expect("a pyramid").at_work, level);
+            let step = walk.step(Some(focus));
+            let stack = step.readouts.iter().find_map(|readout| match readout {
+                scene::Readout::Stack(stack) => Some(stack),
+                _ => None,
+            });
+            for (n, floor) in stack.expect("a stack").floors.iter().enumerate() {
+                let [min, max] = floor.at_hand.expect("a pixel");
+                let scale = (1 << n) as f32;
+                // In the picture the pixel of the level reaches over that which is pointed at; on a finer level than that at
+                // work it is one of those that make up the one that is explained.
+                let (place, beside) = (focus.map(|c| (c + 0.5) / scale - 0.5), if n < level { 1.0 } else { 0.0 });
+                let inside = |i: usize| min[i] - beside <= place[i] && place[i] <= max[i] + beside;
+                assert!((0..2).all(inside), "{id}: {min:?} on level {n}");
+                assert_eq!(floor.vector.is_some(), n >= level, "{id}: level {n}");
+                let Some(([u, v], _)) = floor.vector else { continue };
+                let off = (u * scale - 2.5).hypot(v * scale + 1.5);
+                assert!(off < 0.5, "{id}: ({u}, {v}) on level {n}");
+            }
+        }
+        let alone = set(id, &[("levels", "1"), ("iterations", "1")]);
+        assert_eq!(alone.walk(&clip, 0).expect("a walk").scene(None).levels, None, "one level is no pyramid");
+    }
+}

@@ -7,7 +7,8 @@ use crate::{Info, Promise, Role, Threads};
 
 variational_params! {
     /// Horn and Schunck's method. The energy ∫∫ (Iₓ u + I_y v + Iₜ)² + α² (|∇u|² + |∇v|²) is made as small as can be.
-    /// Where course notes multiply the second part by (Iₓ² + I_y²) as well, that is a misprint: smoothness counts everywhere alike.
+    /// Where course notes multiply the second part by (Iₓ² + I_y²) as well, that is a misprint: smoothness counts
+    /// everywhere alike, and most of all where there is no gradient.
     /// Between pixels, |∇u|² is three times what the weights of the average make of the differences to the eight neighbours: as in
     /// the paper, that 3 is left out, so that α² counts as α²/3 would. One level and warp, no smoothing and the 2×2×2 cube make it the paper's.
     pub struct HornSchunck {
@@ -53,7 +54,8 @@ impl Model for HornSchunck {
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints are off, and α² \
                                    times how unlike neighbours move. Where course notes multiply the second part by \
-                                   (Iₓ² + I_y²) as well, that is a misprint.";
+                                   (Iₓ² + I_y²) as well, that is a misprint: where a picture has no gradient, smoothness \
+                                   is all there is.";
     const SYSTEM_PARTS: usize = 3;
     type System = relax::System;
     type Unknowns = Field;

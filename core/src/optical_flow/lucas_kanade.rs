@@ -12,7 +12,9 @@ use crate::{
 
 params! {
     /// Lucas and Kanade's method for every pixel. Its system is Σ w Iₓ² u + Σ w Iₓ I_y v = −Σ w Iₓ Iₜ and
-    /// Σ w Iₓ I_y u + Σ w I_y² v = −Σ w I_y Iₜ, the weights w summing to 1. Course notes that put Iₜ into the matrix are misprinted.
+    /// Σ w Iₓ I_y u + Σ w I_y² v = −Σ w I_y Iₜ, the weights w summing to 1. Course notes that have
+    /// (Iₓ, I_y; Iₜ, I_y) (u, v) = −(Iₜ, Iₓ) are misprinted: Iₜ does not belong into the matrix, nor Iₓ to the right, and
+    /// without products summed over a window there is nothing that fits best.
     pub struct LucasKanade {
         /// Side of the window around each pixel; an even one reaches as far as the next odd one.
         window: usize = 15, 3..=31, "px";

@@ -1,13 +1,13 @@
 //! How a variational method runs: levels, warps and iterations.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::declare::Settings;
 use super::model::{Iteration, Model, Unknowns, Warp};
 use crate::differential::{Field, Given, Linear, field, filter, relax};
 use crate::{
-    Clip, DenseField, Error, Estimator, Flow, Grid, Info, Observer, Output, Params, Progress, Promise, Rung, Scene,
-    Seen, Spec, Step, Threads, Value, pyramid,
+    Clip, DenseField, Error, Estimator, Flow, Frame, Grid, Info, Level, Observer, Output, Params, Progress, Promise,
+    Rung, Scene, Seen, Spec, Step, Threads, Value, pyramid,
 };
 
 /// From one level of the pyramid to the next.
@@ -42,6 +42,8 @@ pub struct State<M: Model> {
     pub(super) iteration: usize,
     /// What was found by now, on the level of the last iteration.
     unknowns: Arc<M::Unknowns>,
+    /// What was found on the levels that are done, the coarsest first.
+    coarser: Vec<Arc<M::Unknowns>>,
     /// The constraints of the last iteration.
     constraints: Constraints<M>,
     /// The iterations before the eyes of someone.
@@ -74,6 +76,7 @@ impl<M: Model> Clone for State<M> {
         Self {
             fixed: Arc::clone(&self.fixed),
             unknowns: Arc::clone(&self.unknowns),
+            coarser: self.coarser.clone(),
             constraints: self.constraints.clone(),
             notes: self.notes.clone(),
             ..*self
@@ -86,6 +89,23 @@ pub(super) struct Fixed {
     pub(super) given: Given,
     /// The levels of frames t and t + 1, the picture first.
     levels: [Vec<Grid<f32>>; 2],
+    /// Frames t and t + 1.
+    pair: [Arc<Frame>; 2],
+    /// The levels as pictures, for whoever looks.
+    pictures: OnceLock<Arc<[Level]>>,
+}
+
+impl Fixed {
+    /// The levels as pictures to be looked at.
+    pub(super) fn pictures(&self) -> Arc<[Level]> {
+        let seen = |level: &Grid<f32>| Arc::new(Frame::gray(level.map(|v| v.round().clamp(0.0, 255.0) as u8)));
+        let coarser = |level: usize| Level::covering([0, 1].map(|i| seen(&self.levels[i][level])));
+        let make = || {
+            let picture = [Level::covering(self.pair.clone())].into_iter();
+            picture.chain((1..self.levels[0].len()).map(coarser)).collect()
+        };
+        Arc::clone(self.pictures.get_or_init(make))
+    }
 }
 
 /// An iteration in numbers.
@@ -133,10 +153,11 @@ impl<M: Model> Variational<M> {
         let start = Field::new(levels[0][level].size(), [0.0; 2]);
         Ok(State {
             unknowns: Arc::new(M::Unknowns::begin(&start, None)),
-            fixed: Arc::new(Fixed { given, levels }),
+            fixed: Arc::new(Fixed { given, levels, pair: clip.pair(frame)?, pictures: OnceLock::new() }),
             level,
             warp: 0,
             iteration: 0,
+            coarser: Vec::new(),
             constraints: Constraints::Next,
             notes: Vec::new(),
             is_done: false,
@@ -179,7 +200,10 @@ impl<M: Model> Variational<M> {
         if state.warp == warps {
             state.warp = 0;
             match state.level.checked_sub(1) {
-                Some(level) => state.level = level,
+                Some(level) => {
+                    state.level = level;
+                    state.coarser.push(Arc::clone(&to));
+                }
                 None => state.is_done = true,
             }
         }
@@ -214,6 +238,11 @@ impl<M: Model> State<M> {
     /// Whether nothing was found before the warp at hand.
     pub(super) fn is_first_warp(&self) -> bool {
         self.warp == 0 && self.level + 1 == self.levels()
+    }
+
+    /// What was found on `level`, if that is done.
+    pub(super) fn found(&self, level: usize) -> Option<&Field> {
+        self.coarser.get(self.levels() - 1 - level).map(|found| found.field())
     }
 
     /// How many levels there are.
@@ -324,6 +353,7 @@ impl<M: Model> Estimator for Variational<M> {
         State { constraints, ..state.clone() }
     }
 
+    /// What was found on coarser levels is shared by all states of a run.
     fn state_bytes(&self, state: &State<M>) -> usize {
         let constraints = match &state.constraints {
             Constraints::Next => 0,
@@ -334,12 +364,13 @@ impl<M: Model> Estimator for Variational<M> {
     }
 
     fn memory_bytes(&self, state: &State<M>) -> usize {
-        let Fixed { given, levels } = &*state.fixed;
+        let Fixed { given, levels, .. } = &*state.fixed;
         let pictures: usize =
             given.pictures.iter().chain(levels.iter().flatten()).map(|p| size_of_val(p.cells())).sum();
         let constraints = size_of_val(given.pictures[0].cells()) * (LINEAR_PARTS + M::SYSTEM_PARTS);
+        let coarser: usize = state.coarser.iter().map(|unknowns| unknowns.bytes()).sum();
         // What an iteration goes from, and what it comes to.
-        self.state_bytes(state) + pictures + constraints + 2 * state.unknowns.bytes()
+        self.state_bytes(state) + pictures + constraints + coarser + 2 * state.unknowns.bytes()
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -350,6 +381,7 @@ impl<M: Model> Estimator for Variational<M> {
         let state = seen.after.unwrap_or(seen.before);
         field::draw(state.flow().0, scene);
         self.draw_pixel(seen, scene);
+        scene.levels = self.levels(seen);
     }
 
     fn output(&self, state: &State<M>) -> Output {

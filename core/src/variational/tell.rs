@@ -4,7 +4,7 @@ use super::model::{Looked, Model, Told};
 use super::run::{Event, Note, State, Variational};
 use crate::differential::tell;
 use crate::scene::{Fact, Picture, Plane, Readout, Sentence, Series, Shape};
-use crate::{Estimator, Role, Scene, Seen, Step};
+use crate::{Estimator, Floor, Levels, Role, Scene, Seen, Stack, Step};
 
 /// The line of every method's pseudocode in which medians are taken.
 const MEDIANS: usize = 4;
@@ -39,6 +39,7 @@ impl<M: Model> Variational<M> {
             _ => (M::LINES.0, self.warped(seen.before), vec![Readout::Facts(self.facts(seen, None))]),
         };
         readouts.extend(self.series(seen).into_iter().map(Readout::Series));
+        readouts.extend(self.stack(seen).map(Readout::Stack));
         Step { line, sentence, readouts }
     }
 
@@ -86,6 +87,34 @@ impl<M: Model> Variational<M> {
             }
         }
         facts
+    }
+
+    /// The pyramid, if it has more levels than the picture itself; that is what there is before anything was done.
+    pub(super) fn levels(&self, seen: &Seen<Self>) -> Option<Levels> {
+        let at_work = if seen.events.is_empty() { 0 } else { seen.before.level };
+        (seen.before.levels() > 1).then(|| Levels { all: seen.before.fixed.pictures(), at_work })
+    }
+
+    /// The pyramid with the pixel that is explained, and with those of the other levels that lie where it does.
+    fn stack(&self, seen: &Seen<Self>) -> Option<Stack> {
+        let (levels, state) = (self.levels(seen)?, seen.before);
+        let Some(looked) = Looked::at(seen) else {
+            return Some(Stack { floors: vec![Floor::default(); levels.all.len()], levels });
+        };
+        let here = state.scale(state.level);
+        let floor = |level: usize| {
+            let ((width, height), scale) = (state.level_size(level), state.scale(level));
+            let on_level =
+                |c: usize, i: usize, extent: usize| (((c as f32 + 0.5) * here[i] / scale[i]) as usize).min(extent - 1);
+            let (x, y) = (on_level(looked.place.0, 0, width), on_level(looked.place.1, 1, height));
+            let min = [x as f32 - 0.5, y as f32 - 0.5];
+            let vector = match level == state.level {
+                true => Some((if seen.after.is_some() { looked.to() } else { looked.from() }, Role::Best)),
+                false => state.found(level).map(|found| (found.at(x, y), Role::Result)),
+            };
+            Floor { at_hand: Some([min, [min[0] + 1.0, min[1] + 1.0]]), vector }
+        };
+        Some(Stack { floors: (0..levels.all.len()).map(floor).collect(), levels })
     }
 
     /// Marks the pixel that is explained.

@@ -44,8 +44,8 @@ impl LucasKanade {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let Some(looked) = self.look(seen) else {
             let sentence = "One pixel says too little, so those of a window are asked together: T (u, v) = −Σ w ∇I Iₜ, where \
-                            T holds the products of Iₓ and I_y alone. Where course notes put Iₜ into the matrix, that is a \
-                            misprint.";
+                            T holds the products of Iₓ and I_y alone, summed over the window. Where course notes have \
+                            (Iₓ, I_y; Iₜ, I_y) (u, v) = −(Iₜ, Iₓ) instead, that is a misprint.";
             return Step { line: 0, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
         };
         let line = if looked.is_told() { 7 } else { 6 };
