@@ -211,6 +211,7 @@ impl Looked<'_> {
         let is_pixel = self.part == Part::Compared;
         Plane {
             title: if is_pixel { "What the pixel says: A d = Δb" } else { "What the window says: A d = Δb" },
+            unit: if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) },
             reach: tell::reach(points.iter().map(|(.., point)| *point)),
             lines: if is_pixel { of_pixel() } else { self.window_lines() },
             points,
