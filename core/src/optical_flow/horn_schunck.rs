@@ -53,9 +53,8 @@ impl Model for HornSchunck {
     const LINES: (usize, &'static [usize]) = (5, &[7, 8]);
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints are off, and α² \
-                                   times how unlike neighbours move. Where course notes multiply the second part by \
-                                   (Iₓ² + I_y²) as well, that is a misprint: where a picture has no gradient, smoothness \
-                                   is all there is.";
+                                   times how unlike neighbours move. (In some course notes the second part is multiplied by \
+                                   Iₓ² + I_y² as well: a misprint, for where there is no gradient, smoothness is all there is.)";
     const SYSTEM_PARTS: usize = 3;
     type System = relax::System;
     type Unknowns = Field;
@@ -124,15 +123,22 @@ impl Update {
             return looked.goes(said, self.to, beyond).text(".");
         }
         let off = tell::number(self.off);
+        if off.chars().all(|letter| "−0.".contains(letter)) {
+            let said = said
+                .text("With the average, the constraint of ")
+                .ink(Role::Reference, pixel)
+                .text(" holds already: it moves as its neighbours do, to ");
+            return looked.goes(said, self.to, beyond).text(".");
+        }
         let said = said
             .text(format!("With the average, the constraint is off by {off} gray levels at "))
             .ink(Role::Reference, pixel)
             .text(". From the average it is moved along its gradient towards the line, to ");
         match beyond {
             Some(_) => looked.goes(said, self.to, beyond).text("."),
-            None => looked
-                .goes(said, self.to, beyond)
-                .text(": the nearer to the line, the larger the gradient is beside α."),
+            None => looked.goes(said, self.to, beyond).text(
+                ". Where the gradient is large beside α, it comes near the line; where it is small, the average stays.",
+            ),
         }
     }
 

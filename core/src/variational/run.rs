@@ -6,8 +6,8 @@ use super::declare::Settings;
 use super::model::{Iteration, Model, Unknowns, Warp};
 use crate::differential::{Field, Given, Linear, field, filter, relax};
 use crate::{
-    Clip, DenseField, Error, Estimator, Flow, Frame, Grid, Info, Level, Observer, Output, Params, Progress, Promise,
-    Rung, Scene, Seen, Spec, Step, Threads, Value, pyramid,
+    Clip, DenseField, Error, Estimator, Explained, Flow, Frame, Grid, Info, Level, Observer, Output, Params, Progress,
+    Promise, Rung, Scene, Seen, Spec, Step, Threads, Value, pyramid,
 };
 
 /// From one level of the pyramid to the next.
@@ -351,6 +351,10 @@ impl<M: Model> Estimator for Variational<M> {
             constraints => constraints.clone(),
         };
         State { constraints, ..state.clone() }
+    }
+
+    fn explained(&self, state: &State<M>, point: [f32; 2]) -> Option<Explained> {
+        state.fixed.given.pixel_at(point).map(|_| Explained::Always)
     }
 
     /// What was found on coarser levels is shared by all states of a run.
