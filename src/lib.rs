@@ -5,6 +5,7 @@ pub mod cli;
 pub mod company;
 pub mod comparison;
 pub mod media;
+pub mod motion;
 pub mod paint;
 pub mod quality;
 pub mod session;

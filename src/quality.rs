@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use motionscope_core::metrics::{self, FlowError};
-use motionscope_core::scene::Fact;
+use motionscope_core::scene::{Distribution, Fact};
 use motionscope_core::{
     BlockField, Clip, Coding, Error, Flow, Gray, Grid, Output, PointField, Status, TrackField, Truth,
 };
@@ -25,6 +25,9 @@ pub struct Quality {
     /// Errors against the true flow, where it is known.
     #[serde(flatten)]
     pub truth: Option<AgainstTruth>,
+    /// How these errors are distributed.
+    #[serde(skip)]
+    pub errors: Option<Distribution>,
     /// Why they are not known, where there is a truth that cannot be read.
     #[serde(skip)]
     pub truth_error: Option<Error>,
@@ -78,6 +81,17 @@ pub struct AgainstTruth {
     pub epe_px: f64,
     /// Median endpoint error in px.
     pub epe_median_px: f64,
+    /// The endpoint error in px that 95 % of the pixels do not exceed.
+    pub epe_p95_px: f64,
+    /// Share of the pixels whose endpoint error exceeds 0.5 px, as the Middlebury benchmark tells it.
+    #[serde(rename = "r0.5")]
+    pub r0_5: f64,
+    /// The same for 1 px.
+    #[serde(rename = "r1.0")]
+    pub r1_0: f64,
+    /// The same for 2 px.
+    #[serde(rename = "r2.0")]
+    pub r2_0: f64,
     /// Mean angular error in degrees.
     pub aae_deg: f64,
     /// Pixels compared.
@@ -85,7 +99,7 @@ pub struct AgainstTruth {
 }
 
 impl AgainstTruth {
-    fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Option<Self>, Error> {
+    fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Option<(Self, Distribution)>, Error> {
         let Some(truth) = clip.truth() else { return Ok(None) };
         let (flow, truth) = match output {
             Output::Tracks(field) => displacements(field, &**truth)?,
@@ -94,13 +108,10 @@ impl AgainstTruth {
                 None => return Ok(None),
             },
         };
-        let error = metrics::flow_error(&flow, &truth)?;
-        Ok(error.map(|FlowError { epe_px, epe_median_px, aae_deg, known }| Self {
-            epe_px,
-            epe_median_px,
-            aae_deg,
-            known,
-        }))
+        let Some(error) = metrics::flow_error(&flow, &truth)? else { return Ok(None) };
+        let distribution = metrics::distribution(&metrics::endpoint_errors(&flow, &truth)?, &error);
+        let FlowError { epe_px, epe_median_px, epe_p95_px, beyond: [r0_5, r1_0, r2_0], aae_deg, known } = error;
+        Ok(Some((Self { epe_px, epe_median_px, epe_p95_px, r0_5, r1_0, r2_0, aae_deg, known }, distribution)))
     }
 }
 
@@ -154,15 +165,17 @@ impl Quality {
         let [current, next] = clip.pair(frame)?;
         let prediction = output.prediction(next.luma());
         let prediction = prediction.map(|picture| Prediction::of(output, current.luma(), &picture)).transpose()?;
-        let (truth, truth_error) = match AgainstTruth::of(clip, frame, output) {
-            Ok(truth) => (truth, None),
+        let (against, truth_error) = match AgainstTruth::of(clip, frame, output) {
+            Ok(against) => (against, None),
             Err(error) => (None, Some(error)),
         };
+        let (truth, errors) = against.unzip();
         Ok(Self {
             candidates: output.blocks().map(BlockField::candidates),
             prediction,
             features: output.points().map(Features::of).or(output.tracks().map(Features::of_tracks)),
             truth,
+            errors,
             truth_error,
         })
     }

@@ -17,6 +17,7 @@
 //!
 //! [picture]
 //! view = "side-by-side"
+//! layer = "error"                  # the colours that tell of motion
 //! ```
 
 use std::collections::BTreeMap;
@@ -30,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::company::Company;
 use crate::media::{self, export};
-use crate::paint::{ColorMap, Lengthen, LevelShown, Share, Theme, View};
+use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Phase, Share, Theme, View};
 use crate::shot::Look;
 use crate::source::Source;
 
@@ -97,8 +98,14 @@ pub struct Wanted {
     pub theme: Option<Theme>,
     /// Colours of heat.
     pub colors: Option<ColorMap>,
+    /// The layer of colours that tells of motion.
+    pub layer: Option<FlowLayer>,
     /// How long displacements are drawn.
     pub lengthen: Option<Lengthen>,
+    /// From one displacement to the next in px.
+    pub spacing_px: Option<u16>,
+    /// The moment at which streaklines are seen.
+    pub streaks: Option<Phase>,
     /// Whether what the marks mean stands below.
     pub legend: Option<bool>,
     /// Whether estimator, parameters and sentence stand around the pictures.
@@ -114,7 +121,10 @@ impl Wanted {
             share: self.share.unwrap_or(usual.share),
             theme: self.theme.unwrap_or(usual.theme),
             colors: self.colors.unwrap_or(usual.colors),
+            layer: self.layer.or(usual.layer),
             lengthen: self.lengthen.unwrap_or(usual.lengthen),
+            spacing_px: self.spacing_px.or(usual.spacing_px),
+            streaks: self.streaks.or(usual.streaks),
             legend: self.legend.unwrap_or(usual.legend),
             caption: self.caption.unwrap_or(usual.caption),
         }
@@ -123,9 +133,12 @@ impl Wanted {
 
 impl From<Look> for Wanted {
     fn from(look: Look) -> Self {
-        let Look { view, level, share, theme, colors, lengthen, legend, caption } = look;
+        let Look { view, level, share, theme, colors, layer, lengthen, spacing_px, streaks, legend, caption } = look;
         Self {
             view,
+            layer,
+            spacing_px,
+            streaks,
             level: Some(level),
             share: Some(share),
             theme: Some(theme),
@@ -224,7 +237,15 @@ struct Picture {
     #[serde(skip_serializing_if = "Option::is_none")]
     colors: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    layer: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     arrows: Option<Arrows>,
+    /// From one arrow to the next in px.
+    #[serde(rename = "arrow-spacing", skip_serializing_if = "Option::is_none")]
+    arrow_spacing: Option<i64>,
+    /// The moment at which streaklines are seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    streaks: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     legend: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -278,6 +299,27 @@ impl Arrows {
             ))),
         }
     }
+}
+
+/// How long displacements are drawn, as `auto` or a factor.
+///
+/// # Errors
+/// A sentence with the factors that there may be.
+pub fn lengthen(text: &str) -> Result<Lengthen, Error> {
+    text.parse().map_or_else(|_| Arrows::Named(text.into()), Arrows::Times).lengthen()
+}
+
+/// How far displacements may be from each other, in px.
+pub const SPACING_PX: std::ops::RangeInclusive<u16> = 1..=256;
+
+/// The distance of displacements in px.
+///
+/// # Errors
+/// A sentence with those that there may be.
+pub fn spacing_px(px: i64) -> Result<u16, Error> {
+    let (least, most) = (SPACING_PX.start(), SPACING_PX.end());
+    let told = || Error::new(format!("arrows can be {least} to {most} px from each other, and not {px}"));
+    u16::try_from(px).ok().filter(|px| SPACING_PX.contains(px)).ok_or_else(told)
 }
 
 impl Session {
@@ -371,6 +413,9 @@ impl Picture {
             blend: look.share.map(Share::get),
             theme: look.theme.map(|theme| theme.name().to_lowercase()),
             colors: look.colors.map(|colors| colors.name().to_lowercase()),
+            layer: look.layer.map(|layer| layer.id().into()),
+            arrow_spacing: look.spacing_px.map(i64::from),
+            streaks: look.streaks.map(Phase::get),
             arrows: look.lengthen.map(|lengthen| match lengthen {
                 Lengthen::Auto => Arrows::Named("auto".into()),
                 Lengthen::Times(factor) => Arrows::Times(factor),
@@ -387,7 +432,10 @@ impl Picture {
             share: self.blend.map(Share::new).transpose()?,
             theme: self.theme.as_deref().map(theme).transpose()?,
             colors: self.colors.as_deref().map(colors).transpose()?,
+            layer: self.layer.as_deref().map(str::parse).transpose()?,
             lengthen: self.arrows.as_ref().map(Arrows::lengthen).transpose()?,
+            spacing_px: self.arrow_spacing.map(spacing_px).transpose()?,
+            streaks: self.streaks.map(Phase::new).transpose()?,
             legend: self.legend,
             caption: self.caption,
         })
@@ -574,7 +622,10 @@ mod tests {
             share: Share::new(0.2).unwrap(),
             theme: Theme::Projector,
             colors: ColorMap::Turbo,
+            layer: Some(FlowLayer::Magnitude),
             lengthen: Lengthen::Times(4.0),
+            spacing_px: Some(24),
+            streaks: Some(Phase::default()),
             legend: true,
             caption: true,
         };
@@ -582,6 +633,9 @@ mod tests {
         assert_eq!(look("arrows = \"auto\"").over(usual), Look { lengthen: Lengthen::Auto, ..usual });
         assert_eq!(look("legend = false\ntheme = \"light\"").over(usual).theme, Theme::Light);
         assert_eq!(look("arrows = 2").over(usual).lengthen, Lengthen::Times(2.0));
+        let motion = look("layer = \"error\"\narrow-spacing = 9\nstreaks = 0.25").over(usual);
+        let wanted = (Some(FlowLayer::Error), Some(9), Phase::new(0.25).ok());
+        assert_eq!((motion.layer, motion.spacing_px, motion.streaks), wanted);
         assert_eq!(look("level = 2").over(usual).level, LevelShown::Number(2));
         assert_eq!(look("level = \"at-work\"").over(usual).level, LevelShown::AtWork);
         let wrong = Session::parse(&format!("{start}level = \"top\""), Path::new("")).err().unwrap();

@@ -9,9 +9,10 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Levels, Move, Scene, S
 
 use crate::company::Company;
 use crate::media::{Progress, export};
+use crate::motion::{Motion, Offer, Reverse, Site, Want};
 use crate::paint::{
-    Caption, ColorMap, Lengthen, LevelShown, Part, Pictures, Plate, PlateOptions, Share, Theme, View, export_png,
-    export_svg,
+    ArrowStyle, Caption, ColorMap, FlowLayer, Lengthen, LevelShown, Part, Phase, Pictures, Plate, PlateOptions, Share,
+    Style, Theme, View, export_png, export_svg,
 };
 use crate::tile::{self, Tile, endings, predicted, tiles};
 
@@ -31,12 +32,33 @@ pub struct Look {
     pub theme: Theme,
     /// Colours of heat.
     pub colors: ColorMap,
+    /// The layer of colours that tells of motion; `None` for what suits the estimator.
+    pub layer: Option<FlowLayer>,
     /// How long displacements are drawn.
     pub lengthen: Lengthen,
+    /// From one displacement to the next in px, where there is room; `None` for as many as there is room for.
+    pub spacing_px: Option<u16>,
+    /// The moment at which streaklines are seen in the place of displacements, a share of a particle's life.
+    pub streaks: Option<Phase>,
     /// Whether what the marks mean stands below.
     pub legend: bool,
     /// Whether estimator, parameters and sentence stand around the pictures.
     pub caption: bool,
+}
+
+impl Look {
+    /// What of motion it wants to see.
+    pub fn want(&self) -> Want {
+        let Self { layer, colors, spacing_px, streaks, .. } = *self;
+        Want { layer, colors, streaks: streaks.is_some(), spacing_px }
+    }
+
+    /// How `pictures` are drawn.
+    pub fn style(&self, pictures: &Pictures) -> Style {
+        let Self { theme, colors, lengthen, spacing_px, streaks, .. } = *self;
+        let streak_frames = pictures.streaks.as_ref().filter(|_| streaks.is_some()).map(|all| all.life_frames());
+        Style { theme, colors, arrows: ArrowStyle { lengthen, spacing_px, streak_frames } }
+    }
 }
 
 /// A step of a run.
@@ -100,21 +122,41 @@ pub struct Still {
     scene: Scene,
     pictures: Pictures,
     tiles: Vec<Tile>,
+    offer: Offer,
 }
 
 impl Still {
-    /// Where `walk` stands, which runs on `pair` of `clip`.
-    pub fn of(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Self {
-        let tiles = tiles(walk, None, &endings(walk, clip, pair));
-        Self {
+    /// Where `walk` stands, which runs on `pair` of `clip`, with what `want` wants to see of motion.
+    ///
+    /// # Errors
+    /// If what that takes, as the truth or the reverse pair, cannot be had.
+    pub fn of(
+        walk: &dyn Walk,
+        (clip, pair): (&Clip, &Pictures),
+        want: &Want,
+        reverse: &Reverse<'_>,
+    ) -> Result<Self, Error> {
+        let mut tiles = tiles(walk, None, &endings(walk, clip, pair));
+        let (mut pictures, scene) = (pictures(walk, pair), tile::scene(walk, None, &tiles));
+        let site = Site { walk, clip, scene: &scene };
+        let backward = (want.layer == Some(FlowLayer::Consistency) && walk.at_end()).then(|| reverse.flow());
+        let motion = Motion::of(site, want, backward.transpose()?)?;
+        motion.put(&mut pictures, &mut tiles);
+        Ok(Self {
             frame: walk.at_frame(),
             cursor: walk.cursor(),
             at_end: walk.at_end(),
             step: walk.step(None),
-            scene: tile::scene(walk, None, &tiles),
-            pictures: pictures(walk, pair),
+            scene,
+            pictures,
             tiles,
-        }
+            offer: motion.offer,
+        })
+    }
+
+    /// Which layers there are.
+    pub fn offer(&self) -> &Offer {
+        &self.offer
     }
 
     /// The pyramid on which the step works, if it does.
@@ -124,7 +166,7 @@ impl Still {
 
     /// The step of a run of `estimator`.
     pub fn moment<'a>(&'a self, estimator: &'a dyn AnyEstimator) -> Moment<'a> {
-        let Self { frame, cursor, at_end, ref step, ref scene, ref pictures, ref tiles } = *self;
+        let Self { frame, cursor, at_end, ref step, ref scene, ref pictures, ref tiles, .. } = *self;
         Moment { estimator, frame, cursor, at_end, step, scene, pictures, tiles }
     }
 }
@@ -153,9 +195,8 @@ impl Moment<'_> {
         let view = if self.tiles.is_empty() { view } else { view.alone(self.at_end) };
         let options = PlateOptions {
             view,
-            theme: look.theme,
-            colors: look.colors,
-            lengthen: look.lengthen,
+            style: look.style(self.pictures),
+            phase: look.streaks.unwrap_or_default().get(),
             share: look.share,
             zoom: 1,
             scale,
@@ -255,7 +296,7 @@ impl Steps {
         progress: Option<&dyn Progress>,
     ) -> Result<usize, Error> {
         let mut walk = company.walk(estimator, clip, frame)?;
-        let mut pairs = LastPair::default();
+        let (mut pairs, reverse) = (LastPair::default(), Reverse::new(estimator, clip, frame));
         travel(&mut *walk, Move::To(self.from), 0, progress)?;
         if walk.cursor().unit < self.from.unit {
             let short =
@@ -270,7 +311,8 @@ impl Steps {
         })?;
         let mut written = 0;
         while walk.cursor() <= self.to {
-            let still = Still::of(&*walk, clip, pairs.of(&*walk, clip)?);
+            let pair = pairs.of(&*walk, clip)?;
+            let still = Still::of(&*walk, (clip, pair), &self.look.want(), &reverse)?;
             let picture = still.moment(estimator).encode(&self.look, self.format, self.scale)?;
             export::save(&folder.join(Self::file_name(written, self.format)), &picture)?;
             written += 1;

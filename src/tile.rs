@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use motionscope_core::scene::{Fact, Readout, Sentence};
-use motionscope_core::{Beside, Clip, Cursor, Frame, Info, Levels, Output, Role, Scene, Step, Walk};
+use motionscope_core::{Beside, Clip, Cursor, Frame, Info, Levels, Output, Role, Scene, Step, Streaks, Walk};
 
-use crate::paint::{LevelShown, Pictures, View, grouped};
+use crate::paint::{LevelShown, Pictures, Tint, View, grouped};
 use crate::quality::Quality;
 
 /// One of several estimators, where it stands.
@@ -23,6 +23,10 @@ pub struct Tile {
     pub is_done: bool,
     /// What its run has made of the frames, at the end of them all.
     pub prediction: Option<Arc<Frame>>,
+    /// The colours that tell of its motion.
+    pub layer: Option<Arc<Tint>>,
+    /// Particles carried along by it.
+    pub streaks: Option<Arc<Streaks>>,
     /// What it has come to: the first that there is room for is told.
     pub words: Vec<Sentence>,
 }
@@ -55,7 +59,7 @@ pub fn tiles(walk: &dyn Walk, focus: Option<[f32; 2]>, endings: &[Ending]) -> Ve
         let counts = counted(&member);
         let mut step = member.step;
         if let Some(quality) = ending.and_then(|ending| ending.quality.as_ref()) {
-            add_facts(&mut step, quality.facts());
+            add_quality(&mut step, quality);
         }
         let in_all = grouped(member.candidates_in_all as usize);
         let words = match ending.and_then(|ending| ending.quality.as_ref()) {
@@ -69,6 +73,8 @@ pub fn tiles(walk: &dyn Walk, focus: Option<[f32; 2]>, endings: &[Ending]) -> Ve
             scene: Arc::new(member.scene),
             is_done: member.is_done,
             prediction: ending.and_then(|ending| ending.prediction.clone()),
+            layer: None,
+            streaks: None,
             words,
         }
     };
@@ -78,7 +84,8 @@ pub fn tiles(walk: &dyn Walk, focus: Option<[f32; 2]>, endings: &[Ending]) -> Ve
 impl Tile {
     /// What `view` shows beside the frames that all have in common; of a pyramid the level that is `shown`.
     pub fn pictures(&self, common: &Pictures, shown: LevelShown, view: View) -> Pictures {
-        let own = Pictures { prediction: self.prediction.clone(), ..common.clone() };
+        let (prediction, layer, streaks) = (self.prediction.clone(), self.layer.clone(), self.streaks.clone());
+        let own = Pictures { prediction, layer, streaks, ..common.clone() };
         own.on_level(self.scene.levels.as_ref(), shown, view)
     }
 }
@@ -97,6 +104,12 @@ pub fn scene(walk: &dyn Walk, focus: Option<[f32; 2]>, tiles: &[Tile]) -> Scene 
 /// The pyramid on which a step works: its own, or that of the first of several in lockstep that has one.
 pub fn levels<'a>(scene: &'a Scene, tiles: &'a [Tile]) -> Option<&'a Levels> {
     scene.levels.as_ref().or_else(|| tiles.iter().find_map(|tile| tile.scene.levels.as_ref()))
+}
+
+/// Adds to what `step` tells how good the estimate is.
+pub fn add_quality(step: &mut Step, quality: &Quality) {
+    add_facts(step, quality.facts());
+    step.readouts.extend(quality.errors.clone().map(Readout::Distribution));
 }
 
 /// Adds `facts` to those that `step` tells.

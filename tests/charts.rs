@@ -102,12 +102,39 @@ fn before_the_first_block_is_done_the_histogram_says_what_to_do() {
 }
 
 #[test]
-fn without_blocks_the_histogram_says_so_until_the_end() {
+fn without_blocks_pixels_are_counted_at_the_end() {
     let mut window = Window::on("estimator = \"horn-schunck\"");
     window.tab("Histogram");
-    for (command, count) in [(Command::Start, 1), (Command::Into, 1), (Command::End, 0)] {
+    window.command(Command::Start);
+    assert_eq!(window.0.query_all_by_label_contains("at the end of the run").count(), 1);
+    window.command(Command::End);
+    assert_eq!(window.histogram().map(|histogram| histogram.of), Some("pixel"));
+    window.0.get_by_label("Errors").click();
+    window.settle();
+    assert_eq!(window.0.query_all_by_label_contains("Endpoint error: mean ").count(), 1);
+}
+
+#[test]
+fn of_features_errors_alone_are_counted() {
+    let mut window = Window::on("estimator = \"pyramidal-lucas-kanade\"");
+    window.tab("Errors");
+    for (command, told) in [(Command::Start, "at the end of the run"), (Command::End, "Endpoint error: mean ")] {
         window.command(command);
-        assert_eq!(window.0.query_all_by_label_contains("has no blocks").count(), count, "{command:?}");
+        assert_eq!(window.0.query_all_by_label_contains(told).count(), 1, "{command:?}");
     }
-    assert_eq!(window.histogram().map(|histogram| histogram.of), Some("pixel"), "at the end, pixels are counted");
+}
+
+#[test]
+fn blocks_count_displacements_and_at_the_end_errors_too() {
+    let mut window = Window::on("estimator = \"full-search\"\nstep = \"3.4\"");
+    window.tab("Histogram");
+    assert!(window.0.query_by_label("Displacements").is_none(), "errors are not known yet");
+    window.command(Command::End);
+    assert!(window.0.query_by_label_contains("Histogram: ").is_some());
+    window.0.get_by_label("Errors").click();
+    window.settle();
+    assert!(window.0.query_by_label_contains("Endpoint error: mean ").is_some());
+    window.0.get_by_label("Displacements").click();
+    window.settle();
+    assert!(window.0.query_by_label_contains("Histogram: ").is_some());
 }

@@ -67,6 +67,67 @@ fn info_has_every_key_that_scripts_read() {
 }
 
 #[test]
+fn every_layer_of_motion_has_its_own_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = "run synth:parallax,width=96,height=72,frames=2 --estimator horn-schunck --set iterations=12";
+    let mut pictures = Vec::new();
+    let looks = ["--layer none", "--layer wheel", "--layer magnitude", "--layer error", "--layer consistency"];
+    let arrows = ["--arrow-spacing 9", "--arrow-scale 4", "--streaks 0.5", "--streaks 0.6"];
+    for (i, look) in looks.into_iter().chain(arrows).enumerate() {
+        stdout(folder.path(), &format!("{run} {look} --legend --overlay {i}.png"));
+        pictures.push(fs::read(folder.path().join(format!("{i}.png"))).unwrap());
+    }
+    for (i, one) in pictures.iter().enumerate() {
+        assert!(pictures[..i].iter().all(|other| other != one), "picture {i} looks like one before");
+    }
+    stdout(folder.path(), &format!("{run} --overlay usual.svg"));
+    stdout(folder.path(), &format!("{run} --layer wheel --overlay wheel.svg"));
+    let svg = |name| fs::read(folder.path().join(name)).unwrap();
+    assert!(svg("usual.svg") == svg("wheel.svg"), "a dense field has its colours unless told otherwise");
+}
+
+#[test]
+fn a_layer_that_cannot_be_is_refused_with_its_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |line: &str| refusal(folder.path(), &format!("run {SMALL} --overlay a.png {line}"));
+    for (line, reason) in [
+        ("--estimator horn-schunck --layer heat", "there are none, wheel"),
+        ("--estimator horn-schunck --layer error --step 1.1", "the end of a run"),
+        ("--estimator horn-schunck --layer confidence", "tells no confidence"),
+        ("--estimator harris --layer wheel", "single points"),
+        ("--estimator horn-schunck --arrow-spacing 0", "1 to 256 px"),
+        ("--estimator horn-schunck --arrow-scale 0", "or auto"),
+        ("--estimator horn-schunck --streaks 2", "from 0 to 1"),
+    ] {
+        let output = motionscope(folder.path(), &format!("run {SMALL} --overlay a.png {line}"));
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && told.contains(reason), "{line}: {told}");
+    }
+    assert!(refused("--estimator full-search --beside diamond --layer consistency").contains("by itself"));
+}
+
+#[test]
+fn the_check_with_the_reverse_pair_is_told_in_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let line =
+        "run synth:parallax,width=96,height=72,frames=2 --estimator full-search --set block=8 --layer consistency";
+    let run = json(folder.path(), &format!("{line} --json"));
+    let check = &run["consistency"];
+    let hidden = check["hidden"].as_u64().unwrap();
+    assert!(hidden > 0 && hidden < 96 * 72, "{check}");
+    assert!((check["share"].as_f64().unwrap() - hidden as f64 / (96.0 * 72.0)).abs() < 1e-9);
+    for share in ["precision", "recall"] {
+        assert!((0.0..=1.0).contains(&check[share].as_f64().unwrap()), "{check}");
+    }
+    assert!(stdout(folder.path(), line).contains("pixels fail the check"));
+    let other = json(folder.path(), &format!("{} --json", line.replace("consistency", "wheel")));
+    assert!(other.get("consistency").is_none());
+    let metrics = &other["metrics"];
+    let shares: Vec<_> = ["r0.5", "r1.0", "r2.0"].map(|name| metrics[name].as_f64().unwrap()).to_vec();
+    assert!(shares.windows(2).all(|pair| pair[0] >= pair[1]) && metrics["epe_p95_px"].as_f64().is_some());
+}
+
+#[test]
 fn run_tells_one_object_with_time_and_errors() {
     let folder = tempfile::tempdir().unwrap();
     let line = format!(

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use motionscope::paint::{
-    Caption, ColorMap, Face, Lengthen, Pictures, Plate, PlateOptions, Primitive, Theme, View, export_png, export_svg,
-    primitive,
+    ArrowStyle, Caption, ColorMap, Face, FlowLayer, Lengthen, Pictures, Plate, PlateOptions, Primitive, Scalars, Style,
+    Theme, Tint, View, export_png, export_svg, primitive,
 };
 use motionscope_core::scene::{Arrow, Picture, Sentence, Shape};
-use motionscope_core::{Clip, Cursor, Frame, Grid, Move, Role, Scene, estimator};
+use motionscope_core::{Clip, Cursor, Flow, Frame, Grid, Move, Role, Scene, Streaks, estimator};
 use resvg::{tiny_skia, usvg};
 
 /// Floating-point units differ in the last bit, so a channel may differ by this much.
@@ -138,9 +138,12 @@ fn specimen_plate(theme: Theme) -> Plate {
     };
     let options = PlateOptions {
         view: View::Current,
-        theme,
+        style: Style {
+            theme,
+            arrows: ArrowStyle { lengthen: Lengthen::Times(1.5), ..ArrowStyle::default() },
+            ..Style::default()
+        },
         zoom: 4,
-        lengthen: Lengthen::Times(1.5),
         legend: true,
         heat: "SAD".into(),
         caption: Some(caption),
@@ -191,8 +194,57 @@ fn full_search_in_the_middle_of_a_block_looks_as_it_did() {
     };
     check_png("full-search.png", &Plate::new(&Pictures::of(frames.clone()), &scene, &framed), 1);
     check_svg("full-search.svg", &Plate::new(&Pictures::of(frames.clone()), &scene, &framed));
-    let bare = PlateOptions { view: View::Blend, colors: ColorMap::Turbo, ..PlateOptions::default() };
+    let bare = PlateOptions {
+        view: View::Blend,
+        style: Style { colors: ColorMap::Turbo, ..Style::default() },
+        ..PlateOptions::default()
+    };
     check_png("full-search-bare.png", &Plate::new(&Pictures::of(frames.clone()), &scene, &bare), 4);
+}
+
+/// A field that turns about the middle of a picture and is not known in a corner, and how far off it is.
+fn turning() -> (Arc<Frame>, Scene, Arc<Flow>, Scalars) {
+    let frame = Arc::new(Frame::gray(Grid::from_fn(160, 120, |x, y| (90 + x / 10 % 2 * 30 + y / 10 % 2 * 30) as u8)));
+    let at = |x: usize, y: usize| [(y as f32 - 59.5) / 20.0, (79.5 - x as f32) / 20.0];
+    let values = Grid::from_fn(160, 120, |x, y| if x + y < 40 { Flow::UNKNOWN } else { at(x, y) });
+    let mut scene = Scene::default();
+    scene.mark(Picture::Current, Role::Result, Shape::Flow { origin: [0.0; 2], values: values.clone() });
+    scene.legend(Role::Result, "displacements found");
+    let off = values.map(|[u, v]| u.hypot(*v) / 4.0);
+    let marks = Grid::from_fn(160, 120, |x, y| (100..130).contains(&x) && (20..60).contains(&y));
+    let scalars = Scalars {
+        kind: FlowLayer::Consistency,
+        label: "there and back, off by".into(),
+        unit: "px",
+        values: vec![off],
+        marks: Some(marks),
+    };
+    (frame, scene, Arc::new(Flow(values)), scalars)
+}
+
+#[test]
+fn layers_of_motion_look_as_they_did() {
+    let (frame, scene, flow, scalars) = turning();
+    let framed = PlateOptions { view: View::Current, zoom: 2, legend: true, ..PlateOptions::default() };
+    let pictures = Pictures::of([frame.clone(), frame]);
+    let wheel = Tint::wheel(&[flow.clone()]).pop().map(Arc::new);
+    let plate = Plate::new(&Pictures { layer: wheel, ..pictures.clone() }, &scene, &framed);
+    check_png("flow-wheel.png", &plate, 1);
+    check_svg("flow-wheel.svg", &plate);
+    let layer = Tint::scale(scalars, ColorMap::Viridis).pop().map(Arc::new);
+    let light = PlateOptions {
+        style: Style {
+            theme: Theme::Light,
+            arrows: ArrowStyle { spacing_px: Some(20), ..ArrowStyle::default() },
+            ..Style::default()
+        },
+        ..framed.clone()
+    };
+    check_png("flow-consistency.png", &Plate::new(&Pictures { layer, ..pictures.clone() }, &scene, &light), 1);
+    let streaks = Some(Arc::new(Streaks::new(&flow, 6)));
+    let arrows = ArrowStyle { streak_frames: Some(32), ..ArrowStyle::default() };
+    let moving = PlateOptions { style: Style { arrows, ..Style::default() }, phase: 0.5, ..framed };
+    check_png("flow-streaks.png", &Plate::new(&Pictures { streaks, ..pictures }, &scene, &moving), 1);
 }
 
 #[test]

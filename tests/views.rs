@@ -10,6 +10,7 @@ use eframe::egui::{
 };
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
+use motionscope::motion::Offer;
 use motionscope::paint::{ColorMap, Lengthen, Pictures, Theme, View};
 use motionscope::ui::stage::{self, Zoom};
 use motionscope::ui::{heat_map, series, style, surface3d, tiles, why};
@@ -23,6 +24,7 @@ struct Fixture {
     pictures: Pictures,
     scene: Arc<Scene>,
     step: Step,
+    offer: Offer,
 }
 
 fn fixture(cursor: Cursor) -> Fixture {
@@ -33,7 +35,8 @@ fn fixture(cursor: Cursor) -> Fixture {
     let mut walk = AnyEstimator::walk(&search, &clip, 0).expect("the clip suits the search");
     walk.jump(Move::To(cursor));
     let (scene, step) = (Arc::new(walk.scene(None)), walk.step(None));
-    Fixture { walk, pictures: Pictures::of(clip.pair(0).expect("a pair")), scene, step }
+    let pictures = Pictures::of(clip.pair(0).expect("a pair"));
+    Fixture { walk, pictures, scene, step, offer: Offer::default() }
 }
 
 /// A cursor in the middle of the second block.
@@ -63,7 +66,11 @@ impl Fixture {
             heat: "SAD",
             gpu: None,
             lengthen: Lengthen::Auto,
+            spacing_px: None,
+            offer: &self.offer,
+            checking: false,
             animate: false,
+            flows: false,
         }
     }
 

@@ -6,6 +6,8 @@ mod files;
 mod levels;
 #[path = "window/lockstep.rs"]
 mod lockstep;
+#[path = "window/motion.rs"]
+mod motion;
 #[path = "window/parameters.rs"]
 mod parameters;
 #[path = "window/pixels.rs"]
@@ -23,6 +25,7 @@ use eframe::egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use motionscope::media::Open;
+use motionscope::motion::Reverse;
 use motionscope::paint::{ColorMap, Lengthen, LevelShown, Theme, View};
 use motionscope::session::Session;
 use motionscope::shot::{Format, Look};

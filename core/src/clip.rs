@@ -71,6 +71,35 @@ impl Flow {
     pub fn at(&self, x: usize, y: usize) -> Option<[f32; 2]> {
         self.0.get(x, y).copied().filter(|uv| uv.iter().all(|c| c.is_finite()))
     }
+
+    /// Whether a place in image pixels lies in the picture, whose pixels reach half a px around their centres.
+    pub fn holds(&self, [x, y]: [f32; 2]) -> bool {
+        let inside = |c: f32, extent: usize| (-0.5..=extent as f32 - 0.5).contains(&c);
+        inside(x, self.0.width()) && inside(y, self.0.height())
+    }
+
+    /// The displacement at a place between pixels, bilinear; `None` outside, and where one that counts is not known.
+    pub fn sample(&self, place: [f32; 2]) -> Option<[f32; 2]> {
+        if !self.holds(place) {
+            return None;
+        }
+        let (width, height) = self.0.size();
+        let part = |c: f32, extent: usize| {
+            let c = c.clamp(0.0, (extent - 1) as f32);
+            (c as usize, c.fract())
+        };
+        let ((x, fx), (y, fy)) = (part(place[0], width), part(place[1], height));
+        let mut sum = [0.0; 2];
+        for (dx, dy, weight) in
+            [(0, 0, (1.0 - fx) * (1.0 - fy)), (1, 0, fx * (1.0 - fy)), (0, 1, (1.0 - fx) * fy), (1, 1, fx * fy)]
+        {
+            if weight > 0.0 {
+                let uv = self.at(x + dx, y + dy)?;
+                sum = [0, 1].map(|i| sum[i] + weight * uv[i]);
+            }
+        }
+        Some(sum)
+    }
 }
 
 /// One object of the truth in one frame: MOTChallenge's row in our pixels.
@@ -281,6 +310,16 @@ impl Clip {
         }
         Ok([self.frame(t)?, self.frame(t.saturating_add(1))?])
     }
+
+    /// A clip of frames `t + 1` and `t`, in this order, of which nothing more is known.
+    ///
+    /// # Errors
+    /// As [`Clip::pair`].
+    pub fn reversed(&self, t: usize) -> Result<Self, Error> {
+        let [first, second] = self.pair(t)?;
+        let info = ClipInfo { frames: Some(2), ..ClipInfo::clone(&self.info) };
+        Ok(Self::new(info, Arc::new(InMemory(vec![second, first]))).until(self.stop.clone()))
+    }
 }
 
 struct InMemory(Vec<Arc<Frame>>);
@@ -305,6 +344,25 @@ mod tests {
         assert!((0..256).all(|x| frame.luma()[(x, 0)] == x as u8));
         let primaries = Frame::rgb(Grid::from_fn(3, 1, |x, _| std::array::from_fn(|c| if c == x { 255 } else { 0 })));
         assert_eq!(primaries.luma().cells(), [76, 150, 29]);
+    }
+
+    #[test]
+    fn a_flow_is_known_between_pixels_that_are() {
+        let flow = Flow(Grid::from_fn(3, 2, |x, y| if x == 2 { Flow::UNKNOWN } else { [x as f32, 10.0 * y as f32] }));
+        assert_eq!(flow.sample([0.25, 0.5]), Some([0.25, 5.0]));
+        assert_eq!(flow.sample([1.0, 1.0]), Some([1.0, 10.0]), "what does not count need not be known");
+        assert_eq!(flow.sample([-0.5, 1.5]), Some([0.0, 10.0]), "a pixel reaches to its edge");
+        assert_eq!((flow.sample([1.25, 0.0]), flow.sample([-0.6, 0.0])), (None, None));
+    }
+
+    #[test]
+    fn a_reversed_pair_has_its_frames_swapped() {
+        let frame = |v| Frame::gray(Grid::new(2, 2, v));
+        let clip = Clip::from_frames("three", vec![frame(1), frame(2), frame(3)]).unwrap();
+        let reversed = clip.reversed(1).unwrap();
+        let grays: Vec<_> = reversed.pair(0).unwrap().iter().map(|frame| frame.luma()[(0, 0)]).collect();
+        assert_eq!((grays, reversed.info().frames), (vec![3, 2], Some(2)));
+        assert!(clip.reversed(2).is_err());
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What every estimator is: a declaration, a unit of work, and how it is seen and told.
 
+use crate::scene::Chart;
 use crate::threads::Threads;
 use crate::timeline::Timeline;
 use crate::{Clip, Cursor, Error, Output, Params, Role, Scene, Step, Walk};
@@ -158,6 +159,8 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     const PROMISE: Promise = Promise::Translation;
     /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
     const TESTS_CANDIDATES: bool = false;
+    /// The charts that its steps may have something for: the window offers no others.
+    const CHARTS: &'static [Chart] = Chart::ALL;
     /// All that a unit reads and writes, its random generator included.
     type State: Clone + Send + Sync + 'static;
     /// What happens inside a unit.
@@ -295,6 +298,9 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
     fn tests_candidates(&self) -> bool;
 
+    /// The charts that its steps may have something for.
+    fn charts(&self) -> &'static [Chart];
+
     /// The same estimator with the same parameters.
     fn boxed_clone(&self) -> Box<dyn AnyEstimator>;
 
@@ -334,6 +340,10 @@ impl<E: Estimator> AnyEstimator for E {
 
     fn tests_candidates(&self) -> bool {
         E::TESTS_CANDIDATES
+    }
+
+    fn charts(&self) -> &'static [Chart] {
+        E::CHARTS
     }
 
     fn boxed_clone(&self) -> Box<dyn AnyEstimator> {

@@ -8,6 +8,7 @@ mod block_search;
 mod clip;
 mod coding;
 pub mod compare;
+mod consistency;
 mod cost;
 mod differential;
 mod error;
@@ -29,6 +30,7 @@ mod pyramid;
 mod registry;
 pub mod scene;
 mod stop;
+mod streaks;
 pub mod synth;
 mod threads;
 mod timeline;
@@ -36,6 +38,7 @@ mod variational;
 
 pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use coding::Coding;
+pub use consistency::{Agreement, Consistency};
 pub use error::Error;
 pub use estimator::{
     AnyEstimator, Count, Estimator, Explained, Extent, Info, Observer, Progress, Promise, Rung, Seen, run_observed,
@@ -53,5 +56,6 @@ pub use params::{Params, Spec, Value};
 pub use registry::{estimator, estimators};
 pub use scene::{Role, Scene, Step};
 pub use stop::Stop;
+pub use streaks::{Streak, Streaks};
 pub use threads::Threads;
 pub use timeline::{Cursor, Move, Timeline, Walk, Way};

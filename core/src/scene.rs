@@ -101,7 +101,8 @@ pub enum Shape {
         /// The values.
         values: Grid<f32>,
     },
-    /// A displacement `[u, v]` in px for every pixel, painted half-transparent in the colours of a wheel; NaN stays clear.
+    /// A displacement `[u, v]` in px for every pixel, NaN where it is not known: painters draw arrows at as many of them
+    /// as there is room for, and lay colours over the picture that tell of all.
     Flow {
         /// Pixel of the grid's first cell.
         origin: [f32; 2],
@@ -130,7 +131,7 @@ impl Shape {
 
     /// Whether it is a layer of colours, one for each pixel, below all lines.
     pub fn is_layer(&self) -> bool {
-        matches!(self, Shape::Heat { .. } | Shape::Flow { .. })
+        matches!(self, Shape::Heat { .. })
     }
 
     /// As [`Scene::same`].
@@ -203,6 +204,14 @@ pub struct Arrow {
     pub from: [f32; 2],
     /// Where it ends.
     pub to: [f32; 2],
+}
+
+/// About how many arrows stand along the longer side of a picture, unless someone wants more or fewer.
+const ARROWS: usize = 36;
+
+/// From one arrow of a dense field to the next on a picture of this size, in px, unless it is chosen.
+pub fn arrow_spacing((width, height): (usize, usize)) -> usize {
+    (width.max(height) / ARROWS).max(5)
 }
 
 /// One mark of a scene.
@@ -359,8 +368,48 @@ pub enum Readout {
     Plane(Plane),
     /// How often each displacement was found.
     Histogram(Histogram),
+    /// How often a quantity has each value.
+    Distribution(Distribution),
     /// A pyramid with what is at hand on each of its levels.
     Stack(Stack),
+}
+
+/// The kinds of [`Readout`] that a chart shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Chart {
+    /// [`Readout::Tiles`].
+    Tiles,
+    /// [`Readout::Series`].
+    Series,
+    /// [`Readout::Surface`].
+    Surface,
+    /// [`Readout::Plane`].
+    Plane,
+    /// [`Readout::Histogram`].
+    Histogram,
+    /// [`Readout::Stack`].
+    Stack,
+}
+
+impl Chart {
+    /// Every chart.
+    pub const ALL: &'static [Chart] =
+        &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Plane, Chart::Histogram, Chart::Stack];
+}
+
+impl Readout {
+    /// The chart that it is of, if it stands in one that an estimator declares.
+    pub fn chart(&self) -> Option<Chart> {
+        match self {
+            Readout::Facts(_) | Readout::Equation(_) | Readout::Distribution(_) => None,
+            Readout::Tiles(_) => Some(Chart::Tiles),
+            Readout::Series(_) => Some(Chart::Series),
+            Readout::Surface(_) => Some(Chart::Surface),
+            Readout::Plane(_) => Some(Chart::Plane),
+            Readout::Histogram(_) => Some(Chart::Histogram),
+            Readout::Stack(_) => Some(Chart::Stack),
+        }
+    }
 }
 
 /// One labelled number.
@@ -402,6 +451,25 @@ pub struct Series {
     pub events: Vec<usize>,
     /// The lines: name, role, and `(x, y)` points.
     pub lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
+}
+
+/// How often a quantity has each value, from 0 up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Distribution {
+    /// What is counted: `Endpoint error`.
+    pub title: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Where the last bar ends.
+    pub top: f32,
+    /// How many there are in each bar, all of one width.
+    pub counts: Vec<u32>,
+    /// How many lie beyond the last bar.
+    pub beyond: u32,
+    /// Values with a name: `mean`.
+    pub figures: Vec<(&'static str, f32)>,
+    /// Shares, 0 to 1, that exceed a limit.
+    pub shares: Vec<(f32, f32)>,
 }
 
 /// A cost over displacements.

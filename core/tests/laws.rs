@@ -134,6 +134,25 @@ fn seeking_anywhere_equals_walking_there() {
 }
 
 #[test]
+fn steps_show_the_charts_that_are_declared_and_no_others() {
+    each(|estimator| {
+        // Some plot what happens from frame to frame.
+        let clip = moving(50, 41, (1, -2), 4);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let mut shown = std::collections::HashSet::new();
+        while !walk.at_end() {
+            into(Way::Forward, &mut *walk);
+            shown.extend(walk.step(Some([20.0, 20.0])).readouts.iter().filter_map(|readout| readout.chart()));
+        }
+        let declared = estimator.charts();
+        let id = estimator.info().id;
+        assert!(shown.iter().all(|chart| declared.contains(chart)), "{id} shows {shown:?}, not only {declared:?}");
+        let missing: Vec<_> = declared.iter().filter(|chart| !shown.contains(*chart)).collect();
+        assert!(missing.is_empty(), "{id} never shows {missing:?}");
+    });
+}
+
+#[test]
 fn rungs_lead_to_ends_of_units_and_back() {
     each(|estimator| {
         let clip = moving(40, 24, (0, 1), 2);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args as Group, Parser, Subcommand};
 use motionscope_core::{Cursor, Pace, Threads};
 
-use crate::paint::{ColorMap, LevelShown, Share, Theme, View};
+use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Phase, Share, Theme, View};
 use crate::session;
 
 const EXAMPLES: &str = "\
@@ -92,6 +92,8 @@ Examples:
   motionscope run synth:pillar --estimator full-search --step 35.412 --overlay step.svg
   motionscope run synth:pillar --estimator full-search --beside diamond,three-step --step 35.9 --overlay three.png
   motionscope run synth:pillar --estimator hierarchical --step 15.9 --level 2 --overlay coarse.png
+  motionscope run frame10.png --estimator horn-schunck --layer error --legend --overlay error.png
+  motionscope run synth:occlusion --estimator lucas-kanade --layer consistency --json
   motionscope run lesson.motionscope --overlay lesson.png --scale 4")]
     Run(RunArgs),
     /// Writes pictures of a range of steps.
@@ -195,6 +197,18 @@ pub struct LookArgs {
     /// viridis or turbo.
     #[arg(long, value_parser = colors)]
     pub colors: Option<ColorMap>,
+    /// The colours that tell of the motion of every pixel: wheel, magnitude, error, confidence, consistency or none; as suits the estimator unless given.
+    #[arg(long, value_parser = layer)]
+    pub layer: Option<FlowLayer>,
+    /// From one arrow to the next in px of the clip; as many as there is room for unless given.
+    #[arg(long, value_name = "PX", value_parser = spacing)]
+    pub arrow_spacing: Option<u16>,
+    /// How many times their length displacements are drawn, or auto, as it is unless given.
+    #[arg(long, value_name = "X", value_parser = lengthen)]
+    pub arrow_scale: Option<Lengthen>,
+    /// Streaklines in the place of arrows, at this moment of a particle's life, from 0 to 1.
+    #[arg(long, value_name = "MOMENT", value_parser = phase)]
+    pub streaks: Option<Phase>,
     /// What the marks mean, below the picture.
     #[arg(long)]
     pub legend: bool,
@@ -264,6 +278,23 @@ fn share(text: &str) -> Result<Share, String> {
 
 fn level(text: &str) -> Result<LevelShown, String> {
     text.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn layer(id: &str) -> Result<FlowLayer, String> {
+    id.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn spacing(text: &str) -> Result<u16, String> {
+    let told = |_| format!("arrows have a distance in whole px, as in 16, and not {text}");
+    session::spacing_px(text.parse().map_err(told)?).map_err(|error| error.to_string())
+}
+
+fn lengthen(text: &str) -> Result<Lengthen, String> {
+    session::lengthen(text).map_err(|error| error.to_string())
+}
+
+fn phase(text: &str) -> Result<Phase, String> {
+    Phase::new(text.parse().unwrap_or(f32::NAN)).map_err(|error| error.to_string())
 }
 
 fn theme(id: &str) -> Result<Theme, String> {

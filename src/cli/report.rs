@@ -8,6 +8,7 @@ use serde_json::Map;
 
 use super::list::value;
 use super::task::Task;
+use crate::motion::Check;
 use crate::quality::{AgainstTruth, Quality};
 
 /// One run in numbers.
@@ -24,6 +25,33 @@ pub struct Report {
     threads: usize,
     ms: Milliseconds,
     metrics: Quality,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    consistency: Option<Checked>,
+}
+
+/// The check with the reverse pair in numbers.
+#[derive(Serialize)]
+struct Checked {
+    /// Pixels that fail it.
+    hidden: usize,
+    /// Their share of all.
+    share: f64,
+    /// Share of them that are truly hidden, where that is known.
+    precision: Option<f64>,
+    /// Share of the truly hidden that are among them.
+    recall: Option<f64>,
+}
+
+impl Checked {
+    fn of(check: Check) -> Self {
+        let Check { hidden, pixels, agreement } = check;
+        Self {
+            hidden,
+            share: hidden as f64 / pixels.max(1) as f64,
+            precision: agreement.and_then(|agreement| agreement.precision),
+            recall: agreement.and_then(|agreement| agreement.recall),
+        }
+    }
 }
 
 /// Time of the estimation alone: no decoding, no drawing.
@@ -43,7 +71,13 @@ pub struct Timing {
 
 impl Report {
     /// What `task` led to, in numbers.
-    pub fn new(task: &Task, output: &Output, metrics: Quality, extent: Extent, timing: Timing) -> Self {
+    pub fn new(
+        task: &Task,
+        output: &Output,
+        (metrics, check): (Quality, Option<Check>),
+        extent: Extent,
+        timing: Timing,
+    ) -> Self {
         let Timing { threads, mut times } = timing;
         times.sort();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
@@ -60,12 +94,14 @@ impl Report {
             threads,
             ms: Milliseconds { median, min: times.first().copied().map_or(0.0, ms) },
             metrics,
+            consistency: check.map(Checked::of),
         }
     }
 
     /// The same for a person.
     pub fn text(&self) -> String {
-        let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, metrics } = self;
+        let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, metrics, consistency } =
+            self;
         let params: Vec<_> = params.iter().map(|(name, value)| format!("{name}={}", bare(value))).collect();
         let mut text = format!("{estimator} on {clip}, frame {frame} to {last_frame}\n");
         text += &format!("parameters  {}\n", params.join(" "));
@@ -81,15 +117,29 @@ impl Report {
             text += &format!("entropy     {} ({sent})\n", prediction.coding());
         }
         text += &match &metrics.truth {
-            Some(AgainstTruth { epe_px, epe_median_px, aae_deg, known }) => format!(
-                "error       {epe_px:.3} px endpoint (median {epe_median_px:.3}), {aae_deg:.2}° angular, over {known} pixels \
-                 of known motion\n"
-            ),
+            Some(AgainstTruth { epe_px, epe_median_px, epe_p95_px, r0_5, r1_0, r2_0, aae_deg, known }) => {
+                let [r0_5, r1_0, r2_0] = [r0_5, r1_0, r2_0].map(|share| 100.0 * share);
+                format!(
+                    "error       {epe_px:.3} px endpoint (median {epe_median_px:.3}, 95 % below {epe_p95_px:.3}), \
+                     {aae_deg:.2}° angular, over {known} pixels of known motion\n\
+                     beyond      {r0_5:.1} % by more than 0.5 px, {r1_0:.1} % by 1 px, {r2_0:.1} % by 2 px\n"
+                )
+            }
             // Nothing was said of motion.
             None if metrics.features.is_some_and(|features| features.tracked.is_none()) => String::new(),
             None if metrics.truth_error.is_some() => "error       unknown: the true flow cannot be read\n".into(),
             None => "error       unknown: there is no true flow for this frame\n".into(),
         };
+        if let Some(Checked { hidden, share, precision, recall }) = consistency {
+            let percent =
+                |share: Option<f64>| share.map_or("unknown".into(), |share| format!("{:.1} %", 100.0 * share));
+            let (precision, recall) = (percent(*precision), percent(*recall));
+            text += &format!(
+                "consistency {hidden} pixels fail the check, {:.1} %; of those truly hidden: precision {precision}, recall \
+                 {recall}\n",
+                100.0 * share
+            );
+        }
         text
     }
 }

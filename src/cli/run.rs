@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use motionscope_core::{Error, Levels, Move, Output, Threads};
+use motionscope_core::{Consistency, Error, Levels, Move, Output, Threads};
 
 use super::args::RunArgs;
 use super::report::{Report, Timing, to_json};
 use super::say;
 use super::task::Task;
 use crate::media::export::{self, FlowFormat};
-use crate::paint::LevelShown;
+use crate::motion::{Check, Reverse};
+use crate::paint::{FlowLayer, LevelShown};
 use crate::quality::Quality;
 use crate::shot::{self, Format, Still};
 
@@ -38,10 +39,12 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
         Some(error) => eprintln!("warning: {error}"),
         None => {}
     }
-    let report = Report::new(&task, &output, quality, extent, Timing { threads: threads.count(), times });
+    let reverse = Reverse::new(&*task.estimator, &task.clip, task.frame);
+    let check = check(&task, args, &output, &reverse)?;
+    let report = Report::new(&task, &output, (quality, check), extent, Timing { threads: threads.count(), times });
     let mut files = Vec::new();
     if let Some((path, format)) = outputs.overlay {
-        files.push((path, overlay(&task, args, format)?));
+        files.push((path, overlay(&task, args, format, &reverse)?));
     }
     if let Some((path, format)) = outputs.flow {
         let (bytes, lost) = format.encode(&export::flow(&output)?)?;
@@ -114,7 +117,18 @@ fn timed(task: &Task, threads: &Threads, repeat: u32) -> Result<(Output, Vec<std
     Ok((output, [vec![first], rest].concat()))
 }
 
-fn overlay(task: &Task, args: &RunArgs, format: Format) -> Result<Vec<u8>, Error> {
+/// The check with the reverse pair, if it is asked for of a flow that has one.
+fn check(task: &Task, args: &RunArgs, output: &Output, reverse: &Reverse<'_>) -> Result<Option<Check>, Error> {
+    let is_field = matches!(output, Output::Blocks(_) | Output::Dense(_));
+    let is_checked = args.look.layer == Some(FlowLayer::Consistency) && is_field;
+    if !is_checked || task.estimator.info().frames != 2 {
+        return Ok(None);
+    }
+    let consistency = Consistency::of(&output.flow(), reverse.flow()?)?;
+    Check::of(&consistency, &task.clip, task.frame).map(Some)
+}
+
+fn overlay(task: &Task, args: &RunArgs, format: Format, reverse: &Reverse<'_>) -> Result<Vec<u8>, Error> {
     let mut walk = task.company.walk(&*task.estimator, &task.clip, task.frame)?;
     let step = args.step.or(task.cursor);
     walk.jump(step.map_or(Move::End, Move::To));
@@ -132,7 +146,10 @@ fn overlay(task: &Task, args: &RunArgs, format: Format) -> Result<Vec<u8>, Error
         )));
     }
     let pair = shot::pair(&task.clip, walk.at_frame())?;
-    let still = Still::of(&*walk, &task.clip, &pair);
+    let still = Still::of(&*walk, (&task.clip, &pair), &look.want(), reverse)?;
+    if let Some((layer, why)) = args.look.layer.and_then(|layer| Some((layer, still.offer().why_not(layer)?))) {
+        return Err(Error::new(format!("there is no layer {} here: {why}; choose another --layer", layer.id())));
+    }
     if let Some(LevelShown::Number(level)) = args.look.level {
         check_level(level, still.levels(), task.estimator.info().id)?;
     }

@@ -82,7 +82,10 @@ impl Task {
             share: args.blend.unwrap_or(self.look.share),
             theme: args.theme.unwrap_or(self.look.theme),
             colors: args.colors.unwrap_or(self.look.colors),
-            lengthen: self.look.lengthen,
+            layer: args.layer.or(self.look.layer),
+            lengthen: args.arrow_scale.unwrap_or(self.look.lengthen),
+            spacing_px: args.arrow_spacing.or(self.look.spacing_px),
+            streaks: args.streaks.or(self.look.streaks),
             legend: args.legend || self.look.legend,
             caption: args.caption || self.look.caption,
         })

@@ -1,5 +1,7 @@
 //! Colours for displacements: the wheel of the Middlebury benchmark.
 
+use std::f32::consts::TAU;
+
 use super::Color;
 
 /// How many hues lie between red and yellow, yellow and green, and so on round the wheel, so that steps look alike
@@ -23,10 +25,10 @@ pub fn flow_color([u, v]: [f32; 2], longest: f32) -> Color {
     if !(u.is_finite() && v.is_finite()) {
         return Color::BLACK.alpha(0);
     }
-    let strength = u.hypot(v) / longest.max(f32::MIN_POSITIVE);
-    let turn = ((-v).atan2(-u) / std::f32::consts::PI + 1.0) / 2.0 * (HUES - 1) as f32;
-    let (low, share) = (turn as usize, turn.fract());
-    let (a, b) = (hue(low), hue(low + 1));
+    let strength = (u * u + v * v).sqrt() / longest.max(f32::MIN_POSITIVE);
+    let place = turn(-v, -u) * (HUES - 1) as f32;
+    let (low, share) = ((place as usize).min(HUES - 1), place.fract());
+    let (a, b) = (WHEEL[low], WHEEL[low + 1]);
     let channel = |i: usize| {
         let full = a[i] + (b[i] - a[i]) * share;
         let shade = if strength <= 1.0 { 1.0 - strength * (1.0 - full) } else { 0.75 * full };
@@ -35,18 +37,36 @@ pub fn flow_color([u, v]: [f32; 2], longest: f32) -> Color {
     Color([channel(0), channel(1), channel(2), 255])
 }
 
-/// Hue `index` of the wheel, red, green and blue from 0 to 1.
-fn hue(index: usize) -> [f32; 3] {
-    let mut index = index % HUES;
-    for (sector, count) in SECTORS.into_iter().enumerate() {
-        if index < count {
-            let share = index as f32 / count as f32;
-            return std::array::from_fn(|i| CORNERS[sector][i] + (CORNERS[sector + 1][i] - CORNERS[sector][i]) * share);
-        }
-        index -= count;
-    }
-    CORNERS[0]
+/// The angle of (x, y) as a share of a full turn, 0 to 1 from −π to π. A picture has millions of pixels: this polynomial is
+/// several times as fast as `atan2`, and within 2·10⁻⁶ of it (C. Hastings, Approximations for digital computers, 1955).
+fn turn(y: f32, x: f32) -> f32 {
+    const TERMS: [f32; 6] = [0.999_977_26, -0.332_623_47, 0.193_543_46, -0.116_432_87, 0.052_653_32, -0.011_721_20];
+    let (long, short) = (x.abs().max(y.abs()), x.abs().min(y.abs()));
+    let z = short / long.max(f32::MIN_POSITIVE);
+    let within_octant = z * TERMS.iter().rev().fold(0.0, |sum, term| sum * (z * z) + term) / TAU;
+    let within_quarter = if y.abs() > x.abs() { 0.25 - within_octant } else { within_octant };
+    let within_half = if x < 0.0 { 0.5 - within_quarter } else { within_quarter };
+    0.5 + within_half.copysign(y)
 }
+
+/// Red, green and blue, from 0 to 1, of every hue of the wheel, and the first once more.
+const WHEEL: [[f32; 3]; HUES + 1] = {
+    let mut wheel = [CORNERS[0]; HUES + 1];
+    let (mut at, mut sector) = (0, 0);
+    while sector < SECTORS.len() {
+        let mut index = 0;
+        while index < SECTORS[sector] {
+            let (share, mut i) = (index as f32 / SECTORS[sector] as f32, 0);
+            while i < 3 {
+                wheel[at][i] = CORNERS[sector][i] + (CORNERS[sector + 1][i] - CORNERS[sector][i]) * share;
+                i += 1;
+            }
+            (at, index) = (at + 1, index + 1);
+        }
+        sector += 1;
+    }
+    wheel
+};
 
 #[cfg(test)]
 mod tests {
@@ -65,6 +85,16 @@ mod tests {
             let Color([r, g, b, _]) = flow_color(uv, 1.0);
             let off = [r, g, b].into_iter().zip(color).map(|(a, b): (u8, u8)| a.abs_diff(b)).max();
             assert!(off <= Some(10), "{uv:?} is {r}, {g}, {b}, not {color:?}");
+        }
+    }
+
+    #[test]
+    fn turns_are_those_of_the_arc_tangent() {
+        for i in -1000..=1000 {
+            let (y, x) = (i as f32 / 1000.0 * TAU / 2.0).sin_cos();
+            let off = turn(y, x) - (y.atan2(x) / TAU + 0.5);
+            // A full turn is none.
+            assert!(off.abs().min(1.0 - off.abs()) < 3e-6, "{x}, {y}: {off}");
         }
     }
 

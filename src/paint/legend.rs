@@ -6,7 +6,7 @@ use motionscope_core::scene::{Mark, Shape};
 use motionscope_core::{Grid, Role};
 
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
-use super::{ColorMap, Face, Ink, Look, Theme, flow_color, fonts, marks, number};
+use super::{Color, ColorMap, Face, Ink, Look, Theme, flow_color, fonts, layer, marks, number};
 
 /// Width and height of a swatch.
 pub const SWATCH: [f32; 2] = [28.0, 16.0];
@@ -39,6 +39,34 @@ pub enum Sample {
     Line,
     /// The wheel of colours.
     Wheel,
+    /// Stripes.
+    Hatch,
+}
+
+/// A bar of colours between two numbers; without the second, a single number that needs none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bar {
+    /// What stands at its ends: `SAD 0`, `4 px`.
+    pub ends: [String; 2],
+    /// Its colours, from left to right.
+    pub colors: ColorMap,
+}
+
+impl Bar {
+    /// The bar of heat called `label`.
+    pub fn heat(label: &str, range: [f32; 2], colors: ColorMap) -> Self {
+        let [low, high] = range.map(number);
+        let low = format!("{label} {low}").trim_start().to_owned();
+        Self { ends: [low, if range[0] == range[1] { String::new() } else { high }], colors }
+    }
+
+    /// The same in words.
+    pub fn plain(&self) -> String {
+        match &self.ends {
+            [low, high] if high.is_empty() => format!("colour for {low}"),
+            [low, high] => format!("colours for {low} to {high}"),
+        }
+    }
 }
 
 impl Sample {
@@ -46,10 +74,9 @@ impl Sample {
         match shape {
             Shape::Rect { .. } => Some(Sample::Frame),
             Shape::Ellipse { .. } => Some(Sample::Ellipse),
-            Shape::Arrows(_) => Some(Sample::Arrow),
+            Shape::Arrows(_) | Shape::Flow { .. } => Some(Sample::Arrow),
             Shape::Points(_) => Some(Sample::Point),
             Shape::Path { .. } => Some(Sample::Line),
-            Shape::Flow { .. } => Some(Sample::Wheel),
             Shape::Text { .. } | Shape::Heat { .. } => None,
         }
     }
@@ -64,20 +91,25 @@ pub fn entries<'a>(
 ) -> Vec<Entry> {
     let entry = |&(role, meaning): &(Role, &'static str)| {
         let sample = marks.clone().filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min()?;
+        if let Some(frames) = look.streak_frames.filter(|_| role == Role::Result && sample == Sample::Arrow) {
+            let meaning = format!("way of particles carried along for {frames} frames");
+            return Some(Entry { role, sample: Sample::Line, meaning });
+        }
         let long = match look.lengthen {
-            _ if sample == Sample::Wheel => {
-                look.wheel.map_or_else(String::new, |longest| format!(", full colour at {} px", number(longest)))
-            }
             _ if sample != Sample::Arrow || !marks::is_lengthened(role) => String::new(),
             1.0 => String::new(),
             0.5 => ", drawn at half length".to_owned(),
             times => format!(", drawn ×{times}"),
         };
         let is_thinned = marks.clone().any(|mark| match &mark.shape {
-            Shape::Arrows(arrows) => mark.role == role && marks::is_thinned(arrows, zoom * look.density),
+            Shape::Arrows(arrows) => mark.role == role && marks::is_thinned(arrows, zoom * look.density, look.spacing),
             _ => false,
         });
-        let thinned = if is_thinned { ", not all drawn at this size" } else { "" };
+        let thinned = match look.spacing.filter(|_| is_thinned) {
+            Some(px) => format!(", one about every {} px drawn", number(px)),
+            None if is_thinned => ", not all drawn at this size".into(),
+            None => String::new(),
+        };
         Some(Entry { role, sample, meaning: format!("{meaning}{long}{thinned}") })
     };
     meanings.iter().filter_map(entry).collect()
@@ -104,6 +136,16 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
             let radii = [(x1 - x0) / 2.0, (y1 - y0) / 2.0];
             marks::line(&mut out, &ink, marks::ellipse([x0 + radii[0], middle], radii, 0.0), true);
         }
+        Sample::Hatch => {
+            let stripe = |i: usize, color: Color| {
+                let x = rect.min[0] + 4.0 * i as f32;
+                let points =
+                    vec![[x, rect.max[1]], [x + 4.0, rect.max[1]], [x + 8.0, rect.min[1]], [x + 4.0, rect.min[1]]];
+                Primitive::Polygon { points, color }
+            };
+            let [light, dark] = layer::hatch();
+            out.extend((0..6).map(|i| stripe(i, if i % 2 == 0 { light } else { dark })));
+        }
         Sample::Wheel => out.extend(wheel([(rect.min[0] + rect.max[0]) / 2.0, middle], SWATCH[1] / 2.0)),
         Sample::Arrow => {
             let Ink { color, halo, halo_width, .. } = ink;
@@ -116,20 +158,25 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
 }
 
 /// The wheel of colours in rings, white in the middle: where a colour lies there, its displacement leads.
-fn wheel(center: Point, radius: f32) -> Vec<Primitive> {
-    const SLICES: usize = 24;
+pub fn wheel(center: Point, radius: f32) -> Vec<Primitive> {
+    const SLICES: usize = 48;
+    // As fine as it is large.
+    let rings = ((radius / 4.0) as usize).clamp(3, 12);
     let at = |slice: usize, share: f32| {
         let (sin, cos) = (slice as f32 / SLICES as f32 * std::f32::consts::TAU).sin_cos();
         [center[0] + cos * share * radius, center[1] + sin * share * radius]
     };
     let cell = |ring: usize, slice: usize| {
-        let (inner, outer) = (ring as f32 / 3.0, (ring + 1) as f32 / 3.0);
+        let (inner, outer) = (ring as f32 / rings as f32, (ring + 1) as f32 / rings as f32);
         let points = vec![at(slice, inner), at(slice, outer), at(slice + 1, outer), at(slice + 1, inner)];
         let angle = (slice as f32 + 0.5) / SLICES as f32 * std::f32::consts::TAU;
         let color = flow_color([angle.cos() * outer, angle.sin() * outer], 1.0);
         Primitive::Polygon { points, color }
     };
-    (0..3).flat_map(|ring| (0..SLICES).map(move |slice| (ring, slice))).map(|(ring, slice)| cell(ring, slice)).collect()
+    (0..rings)
+        .flat_map(|ring| (0..SLICES).map(move |slice| (ring, slice)))
+        .map(|(ring, slice)| cell(ring, slice))
+        .collect()
 }
 
 /// A point in the ink of `role` at `at`.
@@ -147,15 +194,16 @@ pub fn color_bar(colors: ColorMap, rect: Rect) -> Primitive {
 }
 
 /// The legend, laid out in lines of at most `width` from `min` down, and its height.
-pub(super) fn strip(entries: &[Entry], heat: &str, look: &Look, (min, width): (Point, f32)) -> (Vec<Primitive>, f32) {
-    let size = look.theme.sizes().small;
-    let mut strip = Strip { look, min, width, at: min, height: line_height(size), size, out: Vec::new() };
-    for entry in entries {
-        strip.entry(entry);
-    }
-    if let Some(range) = look.heat {
-        strip.heat(heat, range);
-    }
+pub(super) fn strip(
+    entries: &[Entry],
+    bars: &[Bar],
+    theme: Theme,
+    (min, width): (Point, f32),
+) -> (Vec<Primitive>, f32) {
+    let size = theme.sizes().small;
+    let mut strip = Strip { theme, min, width, at: min, height: line_height(size), size, out: Vec::new() };
+    entries.iter().for_each(|entry| strip.entry(entry));
+    bars.iter().for_each(|bar| strip.bar(bar));
     let height = if strip.out.is_empty() { 0.0 } else { strip.at[1] + strip.height - min[1] };
     (strip.out, height)
 }
@@ -165,8 +213,8 @@ pub(super) fn line_height(size: f32) -> f32 {
     (size * 1.4 / 4.0).ceil() * 4.0
 }
 
-struct Strip<'a> {
-    look: &'a Look,
+struct Strip {
+    theme: Theme,
     min: Point,
     width: f32,
     at: Point,
@@ -175,7 +223,7 @@ struct Strip<'a> {
     out: Vec<Primitive>,
 }
 
-impl Strip<'_> {
+impl Strip {
     /// Room for an item this wide: on this line, else on the next.
     fn place(&mut self, width: f32) -> Point {
         if self.at[0] > self.min[0] && self.at[0] + width > self.min[0] + self.width {
@@ -187,7 +235,7 @@ impl Strip<'_> {
     }
 
     fn words(&mut self, text: &str, [x, y]: Point) {
-        let color = self.look.theme.chrome().text;
+        let color = self.theme.chrome().text;
         // Capitals and digits of Inter are 0.73 em high: this centres them on the line.
         let baseline = (y + self.height / 2.0 + self.size * 0.365).round();
         let runs = vec![Run::new(text, color)];
@@ -199,27 +247,26 @@ impl Strip<'_> {
         let [wide, high] = SWATCH;
         let width = wide + GAP + fonts::width(&entry.meaning, Face::Sans, self.size);
         let [x, y] = self.place(width);
-        let swatch = swatch(entry.role, entry.sample, self.look.theme, [x, y + (self.height - high) / 2.0]);
+        let swatch = swatch(entry.role, entry.sample, self.theme, [x, y + (self.height - high) / 2.0]);
         self.out.extend(swatch);
         self.words(&entry.meaning, [x + wide + GAP, y]);
     }
 
-    fn heat(&mut self, label: &str, range: [f32; 2]) {
-        let low = if label.is_empty() { number(range[0]) } else { format!("{label} {}", number(range[0])) };
-        if range[0] == range[1] {
-            let at = self.place(fonts::width(&low, Face::Sans, self.size));
-            return self.words(&low, at);
+    fn bar(&mut self, bar: &Bar) {
+        let [low, high] = &bar.ends;
+        let [left, right] = [low, high].map(|words| fonts::width(words, Face::Sans, self.size));
+        if high.is_empty() {
+            let at = self.place(left);
+            return self.words(low, at);
         }
-        let high = number(range[1]);
-        let (left, right) = (fonts::width(&low, Face::Sans, self.size), fonts::width(&high, Face::Sans, self.size));
         let [x, y] = self.place(left + BAR[0] + right + 2.0 * GAP);
-        self.words(&low, [x, y]);
-        let bar = [(x + left + GAP).round(), y + (self.height - BAR[1]) / 2.0];
-        let rect = Rect::new(bar, BAR);
-        self.out.push(color_bar(self.look.colors, rect));
-        let stroke = Stroke { width: 1.0, color: self.look.theme.chrome().line, dash: &[] };
+        self.words(low, [x, y]);
+        let min = [(x + left + GAP).round(), y + (self.height - BAR[1]) / 2.0];
+        let rect = Rect::new(min, BAR);
+        self.out.push(color_bar(bar.colors, rect));
+        let stroke = Stroke { width: 1.0, color: self.theme.chrome().line, dash: &[] };
         self.out.push(Primitive::Polyline { points: rect.grown(0.5).corners(), closed: true, stroke });
-        self.words(&high, [bar[0] + BAR[0] + GAP, y]);
+        self.words(high, [min[0] + BAR[0] + GAP, y]);
     }
 }
 
@@ -229,7 +276,8 @@ mod tests {
 
     #[test]
     fn every_swatch_stays_in_its_box() {
-        let samples = [Sample::Frame, Sample::Ellipse, Sample::Arrow, Sample::Point, Sample::Line, Sample::Wheel];
+        let samples =
+            [Sample::Frame, Sample::Ellipse, Sample::Arrow, Sample::Point, Sample::Line, Sample::Wheel, Sample::Hatch];
         for theme in Theme::ALL {
             for role in Role::ALL {
                 for sample in samples {

@@ -4,18 +4,40 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use motionscope_core::scene::{self, Mark, Shape};
-use motionscope_core::{Grid, Role, Scene};
+use motionscope_core::{Grid, Role, Scene, Streak};
 
 use super::fonts::Face;
-use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
-use super::{ColorMap, Ink, PointShape, Theme, flow_color};
+use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke, Trails};
+use super::{ColorMap, Ink, PointShape, Theme};
 
 /// How near to each other displacements are drawn, in points of the window and pixels of a file; closer, they would hide the picture and each other.
 const CLOSEST: f32 = 5.0;
 /// Opacity of heat over footage.
 const HEAT_ALPHA: u8 = 0xb8;
-/// Opacity of a flow's colours over footage: it covers all of it.
-const FLOW_ALPHA: u8 = 0x9c;
+/// Where the arrows of a dense field stand this far apart on the screen, in points, there is room for one more between two.
+const ROOMY: f32 = 28.0;
+
+/// What a person chooses of how a scene looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Style {
+    /// Theme.
+    pub theme: Theme,
+    /// Colours for heat.
+    pub colors: ColorMap,
+    /// How displacements are drawn.
+    pub arrows: ArrowStyle,
+}
+
+/// How displacements are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ArrowStyle {
+    /// How long.
+    pub lengthen: Lengthen,
+    /// From one to the next, in px of the picture; `None` for as many as there is room for.
+    pub spacing_px: Option<u16>,
+    /// For how many frames particles are carried along, where streaklines stand in their place.
+    pub streak_frames: Option<u16>,
+}
 
 /// How a scene is to look, the same in every painter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,10 +48,12 @@ pub struct Look {
     pub colors: ColorMap,
     /// The numbers shown in the first and last of those colours.
     pub heat: Option<[f32; 2]>,
-    /// The length in px of displacements whose colour of the wheel is full.
-    pub wheel: Option<f32>,
     /// How many times their length displacements are drawn.
     pub lengthen: f32,
+    /// From one displacement to the next in px, if that is chosen.
+    pub spacing: Option<f32>,
+    /// For how many frames particles are carried along, where streaklines stand in the place of displacements.
+    pub streak_frames: Option<u16>,
     /// Pixels that a point becomes, as far as they make room for more marks; 1 in the window.
     pub density: f32,
 }
@@ -45,14 +69,16 @@ pub enum Lengthen {
 }
 
 impl Look {
-    /// The look of `scene`: heat spans the values that it has, and `lengthen` is settled.
-    pub fn new(scene: &Scene, theme: Theme, colors: ColorMap, lengthen: Lengthen) -> Self {
+    /// The look of `scene`: heat spans the values that it has, and how long displacements are drawn is settled.
+    pub fn new(scene: &Scene, style: Style) -> Self {
+        let Style { theme, colors, arrows: ArrowStyle { lengthen, spacing_px, streak_frames } } = style;
+        let spacing = spacing_px.map(|px| f32::from(px.max(1)));
         let lengthen = match lengthen {
-            Lengthen::Auto => fitting(scene).unwrap_or(1.0),
+            Lengthen::Auto => fitting(scene, spacing).unwrap_or(1.0),
             Lengthen::Times(factor) if factor.is_finite() && factor > 0.0 => factor,
             Lengthen::Times(_) => 1.0,
         };
-        Self { theme, colors, heat: heat_range(scene), wheel: wheel(scene), lengthen, density: 1.0 }
+        Self { theme, colors, heat: heat_range(scene), lengthen, spacing, streak_frames, density: 1.0 }
     }
 }
 
@@ -63,9 +89,16 @@ pub struct Placement {
     pub origin: Point,
     /// Points per pixel.
     pub zoom: f32,
+    /// What of the sheet can be seen, in points, if not all of it: dense fields draw no arrows elsewhere.
+    pub seen: Option<Rect>,
 }
 
 impl Placement {
+    /// The whole of a picture.
+    pub fn new(origin: Point, zoom: f32) -> Self {
+        Self { origin, zoom, seen: None }
+    }
+
     /// Where a place in image pixels (pixel centres at integers) lies.
     pub fn at(&self, [x, y]: [f32; 2]) -> Point {
         [self.origin[0] + (x + 0.5) * self.zoom, self.origin[1] + (y + 0.5) * self.zoom]
@@ -133,7 +166,7 @@ impl Painter<'_> {
                 halo: Some(self.ink.halo),
             })),
             Shape::Heat { origin, values } => self.heat(*origin, values),
-            Shape::Flow { origin, values } => self.flow(*origin, values),
+            Shape::Flow { origin, values } => self.flow(role, *origin, values),
         }
     }
 
@@ -154,22 +187,68 @@ impl Painter<'_> {
     fn arrows(&mut self, role: Role, arrows: &[scene::Arrow]) {
         let Placement { zoom, .. } = self.place;
         let room = zoom * self.look.density;
+        // Streaklines stand in the place of a field of results.
+        if self.look.streak_frames.is_some() && role == Role::Result && arrows.len() > 1 {
+            return;
+        }
         self.thin_out(2.0 * self.ink.halo_width);
         match arrows {
             // One that points at a place is thin if it is short: it must not bury what it points at.
             [arrow] if !is_lengthened(role) => self.thin_out((0.3 * zoom * length(way(arrow))).max(0.8)),
             // Where neighbours are close, arrows are thinner.
-            [_, _, ..] => self.thin_out((0.1 * cell(arrows, room) * zoom).max(0.5)),
+            [_, _, ..] => self.thin_out((0.1 * cell(arrows, room, self.look.spacing) * zoom).max(0.5)),
             _ => {}
         }
+        self.pushed(role, apart(arrows, room, self.look.spacing));
+    }
+
+    fn pushed(&mut self, role: Role, ends: Arc<[scene::Arrow]>) {
         let Ink { color, halo, halo_width, width, .. } = self.ink;
         self.out.push(Primitive::Arrows(Arrows {
-            ends: apart(arrows, room),
+            ends,
             origin: self.place.at([0.0; 2]),
-            zoom,
+            zoom: self.place.zoom,
             lengthen: if is_lengthened(role) { self.look.lengthen } else { 1.0 },
             pen: Pen { width, color, halo, halo_width },
         }));
+    }
+
+    /// The arrows of a dense field: the closer one looks, the more of them.
+    fn flow(&mut self, role: Role, origin: [f32; 2], values: &Grid<[f32; 2]>) {
+        if self.look.streak_frames.is_some() {
+            return;
+        }
+        let Placement { zoom, seen, .. } = self.place;
+        let mut step = self.look.spacing.map_or_else(|| scene::arrow_spacing(values.size()), |px| px as usize);
+        while self.look.spacing.is_none() && step > 1 && step as f32 * zoom >= ROOMY {
+            step /= 2;
+        }
+        step *= (CLOSEST / (step as f32 * zoom * self.look.density)).ceil().max(1.0) as usize;
+        // Arrows that start a little outside may reach into what is seen.
+        let first = self.place.at(origin);
+        let range = |i: usize, extent: usize| match seen {
+            Some(rect) => [(rect.min[i], -4.0), (rect.max[i], 4.0)].map(|(edge, margin)| {
+                ((edge - first[i]) / zoom + margin * step as f32).clamp(0.0, extent as f32) as usize
+            }),
+            None => [0, extent],
+        };
+        let along = |i: usize, extent: usize| {
+            let [from, to] = range(i, extent);
+            (step / 2..extent).step_by(step).filter(move |c| (from..to).contains(c))
+        };
+        let arrow = |(x, y): (usize, usize)| {
+            let [u, v] = values[(x, y)];
+            let from = [origin[0] + x as f32, origin[1] + y as f32];
+            (u.is_finite() && v.is_finite()).then(|| scene::Arrow { from, to: [from[0] + u, from[1] + v] })
+        };
+        let (columns, rows) = (along(0, values.width()), along(1, values.height()));
+        let places = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
+        let ends: Arc<[_]> = places.filter_map(arrow).collect();
+        if !ends.is_empty() {
+            self.thin_out(2.0 * self.ink.halo_width);
+            self.thin_out((0.1 * step as f32 * zoom).max(0.5));
+            self.pushed(role, ends);
+        }
     }
 
     fn heat(&mut self, origin: [f32; 2], values: &Grid<f32>) {
@@ -179,17 +258,6 @@ impl Painter<'_> {
             origin,
             values.map(|&v| match self.look.colors.at((v - low) / span) {
                 color if v.is_finite() => color.alpha(HEAT_ALPHA).0,
-                _ => [0; 4],
-            }),
-        );
-    }
-
-    fn flow(&mut self, origin: [f32; 2], values: &Grid<[f32; 2]>) {
-        let Some(longest) = self.look.wheel else { return };
-        self.layer(
-            origin,
-            values.map(|&uv| match flow_color(uv, longest) {
-                color if color.0[3] > 0 => color.alpha(FLOW_ALPHA).0,
                 _ => [0; 4],
             }),
         );
@@ -278,23 +346,40 @@ fn filled(out: &mut Vec<Primitive>, ink: &Ink, points: Vec<Point>) {
     out.push(Primitive::Polygon { points, color: ink.color });
 }
 
-/// Side of the cells, in px, of which each has room for one of `arrows` at `zoom`: a multiple of their spacing.
-fn cell(arrows: &[scene::Arrow], zoom: f32) -> f32 {
-    let spacing = spacing(arrows);
-    spacing * (CLOSEST / (spacing * zoom)).ceil().max(1.0)
+/// What `streaks` look like at `place`.
+pub fn streaks(streaks: &[Streak], theme: Theme, place: Placement) -> Primitive {
+    let Ink { color, halo, halo_width, width, .. } = theme.ink(Role::Result);
+    // Thinner than arrows: they are longer, and there are more of them.
+    let (width, halo_width) = (0.7 * width, 0.7 * halo_width);
+    let line = |streak: &Streak| (streak.points.iter().map(|&p| place.at(p)).collect(), streak.strength);
+    Primitive::Trails(Trails { lines: streaks.iter().map(line).collect(), pen: Pen { width, color, halo, halo_width } })
 }
 
-/// Whether some of `arrows` are left out at `zoom`, since there is no room for all.
-pub(super) fn is_thinned(arrows: &[scene::Arrow], zoom: f32) -> bool {
-    arrows.len() > 1 && cell(arrows, zoom) > spacing(arrows)
+/// Side of the cells, in px, of which each has room for one of `arrows` at `zoom`: a multiple of their spacing, and not
+/// less than `wanted`.
+fn cell(arrows: &[scene::Arrow], zoom: f32, wanted: Option<f32>) -> f32 {
+    let spacing = spacing(arrows);
+    let least = (CLOSEST / zoom).max(wanted.unwrap_or(0.0));
+    // Half a step more or less is nearest to what is wanted; what would touch is too close whatever is wanted.
+    let steps = if wanted.is_some_and(|wanted| wanted * zoom > CLOSEST) {
+        (least / spacing).round()
+    } else {
+        (least / spacing).ceil()
+    };
+    spacing * steps.max(1.0)
+}
+
+/// Whether some of `arrows` are left out at `zoom`, since there is no room for all or fewer are wanted.
+pub(super) fn is_thinned(arrows: &[scene::Arrow], zoom: f32, wanted: Option<f32>) -> bool {
+    arrows.len() > 1 && cell(arrows, zoom, wanted) > spacing(arrows)
 }
 
 /// Those of `arrows` that are drawn at `zoom`: the first in each cell, so that a regular field stays regular.
-fn apart(arrows: &[scene::Arrow], zoom: f32) -> Arc<[scene::Arrow]> {
-    if !is_thinned(arrows, zoom) {
+fn apart(arrows: &[scene::Arrow], zoom: f32, wanted: Option<f32>) -> Arc<[scene::Arrow]> {
+    if !is_thinned(arrows, zoom, wanted) {
         return arrows.into();
     }
-    let side = cell(arrows, zoom);
+    let side = cell(arrows, zoom, wanted);
     let first = arrows.first().map_or([0.0; 2], |arrow| arrow.from);
     let mut taken = HashSet::new();
     // A quarter of a pixel keeps rounding from moving a place into the cell before.
@@ -314,35 +399,30 @@ fn heat_range(scene: &Scene) -> Option<[f32; 2]> {
     })
 }
 
-/// The length that one in a hundred displacements in the wheel's colours exceeds: a few that went astray would pale all others.
-fn wheel(scene: &Scene) -> Option<f32> {
-    let flows = scene.marks.iter().filter_map(|mark| match &mark.shape {
-        Shape::Flow { values, .. } => Some(values.cells()),
-        _ => None,
-    });
-    let mut lengths: Vec<f32> = flows.flatten().map(|uv| length(*uv)).filter(|length| length.is_finite()).collect();
-    let place = lengths.len().checked_sub(1)? * 99 / 100;
-    // Where nothing moves, any length will do.
-    Some(*lengths.select_nth_unstable_by(place, f32::total_cmp).1).map(|longest| longest.max(1e-3))
-}
-
 /// The power of two, ½ to 4, by which displacements are drawn so that few are longer than a step between them.
 ///
 /// Where a window is searched its range decides, which stays the same from block to block; else what was found does.
-fn fitting(scene: &Scene) -> Option<f32> {
-    let fields = scene.marks.iter().filter_map(|mark| match &mark.shape {
-        Shape::Arrows(arrows) if is_lengthened(mark.role) => Some(arrows),
-        _ => None,
-    });
+fn fitting(scene: &Scene, wanted: Option<f32>) -> Option<f32> {
     let searched = search(scene);
-    let fit = |arrows: &Vec<scene::Arrow>| match searched {
-        Some((block, range)) => {
+    let fit = |mark: &Mark| match (&mark.shape, searched) {
+        _ if !is_lengthened(mark.role) => None,
+        (Shape::Arrows(arrows), Some((block, range))) => {
             let room = if arrows.len() > 1 { block.max(spacing(arrows)) } else { block };
             Some(times(room / range).max(1.0))
         }
-        None => Some(times(spacing(arrows) / typical(arrows)?)),
+        (Shape::Arrows(arrows), None) => {
+            let lengths = arrows.iter().map(|arrow| length(way(arrow)));
+            Some(times(spacing(arrows).max(wanted.unwrap_or(0.0)) / typical(lengths)?))
+        }
+        (Shape::Flow { values, .. }, _) => {
+            let step = scene::arrow_spacing(values.size());
+            let along = |extent: usize| (step / 2..extent).step_by(step);
+            let places = along(values.height()).flat_map(|y| along(values.width()).map(move |x| (x, y)));
+            Some(times(wanted.unwrap_or(step as f32) / typical(places.map(|place| length(values[place])))?))
+        }
+        _ => None,
     };
-    fields.filter_map(fit).min_by(f32::total_cmp)
+    scene.marks.iter().filter_map(fit).min_by(f32::total_cmp)
 }
 
 fn times(room: f32) -> f32 {
@@ -366,8 +446,7 @@ fn search(scene: &Scene) -> Option<(f32, f32)> {
 }
 
 /// The length that one in ten displacements exceeds, of those that are any.
-fn typical(arrows: &[scene::Arrow]) -> Option<f32> {
-    let lengths = arrows.iter().map(|arrow| length(way(arrow)));
+fn typical(lengths: impl Iterator<Item = f32>) -> Option<f32> {
     let mut lengths: Vec<f32> = lengths.filter(|length| *length > 0.0).collect();
     lengths.sort_by(f32::total_cmp);
     lengths.get(lengths.len().saturating_sub(1) * 9 / 10).copied()
@@ -407,8 +486,7 @@ mod tests {
 
     #[test]
     fn small_motions_are_lengthened_and_large_ones_shortened() {
-        let factor =
-            |step, motion| Look::new(&field(step, motion), Theme::Dark, ColorMap::Viridis, Lengthen::Auto).lengthen;
+        let factor = |step, motion| Look::new(&field(step, motion), Style::default()).lengthen;
         assert_eq!(factor(16.0, 1.0), 4.0);
         assert_eq!(factor(16.0, 5.0), 2.0);
         assert_eq!(factor(16.0, 15.0), 1.0);
@@ -423,7 +501,7 @@ mod tests {
             let mut scene = field(16.0, motion);
             scene.mark(Picture::Current, Role::Reference, Shape::pixels(100, 100, 16, 16));
             scene.mark(Picture::Next, Role::Window, Shape::pixels(100 - range, 100 - range, side, side));
-            Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto).lengthen
+            Look::new(&scene, Style::default()).lengthen
         };
         assert_eq!([factor(50, 1.0), factor(50, 40.0), factor(7, 1.0), factor(4, 4.0)], [1.0, 1.0, 2.0, 4.0]);
     }
@@ -432,10 +510,10 @@ mod tests {
     fn displacements_that_are_too_close_are_thinned_out_evenly() {
         let all = (0..40).flat_map(|y| (0..60).map(move |x| [1.5 + 4.0 * x as f32, 1.5 + 4.0 * y as f32]));
         let arrows: Vec<_> = all.map(|from| scene::Arrow { from, to: [from[0] + 1.0, from[1]] }).collect();
-        assert_eq!(apart(&arrows, 1.3).len(), 60 * 40);
+        assert_eq!(apart(&arrows, 1.3, None).len(), 60 * 40);
         // At a third of the size every fourth place is left: 5.3 points apart.
-        let kept: Vec<_> = apart(&arrows, 1.0 / 3.0).iter().map(|arrow| arrow.from).collect();
-        assert!(is_thinned(&arrows, 1.0 / 3.0) && !is_thinned(&arrows[..1], 0.01));
+        let kept: Vec<_> = apart(&arrows, 1.0 / 3.0, None).iter().map(|arrow| arrow.from).collect();
+        assert!(is_thinned(&arrows, 1.0 / 3.0, None) && !is_thinned(&arrows[..1], 0.01, None));
         assert_eq!(kept.len(), 15 * 10);
         assert!(kept.iter().all(|from| from.iter().all(|c| (c - 1.5) % 16.0 == 0.0)));
     }
@@ -445,8 +523,8 @@ mod tests {
         let mut scene = Scene::default();
         scene.mark(Picture::Next, Role::Candidate, Shape::pixels(4, 8, 16, 16));
         scene.mark(Picture::Next, Role::Best, Shape::pixels(4, 8, 16, 16));
-        let look = Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto);
-        let primitives = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 2.0 });
+        let look = Look::new(&scene, Style::default());
+        let primitives = resolve(&scene.marks, &look, Placement::new([0.0; 2], 2.0));
         let Some(Primitive::Polyline { stroke, .. }) = primitives.last() else { panic!("{primitives:?}") };
         assert_eq!(stroke.color, Theme::Dark.ink(Role::Candidate).color);
     }
@@ -456,24 +534,66 @@ mod tests {
         let mut scene = Scene::default();
         scene.mark(Picture::Next, Role::Candidate, Shape::Heat { origin: [0.0; 2], values: Grid::new(9, 9, 3.0) });
         scene.mark(Picture::Next, Role::Best, Shape::pixels(4, 8, 16, 16));
-        let look = Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto);
-        let primitives = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 2.0 });
+        let look = Look::new(&scene, Style::default());
+        let primitives = resolve(&scene.marks, &look, Placement::new([0.0; 2], 2.0));
         let heat = primitives.iter().position(|primitive| matches!(primitive, Primitive::Image { .. }));
         assert_eq!((heat, primitives.len()), (Some(0), 3), "the best's rim and line come after");
     }
 
+    /// A field that moves to the right, but for its first column, of which nothing is known.
+    fn dense() -> Scene {
+        let values = Grid::from_fn(360, 180, |x, _| if x < 10 { [f32::NAN; 2] } else { [2.5, 0.0] });
+        let mut scene = Scene::default();
+        scene.mark(Picture::Current, Role::Result, Shape::Flow { origin: [0.0; 2], values });
+        scene
+    }
+
+    fn drawn(scene: &Scene, arrows: ArrowStyle, place: Placement) -> Vec<scene::Arrow> {
+        let look = Look::new(scene, Style { arrows, ..Style::default() });
+        match &resolve(&scene.marks, &look, place)[..] {
+            [Primitive::Arrows(arrows)] => arrows.ends.to_vec(),
+            [] => Vec::new(),
+            other => panic!("{other:?}"),
+        }
+    }
+
     #[test]
-    fn a_flow_is_a_layer_in_the_colours_of_the_wheel() {
-        let mut scene = field(8.0, 3.0);
-        let values = Grid::from_fn(20, 10, |x, _| if x == 0 { [f32::NAN; 2] } else { [x as f32 / 10.0, 0.0] });
-        scene.mark(Picture::Current, Role::Estimate, Shape::Flow { origin: [0.0; 2], values });
-        let look = Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto);
-        assert_eq!(look.wheel, Some(1.9), "few are longer");
-        let primitives = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 2.0 });
-        let Some(Primitive::Image { pixels, rect }) = primitives.last() else { panic!("{primitives:?}") };
-        assert_eq!((pixels.size(), rect.size()), ((20, 10), [40.0, 20.0]));
-        assert_eq!((pixels[(0, 3)][3], pixels[(1, 3)][3]), (0, FLOW_ALPHA), "what is not known is clear");
-        assert!(pixels[(19, 3)][2] < pixels[(5, 3)][2], "the farther, the fuller its red");
+    fn a_dense_field_has_more_arrows_the_closer_one_looks() {
+        let scene = dense();
+        let count = |zoom| drawn(&scene, ArrowStyle::default(), Placement::new([0.0; 2], zoom)).len();
+        // One every 10 px, 5 px, and 1 px.
+        assert_eq!([count(1.0), count(3.0), count(14.0)], [35 * 18, 70 * 36, 350 * 180]);
+        assert!(count(0.3) < count(1.0), "they never touch");
+        let all = drawn(&scene, ArrowStyle::default(), Placement::new([0.0; 2], 1.0));
+        assert!(all.iter().all(|arrow| arrow.from[0] >= 10.0 && arrow.to[0] - arrow.from[0] == 2.5));
+    }
+
+    #[test]
+    fn a_dense_field_has_the_spacing_that_is_chosen() {
+        let scene = dense();
+        let spaced = ArrowStyle { spacing_px: Some(20), ..ArrowStyle::default() };
+        for zoom in [1.0, 8.0] {
+            assert_eq!(drawn(&scene, spaced, Placement::new([0.0; 2], zoom)).len(), 18 * 9);
+        }
+        let streaks = ArrowStyle { streak_frames: Some(32), ..ArrowStyle::default() };
+        assert!(drawn(&scene, streaks, Placement::new([0.0; 2], 1.0)).is_empty(), "streaklines stand in their place");
+    }
+
+    #[test]
+    fn only_arrows_that_can_be_seen_are_made() {
+        let scene = dense();
+        let seen = Some(Rect::new([0.0; 2], [200.0, 200.0]));
+        let near = drawn(&scene, ArrowStyle::default(), Placement { origin: [-2800.0, -1400.0], zoom: 28.0, seen });
+        assert!((7 * 7..17 * 17).contains(&near.len()), "{}", near.len());
+        assert!(near.iter().all(|arrow| (90.0..120.0).contains(&arrow.from[0])));
+    }
+
+    #[test]
+    fn blocks_are_thinned_to_the_spacing_that_is_chosen() {
+        let all = (0..40).flat_map(|y| (0..60).map(move |x| [8.0 * x as f32, 8.0 * y as f32]));
+        let arrows: Vec<_> = all.map(|from| scene::Arrow { from, to: [from[0] + 1.0, from[1]] }).collect();
+        let kept = |wanted| apart(&arrows, 1.0, Some(wanted)).len();
+        assert_eq!([kept(1.0), kept(8.0), kept(17.0), kept(32.0)], [60 * 40, 60 * 40, 30 * 20, 15 * 10]);
     }
 
     #[test]
@@ -482,8 +602,8 @@ mod tests {
         let mut scene = Scene::default();
         scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow]));
         scene.mark(Picture::Next, Role::Result, Shape::Arrows(vec![arrow]));
-        let look = Look { lengthen: 2.0, ..Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto) };
-        let tips: Vec<_> = resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 3.0 })
+        let look = Look { lengthen: 2.0, ..Look::new(&scene, Style::default()) };
+        let tips: Vec<_> = resolve(&scene.marks, &look, Placement::new([0.0; 2], 3.0))
             .into_iter()
             .flat_map(|primitive| match primitive {
                 Primitive::Arrows(arrows) => arrows.iter().map(|arrow| arrow.to[0]).collect::<Vec<_>>(),
@@ -497,8 +617,8 @@ mod tests {
     fn a_frame_lies_outside_the_pixels_that_it_frames() {
         let mut scene = Scene::default();
         scene.mark(Picture::Current, Role::Reference, Shape::pixels(4, 8, 16, 16));
-        let look = Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Auto);
-        let primitives = resolve(&scene.marks, &look, Placement { origin: [100.0, 0.0], zoom: 2.0 });
+        let look = Look::new(&scene, Style::default());
+        let primitives = resolve(&scene.marks, &look, Placement::new([100.0, 0.0], 2.0));
         let Some(Primitive::Polyline { points, stroke, closed: true }) = primitives.last() else {
             panic!("{primitives:?}")
         };
@@ -511,8 +631,14 @@ mod tests {
         let mut scene = Scene::default();
         scene.mark(Picture::Current, Role::Truth, Shape::Points(vec![[f32::NAN, 1.0]]));
         scene.mark(Picture::Current, Role::Truth, Shape::Heat { origin: [0.0; 2], values: Grid::new(2, 2, f32::NAN) });
-        let look = Look::new(&scene, Theme::Dark, ColorMap::Viridis, Lengthen::Times(f32::NAN));
+        let look = Look::new(
+            &scene,
+            Style {
+                arrows: ArrowStyle { lengthen: Lengthen::Times(f32::NAN), ..ArrowStyle::default() },
+                ..Style::default()
+            },
+        );
         assert_eq!((look.heat, look.lengthen), (None, 1.0));
-        assert!(resolve(&scene.marks, &look, Placement { origin: [0.0; 2], zoom: 1.0 }).is_empty());
+        assert!(resolve(&scene.marks, &look, Placement::new([0.0; 2], 1.0)).is_empty());
     }
 }

@@ -5,7 +5,9 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use motionscope_core::scene::Picture;
-use motionscope_core::{Error, Frame, Grid, Levels};
+use motionscope_core::{Error, Frame, Grid, Levels, Streaks};
+
+use super::Tint;
 
 /// What can be looked at: the frames, and what a run has made of them.
 #[derive(Clone, Debug)]
@@ -16,12 +18,16 @@ pub struct Pictures {
     pub names: [Option<String>; 2],
     /// The motion-compensated prediction of frame t, at the end of a run.
     pub prediction: Option<Arc<Frame>>,
+    /// The colours that stand over frame t and tell of its motion.
+    pub layer: Option<Arc<Tint>>,
+    /// Particles carried along by the motion, where they are wanted.
+    pub streaks: Option<Arc<Streaks>>,
 }
 
 impl Pictures {
     /// Two frames of which nothing has been made yet.
     pub fn of(pair: [Arc<Frame>; 2]) -> Self {
-        Self { pair, names: [const { None }; 2], prediction: None }
+        Self { pair, names: [const { None }; 2], prediction: None, layer: None, streaks: None }
     }
 
     /// What `view` shows where the step works on `levels` of a pyramid: the frames of the level that is `shown`, each of its
@@ -32,7 +38,7 @@ impl Pictures {
         let Some(levels) = levels.filter(|_| level > 0 && !view.is_of_the_end()) else { return self.clone() };
         let (width, height) = levels.size(level);
         let name = || Some(format!("level {level}, {width}×{height} px"));
-        Self { pair: levels.pair(level), names: [name(), name()], prediction: self.prediction.clone() }
+        Self { pair: levels.pair(level), names: [name(), name()], ..self.clone() }
     }
 }
 
@@ -105,6 +111,30 @@ impl Share {
     /// So much of `next`, and the rest of `current`.
     pub fn mix(self, current: u8, next: u8) -> u8 {
         (f32::from(current) + (f32::from(next) - f32::from(current)) * self.0).round() as u8
+    }
+}
+
+/// The moment at which streaklines are seen, a share of a particle's life from 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Phase(f32);
+
+impl Phase {
+    /// This moment, if it is one.
+    ///
+    /// # Errors
+    /// If it does not lie between 0 and 1.
+    pub fn new(phase: f32) -> Result<Self, Error> {
+        let told = || {
+            Error::new(format!(
+                "streaklines are seen at a moment from 0 to 1 of a particle's life, as 0.5, and not {phase}"
+            ))
+        };
+        (0.0..=1.0).contains(&phase).then_some(Self(phase)).ok_or_else(told)
+    }
+
+    /// Its number.
+    pub fn get(self) -> f32 {
+        self.0
     }
 }
 

@@ -2,16 +2,13 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Mark, Sentence, Shape};
+use motionscope_core::scene::{Mark, Picture, Sentence, Shape};
 use motionscope_core::{Grid, Scene};
 
-use super::legend::{self, line_height};
+use super::legend::{self, Bar, line_height};
 use super::primitive::{Anchor, Line, Primitive, Rect, Run, Stroke};
 use super::wrap::{brevity, inked, wrap};
-use super::{
-    Color, ColorMap, Face, Lengthen, Look, Panel, Pictures, Placement, Share, Shown, Theme, TypeSizes, View, fonts,
-    marks,
-};
+use super::{Color, Face, Look, Panel, Pictures, Placement, Share, Shown, Style, TypeSizes, View, fonts, marks};
 
 /// Space around everything.
 const MARGIN: f32 = 16.0;
@@ -29,12 +26,10 @@ pub struct PlateOptions {
     pub view: View,
     /// The share of frame t + 1 in a blend.
     pub share: Share,
-    /// Colours and sizes.
-    pub theme: Theme,
-    /// Colours of heat.
-    pub colors: ColorMap,
-    /// How long displacements are drawn.
-    pub lengthen: Lengthen,
+    /// Colours and sizes, and how displacements are drawn.
+    pub style: Style,
+    /// The moment at which streaklines are seen, a share of a particle's life.
+    pub phase: f32,
     /// Points per pixel of the clip, a whole number; 0 counts as 1. Lines and words do not grow with it.
     pub zoom: u16,
     /// Pixels per point that it will be painted with, at which marks find room; 0 counts as 1.
@@ -108,13 +103,13 @@ impl Plate {
 
     /// Lays out `parts`, two or three in a row and four in a square; `scene` has the marks of all.
     pub fn of(parts: &[Part<'_>], scene: &Scene, options: &PlateOptions) -> Self {
-        let look = Look::new(scene, options.theme, options.colors, options.lengthen);
+        let look = Look::new(scene, options.style);
         let look = Look { density: options.scale.max(1) as f32, ..look };
         let is_framed = options.legend || options.caption.is_some() || parts.len() > 1;
         let mut layout = Layout {
             options,
             look,
-            sizes: options.theme.sizes(),
+            sizes: options.style.theme.sizes(),
             margin: if is_framed { MARGIN } else { 0.0 },
             width: 0.0,
             y: if is_framed { MARGIN } else { 0.0 },
@@ -128,7 +123,11 @@ impl Plate {
         pictures.push(Layer { clip: None, primitives: words });
         Self {
             size: [width + 2.0 * margin, y + margin],
-            background: if is_framed { options.theme.chrome().panel } else { options.theme.chrome().background },
+            background: if is_framed {
+                options.style.theme.chrome().panel
+            } else {
+                options.style.theme.chrome().background
+            },
             layers: pictures,
             panels,
             description,
@@ -203,18 +202,18 @@ impl Layout<'_> {
                 }
                 self.y += 4.0;
             }
-            let placement = Placement { origin: [x, self.y], zoom };
-            self.panel(panel, placement, Rect::new(placement.origin, size), Arc::new(pixels), part.scene);
+            let placement = Placement::new([x, self.y], zoom);
+            self.panel((panel, placement), Rect::new(placement.origin, size), Arc::new(pixels), part);
             x += size[0] + GAP;
             bottom = bottom.max(self.y + size[1]);
         }
         self.y = if is_framed { on_grid(bottom) } else { bottom };
         if let Some(caption) = self.options.caption.as_ref().filter(|caption| !caption.sentence.0.is_empty()) {
             self.y += GAP;
-            self.paragraph(&inked(&caption.sentence, self.options.theme), self.sizes.body);
+            self.paragraph(&inked(&caption.sentence, self.options.style.theme), self.sizes.body);
         }
         if self.options.legend {
-            self.legend(scene);
+            self.legend(parts, scene);
         }
     }
 
@@ -224,12 +223,12 @@ impl Layout<'_> {
         let titles = [names, &[const { None }; 2]].map(|names| shown.title(self.options.frame, names));
         let [whole, short] = &titles;
         let title = if fonts::width(whole, Face::Sans, self.sizes.small) <= room { whole } else { short };
-        self.line(vec![Run::new(title, self.options.theme.chrome().dim)], self.sizes.small, x);
+        self.line(vec![Run::new(title, self.options.style.theme.chrome().dim)], self.sizes.small, x);
     }
 
     /// The estimator's name above its picture that begins at `x`, whether it waits, and below what it has come to.
     fn heading(&mut self, (name, waits): (&str, bool), words: Option<&Sentence>, x: f32) {
-        let chrome = self.options.theme.chrome();
+        let chrome = self.options.style.theme.chrome();
         let (body, small) = (self.sizes.body, self.sizes.small);
         if waits {
             let runs = vec![Run::new("done", chrome.dim)];
@@ -238,26 +237,35 @@ impl Layout<'_> {
         }
         self.line(vec![Run::new(name, chrome.text).face(Face::Bold)], body, x);
         if let Some(words) = words {
-            self.line(inked(words, self.options.theme), small, x);
+            self.line(inked(words, self.options.style.theme), small, x);
         }
     }
 
-    fn panel(&mut self, panel: Panel, placement: Placement, rect: Rect, pixels: Arc<Grid<[u8; 4]>>, scene: &Scene) {
+    fn panel(&mut self, at: (Panel, Placement), rect: Rect, pixels: Arc<Grid<[u8; 4]>>, part: &Part<'_>) {
+        let (panel, placement) = at;
+        let Pictures { layer, streaks, .. } = &part.pictures;
         let mut primitives = vec![Primitive::Image { pixels, rect }];
-        primitives.extend(marks::resolve(shown(panel, scene), &self.look, placement));
+        let of_frame_t = panel.shows(Picture::Current);
+        if let Some(layer) = layer.as_ref().filter(|_| of_frame_t) {
+            primitives.push(Primitive::Image { pixels: layer.pixels.clone(), rect });
+        }
+        primitives.extend(marks::resolve(shown(panel, part.scene), &self.look, placement));
+        if let Some(streaks) = streaks.as_ref().filter(|_| of_frame_t) {
+            primitives.push(marks::streaks(&streaks.at(self.options.phase), self.look.theme, placement));
+        }
         let beyond = if self.margin > 0.0 { BEYOND } else { 0.0 };
-        let is_arrow = |primitive: &Primitive| matches!(primitive, Primitive::Arrows(_));
+        let is_arrow = |primitive: &Primitive| matches!(primitive, Primitive::Arrows(_) | Primitive::Trails(_));
         for chunk in primitives.chunk_by(|a, b| is_arrow(a) == is_arrow(b)) {
             // Arrows end with the picture.
             let clip = if chunk.iter().any(is_arrow) { rect } else { rect.grown(beyond) };
             self.pictures.push(Layer { clip: Some(clip), primitives: chunk.to_vec() });
         }
-        self.panels.push((panel, placement));
+        self.panels.push(at);
     }
 
     /// Title and, if it fits on the line, the place in the run; the parameters below.
     fn header(&mut self, caption: &Caption) {
-        let chrome = self.options.theme.chrome();
+        let chrome = self.options.style.theme.chrome();
         let (heading, small) = (self.sizes.heading, self.sizes.small);
         let title = fonts::width(&caption.title, Face::Bold, heading);
         let place = fonts::width(&caption.place, Face::Sans, small);
@@ -276,16 +284,24 @@ impl Layout<'_> {
         self.y += GAP;
     }
 
-    fn legend(&mut self, scene: &Scene) {
+    fn legend(&mut self, parts: &[Part<'_>], scene: &Scene) {
         let panels = self.options.view.panels();
         let marks = scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
-        let look = Look { heat: self.look.heat.filter(|_| has_heat(marks.clone())), ..self.look };
-        let entries = legend::entries(&scene.legend, marks, &look, f32::from(self.options.zoom.max(1)));
+        let mut entries =
+            legend::entries(&scene.legend, marks.clone(), &self.look, f32::from(self.options.zoom.max(1)));
+        let heat = self.look.heat.filter(|_| has_heat(marks));
+        let heat = heat.map(|range| Bar::heat(&self.options.heat, range, self.look.colors));
+        // Several have one scale.
+        let layer = parts.iter().find_map(|part| part.pictures.layer.as_ref());
+        let layer = layer.filter(|_| panels.iter().any(|panel| panel.shows(Picture::Current)));
+        let (signs, bar) = layer.map(|layer| layer.legend()).unwrap_or_default();
+        entries.splice(0..0, signs);
+        let bars: Vec<_> = heat.into_iter().chain(bar).collect();
         let place = ([self.margin, self.y + 2.0 * GAP], self.width);
-        let (primitives, height) = legend::strip(&entries, &self.options.heat, &look, place);
+        let (primitives, height) = legend::strip(&entries, &bars, self.look.theme, place);
         if height > 0.0 {
             let points = vec![[self.margin, self.y + GAP + 0.5], [self.margin + self.width, self.y + GAP + 0.5]];
-            let stroke = Stroke { width: 1.0, color: self.options.theme.chrome().line, dash: &[] };
+            let stroke = Stroke { width: 1.0, color: self.options.style.theme.chrome().line, dash: &[] };
             self.words.push(Primitive::Polyline { points, closed: false, stroke });
             self.words.extend(primitives);
             self.y += 2.0 * GAP + height;

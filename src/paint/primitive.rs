@@ -195,6 +195,37 @@ impl Arrows {
     }
 }
 
+/// Lines that fade towards their start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trails {
+    /// The places of each, and how strong it is drawn, 0 to 1.
+    pub lines: Vec<(Vec<Point>, f32)>,
+    /// What they are drawn with where they are strongest.
+    pub pen: Pen,
+}
+
+impl Trails {
+    /// Every line as pieces that grow towards its head, and a dot there, back to front: all rims, then all lines.
+    pub fn primitives(&self) -> impl Iterator<Item = Primitive> + '_ {
+        let Pen { width, color, halo, halo_width } = self.pen;
+        [(halo, halo_width), (color, 0.0)].into_iter().flat_map(move |(color, grow)| {
+            self.lines.iter().flat_map(move |(points, strength)| {
+                let count = points.len().saturating_sub(1).max(1) as f32;
+                let at =
+                    move |share: f32| (width * (0.25 + 0.75 * share), color.alpha((255.0 * strength * share) as u8));
+                let pieces = points.windows(2).enumerate().map(move |(i, ends)| {
+                    let (width, color) = at((i + 1) as f32 / count);
+                    let stroke = Stroke { width: width + 2.0 * grow, color, dash: &[] };
+                    Primitive::Polyline { points: ends.to_vec(), closed: false, stroke }
+                });
+                let (width, color) = at(1.0);
+                let head = points.last().map(|&center| Primitive::Disc { center, radius: 0.8 * width + grow, color });
+                pieces.chain(head)
+            })
+        })
+    }
+}
+
 /// One arrow in points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrow {
@@ -297,6 +328,8 @@ pub enum Primitive {
     },
     /// Arrows in one ink.
     Arrows(Arrows),
+    /// Lines that fade.
+    Trails(Trails),
     /// A line of text.
     Text(Line),
     /// A picture whose pixels are shown as squares, never blurred.
@@ -320,6 +353,10 @@ impl Primitive {
                 let corners: Vec<Point> =
                     arrows.iter().map(|arrow| arrow.bounds()).flat_map(|r| [r.min, r.max]).collect();
                 around(&corners)
+            }
+            Primitive::Trails(trails) => {
+                let corners: Vec<Point> = trails.lines.iter().flat_map(|(points, _)| points).copied().collect();
+                around(&corners).grown(trails.pen.width + trails.pen.halo_width + 1.0)
             }
             Primitive::Text(line) => {
                 let [x, y] = line.start();

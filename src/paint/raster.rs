@@ -110,6 +110,7 @@ impl Canvas {
             Primitive::Disc { center, radius, color } => {
                 self.fill(PathBuilder::from_circle(center[0], center[1], *radius), *color);
             }
+            Primitive::Trails(trails) => trails.primitives().for_each(|primitive| self.paint(&primitive)),
             Primitive::Arrows(arrows) => {
                 let covers = self.covers();
                 for arrow in arrows.iter().filter(|arrow| arrow.bounds().meets(&covers)) {

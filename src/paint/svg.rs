@@ -56,6 +56,7 @@ fn draw(group: &mut Group, primitive: &Primitive) -> Result<(), Error> {
         Primitive::Polygon { points, color } => group.append(fill(shape(points, true), *color)),
         Primitive::Polyline { points, closed, stroke } => group.append(stroked(shape(points, *closed), stroke)),
         Primitive::Disc { center, radius, color } => group.append(disc(*center, *radius, *color)),
+        Primitive::Trails(trails) => trails.primitives().try_for_each(|primitive| draw(group, &primitive))?,
         Primitive::Arrows(arrows) => {
             for arrow in arrows.iter() {
                 if arrow.pen.halo_width > 0.0 {

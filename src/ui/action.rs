@@ -10,6 +10,7 @@ use super::commands::Command;
 use super::model::document::Owner;
 use super::model::writer::Order;
 use crate::comparison::Row;
+use crate::paint::Lengthen;
 
 /// What the system's dialog is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +75,8 @@ pub enum Action {
     Release,
     /// Run on the pair that starts with this frame.
     Frame(usize),
+    /// Draw displacements as long as this.
+    Lengthen(Lengthen),
     /// Play at this speed.
     Speed(usize),
     /// The error was read.

@@ -15,7 +15,7 @@ use super::model::snapshot::Place;
 use super::style::ZOOM;
 use crate::company::Company;
 use crate::comparison::Row;
-use crate::paint::{ColorMap, Lengthen, Theme, View as Pictures};
+use crate::paint::{ColorMap, FlowLayer, Lengthen, Theme, View as Pictures};
 
 /// How much larger the picture gets at each press of a key.
 const ZOOM_STEP: f32 = 1.5;
@@ -60,6 +60,7 @@ impl App {
             Action::Focus(point) => self.walker.focus(point),
             Action::Release => self.walker.release(),
             Action::Frame(frame) => self.go_to_frame(frame),
+            Action::Lengthen(lengthen) => self.settings.set_lengthen(lengthen),
             Action::Speed(speed) => {
                 self.player.speed = speed;
                 self.settings.speed = speed;
@@ -92,6 +93,10 @@ impl App {
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => self.look_at(command),
             C::Prediction | C::Residual => self.look_at(command),
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => self.look_at(command),
+            C::NextLayer => self.next_layer(),
+            C::Streaks => self.states.stage.streaks = !self.states.stage.streaks,
+            C::NoLayer | C::WheelLayer | C::MagnitudeLayer => self.states.stage.layer = command.layer(),
+            C::ErrorLayer | C::ConfidenceLayer | C::ConsistencyLayer => self.states.stage.layer = command.layer(),
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => self.restyle(command),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => self.restyle(command),
             C::ViridisColors | C::TurboColors => self.restyle(command),
@@ -167,6 +172,15 @@ impl App {
             Command::ActualSize => stage.one_to_one(self.ctx.pixels_per_point()),
             _ => stage.view = Pictures::SideBySide,
         }
+    }
+
+    /// Takes the next of the layers that there are.
+    fn next_layer(&mut self) {
+        let Some(shown) = self.view.shown.as_deref() else { return };
+        let stage = &mut self.states.stage;
+        let now = shown.offer.layer(stage.layer);
+        let mut round = FlowLayer::ALL.into_iter().cycle().skip_while(|layer| *layer != now).skip(1);
+        stage.layer = round.find(|layer| shown.offer.why_not(*layer).is_none());
     }
 
     fn restyle(&mut self, command: Command) {

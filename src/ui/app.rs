@@ -10,7 +10,7 @@ use motionscope_core::Error;
 use super::action::{Action, Actions, Browse};
 use super::commands::{Command, Now, Rungs};
 use super::dialogs::{compare, gallery, open as open_dialog, palette, save as save_dialog, sheet};
-use super::layout::{self, Folded, Tight};
+use super::layout::{self, Folded, Pane, Tight};
 use super::model::document::{Document, Owner};
 use super::model::loader::Loading;
 use super::model::player::Player;
@@ -160,7 +160,7 @@ impl App {
             Overlay::Compare(state) => state.is_settled(),
             _ => true,
         };
-        pictured && self.loading.is_none() && self.writing.is_none() && !self.view.busy
+        pictured && self.loading.is_none() && self.writing.is_none() && !self.view.busy && !self.view.checking
     }
 
     /// What is folded away just now.
@@ -201,6 +201,7 @@ impl App {
             lecture: self.settings.lecture,
             in_lockstep: !self.document.company().is_empty(),
             holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),
+            offer: shown.map(|shown| shown.offer).unwrap_or_default(),
             can_undo: self.document.can_undo(),
             can_redo: self.document.can_redo(),
             is_tuned: self.document.is_tuned(Owner::Estimator),
@@ -308,7 +309,8 @@ impl App {
 
     fn tiles(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
         let folded = self.folded();
-        layout::fold(&mut self.settings.tree, folded);
+        let offered = self.offered();
+        layout::fold(&mut self.settings.tree, folded, |pane| offered.contains(&pane));
         let look = self.look();
         let calm = self.settings.reduced_motion || self.player.is_playing();
         let mut panes = Panes {
@@ -320,11 +322,24 @@ impl App {
             stage_alone: layout::stage_alone(&self.settings.tree),
             alone: layout::alone(&self.settings.tree),
             animate: !calm && !ui.input(|i| i.pointer.any_down()),
+            flows: !self.settings.reduced_motion,
             gpu,
             look,
             actions,
         };
         self.settings.tree.ui(&mut panes, ui);
+        // What was chosen on the stage is shown as soon as it is made.
+        self.walker.want(self.look().want());
+    }
+
+    /// The charts that the estimator may ever have something for on this clip.
+    fn offered(&self) -> Vec<Pane> {
+        let charts = self.document.estimator().charts();
+        let offer = self.view.shown.as_deref().map(|shown| shown.offer).unwrap_or_default();
+        let is_offered = |pane: &Pane| {
+            pane.charts().iter().any(|chart| charts.contains(chart)) || *pane == Pane::Histogram && offer.has_errors()
+        };
+        Pane::ALL.into_iter().filter(is_offered).collect()
     }
 
     fn overlays(&mut self, ctx: &egui::Context, actions: &mut Actions) {

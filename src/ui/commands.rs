@@ -5,6 +5,9 @@
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
+use crate::motion::Offer;
+use crate::paint::FlowLayer;
+
 mod faces;
 
 pub use super::rungs::Rungs;
@@ -75,6 +78,22 @@ commands! {
     ViridisColors,
     /// Heat from blue to red.
     TurboColors,
+    /// Other colours that tell of motion.
+    NextLayer,
+    /// No colours that tell of motion.
+    NoLayer,
+    /// Directions.
+    WheelLayer,
+    /// Lengths.
+    MagnitudeLayer,
+    /// Errors against the truth.
+    ErrorLayer,
+    /// What the estimator trusts.
+    ConfidenceLayer,
+    /// The check with the reverse pair.
+    ConsistencyLayer,
+    /// Particles in the place of arrows.
+    Streaks,
     /// Arrows as long as there is room.
     FittingArrows,
     /// Arrows as long as the motion.
@@ -198,6 +217,8 @@ pub enum Submenu {
     Theme,
     /// Colours of heat.
     Colours,
+    /// Colours that tell of motion, and particles.
+    Motion,
     /// How long displacements are drawn.
     ArrowLength,
     /// How large everything is.
@@ -214,6 +235,7 @@ impl Submenu {
             Submenu::Zoom => ("Zoom", Icon::ZoomIn),
             Submenu::Theme => ("Theme", Icon::Contrast),
             Submenu::Colours => ("Colours", Icon::Palette),
+            Submenu::Motion => ("Motion", Icon::Wind),
             Submenu::ArrowLength => ("Arrow length", Icon::MoveUpRight),
             Submenu::InterfaceSize => ("Interface size", Icon::CaseSensitive),
             Submenu::Panes => ("Panes", Icon::LayoutDashboard),
@@ -284,9 +306,24 @@ impl Command {
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => Some(Submenu::Zoom),
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => Some(Submenu::Theme),
             C::ViridisColors | C::TurboColors => Some(Submenu::Colours),
+            C::NextLayer | C::Streaks => Some(Submenu::Motion),
+            _ if self.layer().is_some() => Some(Submenu::Motion),
             C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => Some(Submenu::ArrowLength),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => Some(Submenu::InterfaceSize),
             C::ShowParameters | C::ShowWhy | C::ShowCharts | C::ResetLayout => Some(Submenu::Panes),
+            _ => None,
+        }
+    }
+
+    /// The layer of colours that it shows, if it shows one.
+    pub fn layer(self) -> Option<FlowLayer> {
+        match self {
+            Command::NoLayer => Some(FlowLayer::None),
+            Command::WheelLayer => Some(FlowLayer::Wheel),
+            Command::MagnitudeLayer => Some(FlowLayer::Magnitude),
+            Command::ErrorLayer => Some(FlowLayer::Error),
+            Command::ConfidenceLayer => Some(FlowLayer::Confidence),
+            Command::ConsistencyLayer => Some(FlowLayer::Consistency),
             _ => None,
         }
     }
@@ -309,6 +346,15 @@ impl Command {
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => now.has_run,
             C::Prediction | C::Residual => now.has_run && now.at_end,
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
+            C::NextLayer | C::Streaks => now.has_run && now.offer.has_field(),
+            C::NoLayer
+            | C::WheelLayer
+            | C::MagnitudeLayer
+            | C::ErrorLayer
+            | C::ConfidenceLayer
+            | C::ConsistencyLayer => {
+                now.has_run && self.layer().is_some_and(|layer| now.offer.why_not(layer).is_none())
+            }
             C::Open | C::PastePath | C::Samples | C::Quit => true,
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => true,
@@ -380,6 +426,8 @@ pub struct Now {
     pub in_lockstep: bool,
     /// A pixel was clicked and stays explained.
     pub holds_pixel: bool,
+    /// Which layers tell of motion.
+    pub offer: Offer,
     /// There is a change to take back.
     pub can_undo: bool,
     /// There is a change to make again.

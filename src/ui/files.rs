@@ -18,6 +18,7 @@ use super::model::snapshot::{Place, Snapshot, Subject};
 use super::model::writer::{self, Order, What, Writing};
 use super::stage::Zoom;
 use crate::media::Open;
+use crate::paint::Phase;
 use crate::session::{Session, Sight};
 use crate::shot::Look;
 use crate::source::Source;
@@ -204,7 +205,10 @@ impl App {
             share: stage.share(),
             theme: settings.theme(),
             colors: settings.colors(),
+            layer: stage.layer,
             lengthen: settings.lengthen(),
+            spacing_px: stage.spacing_px,
+            streaks: stage.streaks.then(Phase::default),
             legend: stage.legend,
             caption: settings.caption,
         }
@@ -212,8 +216,9 @@ impl App {
 
     /// Has pictures look like this from now on.
     fn look_as(&mut self, look: Look) {
-        let Look { view, level, share, theme, colors, lengthen, legend, caption } = look;
+        let Look { view, level, share, theme, colors, layer, lengthen, spacing_px, streaks, legend, caption } = look;
         let stage = &mut self.states.stage;
+        (stage.layer, stage.spacing_px, stage.streaks) = (layer, spacing_px, streaks.is_some());
         (stage.view, stage.level) = (view.unwrap_or_default(), level);
         (stage.blend, stage.legend) = (share.get(), legend);
         self.settings.set_theme(theme);

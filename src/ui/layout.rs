@@ -2,6 +2,7 @@
 
 use eframe::egui;
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
+use motionscope_core::scene::Chart;
 use serde::{Deserialize, Serialize};
 
 /// A pane of the window.
@@ -37,6 +38,23 @@ impl Pane {
         Pane::Numbers,
         Pane::Histogram,
     ];
+
+    /// Whether it is one of those below the stage.
+    pub fn is_chart(self) -> bool {
+        !matches!(self, Pane::Stage | Pane::Parameters | Pane::Why)
+    }
+
+    /// What stands in it: what steps tell, as far as they do.
+    pub fn charts(self) -> &'static [Chart] {
+        match self {
+            Pane::Stage | Pane::Parameters | Pane::Why => &[],
+            Pane::Surface => &[Chart::Surface, Chart::Plane],
+            Pane::Surface3d => &[Chart::Surface, Chart::Stack],
+            Pane::Plot => &[Chart::Series],
+            Pane::Numbers => &[Chart::Tiles],
+            Pane::Histogram => &[Chart::Histogram],
+        }
+    }
 
     /// Its name.
     pub fn title(self) -> &'static str {
@@ -120,9 +138,7 @@ impl Folded {
             Pane::Stage => true,
             Pane::Why => self.lecture || !self.why,
             Pane::Parameters => !self.lecture && !self.parameters,
-            Pane::Surface | Pane::Surface3d | Pane::Plot | Pane::Numbers | Pane::Histogram => {
-                !self.lecture && !self.charts
-            }
+            _ => !self.lecture && !self.charts,
         }
     }
 }
@@ -147,11 +163,11 @@ pub fn tree() -> Tree<Pane> {
     Tree::new(egui::Id::unique("panes"), root, tiles)
 }
 
-/// Shows and hides panes as `folded` says.
-pub fn fold(tree: &mut Tree<Pane>, folded: Folded) {
+/// Shows and hides panes as `folded` says, and of the charts only those that are `offered`.
+pub fn fold(tree: &mut Tree<Pane>, folded: Folded, offered: impl Fn(Pane) -> bool) {
     for pane in Pane::ALL {
         if let Some(tile) = tree.tiles.find_pane(&pane) {
-            tree.set_visible(tile, folded.shows(pane));
+            tree.set_visible(tile, folded.shows(pane) && (!pane.is_chart() || offered(pane)));
         }
     }
 }
@@ -201,7 +217,7 @@ mod tests {
     fn a_lecture_hides_all_but_stage_and_explanation() {
         let mut tree = tree();
         let folded = Folded { lecture: true, why: true, ..Folded::default() };
-        fold(&mut tree, folded);
+        fold(&mut tree, folded, |_| true);
         let seen = |pane: &Pane| tree.tiles.find_pane(pane).is_some_and(|tile| tree.is_visible(tile));
         assert_eq!(Pane::ALL.into_iter().filter(seen).collect::<Vec<_>>(), [Pane::Stage, Pane::Why]);
     }

@@ -8,6 +8,7 @@ pub mod axis;
 pub mod clip_card;
 pub mod commands;
 pub mod dialogs;
+pub mod distribution;
 mod files;
 pub mod heat_map;
 pub mod histogram;

@@ -7,7 +7,7 @@ use eframe::egui::{
 use eframe::egui_wgpu::RenderState;
 use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 use lucide_icons::Icon;
-use motionscope_core::scene::Readout;
+use motionscope_core::scene::{Chart, Readout};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Step};
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,9 @@ use super::model::loader::Loading;
 use super::model::snapshot::Snapshot;
 use super::model::walker::View;
 use super::parts::widgets;
-use super::{heat_map, histogram, parameters, plane, plots, stack3d, stage, style, surface3d, tiles, why};
+use super::{
+    distribution, heat_map, histogram, parameters, plane, plots, stack3d, stage, style, surface3d, tiles, why,
+};
 use crate::paint::{LevelShown, Theme};
 use crate::shot::Look;
 
@@ -47,6 +49,8 @@ pub struct States {
     /// Quantities over steps.
     #[serde(skip)]
     pub plots: plots::State,
+    /// Whether errors stand in the place of the displacements found, where both are there to be counted.
+    pub is_errors: bool,
     /// Small pictures with their numbers.
     #[serde(skip)]
     pub tiles: tiles::State,
@@ -70,6 +74,8 @@ pub struct Panes<'a> {
     pub alone: Vec<TileId>,
     /// Whether a step may move.
     pub animate: bool,
+    /// Whether particles may.
+    pub flows: bool,
     /// The window's graphics card, if it has one.
     pub gpu: Option<&'a RenderState>,
     /// How pictures look.
@@ -99,7 +105,11 @@ impl Panes<'_> {
             heat: heat.or(shown.scene.heat).unwrap_or_default(),
             gpu: self.gpu,
             lengthen: self.look.lengthen,
+            spacing_px: self.look.spacing_px,
+            offer: &shown.offer,
+            checking: self.view.checking,
             animate: self.animate,
+            flows: self.flows,
         };
         let response = stage::show(ui, input, &mut self.states.stage);
         self.actions.ask(Action::Focus(response.hovered));
@@ -108,6 +118,9 @@ impl Panes<'_> {
         }
         if let Some(pace) = response.paced {
             self.actions.ask(Action::Pace(pace));
+        }
+        if let Some(lengthen) = response.lengthened {
+            self.actions.ask(Action::Lengthen(lengthen));
         }
         if response.left {
             self.actions.command(Command::Lockstep);
@@ -245,8 +258,10 @@ impl Panes<'_> {
     /// What stands over a pane: some are called after what they show just now.
     fn title(&self, pane: Pane) -> &'static str {
         let step = self.view.shown.as_deref().map(|shown| self.told(shown).1);
+        let charts = self.document.estimator().charts();
         match pane {
-            Pane::Surface if step.is_some_and(has_plane) => "Displacements",
+            Pane::Surface if step.is_some_and(has_plane) || !charts.contains(&Chart::Surface) => "Displacements",
+            Pane::Histogram if !charts.contains(&Chart::Histogram) => "Errors",
             pane => pane.title(),
         }
     }
@@ -258,6 +273,9 @@ impl Panes<'_> {
         let (theme, colors) = (self.look.theme, self.look.colors);
         let (_, step) = self.told(shown);
         if pane == Pane::Surface3d && pyramid(ui, step, theme, self.states) {
+            return;
+        }
+        if pane == Pane::Histogram && errors(ui, step, theme, self.states) {
             return;
         }
         let states = &mut *self.states;
@@ -294,16 +312,7 @@ impl Panes<'_> {
             }
             return;
         }
-        match (pane, shown.subject.estimator.tests_candidates()) {
-            (Pane::Surface | Pane::Surface3d, false) => {
-                empty(ui, "This estimator tests no candidates, so there are no costs to be seen.")
-            }
-            (Pane::Histogram, false) => empty(
-                ui,
-                "This estimator has no blocks whose displacements could be counted; the stage shows its field.",
-            ),
-            _ => empty(ui, &absent(pane)),
-        }
+        empty(ui, &absent(pane, shown.subject.estimator.charts()));
     }
 }
 
@@ -342,18 +351,62 @@ fn pyramid(ui: &mut Ui, step: &Step, theme: Theme, states: &mut States) -> bool 
     true
 }
 
-/// What will stand in a chart that this step has nothing for, and what to do.
-fn absent(pane: Pane) -> String {
-    let (what, until) = match pane {
-        Pane::Surface | Pane::Surface3d => ("stands the cost of every displacement tested", "a candidate is tested"),
-        Pane::Histogram => {
-            let (key, name) = (Command::Over.key(), "stands how many blocks have each displacement");
-            return format!("Here {name}. Step over ({key}) until the first block is done.");
+/// The errors against the truth where they are known, with the choice between them and the displacements where there
+/// are both; gives whether they are shown.
+fn errors(ui: &mut Ui, step: &Step, theme: Theme, states: &mut States) -> bool {
+    let found = step.readouts.iter().find_map(|r| if let Readout::Distribution(all) = r { Some(all) } else { None });
+    let Some(distribution) = found else { return false };
+    if step.readouts.iter().any(|readout| matches!(readout, Readout::Histogram(_))) {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            for (is_errors, text, tip) in [
+                (false, "Displacements", "How often each displacement was found."),
+                (true, "Errors", "How far displacements are from the true ones."),
+            ] {
+                if ui.selectable_value(&mut states.is_errors, is_errors, text).on_hover_text(tip).changed() {
+                    ui.ctx().request_repaint();
+                }
+            }
+        });
+        if !states.is_errors {
+            return false;
         }
-        Pane::Plot => ("stands how the cost goes from candidate to candidate", "there are some"),
-        _ => ("stand the pixels that are compared, as numbers", "a block is compared"),
+    }
+    distribution::show(ui, distribution::Input { distribution, theme });
+    true
+}
+
+/// What will stand in a chart that this step has nothing for, and what to do.
+fn absent(pane: Pane, charts: &[Chart]) -> String {
+    let candidates = charts.contains(&Chart::Surface);
+    let (command, what, until) = match pane {
+        Pane::Surface if !candidates => {
+            (Command::Into, "stands what pixels say of their displacement (u, v)", "one of them is asked")
+        }
+        Pane::Surface | Pane::Surface3d => {
+            (Command::Into, "stands the cost of every displacement tested", "a candidate is tested")
+        }
+        Pane::Histogram if charts.contains(&Chart::Histogram) && !candidates => {
+            let key = Command::End.key();
+            return format!("Here stands how many pixels have each displacement, at the end of the run ({key}).");
+        }
+        Pane::Histogram if candidates => {
+            let until = "the first block is done";
+            (Command::Over, "stands how many blocks have each displacement", until)
+        }
+        Pane::Histogram => {
+            let key = Command::End.key();
+            return format!("Here stands how far displacements are from the true ones, at the end of the run ({key}).");
+        }
+        Pane::Plot if candidates => {
+            (Command::Into, "stands how the cost goes from candidate to candidate", "there are some")
+        }
+        Pane::Plot => (Command::Into, "stands how energy and change go from iteration to iteration", "there are some"),
+        _ if candidates => (Command::Into, "stand the pixels that are compared, as numbers", "a block is compared"),
+        _ => (Command::Into, "stand pixels and their derivatives, as numbers", "a pixel is asked"),
     };
-    format!("Here {what}. Step on ({}) until {until}.", Command::Into.key())
+    let verb = if command == Command::Over { "Step over" } else { "Step on" };
+    format!("Here {what}. {verb} ({}) until {until}.", command.key())
 }
 
 /// An error as a sentence: a full stop, and a capital letter unless it begins with a name.

@@ -7,7 +7,7 @@ use eframe::egui_wgpu::RenderState;
 use super::arrows::{Drawn, Sheet};
 use super::ink;
 use crate::paint::Primitive;
-use crate::paint::primitive::{self, Arrows, Line, Point};
+use crate::paint::primitive::{self, Arrows, Line, Point, Trails};
 
 /// `primitives` as shapes; pictures among them are left out, for they need textures that someone keeps.
 pub fn shapes(painter: &Painter, primitives: &[Primitive]) -> Vec<Shape> {
@@ -43,6 +43,36 @@ pub fn gradient_down(rect: egui::Rect, colors: &[[u8; 4]]) -> Shape {
         [pos2(rect.min.x, y), pos2(rect.max.x, y)]
     };
     ribbon(colors, edge)
+}
+
+/// Lines that fade, in one mesh.
+fn ribbons(trails: &Trails, clip: &primitive::Rect) -> Shape {
+    /// Corners of the dot at a head.
+    const CORNERS: u32 = 8;
+    let mut mesh = Mesh::default();
+    for primitive in trails.primitives().filter(|primitive| primitive.bounds().meets(clip)) {
+        let first = mesh.vertices.len() as u32;
+        match primitive {
+            Primitive::Polyline { points, stroke, .. } => {
+                let [from, to] = [points[0], points[1]].map(Pos2::from);
+                let (across, color) = ((to - from).normalized().rot90() * stroke.width / 2.0, ink::color(stroke.color));
+                for at in [from - across, from + across, to - across, to + across] {
+                    mesh.colored_vertex(at, color);
+                }
+                mesh.add_triangle(first, first + 1, first + 2);
+                mesh.add_triangle(first + 1, first + 2, first + 3);
+            }
+            Primitive::Disc { center, radius, color } => {
+                for i in 0..CORNERS {
+                    let way = egui::Vec2::angled(i as f32 / CORNERS as f32 * std::f32::consts::TAU);
+                    mesh.colored_vertex(Pos2::from(center) + way * radius, ink::color(color));
+                }
+                (1..CORNERS - 1).for_each(|i| mesh.add_triangle(first, first + i, first + i + 1));
+            }
+            _ => {}
+        }
+    }
+    Shape::mesh(mesh)
 }
 
 fn ribbon(colors: &[[u8; 4]], edge: impl Fn(f32) -> [Pos2; 2]) -> Shape {
@@ -88,7 +118,7 @@ impl<'a> Maker<'a> {
     /// Adds one primitive on top, if any of it can be seen.
     pub fn add(&mut self, primitive: &Primitive) {
         // Arrows may be very many: those that cannot be seen are left out as they are drawn.
-        if !matches!(primitive, Primitive::Arrows(_)) && !primitive.bounds().meets(&self.clip) {
+        if !matches!(primitive, Primitive::Arrows(_) | Primitive::Trails(_)) && !primitive.bounds().meets(&self.clip) {
             return;
         }
         match primitive {
@@ -109,6 +139,7 @@ impl<'a> Maker<'a> {
                 self.shapes.push(Shape::image(texture, rect, whole, Color32::WHITE));
             }
             Primitive::Arrows(arrows) => self.arrows(arrows),
+            Primitive::Trails(trails) => self.shapes.push(ribbons(trails, &self.clip)),
         }
     }
 

@@ -147,7 +147,9 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     let (clip, estimator) = (&shown.subject.clip, &*shown.subject.estimator);
     let mut walk = shown.subject.company.walk(estimator, clip, shown.subject.frame).unwrap();
     walk.jump(motionscope_core::Move::To(here));
-    let still = Still::of(&*walk, clip, &shot::pair(clip, shown.subject.frame).unwrap());
+    let pair = shot::pair(clip, shown.subject.frame).unwrap();
+    let reverse = Reverse::new(estimator, clip, shown.subject.frame);
+    let still = Still::of(&*walk, (clip, &pair), &look.want(), &reverse).unwrap();
     let drawn = still.moment(estimator).encode(&look, Format::Png, 1).unwrap();
     assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
     let path: OsString = folder.path().join("one.motionscope").into();

@@ -23,7 +23,7 @@ use crate::block_search::{
     BlockSearch, Displacement, Event, HasSettings, Match, Neighbours, Pair, Probe, Settings, Subpixel, Tester,
     Workspace, block_search_params, unit_at, vector,
 };
-use crate::scene::{Fact, Readout, Sentence};
+use crate::scene::{Chart, Fact, Readout, Sentence};
 use crate::threads::Earlier;
 use crate::{
     Block, BlockGrid, Clip, Counted, Error, Estimator, Floor, Frame, Info, Level, Levels, Observer, Output, Progress,
@@ -344,6 +344,7 @@ impl Estimator for Hierarchical {
     };
     const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
     const TESTS_CANDIDATES: bool = true;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram, Chart::Stack];
     type State = State;
     type Event = Event;
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::probe::Probe;
 use super::tester::Workspace;
 use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
+use crate::scene::Chart;
 use crate::threads::Earlier;
 use crate::{
     BlockGrid, Clip, Error, Estimator, Info, Observer, Output, Params, Progress, Promise, Role, Rung, Scene, Seen,
@@ -127,6 +128,7 @@ impl<S: BlockSearch> Estimator for S {
     const INFO: Info = <S as BlockSearch>::INFO;
     const PROMISE: Promise = <S as BlockSearch>::PROMISE;
     const TESTS_CANDIDATES: bool = true;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram];
     type State = State;
     type Event = Event;
 

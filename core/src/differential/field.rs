@@ -2,7 +2,7 @@
 
 use super::Sampling;
 use crate::pyramid::resampled;
-use crate::scene::{Arrow, Picture, Role, Scene, Shape};
+use crate::scene::{Picture, Role, Scene, Shape};
 use crate::{Flow, Grid, Threads};
 
 /// Displacements (u, v) in px/frame; NaN where they are not known.
@@ -63,31 +63,10 @@ pub fn most_changed(from: &Field, to: &Field) -> (usize, usize) {
     places.fold((0, 0), |most, place| if squared(place) > squared(most) { place } else { most })
 }
 
-/// About how many arrows stand along the longer side of a picture; a painter leaves out those it has no room for.
-const ARROWS: usize = 36;
-
-/// From one arrow of a dense field to the next, in px.
-pub fn arrow_spacing((width, height): (usize, usize)) -> usize {
-    (width.max(height) / ARROWS).max(5)
-}
-
-/// Draws a dense field: in the colours of the wheel, and arrows on a grid.
+/// Draws a dense field.
 pub fn draw(values: Grid<[f32; 2]>, scene: &mut Scene) {
-    let spacing = arrow_spacing(values.size());
-    let arrow = |(x, y): (usize, usize)| {
-        let [u, v] = values[(x, y)];
-        let from = [x as f32, y as f32];
-        (u.is_finite() && v.is_finite()).then(|| Arrow { from, to: [from[0] + u, from[1] + v] })
-    };
-    let along = |extent: usize| (spacing / 2..extent).step_by(spacing);
-    let places = along(values.height()).flat_map(|y| along(values.width()).map(move |x| (x, y)));
-    let arrows: Vec<_> = places.filter_map(arrow).collect();
-    scene.mark(Picture::Current, Role::Estimate, Shape::Flow { origin: [0.0; 2], values });
-    scene.legend(Role::Estimate, "direction of motion");
-    if !arrows.is_empty() {
-        scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
-        scene.legend(Role::Result, "displacements found");
-    }
+    scene.mark(Picture::Current, Role::Result, Shape::Flow { origin: [0.0; 2], values });
+    scene.legend(Role::Result, "displacements found");
 }
 
 #[cfg(test)]

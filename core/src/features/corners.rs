@@ -6,7 +6,7 @@ use super::declare::HasSettings;
 use super::response::Tensors;
 use super::select::{Chosen, Peaks, Settings, largest, rank};
 use crate::differential::Tensor;
-use crate::scene::{Math, Step};
+use crate::scene::{Chart, Math, Step};
 use crate::{
     Clip, Cursor, Error, Estimator, Explained, Feature, Frame, Gray, Grid, Info, Observer, Output, Params, PointField,
     Progress, Promise, Rung, Scene, Seen, Spec, Status, Threads, Value,
@@ -280,6 +280,7 @@ fn rows_at_once(height: usize, threads: &Threads) -> usize {
 impl<M: Measure> Estimator for Corners<M> {
     const INFO: Info = M::INFO;
     const PROMISE: Promise = Promise::Places;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles];
     type State = State;
     type Event = Event;
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::differential::{Field, Multiscale, Weights, Window, field, relax, tell};
 use crate::polynomial::{Agreed, Agreement, Applicability, Expander, Looked, Moved, Packed, Part};
-use crate::scene::{Fact, Readout, Sentence, Series};
+use crate::scene::{Chart, Fact, Readout, Sentence, Series};
 use crate::{
     Clip, Confidence, DenseField, Error, Estimator, Grid, Info, Observer, Output, Progress, Promise, Role, Rung, Scene,
     Seen, Step, Threads, params,
@@ -162,6 +162,7 @@ impl Estimator for Farneback {
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
     type State = State;
     type Event = Event;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Plane, Chart::Histogram];
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())

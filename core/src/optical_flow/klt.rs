@@ -11,6 +11,7 @@ use crate::features::follow::{self, Follow};
 use crate::features::tracker::Level;
 use crate::features::{Detection, detect_around};
 use crate::interest_points::{Harris, ShiTomasi};
+use crate::scene::Chart;
 use crate::{
     Clip, Error, Estimator, Feature, Flow, Frame, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen,
     Status, Step, Threads, Track, TrackField, choices, params,
@@ -310,6 +311,7 @@ impl Estimator for Klt {
         frames: 2,
     };
     const PROMISE: Promise = Promise::Features { off_centi_px: 2 };
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     type State = State;
     type Event = Event;
 

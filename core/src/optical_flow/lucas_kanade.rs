@@ -5,6 +5,7 @@ mod tell;
 use std::sync::{Arc, OnceLock};
 
 use crate::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
+use crate::scene::Chart;
 use crate::{
     Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Progress,
     Promise, Rung, Scene, Seen, Step, Threads, params,
@@ -168,6 +169,7 @@ impl Estimator for LucasKanade {
         frames: 2,
     };
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 3 };
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane, Chart::Histogram];
     type State = State;
     type Event = Event;
 

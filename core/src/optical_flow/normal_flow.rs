@@ -11,7 +11,7 @@
 use std::sync::Arc;
 
 use crate::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
-use crate::scene::{Fact, Math, Picture, Plane, Readout, Sentence, Shape};
+use crate::scene::{Chart, Fact, Math, Picture, Plane, Readout, Sentence, Shape};
 use crate::{
     Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Progress,
     Promise, Role, Rung, Scene, Seen, Step, Threads, params,
@@ -113,6 +113,7 @@ impl Estimator for NormalFlow {
         frames: 2,
     };
     const PROMISE: Promise = Promise::AlongGradient;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane, Chart::Histogram];
     type State = State;
     type Event = Event;
 

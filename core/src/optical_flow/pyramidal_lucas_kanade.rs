@@ -9,7 +9,7 @@ use crate::features::tracker::Level;
 use crate::features::{Account, Trace, detect};
 use crate::interest_points::ShiTomasi;
 use crate::pyramid::halvings;
-use crate::scene::{Arrow, Fact, Picture, Readout, Sentence, Shape};
+use crate::scene::{Arrow, Chart, Fact, Picture, Readout, Sentence, Shape};
 use crate::{
     Clip, Confidence, DenseField, Error, Estimator, Feature, Flow, Frame, Grid, Info, Levels, Observer, Output,
     PointField, Progress, Promise, Role, Rung, Scene, Seen, Stack, Status, Step, Threads, choices, params,
@@ -202,6 +202,7 @@ impl Estimator for PyramidalLucasKanade {
         frames: 2,
     };
     const PROMISE: Promise = Promise::Features { off_centi_px: 2 };
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Stack];
     type State = State;
     type Event = Event;
 

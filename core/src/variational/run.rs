@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::declare::Settings;
 use super::model::{Iteration, Model, Unknowns, Warp};
 use crate::differential::{Field, Given, Linear, field, filter, relax};
+use crate::scene::Chart;
 use crate::{
     Clip, DenseField, Error, Estimator, Explained, Flow, Frame, Grid, Info, Level, Observer, Output, Params, Progress,
     Promise, Rung, Scene, Seen, Spec, Step, Threads, Value, pyramid,
@@ -299,6 +300,7 @@ fn most_changed(from: &Field, to: &Field) -> (usize, usize) {
 impl<M: Model> Estimator for Variational<M> {
     const INFO: Info = M::INFO;
     const PROMISE: Promise = M::PROMISE;
+    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Plane, Chart::Histogram, Chart::Stack];
     type State = State<M>;
     type Event = Event<M>;
 

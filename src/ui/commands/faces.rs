@@ -4,7 +4,7 @@ use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
 use super::{Command, Face, Menu};
-use crate::paint::View;
+use crate::paint::{FlowLayer, View};
 
 const fn key(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::NONE, key)
@@ -28,6 +28,10 @@ impl Command {
         use Command as C;
         let view =
             |icon, view: View, keys: &'static [KeyboardShortcut]| (Menu::View, icon, view.name(), view.tip(), keys);
+        let layer = |icon, layer: FlowLayer| {
+            let none: &'static [KeyboardShortcut] = &[];
+            (Menu::View, icon, layer.name(), layer.tip(), none)
+        };
         let (menu, icon, text, tip, keys): (_, _, _, _, &'static [KeyboardShortcut]) = match self {
             C::Open => (
                 Menu::File,
@@ -132,6 +136,26 @@ impl Command {
                 "Turbo colours",
                 "Costs from blue over green to red: small differences are seen better.",
                 &[],
+            ),
+            C::NextLayer => (
+                Menu::View,
+                Icon::SwatchBook,
+                "Next colours of motion",
+                "Other colours over the picture: none, directions, lengths, and at the end errors and checks.",
+                const { &[key(Key::M)] },
+            ),
+            C::NoLayer => layer(Icon::CircleOff, FlowLayer::None),
+            C::WheelLayer => layer(Icon::Palette, FlowLayer::Wheel),
+            C::MagnitudeLayer => layer(Icon::Gauge, FlowLayer::Magnitude),
+            C::ErrorLayer => layer(Icon::Target, FlowLayer::Error),
+            C::ConfidenceLayer => layer(Icon::ShieldCheck, FlowLayer::Confidence),
+            C::ConsistencyLayer => layer(Icon::ArrowLeftRight, FlowLayer::Consistency),
+            C::Streaks => (
+                Menu::View,
+                Icon::Wind,
+                "Streaklines",
+                "Particles carried along by the motion, in the place of arrows.",
+                const { &[key(Key::S)] },
             ),
             C::FittingArrows => (
                 Menu::View,

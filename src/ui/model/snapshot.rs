@@ -6,6 +6,7 @@ use std::sync::Arc;
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Pace, Role, Rung, Scene, Step};
 
 use crate::company::Company;
+use crate::motion::Offer;
 use crate::paint::Pictures;
 use crate::source::Source;
 use crate::tile::Tile;
@@ -99,6 +100,8 @@ pub struct Snapshot {
     pub frame: usize,
     /// Frames t and t + 1, and at the end what the run has made of them.
     pub pictures: Pictures,
+    /// Which layers tell of motion.
+    pub offer: Offer,
     /// Where the run stands.
     pub cursor: Cursor,
     /// Events of the unit at hand.

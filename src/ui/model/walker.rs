@@ -2,7 +2,7 @@
 //!
 //! Nothing here knows the window. A request never waits for an earlier one that takes long: it replaces it.
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,13 +12,14 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use motionscope_core::scene::{Fact, Readout};
-use motionscope_core::{Clip, Cursor, Error, Explained, Histogram, Move, Output, Step, Stop, Walk};
+use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Histogram, Move, Output, Scene, Step, Stop, Walk};
 
 use super::snapshot::{Job, Place, Pointed, Snapshot, Subject};
-use crate::paint::Pictures;
+use crate::motion::{Motion, Offer, Site, Want, backward};
+use crate::paint::{FlowLayer, Pictures};
 use crate::quality::Quality;
 use crate::shot::{LastPair, pictures};
-use crate::tile::{self, Ending, add_facts, endings, tiles};
+use crate::tile::{self, Ending, add_facts, add_quality, endings, tiles};
 use crate::ui::action::Side;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
@@ -39,6 +40,8 @@ pub struct View {
     pub busy: bool,
     /// Units done of those that a long move needs.
     pub progress: Option<(usize, usize)>,
+    /// Whether the reverse pair is being run.
+    pub checking: bool,
 }
 
 type Visit = Box<dyn FnOnce(&Arc<Subject>, &dyn Walk) + Send>;
@@ -62,7 +65,11 @@ struct Desk {
     starting: bool,
     requests: VecDeque<Request>,
     focus: Option<[f32; 2]>,
+    want: Want,
+    /// Another pixel is to be explained, or something else of motion is to be seen.
     focus_moved: bool,
+    /// The flow of the reverse pair of a run, when it has come.
+    backward: Option<(Arc<Subject>, Result<Flow, Error>)>,
     since: Option<Instant>,
     quit: bool,
     view: View,
@@ -168,6 +175,16 @@ impl Walker {
         self.ask(false, |desk| desk.requests.push_back(Request::Release));
     }
 
+    /// Shows `want` of motion from now on.
+    pub fn want(&self, want: Want) {
+        if self.shared.desk().want != want {
+            self.ask(false, |desk| {
+                desk.want = want;
+                desk.focus_moved = true;
+            });
+        }
+    }
+
     /// Has `visit` look at the run, on the walker's thread, after what was asked for before.
     pub fn visit(&self, visit: impl FnOnce(&Arc<Subject>, &dyn Walk) + Send + 'static) {
         self.ask(false, |desk| desk.requests.push_back(Request::Visit(Box::new(visit))));
@@ -194,7 +211,7 @@ impl Walker {
     /// Waits until nothing is left to do.
     pub fn wait(&self) {
         let mut desk = self.shared.desk();
-        while desk.view.busy {
+        while desk.view.busy || desk.view.checking {
             desk = self.shared.idle.wait(desk).unwrap_or_else(PoisonError::into_inner);
         }
     }
@@ -236,12 +253,16 @@ struct Run {
     pair: Pictures,
     /// What the whole run amounts to, once its end was reached.
     end: OnceCell<End>,
+    /// The flow of the reverse pair, once it was asked for.
+    backward: Option<Result<Flow, Error>>,
+    /// What was seen of motion last, where, and whether the reverse pair was known.
+    motion: RefCell<Option<((Cursor, Want, bool), Motion)>>,
 }
 
 /// What the end of a run shows beside its last step.
 struct End {
     pictures: Pictures,
-    quality: Vec<Fact>,
+    quality: Option<Quality>,
     /// How many pixels of a dense field have each displacement.
     histogram: Option<Histogram>,
     beside: Vec<Ending>,
@@ -251,17 +272,18 @@ enum Task {
     Start(Job),
     Request(Request),
     Focus,
+    Backward(Arc<Subject>, Result<Flow, Error>),
 }
 
 struct Worker<'a> {
-    shared: &'a Shared,
+    shared: &'a Arc<Shared>,
     run: Option<Run>,
     /// The pixel that was clicked.
     held: Option<[f32; 2]>,
 }
 
 impl<'a> Worker<'a> {
-    fn new(shared: &'a Shared) -> Self {
+    fn new(shared: &'a Arc<Shared>) -> Self {
         Self { shared, run: None, held: None }
     }
 
@@ -292,6 +314,11 @@ impl<'a> Worker<'a> {
             if task.is_some() {
                 desk.since = Some(Instant::now());
                 return task;
+            }
+            if let Some((subject, flow)) = desk.backward.take() {
+                desk.view.checking = false;
+                desk.view.busy = true;
+                return Some(Task::Backward(subject, flow));
             }
             if std::mem::take(&mut desk.focus_moved) {
                 return Some(Task::Focus);
@@ -346,6 +373,30 @@ impl<'a> Worker<'a> {
             // What is held stays, wherever the pointer goes.
             Task::Focus if self.held().is_some() => {}
             Task::Focus => self.publish(),
+            Task::Backward(subject, flow) => {
+                if let Some(run) = self.run.as_mut().filter(|run| Arc::ptr_eq(&run.subject, &subject)) {
+                    run.backward = Some(flow);
+                }
+                self.publish();
+            }
+        }
+    }
+
+    /// Has the reverse pair of `run` run on a thread of its own if `want` wants it; one at a time.
+    fn check(&self, run: &Run, want: &Want, offer: &Offer) {
+        let is_wanted = offer.layer(want.layer) == FlowLayer::Consistency && run.backward.is_none();
+        if !is_wanted || std::mem::replace(&mut self.shared.desk().view.checking, true) {
+            return;
+        }
+        let (subject, clip, shared) = (Arc::clone(&run.subject), run.clip.clone(), Arc::clone(self.shared));
+        let work = move || {
+            let work = AssertUnwindSafe(|| backward(&*subject.estimator, &clip, subject.frame));
+            let flow = catch_unwind(work).unwrap_or_else(|panic| Err(panicked(panic.as_ref())));
+            shared.desk().backward = Some((subject, flow));
+            shared.wake.notify_one();
+        };
+        if std::thread::Builder::new().name("backward".into()).spawn(work).is_err() {
+            self.shared.desk().view.checking = false;
         }
     }
 
@@ -362,7 +413,8 @@ impl<'a> Worker<'a> {
         if let Some(unit) = near.and_then(|point| walk.unit_at(point)) {
             cursor.unit = unit;
         }
-        self.run = Some(Run { subject, walk, clip, pairs, pair, end: OnceCell::new() });
+        let (end, motion) = (OnceCell::new(), RefCell::default());
+        self.run = Some(Run { subject, walk, clip, pairs, pair, end, backward: None, motion });
         Ok(cursor == Cursor::default() || self.travel(Move::To(cursor)))
     }
 
@@ -421,14 +473,14 @@ impl<'a> Worker<'a> {
 
     fn publish(&self) {
         let Some(run) = &self.run else { return };
-        let focus = {
+        let (focus, want) = {
             let mut desk = self.shared.desk();
             desk.focus_moved = false;
-            desk.focus
+            (desk.focus, desk.want)
         };
         let held = self.held();
         let pointed = held.or(focus.filter(|at| run.explains(*at))).map(|at| Pointed { at, is_held: held.is_some() });
-        let mut shown = Snapshot { pointed, ..run.snapshot(held.or(focus)) };
+        let mut shown = Snapshot { pointed, ..run.snapshot(held.or(focus), want) };
         let before = self.shared.desk().view.shown.clone();
         // What looks the same is the same, so that nobody paints it anew.
         if let Some(before) = before {
@@ -439,6 +491,7 @@ impl<'a> Worker<'a> {
                 }
             }
         }
+        self.check(run, &want, &shown.offer);
         let mut desk = self.shared.desk();
         desk.view.shown = Some(Arc::new(shown));
         desk.view.refused = None;
@@ -460,14 +513,18 @@ impl Run {
         Ok(())
     }
 
-    fn snapshot(&self, focus: Option<[f32; 2]>) -> Snapshot {
+    fn snapshot(&self, focus: Option<[f32; 2]>, want: Want) -> Snapshot {
         let walk = &self.walk;
-        let tiles = tiles(&**walk, focus, if walk.at_end() { &self.end().beside } else { &[] });
+        let mut tiles = tiles(&**walk, focus, if walk.at_end() { &self.end().beside } else { &[] });
+        let (mut pictures, scene) = (self.pictures(), tile::scene(&**walk, focus, &tiles));
+        let motion = self.motion(&scene, want);
+        motion.put(&mut pictures, &mut tiles);
         Snapshot {
             subject: Arc::clone(&self.subject),
             info: walk.info(),
             frame: walk.at_frame(),
-            pictures: self.pictures(),
+            pictures,
+            offer: motion.offer,
             cursor: walk.cursor(),
             events: walk.events(),
             units: walk.units(),
@@ -475,26 +532,50 @@ impl Run {
             place: walk.place(),
             landmarks: walk.landmarks(),
             failure: walk.failure().cloned(),
-            step: Arc::new(self.step(focus)),
-            scene: Arc::new(tile::scene(&**walk, focus, &tiles)),
+            step: Arc::new(self.step(focus, &motion)),
+            scene: Arc::new(scene),
             pointed: None,
             tested: walk.evaluations().partition_point(|event| *event <= walk.cursor().event),
             tiles,
         }
     }
-}
 
-impl Run {
     /// Whether the pixel at `point` is explained when it is pointed at.
     fn explains(&self, point: [f32; 2]) -> bool {
         self.walk.explained(point).is_some_and(|explained| explained.at(self.walk.cursor()))
     }
 
+    /// What `want` wants to see of motion; the pixel that is explained makes no difference.
+    fn motion(&self, scene: &Scene, want: Want) -> Motion {
+        let key = (self.walk.cursor(), want, self.backward.is_some());
+        if let Some((known, motion)) = &*self.motion.borrow()
+            && *known == key
+        {
+            return motion.clone();
+        }
+        let site = Site { walk: &*self.walk, clip: &self.clip, scene };
+        let backward = self.backward.as_ref().and_then(|flow| flow.as_ref().ok());
+        // A truth that cannot be read is told beside the other figures; then there are no colours.
+        let none = || Motion::of(site, &Want { layer: Some(FlowLayer::None), ..want }, None).unwrap_or_default();
+        let motion = Motion::of(site, &want, backward).unwrap_or_else(|_| none());
+        *self.motion.borrow_mut() = Some((key, motion.clone()));
+        motion
+    }
+
     /// What the cursor tells; at the end, also how good the estimate is.
-    fn step(&self, focus: Option<[f32; 2]>) -> Step {
+    fn step(&self, focus: Option<[f32; 2]>, motion: &Motion) -> Step {
         let mut step = self.walk.step(focus);
         if self.walk.at_end() {
-            add_facts(&mut step, self.end().quality.clone());
+            if let Some(quality) = &self.end().quality {
+                add_quality(&mut step, quality);
+            }
+            match (motion.check, &self.backward) {
+                (Some(check), _) => add_facts(&mut step, check.facts()),
+                (None, Some(Err(error))) => {
+                    add_facts(&mut step, vec![Fact { label: "Reverse pair", value: error.to_string(), role: None }]);
+                }
+                _ => {}
+            }
             step.readouts.extend(self.end().histogram.clone().map(Readout::Histogram));
         }
         step
@@ -507,7 +588,6 @@ impl Run {
     fn end(&self) -> &End {
         self.end.get_or_init(|| {
             let output = self.walk.output();
-            let quality = Quality::of(&self.clip, self.walk.frame(), &output);
             let histogram = match &output {
                 Output::Dense(field) => Histogram::of_pixels(&field.flow),
                 Output::Blocks(_) | Output::Points(_) | Output::Tracks(_) => None,
@@ -515,7 +595,7 @@ impl Run {
             End {
                 histogram,
                 pictures: pictures(&*self.walk, &self.pair),
-                quality: quality.map_or_else(|_| Vec::new(), |quality| quality.facts()),
+                quality: Quality::of(&self.clip, self.walk.frame(), &output).ok(),
                 beside: endings(&*self.walk, &self.clip, &self.pair),
             }
         })

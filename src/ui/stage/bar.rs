@@ -1,10 +1,10 @@
 //! Around the pictures: what to look at, what the marks mean, and the numbers of the pixel pointed at.
 
 use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
-use motionscope_core::scene::Shape;
+use motionscope_core::scene::{Picture, Shape};
 use motionscope_core::{Frame, Role};
 
-use super::{Input, State, pixels};
+use super::{Input, Response, State, motion, pixels};
 use crate::paint::legend::{self, Entry, Sample};
 use crate::paint::{Face, Look, Primitive, Theme, View, grouped, number};
 use crate::ui::{ink, primitives};
@@ -18,7 +18,7 @@ pub struct Height {
 }
 
 /// The line above the pictures.
-pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
+pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
     ui.horizontal(|ui| {
         let right = right_width(ui, input.theme);
         choice(ui, ui.available_width() - right, input, state);
@@ -27,14 +27,14 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
             let name = "Share of frame t+1 in the blend";
             ui.add(slider).on_hover_text(name).accessible_name(name);
         }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| right_side(ui, state));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| right_side(ui, input, state, response));
     });
 }
 
 fn right_width(ui: &Ui, theme: Theme) -> f32 {
-    // Zoom, two buttons and the legend's switch.
-    let letters = if theme == Theme::Projector { 22.0 } else { 20.0 };
-    letters * 0.6 * theme.sizes().body + 8.0 * ui.spacing().button_padding.x
+    // Zoom, two buttons, what is seen of motion, and the legend's switch.
+    let letters = if theme == Theme::Projector { 32.0 } else { 29.0 };
+    letters * 0.6 * theme.sizes().body + 10.0 * ui.spacing().button_padding.x
 }
 
 /// The views in a row, or in a list where there is no room for a row; those of the end only where it is reached.
@@ -89,11 +89,12 @@ fn short(view: View) -> &'static str {
     }
 }
 
-fn right_side(ui: &mut Ui, state: &mut State) {
+fn right_side(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
     let legend = ui.selectable_label(state.legend, "Legend").on_hover_text("What the marks mean.");
     if legend.clicked() {
         state.legend = !state.legend;
     }
+    motion::button(ui, input, state, response);
     let pixels_per_point = ui.pixels_per_point();
     if ui.button("1:1").on_hover_text("One pixel of the picture to one of the screen.").clicked() {
         state.one_to_one(pixels_per_point);
@@ -114,7 +115,7 @@ pub fn height_below(ui: &Ui, input: &Input<'_>, state: &mut State) -> f32 {
         let width = ui.available_width();
         let look = state.marks.look(input);
         let now = legend_items(input, &look, ui, state).layout(width).1;
-        let lines = legend_lines(input, &look, ui, width).max(now);
+        let lines = legend_lines(input, ui, width).max(now);
         let known = &mut state.legend_height;
         if known.width != width || known.theme != input.theme {
             *known = Height { width, theme: input.theme, lines: 1 };
@@ -146,7 +147,7 @@ pub fn below(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
 /// What stands in the legend, and how wide each item is.
 struct Items {
     entries: Vec<(Entry, f32)>,
-    heat: Option<(Look, [String; 2], f32)>,
+    bars: Vec<(legend::Bar, f32)>,
     theme: Theme,
 }
 
@@ -154,21 +155,22 @@ const BAR: egui::Vec2 = vec2(96.0, 8.0);
 const GAP: f32 = 8.0;
 
 /// How many lines everything that the legend may ever tell here needs.
-fn legend_lines(input: &Input<'_>, look: &Look, ui: &Ui, width: f32) -> usize {
+fn legend_lines(input: &Input<'_>, ui: &Ui, width: f32) -> usize {
     let width_of = |text: &str| text_width(ui, text, input.theme);
     let entry = |&(role, meaning): &(Role, &'static str)| {
         let entry = Entry { role, sample: Sample::Frame, meaning: meaning.into() };
         (entry, ink::SWATCH.x + GAP + width_of(meaning))
     };
-    let ends = [String::new(), String::new()];
     let widest = grouped(888_888);
-    let heat = Some((
-        *look,
-        ends,
-        width_of(input.heat) + width_of(&format!(" {widest}")) + width_of(&widest) + BAR.x + 2.0 * GAP,
-    ));
+    let heat = legend::Bar { ends: [format!("{} {widest}", input.heat), widest], colors: input.colors };
     let entries = input.scene.legend.iter().map(entry).collect();
-    Items { entries, heat, theme: input.theme }.layout(width).1
+    let bars = vec![(heat.clone(), bar_width(&heat, width_of))];
+    Items { entries, bars, theme: input.theme }.layout(width).1
+}
+
+fn bar_width(bar: &legend::Bar, width_of: impl Fn(&str) -> f32) -> f32 {
+    let [low, high] = bar.ends.each_ref().map(|words| width_of(words));
+    if bar.ends[1].is_empty() { low } else { low + high + BAR.x + 2.0 * GAP }
 }
 
 /// What is drawn in the pictures that are shown.
@@ -179,23 +181,21 @@ fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items
     let has_numbers = state.shown.is_some_and(|lens| pixels::has_numbers(&lens));
     let has_heat = !has_numbers && shown.clone().any(|mark| matches!(mark.shape, Shape::Heat { .. }));
     let width = |text: &str| text_width(ui, text, input.theme);
-    let entries = legend::entries(&input.scene.legend, shown, look, zoom);
-    let entries = entries.into_iter().map(|entry| {
+    let tiles = input.lockstep.map_or(&[][..], |all| all.tiles);
+    // Several have one scale.
+    let layer = input.pictures.layer.as_ref().or_else(|| tiles.iter().find_map(|tile| tile.layer.as_ref()));
+    let layer = layer.filter(|_| !has_numbers && panels.iter().any(|panel| panel.shows(Picture::Current)));
+    let (signs, bar) = layer.map(|layer| layer.legend()).unwrap_or_default();
+    let entries = signs.into_iter().chain(legend::entries(&input.scene.legend, shown, look, zoom)).map(|entry| {
         let width = ink::SWATCH.x + GAP + width(&entry.meaning);
         (entry, width)
     });
-    let heat = look.heat.filter(|_| has_heat).map(|range| {
-        let [low, high] = range.map(number);
-        let low = format!("{} {low}", input.heat).trim_start().to_owned();
-        if range[0] == range[1] {
-            let width = width(&low);
-            return (*look, [low, String::new()], width);
-        }
-        let ends = [low, high];
-        let width = width(&ends[0]) + width(&ends[1]) + BAR.x + 2.0 * GAP;
-        (*look, ends, width)
+    let heat = look.heat.filter(|_| has_heat).map(|range| legend::Bar::heat(input.heat, range, look.colors));
+    let bars = heat.into_iter().chain(bar).map(|bar| {
+        let width = bar_width(&bar, width);
+        (bar, width)
     });
-    Items { entries: entries.collect(), heat, theme: input.theme }
+    Items { entries: entries.collect(), bars: bars.collect(), theme: input.theme }
 }
 
 fn text_width(ui: &Ui, text: &str, theme: Theme) -> f32 {
@@ -207,7 +207,7 @@ impl Items {
     /// Where each item goes within `width`, and the number of lines.
     fn layout(&self, width: f32) -> (Vec<Pos2>, usize) {
         let (mut at, mut line, height) = (0.0, 0usize, line_height(self.theme));
-        let widths = self.entries.iter().map(|(_, w)| *w).chain(self.heat.as_ref().map(|(_, _, w)| *w));
+        let widths = self.entries.iter().map(|(_, w)| *w).chain(self.bars.iter().map(|(_, w)| *w));
         let place = |item: f32| {
             if at > 0.0 && at + item > width {
                 (at, line) = (0.0, line + 1);
@@ -222,11 +222,7 @@ impl Items {
 
     fn plain(&self) -> String {
         let words = self.entries.iter().map(|(entry, _)| entry.meaning.clone());
-        let heat = self.heat.as_ref().map(|(_, [low, high], _)| match high.as_str() {
-            "" => format!("colour for {low}"),
-            high => format!("colours for {low} to {high}"),
-        });
-        words.chain(heat).collect::<Vec<_>>().join(", ")
+        words.chain(self.bars.iter().map(|(bar, _)| bar.plain())).collect::<Vec<_>>().join(", ")
     }
 
     fn paint(&self, ui: &Ui, rect: Rect) {
@@ -245,19 +241,20 @@ impl Items {
             painter.extend(primitives::shapes(painter, &primitives));
             word(at + vec2(ink::SWATCH.x + GAP, 0.0), &entry.meaning);
         }
-        let (Some((look, [low, high], _)), Some(place)) = (&self.heat, places.last()) else { return };
-        let mut at = rect.min + place.to_vec2();
-        at.x += word(at, low) + GAP;
-        if high.is_empty() {
-            return;
+        for ((bar, _), place) in self.bars.iter().zip(&places[self.entries.len()..]) {
+            let ([low, high], mut at) = (&bar.ends, rect.min + place.to_vec2());
+            at.x += word(at, low) + GAP;
+            if high.is_empty() {
+                continue;
+            }
+            let colors = Rect::from_min_size(at + vec2(0.0, ((height - BAR.y) / 2.0).round()), BAR);
+            if let Primitive::Image { pixels, .. } =
+                legend::color_bar(bar.colors, crate::paint::primitive::Rect::new(colors.min.into(), BAR.into()))
+            {
+                painter.add(primitives::gradient(colors, pixels.row(0)));
+            }
+            word(pos2(colors.max.x + GAP, at.y), high);
         }
-        let bar = Rect::from_min_size(at + vec2(0.0, ((height - BAR.y) / 2.0).round()), BAR);
-        if let Primitive::Image { pixels, .. } =
-            legend::color_bar(look.colors, crate::paint::primitive::Rect::new(bar.min.into(), BAR.into()))
-        {
-            painter.add(primitives::gradient(bar, pixels.row(0)));
-        }
-        word(pos2(bar.max.x + GAP, at.y), high);
     }
 }
 

@@ -7,7 +7,7 @@ use motionscope_core::Scene;
 use motionscope_core::scene::Mark;
 
 use super::{Input, Lens, pixels};
-use crate::paint::{ColorMap, Lengthen, Look, Panel, Placement, Theme, resolve};
+use crate::paint::{Look, Panel, Placement, Style, primitive, resolve};
 use crate::ui::primitives::{Kept, Maker};
 
 /// The shapes that were shown last, by panel.
@@ -15,14 +15,6 @@ use crate::ui::primitives::{Kept, Maker};
 pub struct Marks {
     look: Option<(Arc<Scene>, Style, Look)>,
     slots: Vec<Slot>,
-}
-
-/// What a look follows from, beside the scene.
-#[derive(Clone, Copy, PartialEq)]
-struct Style {
-    theme: Theme,
-    colors: ColorMap,
-    lengthen: Lengthen,
 }
 
 /// What shapes follow from.
@@ -48,11 +40,11 @@ struct Slot {
 impl Marks {
     /// How the scene looks: the same for the marks and for the legend.
     pub fn look(&mut self, input: &Input<'_>) -> Look {
-        let style = Style { theme: input.theme, colors: input.colors, lengthen: input.lengthen };
+        let style = input.style();
         match &self.look {
             Some((scene, known, look)) if Arc::ptr_eq(scene, input.scene) && *known == style => *look,
             _ => {
-                let look = Look::new(input.scene, style.theme, style.colors, style.lengthen);
+                let look = Look::new(input.scene, style);
                 self.look = Some((input.scene.clone(), style, look));
                 look
             }
@@ -70,7 +62,8 @@ impl Marks {
     ) {
         let (_, panel) = spot;
         let look = self.look(input);
-        let place = Placement { origin: lens.picture_rect().min.into(), zoom: lens.scale };
+        let pane = primitive::Rect { min: lens.pane.min.into(), max: lens.pane.max.into() };
+        let place = Placement { origin: lens.picture_rect().min.into(), zoom: lens.scale, seen: Some(pane) };
         let without = moving.iter().map(|(index, _)| *index).collect();
         let key = Key { look, place, pane: lens.pane, pixels_per_point: painter.pixels_per_point(), without };
         let at = self.slots.iter().position(|slot| slot.place == spot);

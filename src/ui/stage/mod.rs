@@ -9,6 +9,7 @@ mod lens;
 mod levels;
 mod lockstep;
 mod marks;
+mod motion;
 mod pictures;
 mod pixels;
 
@@ -16,6 +17,7 @@ use std::sync::Arc;
 
 use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
+use motionscope_core::scene::Picture;
 use motionscope_core::{Pace, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -24,8 +26,12 @@ pub use lockstep::Lockstep;
 pub(crate) use pictures::image_of;
 pub(crate) use pixels::on_gray;
 
-use super::ink;
-use crate::paint::{self, ColorMap, Face, Lengthen, LevelShown, Panel, Share, Shown, Theme, View};
+use super::{ink, primitives};
+use crate::motion::Offer;
+use crate::paint::{
+    self, ArrowStyle, ColorMap, Face, FlowLayer, Lengthen, LevelShown, Panel, Placement, Share, Shown, Style, Theme,
+    View,
+};
 use crate::tile::Tile;
 use glide::Glide;
 use marks::Marks;
@@ -35,6 +41,10 @@ use pictures::Pictures;
 const GAP: f32 = 4.0;
 /// How far marks may reach beyond their picture, in points.
 const BEYOND: f32 = 3.0;
+/// How long a particle of a streakline lives, in seconds.
+const LIFE_SECS: f64 = 3.2;
+/// Between two pictures of moving particles, in seconds: half as often as a screen shows one.
+const FLOW_SECS: f32 = 1.0 / 30.0;
 /// How long each picture is seen when they blink, in seconds.
 const BLINK_SECS: f64 = 0.6;
 
@@ -57,10 +67,26 @@ pub struct Input<'a> {
     pub heat: &'a str,
     /// How long displacements are drawn.
     pub lengthen: Lengthen,
+    /// From one displacement to the next in px, if that is chosen.
+    pub spacing_px: Option<u16>,
+    /// Which layers tell of motion.
+    pub offer: &'a Offer,
+    /// Whether the reverse pair is being run.
+    pub checking: bool,
     /// The window's graphics card, if it has one.
     pub gpu: Option<&'a RenderState>,
     /// Whether what moved since the last step glides to its new place.
     pub animate: bool,
+    /// Whether particles move.
+    pub flows: bool,
+}
+
+impl Input<'_> {
+    fn style(&self) -> Style {
+        let Self { theme, colors, lengthen, spacing_px, pictures, .. } = *self;
+        let streak_frames = pictures.streaks.as_ref().map(|streaks| streaks.life_frames());
+        Style { theme, colors, arrows: ArrowStyle { lengthen, spacing_px, streak_frames } }
+    }
 }
 
 /// How the stage is looked at.
@@ -73,6 +99,13 @@ pub struct State {
     /// Which level of a pyramid is seen, where the step works on one.
     #[serde(skip)]
     pub level: LevelShown,
+    /// The layer of colours that tells of motion; `None` for what suits the estimator.
+    #[serde(with = "layer_id")]
+    pub layer: Option<FlowLayer>,
+    /// Whether particles are carried along in the place of arrows.
+    pub streaks: bool,
+    /// From one arrow to the next in px; `None` for as many as there is room for.
+    pub spacing_px: Option<u16>,
     /// Share of frame t + 1 in a blend, 0 to 1.
     pub blend: f32,
     /// Where and how closely one looks.
@@ -101,6 +134,9 @@ impl Default for State {
         Self {
             view: View::default(),
             level: LevelShown::default(),
+            layer: None,
+            streaks: false,
+            spacing_px: None,
             blend: 0.5,
             zoom: Zoom::Fit,
             legend: true,
@@ -162,13 +198,15 @@ pub struct Response {
     pub paced: Option<Pace>,
     /// Whether the first of them is to go on alone.
     pub left: bool,
+    /// How long displacements are to be drawn.
+    pub lengthened: Option<Lengthen>,
 }
 
 /// Shows the stage in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
-    bar::tools(ui, &input, state);
     let mut response = Response::default();
+    bar::tools(ui, &input, state, &mut response);
     if let Some(lockstep) = &input.lockstep {
         lockstep::tools(ui, lockstep, &mut response);
     }
@@ -256,6 +294,9 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     if state.glides.iter().any(|glide| glide.is_moving(time)) {
         ui.ctx().request_repaint();
     }
+    if input.flows && input.pictures.streaks.is_some() {
+        ui.ctx().request_repaint_after_secs(FLOW_SECS);
+    }
     let shown = spots.last().map(|spot| spot.lens);
     if state.shown != shown {
         // The scale is told above the pictures, which were placed only now.
@@ -338,6 +379,11 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     let share = state.share();
     let gain = state.pictures.paint(&painter, panel, share, lens, pictures);
     let shown = Shown { panel, share, gain };
+    let of_frame_t = panel.shows(Picture::Current);
+    // Where numbers stand in the pixels, a layer of colours would hide them.
+    if let Some(layer) = pictures.layer.as_ref().filter(|_| of_frame_t && !pixels::has_numbers(lens)) {
+        state.pictures.colors(&painter, layer, lens);
+    }
     pixels::grid(&painter, lens);
     pixels::numbers(&painter, shown, lens, pictures);
     let time = ui.input(|i| i.time);
@@ -345,6 +391,12 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     // A frame at the edge of the picture stays whole, all else ends with the picture.
     let marks = painter.with_clip_rect(lens.picture_rect().expand(BEYOND).intersect(lens.pane));
     state.marks.paint(&marks, ((member, panel), lens), scene, input, &moving);
+    if let Some(streaks) = pictures.streaks.as_ref().filter(|_| of_frame_t) {
+        let phase = if input.flows { (time / LIFE_SECS).rem_euclid(1.0) as f32 } else { 0.0 };
+        let place = Placement::new(lens.picture_rect().min.into(), lens.scale);
+        let trails = paint::streaks(&streaks.at(phase), input.theme, place);
+        marks.extend(primitives::shapes(&marks, &[trails]));
+    }
     if let Some(pixel) = state.hovered {
         pixels::cross_hair(&painter, lens, pixel);
     }
@@ -381,6 +433,23 @@ mod view_id {
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<View, D::Error> {
         let id = String::deserialize(from)?;
         Ok(View::ALL.into_iter().find(|view| view.id() == id).unwrap_or_default())
+    }
+}
+
+mod layer_id {
+    //! A layer by its stable name.
+
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use crate::paint::FlowLayer;
+
+    pub fn serialize<S: Serializer>(layer: &Option<FlowLayer>, to: S) -> Result<S::Ok, S::Error> {
+        layer.map(FlowLayer::id).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<FlowLayer>, D::Error> {
+        let id = Option::<String>::deserialize(from)?;
+        Ok(id.and_then(|id| id.parse().ok()))
     }
 }
 

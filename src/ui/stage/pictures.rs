@@ -1,5 +1,6 @@
 //! Frames on the graphics card: each uploaded once, and smaller copies for looking from afar.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use eframe::egui::{Color32, ColorImage, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions, pos2};
@@ -7,10 +8,10 @@ use eframe::egui::{TextureFilter, TextureWrapMode};
 use motionscope_core::{Frame, Grid};
 
 use super::Lens;
-use crate::paint::{self, Panel, Share};
+use crate::paint::{self, Panel, Share, Tint};
 
 /// Pictures kept, so that going back and forth uploads nothing.
-const KEPT: usize = 6;
+const KEPT: usize = 9;
 
 const OPTIONS: TextureOptions = TextureOptions {
     magnification: TextureFilter::Nearest,
@@ -37,6 +38,8 @@ struct Picture {
 enum Source {
     Frame(Arc<Frame>),
     Difference([Arc<Frame>; 2]),
+    /// The colours of a layer.
+    Layer(Arc<Grid<[u8; 4]>>),
 }
 
 impl Source {
@@ -44,17 +47,20 @@ impl Source {
         match (self, other) {
             (Source::Frame(a), Source::Frame(b)) => Arc::ptr_eq(a, b),
             (Source::Difference(a), Source::Difference(b)) => (0..2).all(|i| Arc::ptr_eq(&a[i], &b[i])),
+            (Source::Layer(a), Source::Layer(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
     }
 
-    fn pixels(&self) -> (Grid<[u8; 4]>, u16) {
-        match self {
+    fn pixels(&self) -> (Arc<Grid<[u8; 4]>>, u16) {
+        let (pixels, gain) = match self {
+            Source::Layer(pixels) => return (pixels.clone(), 1),
             Source::Frame(frame) => {
                 Panel::Current.pixels(&paint::Pictures::of([frame.clone(), frame.clone()]), Share::default())
             }
             Source::Difference(pair) => Panel::Difference.pixels(&paint::Pictures::of(pair.clone()), Share::default()),
-        }
+        };
+        (Arc::new(pixels), gain)
     }
 }
 
@@ -80,6 +86,11 @@ impl Pictures {
         gain
     }
 
+    /// Paints the colours of `layer`.
+    pub fn colors(&mut self, painter: &Painter, layer: &Tint, lens: &Lens) {
+        self.layer(painter, Source::Layer(layer.pixels.clone()), 1.0, lens);
+    }
+
     fn layer(&mut self, painter: &Painter, source: Source, opacity: f32, lens: &Lens) -> u16 {
         let largest = painter.ctx().input(|i| i.max_texture_side);
         let factor = factor(lens, painter.pixels_per_point(), largest);
@@ -101,7 +112,7 @@ impl Pictures {
             Some(i) => self.0.remove(i),
             None => {
                 let (pixels, gain) = source.pixels();
-                let image = image(&reduced(pixels, factor));
+                let image = image(&reduced(&pixels, factor));
                 let texture = painter.ctx().load_texture("frame", image, OPTIONS);
                 Picture { source, factor, texture, gain }
             }
@@ -116,7 +127,7 @@ impl Pictures {
 /// A frame as an image, reduced until no side is longer than `longest` px.
 pub fn image_of(frame: &Arc<Frame>, longest: usize) -> ColorImage {
     let side = frame.size().0.max(frame.size().1);
-    image(&reduced(Source::Frame(frame.clone()).pixels().0, side.div_ceil(longest).next_power_of_two()))
+    image(&reduced(&Source::Frame(frame.clone()).pixels().0, side.div_ceil(longest).next_power_of_two()))
 }
 
 /// The power of two by which a picture is reduced: so that hardly any of its pixels is skipped, and the card can hold it.
@@ -135,24 +146,25 @@ fn image(pixels: &Grid<[u8; 4]>) -> ColorImage {
     ColorImage::from_rgba_unmultiplied([width, height], bytemuck::cast_slice(pixels.cells()))
 }
 
-/// The mean of every `factor × factor` pixels.
-fn reduced(pixels: Grid<[u8; 4]>, factor: usize) -> Grid<[u8; 4]> {
+/// The mean of every `factor × factor` pixels; colours count by how opaque they are.
+fn reduced(pixels: &Grid<[u8; 4]>, factor: usize) -> Cow<'_, Grid<[u8; 4]>> {
     if factor == 1 {
-        return pixels;
+        return Cow::Borrowed(pixels);
     }
     let (width, height) = pixels.size();
-    Grid::from_fn(width.div_ceil(factor), height.div_ceil(factor), |x, y| {
+    Cow::Owned(Grid::from_fn(width.div_ceil(factor), height.div_ceil(factor), |x, y| {
         let columns = x * factor..((x + 1) * factor).min(width);
-        let mut sums = [0u32; 4];
-        let mut count = 0;
+        let (mut sums, mut alpha, mut count) = ([0u32; 3], 0, 0);
         for row in y * factor..((y + 1) * factor).min(height) {
-            for pixel in &pixels.row(row)[columns.clone()] {
-                (0..4).for_each(|c| sums[c] += u32::from(pixel[c]));
-                count += 1;
+            for &[r, g, b, a] in &pixels.row(row)[columns.clone()] {
+                let a = u32::from(a);
+                sums = [sums[0] + a * u32::from(r), sums[1] + a * u32::from(g), sums[2] + a * u32::from(b)];
+                (alpha, count) = (alpha + a, count + 1);
             }
         }
-        sums.map(|sum| (sum / count.max(1)) as u8)
-    })
+        let [r, g, b] = sums.map(|sum| (sum / alpha.max(1)) as u8);
+        [r, g, b, (alpha / count.max(1)) as u8]
+    }))
 }
 
 #[cfg(test)]
@@ -163,7 +175,7 @@ mod tests {
     #[test]
     fn a_reduced_picture_keeps_its_mean_and_its_edge() {
         let picture = Grid::from_fn(5, 3, |x, _| [if x == 4 { 200 } else { 10 }; 4]);
-        let small = reduced(picture, 2);
+        let small = reduced(&picture, 2);
         assert_eq!(small.size(), (3, 2));
         assert_eq!((small[(0, 0)], small[(2, 1)]), ([10; 4], [200; 4]));
     }

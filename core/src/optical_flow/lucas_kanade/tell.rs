@@ -2,7 +2,7 @@
 
 use super::{LucasKanade, Solution};
 use crate::differential::{Constraints, Linear, Sums, Tensor, Texture, field, tell};
-use crate::scene::{Constraint, Fact, Math, Picture, Plane, Readout, Sentence, Shape, Spread, Step};
+use crate::scene::{Constraint, Fact, Math, Picture, Plane, Readout, Sentence, Shape, Spread, Step, arrow_spacing};
 use crate::{Role, Scene, Seen, Threads};
 
 /// The pixel that is explained, the one pointed at or else the one at work, and what its window says.
@@ -191,7 +191,7 @@ impl LucasKanade {
 fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
     let solutions = seen.before.solutions(seen.events);
     // At every other place of an arrow, so that the edge itself is seen between the marks.
-    let spacing = 2 * field::arrow_spacing(solutions.size());
+    let spacing = 2 * arrow_spacing(solutions.size());
     let along = |extent: usize| (spacing / 2..extent).step_by(spacing);
     let places: Vec<_> =
         along(solutions.height()).flat_map(|y| along(solutions.width()).map(move |x| (x, y))).collect();

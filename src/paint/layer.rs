@@ -1,0 +1,315 @@
+//! Colours over a picture that tell of the motion of every pixel.
+
+use std::sync::Arc;
+
+use motionscope_core::{Error, Flow, Grid, Role};
+
+use super::legend::{Bar, Entry, Sample};
+use super::{Color, ColorMap, Theme, flow_color, number};
+
+/// Opacity of a flow's colours over footage: it covers all of it.
+const WHEEL_ALPHA: u8 = 0x9c;
+/// Opacity of the colours of numbers.
+const SCALE_ALPHA: u8 = 0xb8;
+/// From so many values on, only every few are asked how large they are.
+const SAMPLE: usize = 1 << 18;
+
+/// What colours stand over the picture where motion is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum FlowLayer {
+    /// None.
+    #[default]
+    None,
+    /// Direction and length in the colours of a wheel.
+    Wheel,
+    /// How far each pixel moves.
+    Magnitude,
+    /// How far that is from the truth.
+    Error,
+    /// How far the estimator trusts it.
+    Confidence,
+    /// How far from its pixel one comes back along the flow of the reverse pair.
+    Consistency,
+}
+
+impl FlowLayer {
+    /// Every layer.
+    pub const ALL: [FlowLayer; 6] = [
+        FlowLayer::None,
+        FlowLayer::Wheel,
+        FlowLayer::Magnitude,
+        FlowLayer::Error,
+        FlowLayer::Confidence,
+        FlowLayer::Consistency,
+    ];
+
+    /// Stable name, for sessions and the command line.
+    pub fn id(self) -> &'static str {
+        match self {
+            FlowLayer::None => "none",
+            FlowLayer::Wheel => "wheel",
+            FlowLayer::Magnitude => "magnitude",
+            FlowLayer::Error => "error",
+            FlowLayer::Confidence => "confidence",
+            FlowLayer::Consistency => "consistency",
+        }
+    }
+
+    /// Name as shown.
+    pub fn name(self) -> &'static str {
+        match self {
+            FlowLayer::None => "No colours",
+            FlowLayer::Wheel => "Colour wheel",
+            FlowLayer::Magnitude => "Magnitude",
+            FlowLayer::Error => "Error",
+            FlowLayer::Confidence => "Confidence",
+            FlowLayer::Consistency => "Consistency",
+        }
+    }
+
+    /// What it shows, in one sentence.
+    pub fn tip(self) -> &'static str {
+        match self {
+            FlowLayer::None => "The picture alone, without colours that tell of motion.",
+            FlowLayer::Wheel => {
+                "Direction and length of motion in the colours of the Middlebury wheel: white where nothing moves."
+            }
+            FlowLayer::Magnitude => "How far each pixel moves from frame to frame, whatever the direction.",
+            FlowLayer::Error => "How far the end of each displacement is from the true one, where that is known.",
+            FlowLayer::Confidence => "How far the estimator itself trusts the displacement of each pixel.",
+            FlowLayer::Consistency => {
+                "How far one misses the pixel on going along the flow and back along that of the reverse pair; what \
+                 fails this check is hidden in the other frame, or wrong."
+            }
+        }
+    }
+}
+
+/// A picture of colours that lies over frame t, and what they stand for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tint {
+    /// What it shows.
+    pub kind: FlowLayer,
+    /// Red, green, blue and straight alpha of every pixel of the picture; clear where nothing is known.
+    pub pixels: Arc<Grid<[u8; 4]>>,
+    /// What its colours stand for.
+    pub key: TintKey,
+}
+
+/// What the colours of a layer stand for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TintKey {
+    /// Directions: full at this length in px/frame.
+    Wheel(f32),
+    /// Numbers.
+    Scale {
+        /// What is measured: `endpoint error`.
+        label: String,
+        /// Its unit.
+        unit: &'static str,
+        /// The number in the last colour; 0 is in the first.
+        high: f32,
+        /// Whether there are larger ones.
+        is_cut: bool,
+        /// The colours.
+        colors: ColorMap,
+        /// Whether pixels that failed a check are marked.
+        has_marks: bool,
+    },
+}
+
+/// Numbers to be shown as colours.
+pub struct Scalars {
+    /// What they show.
+    pub kind: FlowLayer,
+    /// What is measured: `endpoint error`.
+    pub label: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The numbers of each of several that share one scale; NaN where nothing is known.
+    pub values: Vec<Grid<f32>>,
+    /// Pixels that failed a check, of a single one.
+    pub marks: Option<Grid<bool>>,
+}
+
+impl Tint {
+    /// The colours of the wheel for each of `flows`, which share one scale.
+    pub fn wheel(flows: &[Arc<Flow>]) -> Vec<Self> {
+        let lengths = flows.iter().flat_map(|flow| flow.0.cells().iter().map(|[u, v]| u.hypot(*v)));
+        let longest = usual_most(lengths, flows.iter().map(|flow| flow.0.cells().len()).sum()).0.max(1e-3);
+        let color = |uv: &[f32; 2]| match flow_color(*uv, longest) {
+            color if color.0[3] > 0 => color.alpha(WHEEL_ALPHA).0,
+            _ => [0; 4],
+        };
+        let layer = |flow: &Arc<Flow>| Self {
+            kind: FlowLayer::Wheel,
+            pixels: Arc::new(colored(&flow.0, color)),
+            key: TintKey::Wheel(longest),
+        };
+        flows.iter().map(layer).collect()
+    }
+
+    /// Numbers in the colours of `colors`.
+    pub fn scale(scalars: Scalars, colors: ColorMap) -> Vec<Self> {
+        let Scalars { kind, label, unit, values, marks } = scalars;
+        let all = values.iter().flat_map(|values| values.cells().iter().copied());
+        let (high, is_cut) = usual_most(all, values.iter().map(|values| values.cells().len()).sum());
+        let table: Vec<[u8; 4]> = (0..=255).map(|i| colors.at(i as f32 / 255.0).alpha(SCALE_ALPHA).0).collect();
+        let color = |v: &f32| match v.is_finite() {
+            true => table[((v / high.max(f32::MIN_POSITIVE) * 255.0 + 0.5) as usize).min(255)],
+            false => [0; 4],
+        };
+        let key = TintKey::Scale { label, unit, high, is_cut, colors, has_marks: marks.is_some() };
+        let layer = |values: &Grid<f32>| {
+            let mut pixels = colored(values, color);
+            if let Some(marks) = &marks {
+                mark(&mut pixels, marks);
+            }
+            Self { kind, pixels: Arc::new(pixels), key: key.clone() }
+        };
+        values.iter().map(layer).collect()
+    }
+
+    /// What stands in the legend for it: signs with their meaning, and a bar of colours.
+    pub fn legend(&self) -> (Vec<Entry>, Option<Bar>) {
+        match &self.key {
+            TintKey::Wheel(longest) => {
+                let meaning = format!("direction of motion, full colour at {} px/frame", number(*longest));
+                (vec![Entry { role: Role::Estimate, sample: Sample::Wheel, meaning }], None)
+            }
+            TintKey::Scale { label, unit, high, is_cut, colors, has_marks } => {
+                let entry = || {
+                    let meaning = "fails the check: hidden in frame t+1, or wrong".into();
+                    Entry { role: Role::Error, sample: Sample::Hatch, meaning }
+                };
+                let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+                let at_least = if *is_cut { "≥ " } else { "" };
+                let ends = match *high > 0.0 {
+                    true => [format!("{label} 0"), format!("{at_least}{}{unit}", number(*high))],
+                    false => [format!("{label} 0{unit}"), String::new()],
+                };
+                (has_marks.then(entry).into_iter().collect(), Some(Bar { ends, colors: *colors }))
+            }
+        }
+    }
+}
+
+/// The number that one in a hundred exceeds, and whether any does: a few that went astray would pale all others.
+fn usual_most(values: impl Iterator<Item = f32>, count: usize) -> (f32, bool) {
+    let every = count.div_ceil(SAMPLE).max(1);
+    let mut most = 0.0f32;
+    let mut sample = Vec::with_capacity(count / every + 1);
+    for (i, v) in values.enumerate().filter(|(_, v)| v.is_finite()) {
+        most = most.max(v);
+        if i % every == 0 {
+            sample.push(v);
+        }
+    }
+    let Some(place) = sample.len().checked_sub(1).map(|last| last * 99 / 100) else { return (most, false) };
+    let usual = *sample.select_nth_unstable_by(place, f32::total_cmp).1;
+    // Where all but a few are nothing, these are the scale.
+    let usual = if usual > 0.0 { usual } else { most };
+    (usual, most > usual * 1.001)
+}
+
+/// `color` of every value, worked out on all cores.
+fn colored<T: Sync>(values: &Grid<T>, color: impl Fn(&T) -> [u8; 4] + Sync) -> Grid<[u8; 4]> {
+    let mut pixels = Grid::new(values.width(), values.height(), [0; 4]);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let part = values.cells().len().div_ceil(cores).max(1 << 14);
+    let color = &color;
+    std::thread::scope(|scope| {
+        for (to, from) in pixels.cells_mut().chunks_mut(part).zip(values.cells().chunks(part)) {
+            scope.spawn(move || to.iter_mut().zip(from).for_each(|(to, from)| *to = color(from)));
+        }
+    });
+    pixels
+}
+
+/// The two colours of pixels that failed a check, in stripes.
+pub(super) fn hatch() -> [Color; 2] {
+    let color = Theme::Dark.ink(Role::Error).color;
+    [color, color.mix(Color::BLACK, 0.72)]
+}
+
+/// Paints the pixels of `marks` in stripes, so that they can be told without colours.
+fn mark(pixels: &mut Grid<[u8; 4]>, marks: &Grid<bool>) {
+    let stripes = hatch().map(|color| color.alpha(0xe0).0);
+    for y in 0..pixels.height() {
+        for (x, pixel) in pixels.row_mut(y).iter_mut().enumerate() {
+            if marks.get(x, y) == Some(&true) {
+                *pixel = stripes[(x + y) / 2 % 2];
+            }
+        }
+    }
+}
+
+impl std::str::FromStr for FlowLayer {
+    type Err = Error;
+
+    fn from_str(id: &str) -> Result<Self, Error> {
+        let ids = || Self::ALL.map(Self::id).join(", ");
+        let told = || Error::new(format!("there is no flow layer {id}; there are {}", ids()));
+        Self::ALL.into_iter().find(|layer| layer.id() == id).ok_or_else(told)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scalars(values: Grid<f32>, marks: Option<Grid<bool>>) -> Tint {
+        let scalars =
+            Scalars { kind: FlowLayer::Error, label: "endpoint error".into(), unit: "px", values: vec![values], marks };
+        Tint::scale(scalars, ColorMap::Viridis).remove(0)
+    }
+
+    #[test]
+    fn a_few_astray_do_not_pale_the_wheel() {
+        let flow = |odd: f32| Arc::new(Flow(Grid::from_fn(100, 10, |x, y| [if x + y == 0 { odd } else { 2.0 }, 0.0])));
+        let layers = Tint::wheel(&[flow(2.0), flow(90.0)]);
+        assert_eq!(layers[0].key, TintKey::Wheel(2.0));
+        assert_eq!(layers[0].pixels[(5, 5)], layers[1].pixels[(5, 5)], "several share one scale");
+        let said = layers[0].legend().0.remove(0).meaning;
+        assert_eq!(said, "direction of motion, full colour at 2 px/frame");
+    }
+
+    #[test]
+    fn what_is_unknown_stays_clear() {
+        let layer = scalars(Grid::from_fn(4, 1, |x, _| [f32::NAN, 0.0, 0.5, 1.0][x]), None);
+        assert_eq!(layer.pixels[(0, 0)], [0; 4]);
+        let color = |t| ColorMap::Viridis.at(t).alpha(SCALE_ALPHA).0;
+        // Of three, the 99th percentile is the second.
+        assert_eq!([layer.pixels[(1, 0)], layer.pixels[(3, 0)]], [color(0.0), color(1.0)]);
+        let (entries, bar) = layer.legend();
+        assert_eq!((entries.len(), bar.unwrap().ends), (0, ["endpoint error 0", "≥ 0.500 px"].map(str::to_owned)));
+    }
+
+    #[test]
+    fn numbers_beyond_the_scale_have_its_last_colour_and_the_legend_says_so() {
+        let layer = scalars(Grid::from_fn(400, 1, |x, _| if x == 7 { 50.0 } else { x as f32 / 400.0 }), None);
+        assert_eq!(layer.pixels[(7, 0)], ColorMap::Viridis.at(1.0).alpha(SCALE_ALPHA).0);
+        assert!(layer.legend().1.unwrap().ends[1].starts_with("≥ 0.99"));
+        let still = scalars(Grid::new(4, 4, 0.0), None).legend().1.unwrap();
+        assert_eq!(still.ends, ["endpoint error 0 px".to_owned(), String::new()]);
+    }
+
+    #[test]
+    fn marked_pixels_stand_off_from_every_colour() {
+        let marks = Grid::from_fn(8, 8, |x, _| x < 4);
+        let layer = scalars(Grid::from_fn(8, 8, |x, _| x as f32), Some(marks));
+        let marked: std::collections::HashSet<_> = (0..4).map(|x| layer.pixels[(x, 0)]).collect();
+        assert_eq!(marked.len(), 2, "stripes");
+        assert!((4..8).all(|x| !marked.contains(&layer.pixels[(x, 0)])));
+        assert_eq!(layer.legend().0[0].sample, Sample::Hatch);
+    }
+
+    #[test]
+    fn layers_are_found_by_their_names() {
+        for layer in FlowLayer::ALL {
+            assert_eq!(layer.id().parse(), Ok(layer));
+        }
+        let told = "heat".parse::<FlowLayer>().expect_err("there is none").to_string();
+        assert!(told.contains("none, wheel, magnitude, error, confidence, consistency"), "{told}");
+    }
+}

@@ -1,0 +1,136 @@
+//! What is seen of motion in the window: layers of colours, streaklines, and the charts that go with them.
+
+use super::*;
+use motionscope::paint::{FlowLayer, Tint, TintKey};
+use motionscope_core::scene::Shape;
+
+/// A window on a session with these lines.
+fn window(lines: &str) -> Window {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("one.motionscope");
+    fs::write(&path, format!("motionscope = 1\n{lines}")).expect("it is written");
+    Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) })
+}
+
+/// A small clip whose object hides the ground behind it.
+const CLIP: &str = "clip = \"synth:parallax,width=96,height=72\"\n";
+
+fn dense() -> Window {
+    window(&format!("{CLIP}estimator = \"horn-schunck\"\nstep = \"2.1\"\n[set]\niterations = 12\n"))
+}
+
+fn tint(window: &Window) -> Option<&Tint> {
+    window.shown().pictures.layer.as_deref()
+}
+
+fn kind(window: &Window) -> FlowLayer {
+    tint(window).map_or(FlowLayer::None, |tint| tint.kind)
+}
+
+#[test]
+fn a_key_goes_through_the_layers_that_there_are() {
+    let mut window = dense();
+    assert_eq!(kind(&window), FlowLayer::Wheel, "a dense field has its colours by itself");
+    let round: Vec<_> = (0..4).map(|_| (window.key(Key::M), kind(&window)).1).collect();
+    let (none, wheel, length) = (FlowLayer::None, FlowLayer::Wheel, FlowLayer::Magnitude);
+    assert_eq!(round, [length, none, wheel, length], "errors need the whole field");
+    window.command(Command::ErrorLayer);
+    assert_eq!(kind(&window), length, "a command that makes no sense does nothing");
+    window.command(Command::End);
+    window.command(Command::ErrorLayer);
+    assert_eq!(kind(&window), FlowLayer::Error);
+    assert!(window.harness.query_by_label_contains("colours for endpoint error 0 to").is_some());
+    window.command(Command::IntoBack);
+    assert_eq!(kind(&window), wheel, "what is not there gives way");
+    window.command(Command::End);
+    assert_eq!(kind(&window), FlowLayer::Error, "and comes back");
+}
+
+#[test]
+fn the_reverse_pair_is_checked_in_the_background() {
+    let mut window = dense();
+    window.command(Command::End);
+    window.command(Command::ConsistencyLayer);
+    assert!(matches!(tint(&window).map(|tint| &tint.key), Some(TintKey::Scale { has_marks: true, .. })));
+    assert!(!window.app().view().checking);
+    assert!(window.harness.query_by_label_contains("Fail the check: ").is_some());
+    assert!(window.harness.query_by_label_contains("Truly hidden: precision ").is_some());
+    let shown = window.shown().pictures.layer.clone().expect("a layer");
+    // Pointing at a pixel explains it; the colours stay the very same.
+    window.harness.get_by_label("Stage: Frame t = 0").hover();
+    window.settle();
+    let now = window.shown().pictures.layer.clone().expect("a layer");
+    assert!(std::sync::Arc::ptr_eq(&shown.pixels, &now.pixels));
+}
+
+#[test]
+fn blocks_have_colours_where_they_are_wanted() {
+    let mut window = window(&format!("{CLIP}estimator = \"full-search\"\n[set]\nblock = 8\nrange = 4\n"));
+    assert_eq!((kind(&window), window.shown().at_end), (FlowLayer::None, true));
+    window.command(Command::MagnitudeLayer);
+    assert_eq!(kind(&window), FlowLayer::Magnitude);
+    window.key(Key::B);
+    assert!(window.shown().tiles.iter().all(|tile| tile.layer.is_some()), "each of several has its own");
+    let keys: Vec<_> = window.shown().tiles.iter().filter_map(|tile| tile.layer.as_ref()).map(|t| &t.key).collect();
+    assert!(keys.windows(2).all(|pair| pair[0] == pair[1]), "on one scale");
+    assert!(!Command::ConsistencyLayer.enabled(&motionscope::ui::commands::Now {
+        has_run: true,
+        offer: window.shown().offer,
+        ..Default::default()
+    }));
+}
+
+#[test]
+fn streaklines_move_while_they_are_seen_and_only_then() {
+    let mut window = dense();
+    window.command(Command::End);
+    assert!(window.shown().pictures.streaks.is_none());
+    window.harness.key_press(Key::S);
+    window.harness.run_steps(2);
+    window.harness.state_mut().wait();
+    window.harness.run_steps(3);
+    assert!(window.shown().pictures.streaks.as_ref().is_some_and(|streaks| !streaks.at(0.5).is_empty()));
+    assert!(window.harness.query_by_label_contains("way of particles carried along for ").is_some());
+    // With motion reduced they stand still: the window comes to rest.
+    window.harness.state_mut().command(Command::ReducedMotion);
+    window.settle();
+    window.key(Key::S);
+    assert!(window.shown().pictures.streaks.is_none());
+    assert!(window.harness.query_by_label_contains("displacements found").is_some());
+}
+
+#[test]
+fn what_is_chosen_is_kept_in_a_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = dense();
+    window.command(Command::End);
+    window.command(Command::MagnitudeLayer);
+    let path = folder.path().join("two.motionscope");
+    let look = Look::default();
+    window.harness.state_mut().write(Order { what: What::Session, path: path.clone(), scale: 1, look });
+    window.settle();
+    let session = Session::load(&path).unwrap();
+    assert_eq!((session.look.layer, session.look.spacing_px), (Some(FlowLayer::Magnitude), None));
+    let again = Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) });
+    assert_eq!(kind(&again), FlowLayer::Magnitude);
+}
+
+#[test]
+fn only_charts_that_may_have_something_are_offered() {
+    let tabs = |window: &Window| {
+        let all = ["Cost surface", "Displacements", "3-D", "Plot", "Numbers", "Histogram", "Errors"];
+        let there = |name: &&str| window.harness.query_by_role_and_label(Role::Tab, name).is_some();
+        all.into_iter().filter(there).collect::<Vec<_>>()
+    };
+    let mut window = dense();
+    assert_eq!(tabs(&window), ["Displacements", "Plot", "Errors"]);
+    window.click("Errors");
+    assert!(window.harness.query_by_label_contains("at the end of the run (End)").is_some());
+    window.command(Command::End);
+    assert!(window.harness.query_by_label_contains("Endpoint error: mean ").is_some(), "the tab that was chosen stays");
+    let window = self::window(&format!("{CLIP}estimator = \"lucas-kanade\"\nstep = \"1.1\"\n"));
+    assert_eq!(tabs(&window), ["Displacements", "Numbers", "Errors"]);
+    let window = self::window(&format!("{CLIP}estimator = \"full-search\"\nstep = \"1.1\"\n"));
+    assert_eq!(tabs(&window), ["Cost surface", "3-D", "Plot", "Numbers", "Histogram"]);
+    assert!(window.shown().scene.marks.iter().all(|mark| !matches!(mark.shape, Shape::Flow { .. })));
+}
