@@ -147,7 +147,10 @@ impl Motion {
             }
             FlowLayer::Confidence => {
                 let Some(Confidence { name, values }) = found.confidence() else { return Ok(motion) };
-                Tint::scale(scalars(&name.replace('_', " "), "", vec![values.clone()]), want.colors)
+                Tint::scale(
+                    scalars(&format!("confidence: {}", name.replace('_', " ")), "", vec![values.clone()]),
+                    want.colors,
+                )
             }
             FlowLayer::Consistency => {
                 let (Some(backward), Some(flow)) = (backward, flows.first()) else { return Ok(motion) };

@@ -14,6 +14,8 @@ use super::{ColorMap, Ink, PointShape, Theme};
 const CLOSEST: f32 = 5.0;
 /// Opacity of heat over footage.
 const HEAT_ALPHA: u8 = 0xb8;
+/// How near to each other the arrows of a dense field are drawn unless it is chosen, in points of the window and pixels of a file.
+const AIRY: f32 = 9.0;
 /// Where the arrows of a dense field stand this far apart on the screen, in points, there is room for one more between two.
 const ROOMY: f32 = 28.0;
 
@@ -223,7 +225,8 @@ impl Painter<'_> {
         while self.look.spacing.is_none() && step > 1 && step as f32 * zoom >= ROOMY {
             step /= 2;
         }
-        step *= (CLOSEST / (step as f32 * zoom * self.look.density)).ceil().max(1.0) as usize;
+        let least = if self.look.spacing.is_some() { CLOSEST } else { AIRY };
+        step *= (least / (step as f32 * zoom * self.look.density)).ceil().max(1.0) as usize;
         // Arrows that start a little outside may reach into what is seen.
         let first = self.place.at(origin);
         let range = |i: usize, extent: usize| match seen {

@@ -283,6 +283,11 @@ impl Panel {
         }
     }
 
+    /// Whether the colours that tell of motion lie over it: what is made of two frames has to be seen itself.
+    pub fn is_tinted(self) -> bool {
+        self == Panel::Current
+    }
+
     /// The two frames that it is made of: the one shown, and the one that it is compared or mixed with.
     pub fn frames(self, pictures: &Pictures) -> [&Arc<Frame>; 2] {
         let [t, next] = &pictures.pair;

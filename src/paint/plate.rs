@@ -246,7 +246,7 @@ impl Layout<'_> {
         let Pictures { layer, streaks, .. } = &part.pictures;
         let mut primitives = vec![Primitive::Image { pixels, rect }];
         let of_frame_t = panel.shows(Picture::Current);
-        if let Some(layer) = layer.as_ref().filter(|_| of_frame_t) {
+        if let Some(layer) = layer.as_ref().filter(|_| panel.is_tinted()) {
             primitives.push(Primitive::Image { pixels: layer.pixels.clone(), rect });
         }
         primitives.extend(marks::resolve(shown(panel, part.scene), &self.look, placement));
@@ -293,7 +293,7 @@ impl Layout<'_> {
         let heat = heat.map(|range| Bar::heat(&self.options.heat, range, self.look.colors));
         // Several have one scale.
         let layer = parts.iter().find_map(|part| part.pictures.layer.as_ref());
-        let layer = layer.filter(|_| panels.iter().any(|panel| panel.shows(Picture::Current)));
+        let layer = layer.filter(|_| panels.iter().any(|panel| panel.is_tinted()));
         let (signs, bar) = layer.map(|layer| layer.legend()).unwrap_or_default();
         entries.splice(0..0, signs);
         let bars: Vec<_> = heat.into_iter().chain(bar).collect();

@@ -1,7 +1,7 @@
 //! Around the pictures: what to look at, what the marks mean, and the numbers of the pixel pointed at.
 
 use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
-use motionscope_core::scene::{Picture, Shape};
+use motionscope_core::scene::Shape;
 use motionscope_core::{Frame, Role};
 
 use super::{Input, Response, State, motion, pixels};
@@ -184,7 +184,7 @@ fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items
     let tiles = input.lockstep.map_or(&[][..], |all| all.tiles);
     // Several have one scale.
     let layer = input.pictures.layer.as_ref().or_else(|| tiles.iter().find_map(|tile| tile.layer.as_ref()));
-    let layer = layer.filter(|_| !has_numbers && panels.iter().any(|panel| panel.shows(Picture::Current)));
+    let layer = layer.filter(|_| !has_numbers && panels.iter().any(|panel| panel.is_tinted()));
     let (signs, bar) = layer.map(|layer| layer.legend()).unwrap_or_default();
     let entries = signs.into_iter().chain(legend::entries(&input.scene.legend, shown, look, zoom)).map(|entry| {
         let width = ink::SWATCH.x + GAP + width(&entry.meaning);

@@ -381,7 +381,7 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     let shown = Shown { panel, share, gain };
     let of_frame_t = panel.shows(Picture::Current);
     // Where numbers stand in the pixels, a layer of colours would hide them.
-    if let Some(layer) = pictures.layer.as_ref().filter(|_| of_frame_t && !pixels::has_numbers(lens)) {
+    if let Some(layer) = pictures.layer.as_ref().filter(|_| panel.is_tinted() && !pixels::has_numbers(lens)) {
         state.pictures.colors(&painter, layer, lens);
     }
     pixels::grid(&painter, lens);
