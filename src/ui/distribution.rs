@@ -26,6 +26,12 @@ pub fn summary(distribution: &Distribution) -> String {
     format!("{title}: {}; {}", figures.join(", "), shares.join(", "))
 }
 
+/// The shares that exceed a limit; all else stands in the picture.
+fn beyond(Distribution { unit, shares, .. }: &Distribution) -> String {
+    let told = |(limit, share): &(f32, f32)| format!("{limit} {unit}: {}", percent(f64::from(*share)));
+    format!("Off by more than {}", shares.iter().map(told).collect::<Vec<_>>().join(" · "))
+}
+
 fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
@@ -75,7 +81,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>) {
             let share = percent(f64::from(count) / total);
             format!("{from} to {to} {}: {} pixels, {share}", distribution.unit, grouped(count as usize))
         }
-        None => summary(distribution),
+        None => beyond(distribution),
     };
     ink::line(&painter, pos2(area.min.x, area.min.y + 0.7 * small), (&told, font, text), area.width());
 }
@@ -144,5 +150,6 @@ mod tests {
             summary(&distribution),
             "Endpoint error: mean 0.610 px, median 0.500 px, 95 % 1.75 px; R0.5 60.0 %, R1.0 30.0 %"
         );
+        assert_eq!(beyond(&distribution), "Off by more than 0.5 px: 60.0 % · 1 px: 30.0 %");
     }
 }

@@ -4,6 +4,7 @@ use eframe::egui::{
     self, Align, Button, Layout, Popup, PopupCloseBehavior, RichText, Slider, SliderClamping, Ui, WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
+use motionscope_core::scene;
 
 use super::{Input, Response, State};
 use crate::paint::{Face, FlowLayer, Lengthen, Tint, TintKey, legend, number};
@@ -66,8 +67,8 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Res
             }
         }
     });
-    spacing(ui, state);
-    length(ui, input, response);
+    spacing(ui, input, state);
+    length(ui, input, state, response);
     if let Some(Tint { key: TintKey::Wheel(longest), .. }) = input.pictures.layer.as_deref() {
         ui.separator();
         wheel(ui, input, *longest);
@@ -95,9 +96,10 @@ fn slider(ui: &mut Ui, name: &str, (is_auto, tip): (bool, &str), add: impl FnOnc
     to_auto
 }
 
-fn spacing(ui: &mut Ui, state: &mut State) {
+fn spacing(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
     let tip = "From one arrow, or one particle, to the next, in px of the picture.";
-    let mut px = state.spacing_px.unwrap_or(16);
+    let usual = scene::arrow_spacing(input.pictures.pair[0].size()) as u16;
+    let mut px = state.spacing_px.unwrap_or(usual);
     let mut moved = false;
     let to_auto = slider(ui, "Spacing", (state.spacing_px.is_none(), tip), |ui| {
         let slider = Slider::new(&mut px, SLIDER_PX).logarithmic(true).suffix(" px").clamping(SliderClamping::Never);
@@ -113,13 +115,10 @@ fn spacing(ui: &mut Ui, state: &mut State) {
     }
 }
 
-fn length(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
+fn length(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
     let tip = "How many times their length displacements are drawn; the legend says so.";
     let is_auto = input.lengthen == Lengthen::Auto;
-    let mut times = match input.lengthen {
-        Lengthen::Times(times) => times,
-        Lengthen::Auto => 1.0,
-    };
+    let mut times = state.marks.look(input).lengthen;
     let mut moved = false;
     let to_auto = slider(ui, "Length of arrows", (is_auto, tip), |ui| {
         let slider = Slider::new(&mut times, SLIDER_TIMES).logarithmic(true).suffix(" ×").max_decimals(2);
