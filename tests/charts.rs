@@ -117,7 +117,7 @@ fn without_blocks_pixels_are_counted_at_the_end() {
 #[test]
 fn of_features_errors_alone_are_counted() {
     let mut window = Window::on("estimator = \"pyramidal-lucas-kanade\"");
-    window.tab("Errors");
+    window.tab("Histogram");
     for (command, told) in [(Command::Start, "at the end of the run"), (Command::End, "Endpoint error: mean ")] {
         window.command(command);
         assert_eq!(window.0.query_all_by_label_contains(told).count(), 1, "{command:?}");

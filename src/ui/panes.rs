@@ -261,7 +261,6 @@ impl Panes<'_> {
         let charts = self.document.estimator().charts();
         match pane {
             Pane::Surface if step.is_some_and(has_plane) || !charts.contains(&Chart::Surface) => "Displacements",
-            Pane::Histogram if !charts.contains(&Chart::Histogram) => "Errors",
             pane => pane.title(),
         }
     }
@@ -383,25 +382,26 @@ fn absent(pane: Pane, charts: &[Chart]) -> String {
         Pane::Surface if !candidates => {
             (Command::Into, "stands what pixels say of their displacement (u, v)", "one of them is asked")
         }
+        Pane::Surface3d if !candidates => {
+            (Command::Into, "stands the pyramid with what is found on each level", "one of them is worked on")
+        }
         Pane::Surface | Pane::Surface3d => {
             (Command::Into, "stands the cost of every displacement tested", "a candidate is tested")
         }
-        Pane::Histogram if charts.contains(&Chart::Histogram) && !candidates => {
-            let key = Command::End.key();
-            return format!("Here stands how many pixels have each displacement, at the end of the run ({key}).");
-        }
-        Pane::Histogram if candidates => {
+        Pane::Histogram if charts.contains(&Chart::Histogram) => {
             let until = "the first block is done";
             (Command::Over, "stands how many blocks have each displacement", until)
         }
         Pane::Histogram => {
             let key = Command::End.key();
-            return format!("Here stands how far displacements are from the true ones, at the end of the run ({key}).");
+            return format!(
+                "Here displacements are counted, and their errors where the truth is known, at the end of the run ({key})."
+            );
         }
         Pane::Plot if candidates => {
             (Command::Into, "stands how the cost goes from candidate to candidate", "there are some")
         }
-        Pane::Plot => (Command::Into, "stands how energy and change go from iteration to iteration", "there are some"),
+        Pane::Plot => (Command::Into, "stands how quantities go from step to step", "there are some"),
         _ if candidates => (Command::Into, "stand the pixels that are compared, as numbers", "a block is compared"),
         _ => (Command::Into, "stand pixels and their derivatives, as numbers", "a pixel is asked"),
     };

@@ -162,7 +162,7 @@ impl Estimator for Farneback {
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
     type State = State;
     type Event = Event;
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Plane, Chart::Histogram];
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Plane];
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())

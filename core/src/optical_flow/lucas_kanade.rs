@@ -169,7 +169,7 @@ impl Estimator for LucasKanade {
         frames: 2,
     };
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 3 };
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane, Chart::Histogram];
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
     type State = State;
     type Event = Event;
 

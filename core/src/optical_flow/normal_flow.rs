@@ -113,7 +113,7 @@ impl Estimator for NormalFlow {
         frames: 2,
     };
     const PROMISE: Promise = Promise::AlongGradient;
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane, Chart::Histogram];
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
     type State = State;
     type Event = Event;
 

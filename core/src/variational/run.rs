@@ -300,7 +300,7 @@ fn most_changed(from: &Field, to: &Field) -> (usize, usize) {
 impl<M: Model> Estimator for Variational<M> {
     const INFO: Info = M::INFO;
     const PROMISE: Promise = M::PROMISE;
-    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Plane, Chart::Histogram, Chart::Stack];
+    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Plane, Chart::Stack];
     type State = State<M>;
     type Event = Event<M>;
 
