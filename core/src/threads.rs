@@ -58,11 +58,17 @@ impl Threads {
 
     /// Has `f` write every row of `grid`, given its number; the rows are written in any order.
     pub(crate) fn rows<T: Send>(&self, grid: &mut Grid<T>, f: impl Fn(usize, &mut [T]) + Sync) {
-        let width = grid.width().max(1);
+        let width = grid.width();
+        self.chunks(grid.cells_mut(), width, f);
+    }
+
+    /// Has `f` write every stretch of `length` cells, given its number, in any order.
+    pub(crate) fn chunks<T: Send>(&self, cells: &mut [T], length: usize, f: impl Fn(usize, &mut [T]) + Sync) {
+        let length = length.max(1);
         match &self.0 {
-            None => grid.cells_mut().chunks_exact_mut(width).enumerate().for_each(|(y, row)| f(y, row)),
+            None => cells.chunks_exact_mut(length).enumerate().for_each(|(i, cells)| f(i, cells)),
             Some(pool) => pool.install(|| {
-                grid.cells_mut().par_chunks_exact_mut(width).enumerate().for_each(|(y, row)| f(y, row));
+                cells.par_chunks_exact_mut(length).enumerate().for_each(|(i, cells)| f(i, cells));
             }),
         }
     }

@@ -5,6 +5,7 @@ mod derivatives;
 pub mod field;
 pub mod filter;
 mod given;
+mod jacobi;
 mod linear;
 pub mod relax;
 pub mod tell;

@@ -4,6 +4,7 @@
 //! neighbours n with the weights of the paper's average: 1/6 beside, above and below, 1/12 across the corners; beyond the
 //! edge the pixel at the edge is repeated.
 
+use super::jacobi::{self, DEPTH, Rows};
 use super::{Field, Linear};
 use crate::{Border, Grid, Threads};
 
@@ -11,59 +12,48 @@ use crate::{Border, Grid, Threads};
 pub const BESIDE: f32 = 1.0 / 6.0;
 /// Weight of those across the corners.
 pub const CORNER: f32 = 1.0 / 12.0;
-/// Iterations that are done while the rows are in the cache.
-const DEPTH: usize = 16;
 
 /// The constraints of a picture, divided by the root of α² + a² + b². From the mean (u, v) around a pixel its update is then
 /// (u, v) − (a, b) (a u + b v + c).
 pub struct System {
-    factors: [Grid<f32>; 3],
+    /// Of each row those of a, of b and of c.
+    factors: Rows,
 }
 
 impl System {
     /// The system of `linear` for a weight `alpha` of smoothness.
     pub fn new(linear: &Linear, alpha: f32, threads: &Threads) -> Self {
-        let [a, b, c] = [&linear.factors.a, &linear.factors.b, &linear.factors.c];
-        let scaled = |part: &Grid<f32>| {
-            let mut scaled = Grid::new(part.width(), part.height(), 0.0);
-            threads.rows(&mut scaled, |y, row| {
-                let gradient = a.row(y).iter().zip(b.row(y));
-                for ((value, part), (a, b)) in row.iter_mut().zip(part.row(y)).zip(gradient) {
-                    *value = part / (alpha * alpha + a * a + b * b).sqrt();
-                }
-            });
-            scaled
-        };
-        Self { factors: [scaled(a), scaled(b), scaled(c)] }
+        let parts = [&linear.factors.a, &linear.factors.b, &linear.factors.c];
+        let (width, height) = parts[0].size();
+        let mut factors = Rows::new(width, 3 * height);
+        let stride = factors.stride;
+        threads.chunks(factors.cells_mut(), 3 * stride, |y, rows| {
+            let (to_a, rest) = rows.split_at_mut(stride);
+            let (to_b, to_c) = rest.split_at_mut(stride);
+            let to = to_a.iter_mut().zip(to_b).zip(to_c);
+            let [a, b, c] = parts.map(|part| part.row(y));
+            for (((to_a, to_b), to_c), ((a, b), c)) in to.zip(a.iter().zip(b).zip(c)) {
+                let share = 1.0 / (alpha * alpha + a * a + b * b).sqrt();
+                (*to_a, *to_b, *to_c) = (a * share, b * share, c * share);
+            }
+        });
+        Self { factors }
     }
 
     fn rows(&self, y: usize) -> [&[f32]; 3] {
-        [0, 1, 2].map(|i| self.factors[i].row(y))
+        [0, 1, 2].map(|i| &self.factors.cells()[(3 * y + i) * self.factors.stride..])
     }
 
     /// `iterations` of Jacobi's method from `field` on: all pixels at once, from the averages of the iteration before.
     pub fn jacobi(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
-        let mut field = field.clone();
-        let mut target = field.clone();
-        let mut left = iterations;
-        while left > 0 {
-            let depth = left.min(DEPTH);
-            self.jacobi_in_bands(&field, &mut target, depth, threads);
-            std::mem::swap(&mut field, &mut target);
-            left -= depth;
+        let (mut from, mut spare) = (None, None);
+        for done in (0..iterations).step_by(DEPTH) {
+            let mut to = spare.take().unwrap_or_else(|| Field::new(field.u.size(), [0.0; 2]));
+            let depth = DEPTH.min(iterations - done);
+            jacobi::iterate(&self.factors, from.as_ref().unwrap_or(field), &mut to, depth, threads);
+            spare = from.replace(to);
         }
-        field
-    }
-
-    /// `depth` iterations from `from` to `to`, a band of rows for each thread.
-    fn jacobi_in_bands(&self, from: &Field, to: &mut Field, depth: usize, threads: &Threads) {
-        let (width, height) = from.u.size();
-        let rows = height.div_ceil(threads.count()).max(1);
-        let parts = to.u.cells_mut().chunks_mut(rows * width).zip(to.v.cells_mut().chunks_mut(rows * width));
-        threads.each(parts.enumerate().collect(), |(band, (u, v))| {
-            let band = Band { system: self, from, rows: (band * rows, (band * rows + u.len() / width)), depth };
-            band.run([u, v]);
-        });
+        from.unwrap_or_else(|| field.clone())
     }
 
     /// An iteration in place, pixel by pixel along the rows, from the newest values of the neighbours; `relaxation` is 1 in
@@ -124,145 +114,9 @@ fn average([above, here, below]: [&[f32]; 3], x: usize) -> f32 {
 
 /// What fits a pixel and the mean of its neighbours.
 #[inline(always)]
-fn update([u, v]: [f32; 2], [a, b, c]: [f32; 3]) -> [f32; 2] {
+pub(super) fn update([u, v]: [f32; 2], [a, b, c]: [f32; 3]) -> [f32; 2] {
     let off = a * u + b * v + c;
     [u - a * off, v - b * off]
-}
-
-/// Some rows through which several iterations go one close behind the other, so that what one writes the next reads while
-/// it is in the cache. Beyond the rows as many more are worked out as their neighbours need.
-struct Band<'a> {
-    system: &'a System,
-    from: &'a Field,
-    /// First row, and the one after the last.
-    rows: (usize, usize),
-    depth: usize,
-}
-
-impl Band<'_> {
-    /// The rows that iteration `k` must work out.
-    fn range(&self, k: usize) -> std::ops::Range<usize> {
-        let more = self.depth - k;
-        self.rows.0.saturating_sub(more)..(self.rows.1 + more).min(self.from.u.height())
-    }
-
-    fn run(&self, to: [&mut [f32]; 2]) {
-        let [to_u, to_v] = to;
-        let (width, height) = self.from.u.size();
-        // Of each iteration the last three rows, padded; of the last none.
-        let mut rings: Vec<[[Vec<f32>; 2]; 3]> = Vec::new();
-        rings.resize_with(self.depth, || std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; width + 2])));
-        let mut done = [vec![0.0; width + 2], vec![0.0; width + 2]];
-        let first = self.range(0).start;
-        for time in first..self.rows.1 + self.depth {
-            for k in 0..=self.depth {
-                let Some(y) = time.checked_sub(k).filter(|y| self.range(k).contains(y)) else { continue };
-                if k == 0 {
-                    let [u, v] = &mut rings[0][y % 3];
-                    pad(u, self.from.u.row(y));
-                    pad(v, self.from.v.row(y));
-                    continue;
-                }
-                let (before, after) = rings.split_at_mut(k);
-                let row = |y: usize| &before[k - 1][y % 3];
-                let (above, here, below) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(height - 1)));
-                let around = [0, 1].map(|i| [&above[i][..], &here[i][..], &below[i][..]]);
-                let target = after.first_mut().map_or(&mut done, |ring| &mut ring[y % 3]);
-                let [u, v] = target;
-                kernel(around, self.system.rows(y), [&mut u[1..=width], &mut v[1..=width]]);
-                for part in [u, v] {
-                    (part[0], part[width + 1]) = (part[1], part[width]);
-                }
-                if k == self.depth {
-                    let start = (y - self.rows.0) * width;
-                    to_u[start..start + width].copy_from_slice(&done[0][1..=width]);
-                    to_v[start..start + width].copy_from_slice(&done[1][1..=width]);
-                }
-            }
-        }
-    }
-}
-
-/// A row of an iteration from three padded rows of the one before, with the widest registers there are; all give the same.
-fn kernel(around: [[&[f32]; 3]; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2]) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if is_x86_feature_detected!("avx512f") {
-            // SAFETY: the processor has AVX-512.
-            return unsafe { row_avx512(around, factors, to) };
-        }
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2.
-            return unsafe { row_avx2(around, factors, to) };
-        }
-    }
-    row(around, factors, to);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn row_avx512(around: [[&[f32]; 3]; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2]) {
-    row(around, factors, to);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn row_avx2(around: [[&[f32]; 3]; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2]) {
-    row(around, factors, to);
-}
-
-/// Pixels that are worked out at once.
-const LANES: usize = 16;
-
-#[inline(always)]
-fn row(around: [[&[f32]; 3]; 2], factors: [&[f32]; 3], [to_u, to_v]: [&mut [f32]; 2]) {
-    let width = to_u.len();
-    for start in (0..width).step_by(LANES) {
-        // The last ones may be worked out twice, which changes nothing.
-        let start = start.min(width.saturating_sub(LANES));
-        match lanes(around, factors, start) {
-            Some([u, v]) => {
-                to_u[start..start + LANES].copy_from_slice(&u);
-                to_v[start..start + LANES].copy_from_slice(&v);
-            }
-            None => {
-                for x in start..width {
-                    let mean = around.map(|rows| average(rows, x));
-                    [to_u[x], to_v[x]] = update(mean, factors.map(|row| row[x]));
-                }
-            }
-        }
-    }
-}
-
-/// The new displacements of the pixels from `start` on, if there are so many. They are written to arrays of their own, so
-/// that the compiler sees that nothing it reads is overwritten, and makes vector instructions of the loop.
-#[inline(always)]
-fn lanes([u, v]: [[&[f32]; 3]; 2], [a, b, c]: [&[f32]; 3], start: usize) -> Option<[[f32; LANES]; 2]> {
-    let (u, v) = (around_lanes(u, start)?, around_lanes(v, start)?);
-    let (a, b, c) = (lane(a, start)?, lane(b, start)?, lane(c, start)?);
-    let mut to = [[0.0; LANES]; 2];
-    for x in 0..LANES {
-        let mean = |[above, here, below]: &[[&[f32; LANES]; 3]; 3]| {
-            BESIDE * ((above[1][x] + below[1][x]) + (here[0][x] + here[2][x]))
-                + CORNER * ((above[0][x] + above[2][x]) + (below[0][x] + below[2][x]))
-        };
-        [to[0][x], to[1][x]] = update([mean(&u), mean(&v)], [a[x], b[x], c[x]]);
-    }
-    Some(to)
-}
-
-#[inline(always)]
-fn lane(row: &[f32], start: usize) -> Option<&[f32; LANES]> {
-    row.get(start..)?.first_chunk()
-}
-
-/// Of each of three padded rows the pixels to the left of those from `start` on, they themselves, and those to the right.
-#[inline(always)]
-fn around_lanes(rows: [&[f32]; 3], start: usize) -> Option<[[&[f32; LANES]; 3]; 3]> {
-    let of =
-        |row| -> Option<[&[f32; LANES]; 3]> { Some([lane(row, start)?, lane(row, start + 1)?, lane(row, start + 2)?]) };
-    Some([of(rows[0])?, of(rows[1])?, of(rows[2])?])
 }
 
 /// The two parts of the energy, on average over the pixels: how far the constraints are off, and how far neighbours differ.
