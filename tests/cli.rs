@@ -386,6 +386,11 @@ fn features_are_written_and_told_without_what_only_fields_have() {
             metrics["points"].as_u64().unwrap(),
             "{id}: a row for each feature"
         );
+        // What goes nowhere is no flow.
+        if !is_tracked {
+            assert!(refusal(here, &format!("{line} --flow {id}.flo")).contains("no flow"), "{id}");
+            assert!(!here.join(format!("{id}.flo")).exists());
+        }
         let text = stdout(here, &line);
         assert!(text.contains("features ") && !text.contains("prediction") && !text.contains("entropy"), "{text}");
         assert_eq!(text.contains("error "), is_tracked, "{text}");

@@ -24,7 +24,8 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         look: task.look(&args.look)?,
     };
     let written = steps.write((&*task.estimator, &task.company), &task.clip, task.frame, &args.out, None)?;
-    say(&format!("{written} pictures in {}", args.out.display()))
+    let pictures = if written == 1 { "picture" } else { "pictures" };
+    say(&format!("{written} {pictures} in {}", args.out.display()))
 }
 
 /// The rung called `name`; the run as a whole has but one stop.

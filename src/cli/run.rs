@@ -44,7 +44,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
         files.push((path, overlay(&task, args, format)?));
     }
     if let Some((path, format)) = outputs.flow {
-        let (bytes, lost) = format.encode(&output.flow())?;
+        let (bytes, lost) = format.encode(&export::flow(&output)?)?;
         if let Some(lost) = lost {
             eprintln!("warning: {}: {lost}", path.display());
         }

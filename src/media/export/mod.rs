@@ -19,4 +19,4 @@ pub use npy::npy;
 pub use picture::{Pixels, png};
 pub use save::save;
 pub use table::{Cell, Table};
-pub use vectors::{FlowFormat, csv};
+pub use vectors::{FlowFormat, csv, flow};

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use motionscope_core::{BlockField, Confidence, Error, Feature, Flow, Output, PointField, Track, TrackField};
+use motionscope_core::{BlockField, Confidence, Error, Feature, Flow, Output, PointField, Status, Track, TrackField};
 
 use super::{Cell, Table, flo, kitti, npy};
 use crate::media::names::extension;
@@ -26,6 +26,19 @@ pub fn csv(output: &Output) -> String {
                 Table { columns: ["x_px", "y_px", "u_px", "v_px"], rows: rows.collect() }.csv()
             }
         },
+    }
+}
+
+/// The flow that `output` amounts to, to be written as a field.
+///
+/// # Errors
+/// If it has none: features that were only found move nowhere.
+pub fn flow(output: &Output) -> Result<Flow, Error> {
+    match output.points() {
+        Some(field) if field.count(|status| status == Status::Found) == field.points.len() => Err(Error::new(
+            "features that are found and not tracked have no flow; write them as a table, or track them",
+        )),
+        _ => Ok(output.flow()),
     }
 }
 
@@ -121,7 +134,7 @@ impl FlowFormat {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{BlockGrid, BlockVector, Border, DenseField, Grid, Status};
+    use motionscope_core::{BlockGrid, BlockVector, Border, DenseField, Grid};
 
     use super::*;
 

@@ -111,7 +111,7 @@ pub fn vectors(path: &Path, output: &Receiver<Output>, progress: &dyn Progress) 
     let (bytes, lost) = if is_table {
         (export::csv(&output).into_bytes(), None)
     } else {
-        FlowFormat::of(path)?.encode(&output.flow())?
+        FlowFormat::of(path)?.encode(&export::flow(&output)?)?
     };
     export::save(path, &bytes)?;
     let lost = lost.map_or_else(String::new, |lost| format!(" {lost}."));
