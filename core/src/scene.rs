@@ -430,6 +430,29 @@ impl Surface {
             Some([low, high]) => Some([v.min(low), v.max(high)]),
         })
     }
+
+    /// The part with all displacements that were tested and those up to `margin` px around them; all of it before the
+    /// first.
+    #[must_use]
+    pub fn around_tested(&self, margin: usize) -> Self {
+        let (width, height) = self.values.size();
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let mut tested = places.filter(|place| self.events[*place].is_some()).peekable();
+        let Some(&(x, y)) = tested.peek() else { return self.clone() };
+        let around = |ends: [[usize; 2]; 2], (x, y): (usize, usize)| {
+            [[ends[0][0].min(x), ends[0][1].min(y)], [ends[1][0].max(x), ends[1][1].max(y)]]
+        };
+        let [[left, top], [right, bottom]] = tested.fold([[x, y]; 2], around);
+        let (left, top) = (left.saturating_sub(margin), top.saturating_sub(margin));
+        let (right, bottom) = ((right + margin).min(width - 1), (bottom + margin).min(height - 1));
+        let size = (right - left + 1, bottom - top + 1);
+        Self {
+            origin: [self.origin[0] + left as i32, self.origin[1] + top as i32],
+            values: Grid::from_fn(size.0, size.1, |x, y| self.values[(left + x, top + y)]),
+            events: Grid::from_fn(size.0, size.1, |x, y| self.events[(left + x, top + y)]),
+            ..self.clone()
+        }
+    }
 }
 
 /// What pixels say about their displacement (u, v): lines and points in the plane of displacements, v downwards.
@@ -506,6 +529,19 @@ pub struct Step {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_surface_is_cut_to_what_was_tested() {
+        let tested = |x: usize, y: usize| (x == 10 && (4..7).contains(&y)).then_some(x + y);
+        let events = Grid::from_fn(33, 33, tested);
+        let values = events.map(|event| event.map_or(f32::NAN, |event| event as f32));
+        let whole = Surface { title: "SAD", origin: [-16; 2], values, events, probe: None, best: Some([-6, -11]) };
+        let part = whole.around_tested(2);
+        assert_eq!((part.origin, part.values.size()), ([-8, -14], (5, 7)));
+        assert_eq!((part.range(), part.events[(2, 3)]), (whole.range(), Some(15)));
+        let nothing = Surface { events: Grid::new(33, 33, None), ..whole };
+        assert_eq!(nothing.around_tested(2).values.size(), (33, 33));
+    }
 
     #[test]
     fn a_constraint_is_cut_where_the_plane_ends() {

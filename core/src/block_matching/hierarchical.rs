@@ -429,6 +429,14 @@ impl Estimator for Hierarchical {
             sentence = sentence.text(".");
         }
         let mut readouts = probe.readouts();
+        // A finer level tests a few displacements of a wide window: these are what there is to be seen.
+        if !state.is_coarsest() {
+            readouts.iter_mut().for_each(|readout| {
+                if let Readout::Surface(surface) = readout {
+                    *surface = surface.around_tested(self.refine + 1);
+                }
+            });
+        }
         if let Some(Readout::Facts(facts)) = readouts.first_mut() {
             let of = state.levels.len() - 1;
             let value = format!("{} of {of} to 0, {width}×{height} px", state.level);
