@@ -1,5 +1,6 @@
 //! Estimators beside each other: the table of a comparison, as text, Markdown, CSV and JSON.
 
+use std::borrow::Borrow;
 use std::time::{Duration, Instant};
 
 use motionscope_core::compare::{Figures, LIGHT, NOISE_SIGMA};
@@ -97,7 +98,7 @@ impl Column {
 }
 
 /// The columns behind the estimator's name and what is swept.
-pub const COLUMNS: [Column; 12] = [
+pub const COLUMNS: [Column; 14] = [
     Column {
         heading: "candidates",
         name: "candidates_mean",
@@ -114,6 +115,8 @@ pub const COLUMNS: [Column; 12] = [
     Column { heading: "kB", name: "memory_kb", value: |r| Some(r.figures.memory_bytes as f64 / 1e3), digits: 1 },
     Column { heading: "PSNR dB", name: "psnr_db", value: |r| r.quality.prediction?.psnr_db, digits: 2 },
     Column { heading: "EPE px", name: "epe_px", value: |r| r.quality.truth.map(|e| e.epe_px), digits: 3 },
+    Column { heading: "EPE of", name: "known", value: |r| r.quality.truth.map(|e| e.known as f64), digits: 0 },
+    Column { heading: "features", name: "points", value: |r| r.quality.features.map(|f| f.points as f64), digits: 0 },
     Column {
         heading: "missed %",
         name: "missed_percent",
@@ -163,7 +166,9 @@ fn kilobytes(bits: f64) -> Option<f64> {
 pub fn key() -> String {
     format!(
         "candidates, most: tested for a block, on average and at most (those of a coarser level once); kB: memory of the run beside the frames;\n\
-         missed: blocks for which full search, set alike, finds a smaller cost (not told with lambda); noise, light: blocks\n\
+         EPE of: pixels whose motion is known and was found; where these are not the same, EPEs are of different pixels, and one that\n\
+         says less of a picture may look better; a still background makes it small for whoever leaves all in place; normal flow is only\n\
+         the part of the motion along the gradient, which no EPE against the whole motion does justice; missed: blocks for which full search, set alike, finds a smaller cost (not told with lambda); noise, light: blocks\n\
          (or pixels) that keep their displacement within 1 px under noise of {NOISE_SIGMA} gray levels, and where frame t+1\n\
          is {} times as bright plus {}; residual, vectors, anew: zero-order entropy of what is sent with motion, and of the\n\
          frame without; –: what only blocks have, or what is not known.\n",
@@ -218,8 +223,9 @@ pub fn markdown_table(lines: &[Vec<String>]) -> String {
 }
 
 /// The table as CSV; what is not known is left empty.
-pub fn csv(rows: &[Row]) -> String {
-    let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.replace('-', "_"));
+pub fn csv<R: Borrow<Row>>(rows: &[R]) -> String {
+    let rows = || rows.iter().map(Borrow::borrow);
+    let swept = rows().next().and_then(|row: &Row| row.swept.as_ref()).map(|(name, _)| name.replace('-', "_"));
     let names = ["estimator".to_owned()].into_iter().chain(swept);
     let names = names.chain(COLUMNS.iter().map(|column| column.name.to_owned())).collect::<Vec<_>>();
     let line = |row: &Row| {
@@ -227,7 +233,7 @@ pub fn csv(rows: &[Row]) -> String {
         let number = |column: &Column| (column.value)(row).map_or_else(String::new, |value| value.to_string());
         first.chain(COLUMNS.iter().map(number)).collect::<Vec<_>>().join(",") + "\n"
     };
-    names.join(",") + "\n" + &rows.iter().map(line).collect::<String>()
+    names.join(",") + "\n" + &rows().map(line).collect::<String>()
 }
 
 /// The table as JSON: an array of one object per row, with the blocks that were missed where there are blocks.

@@ -81,7 +81,7 @@ fn every_format_has_the_same_cells() {
     }
     let lines: Vec<&str> = csv.lines().collect();
     assert!(lines[0].starts_with("estimator,block,candidates_mean,candidates_most,ms,"));
-    assert!(lines.len() == 5 && lines.iter().all(|line| line.split(',').count() == 14));
+    assert!(lines.len() == 5 && lines.iter().all(|line| line.split(',').count() == 16));
     assert!(lines[4].starts_with("hexagon,16,"));
 }
 
@@ -95,10 +95,11 @@ fn what_only_blocks_have_is_absent_for_a_dense_flow() {
     for name in ["ms", "psnr_db", "epe_px", "kept_in_noise_percent", "residual_kb"] {
         assert!(rows[0][name].is_f64() && rows[1][name].is_f64(), "{name}: {rows}");
     }
+    assert!(rows[0]["known"].as_f64() > Some(0.0) && rows[0]["points"].is_null(), "{rows}");
     assert!(rows[0].get("blocks").is_none() && rows[1]["blocks"].is_u64());
     let text = stdout(&line);
     let dense = text.lines().find(|row| row.starts_with("horn-schunck")).unwrap();
-    assert_eq!(dense.split_whitespace().filter(|cell| *cell == "–").count(), 4, "{dense}");
+    assert_eq!(dense.split_whitespace().filter(|cell| *cell == "–").count(), 5, "{dense}");
 }
 
 #[test]

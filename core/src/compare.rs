@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::params::Spec;
 use crate::synth::disturb;
 use crate::{AnyEstimator, BlockField, Clip, DenseField, Error, Frame, Gray, Output, Threads, Value, estimator};
 
@@ -145,6 +146,22 @@ pub fn alike(other: &dyn AnyEstimator, mut estimator: Box<dyn AnyEstimator>) -> 
     estimator
 }
 
+/// `estimator` with what was changed in `other`, as far as that means the same: both are of one family and declare a
+/// parameter alike. What `other` has by default says nothing about `estimator`, which has a default of its own.
+pub fn changed_alike(other: &dyn AnyEstimator, mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
+    if other.info().family != estimator.info().family {
+        return estimator;
+    }
+    for (spec, (_, value)) in other.specs().iter().zip(other.values()) {
+        let same = |own: &Spec| (&own.name, own.unit, &own.kind) == (&spec.name, spec.unit, &spec.kind);
+        if let Some(index) = estimator.specs().iter().position(same).filter(|_| value != spec.default) {
+            // It is in range, since the range is the same.
+            estimator.set_value(index, value).ok();
+        }
+    }
+    estimator
+}
+
 /// Whether the price of a displacement is part of its cost.
 fn has_price(estimator: &dyn AnyEstimator) -> bool {
     matches!(estimator.get("lambda"), Ok(Value::Real(lambda)) if lambda > 0.0)
@@ -199,6 +216,31 @@ mod tests {
 
     fn clip() -> Clip {
         crate::synth::make(crate::synth::SCENES[0].id, &crate::synth::SCENES[0].difficulty()).expect("a scene")
+    }
+
+    #[test]
+    fn only_what_was_changed_is_carried_over() {
+        let of = |id: &str| estimator(id).expect("it exists");
+        // Each keeps its own defaults.
+        for (from, to) in
+            [("lucas-kanade", "horn-schunck"), ("lucas-kanade", "harris"), ("full-search", "hierarchical")]
+        {
+            assert_eq!(changed_alike(&*of(from), of(to)).values(), of(to).values(), "{from} to {to}");
+        }
+        let changed = |id: &str, settings: &[(&str, &str)]| {
+            let mut estimator = of(id);
+            settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
+            estimator
+        };
+        let from = changed("full-search", &[("block", "8"), ("cost", "ssd")]);
+        let to = changed_alike(&*from, of("diamond"));
+        assert_eq!([to.get("block"), to.get("cost")], [Ok(Value::Int(8)), Ok(Value::Choice("ssd"))]);
+        // Iterations of another kind, and another family.
+        let from = changed("lucas-kanade", &[("iterations", "7"), ("smoothing", "1.5"), ("derivatives", "sobel")]);
+        let to = changed_alike(&*from, of("horn-schunck"));
+        assert_eq!(to.get("iterations"), of("horn-schunck").get("iterations"));
+        assert_eq!(to.get("smoothing"), Ok(Value::Real(1.5)));
+        assert_eq!(changed_alike(&*from, of("harris")).values(), of("harris").values());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Align, Button, ComboBox, Grid, Label, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
-use motionscope_core::compare::alike;
+use motionscope_core::compare::changed_alike;
 use motionscope_core::scene::Series;
 use motionscope_core::{Error, Role, Threads, estimators, lockstep};
 
@@ -25,10 +25,14 @@ const MOST: usize = *lockstep::MEMBERS.end();
 const ROLES: [Role; MOST] = [Role::Reference, Role::Result, Role::Predicted, Role::Candidate];
 
 /// What can be swept: its name for a person, how it is written, and what stands along the plot.
-const SWEEPS: [(&str, Option<&str>, &str); 6] = [
+const SWEEPS: [(&str, Option<&str>, &str); 10] = [
     ("nothing", None, ""),
-    ("the window: range 4 to 64 px", Some("range=4,8,16,32,64"), "range in px"),
+    ("the range: 4 to 64 px", Some("range=4,8,16,32,64"), "range in px"),
     ("the block: 4 to 32 px", Some("block=4,8,16,32"), "block in px"),
+    ("the window: 5 to 31 px", Some("window=5,9,15,21,31"), "window in px"),
+    ("smoothness: α from 1 to 100", Some("alpha=1,3,10,30,100"), "α"),
+    ("levels: 2 to 5", Some("levels=2,3,4,5"), "levels"),
+    ("iterations: 1 to 20", Some("iterations=1,2,5,10,20"), "iterations"),
     ("the motion: speed ×0.5 to ×4", Some("speed=0.5,1,2,3,4"), "speed, times the usual"),
     ("noise: 0 to 40 gray levels", Some("noise=0,5,10,20,40"), "noise in gray levels"),
     ("the light: gain 0.8 to 1.2", Some("gain=0.8,0.9,1,1.1,1.2"), "gain"),
@@ -36,7 +40,7 @@ const SWEEPS: [(&str, Option<&str>, &str); 6] = [
 /// From so many times the smallest value on, a plot goes by powers of ten.
 const WIDE: f64 = 30.0;
 /// Sweeps from here on change the clip, so it must be synthetic.
-const FIRST_OF_CLIP: usize = 3;
+const FIRST_OF_CLIP: usize = 7;
 
 /// The comparison while it is open.
 pub struct State {
@@ -56,11 +60,18 @@ pub struct State {
 }
 
 impl State {
-    /// A comparison of the estimator `id` with the best known ones.
+    /// A comparison of the estimator `id` with the best known ones, or with those of its own family.
     pub fn new(id: &'static str) -> Self {
-        let all: Vec<&'static str> = estimators().iter().map(|estimator| estimator.info().id).collect();
+        let estimators = estimators();
+        let all: Vec<&'static str> = estimators.iter().map(|estimator| estimator.info().id).collect();
         let mut chosen = vec![id];
-        chosen.extend(Company::usual(id));
+        match estimators.iter().find(|estimator| estimator.info().id == id).filter(|e| !e.tests_candidates()) {
+            Some(own) => {
+                let kin = estimators.iter().filter(|other| other.info().family == own.info().family);
+                chosen.extend(kin.map(|other| other.info().id).filter(|other| *other != id).take(MOST - 2));
+            }
+            None => chosen.extend(Company::usual(id)),
+        }
         // In the order of the course.
         chosen.sort_by_key(|id| all.iter().position(|other| other == id));
         Self { chosen, sweep: 0, plotted: 0, begun: None, comparing: None, refused: None, course: None, laid_out: 0 }
@@ -83,6 +94,10 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
     let mut visited = false;
     let modal = widgets::modal(ctx, "compare", vec2(82.0 * size, 60.0 * size)).show(ctx, |ui| {
         ui.set_width(width);
+        // As high whatever it shows, so that nothing jumps.
+        let tall = (screen.height() - 120.0).min(62.0 * size);
+        ui.set_min_height(tall);
+        let bottom = ui.cursor().min.y + tall;
         ui.heading("Compare estimators");
         let on = match state.course {
             Some(_) => "The course's table of searches, measured on this pair of frames with default parameters.",
@@ -91,9 +106,9 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         ui.label(RichText::new(on).weak());
         ui.add_space(8.0);
         subject(ui, state, document);
-        let height = (screen.height() - 300.0).clamp(120.0, 36.0 * size);
+        let left = |ui: &Ui| (bottom - ui.cursor().min.y).max(120.0);
         if let Some(course) = &state.course {
-            let height = (screen.height() - 240.0).clamp(120.0, 50.0 * size);
+            let height = left(ui);
             ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| measured(ui, course));
             return;
         }
@@ -105,6 +120,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         });
         start(ui, state, document);
         ui.add_space(8.0);
+        let height = left(ui);
         ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             visited |= results(ui, state, theme, actions);
         });
@@ -179,6 +195,8 @@ fn line(ui: &mut Ui, claim: &Claim) {
 
 /// Which estimators.
 fn choice(ui: &mut Ui, state: &mut State) {
+    let full = if state.chosen.len() < MOST { "" } else { ": take one out to choose another" };
+    ui.label(RichText::new(format!("{} of at most {MOST}{full}", state.chosen.len())).small().weak());
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
         for estimator in estimators() {
@@ -204,9 +222,13 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     let combo = ComboBox::from_id_salt("sweep").selected_text(SWEEPS[state.sweep].0).width(0.0);
     let shown = combo.show_ui(ui, |ui| {
         for (i, (name, ..)) in SWEEPS.iter().enumerate() {
-            ui.add_enabled_ui(i < FIRST_OF_CLIP || synthetic, |ui| {
-                ui.selectable_value(&mut state.sweep, i, *name)
-                    .on_disabled_hover_text("This changes the clip: open one of the samples.");
+            let (enabled, why) = match i {
+                0 => (true, ""),
+                FIRST_OF_CLIP.. => (synthetic, "This changes the clip: open one of the samples."),
+                _ => (can_be_swept(i, &state.chosen), "None of the chosen estimators has all of these values."),
+            };
+            ui.add_enabled_ui(enabled, |ui| {
+                ui.selectable_value(&mut state.sweep, i, *name).on_disabled_hover_text(why);
             });
         }
     });
@@ -219,6 +241,13 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     if let Some(error) = failure {
         ui.add(Label::new(RichText::new(error.to_string()).color(ui.visuals().error_fg_color)).wrap());
     }
+}
+
+/// Whether one of `chosen` has the parameter of sweep `index`, and all its values.
+fn can_be_swept(index: usize, chosen: &[&str]) -> bool {
+    let Some((name, values)) = SWEEPS[index].1.and_then(|sweep| sweep.split_once('=')) else { return true };
+    let mut has = estimators().into_iter().filter(|e| chosen.contains(&e.info().id) && e.get(name).is_ok()).peekable();
+    has.peek().is_some() && has.all(|mut estimator| values.split(',').all(|value| estimator.set(name, value).is_ok()))
 }
 
 /// The way to seeing them step by step; gives whether it is taken.
@@ -249,11 +278,11 @@ fn start(ui: &Ui, state: &mut State, document: &Document) {
     }
 }
 
-/// The chosen estimators with the parameters of the one that is open, where they have them.
+/// The chosen estimators with what was changed of the one that is open, where they have the same.
 fn plan(state: &State, document: &Document) -> Result<Option<Plan>, Error> {
     let Some((clip, source)) = document.clip().cloned().zip(document.source()) else { return Ok(None) };
     let all = estimators().into_iter().filter(|estimator| state.chosen.contains(&estimator.info().id));
-    let alike = all.map(|estimator| alike(document.estimator(), estimator)).collect::<Vec<_>>();
+    let alike = all.map(|estimator| changed_alike(document.estimator(), estimator)).collect::<Vec<_>>();
     let rounds = comparison::rounds(&source, &alike, SWEEPS[state.sweep].1)?;
     Ok(Some(Plan { clip, source, frame: document.frame(), rounds }))
 }
@@ -279,6 +308,10 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
     }
     let visited = table(ui, &rows, state, actions);
     ui.add_space(8.0);
+    if !rows.is_empty() && ui.button("Copy as CSV").on_hover_text("For a spreadsheet: all rows so far.").clicked() {
+        ui.copy_text(comparison::csv(&rows));
+    }
+    ui.add_space(4.0);
     ui.label(RichText::new(comparison::key().replace('\n', " ")).small().weak());
     visited
 }
