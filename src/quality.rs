@@ -135,11 +135,11 @@ impl Prediction {
         self.psnr_db.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"))
     }
 
-    /// What motion saves, in words: `8.1 + 0.4 kB, anew 40.2`; without the vectors where nobody would send them.
+    /// What motion saves, in words: `8.1 + 0.4 kB instead of 40.2`; without the vectors where nobody would send them.
     pub fn coding(&self) -> String {
         let kilobytes = |bits: f64| format!("{:.1}", bits / 8000.0);
         let vectors = self.vector_bits.map_or_else(String::new, |bits| format!(" + {}", kilobytes(bits)));
-        format!("{}{vectors} kB, anew {}", kilobytes(self.residual_bits), kilobytes(self.frame_bits))
+        format!("{}{vectors} kB instead of {}", kilobytes(self.residual_bits), kilobytes(self.frame_bits))
     }
 }
 

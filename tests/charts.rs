@@ -102,11 +102,12 @@ fn before_the_first_block_is_done_the_histogram_says_what_to_do() {
 }
 
 #[test]
-fn without_blocks_the_histogram_says_that_there_are_none() {
+fn without_blocks_the_histogram_says_so_until_the_end() {
     let mut window = Window::on("estimator = \"horn-schunck\"");
     window.tab("Histogram");
-    for command in [Command::Start, Command::Into, Command::End] {
+    for (command, count) in [(Command::Start, 1), (Command::Into, 1), (Command::End, 0)] {
         window.command(command);
-        assert_eq!(window.0.query_all_by_label_contains("has no blocks").count(), 1, "{command:?}");
+        assert_eq!(window.0.query_all_by_label_contains("has no blocks").count(), count, "{command:?}");
     }
+    assert_eq!(window.histogram().map(|histogram| histogram.of), Some("pixel"), "at the end, pixels are counted");
 }

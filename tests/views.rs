@@ -93,7 +93,7 @@ impl Fixture {
 fn the_explanation_tells_why_in_words_symbols_and_numbers() {
     let fixture = fixture(MIDDLE);
     let mut state = why::State::default();
-    let input = why::Input { info: fixture.walk.info(), step: &fixture.step, theme: Theme::Light };
+    let input = why::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Light };
     let harness = harness(vec2(360.0, 900.0), Theme::Light, move |ui| why::show(ui, input, &mut state));
     let sentence = fixture.step.sentence.plain();
     assert!(harness.query_by_label(&sentence).is_some(), "{sentence}");
@@ -116,7 +116,7 @@ fn the_explanation_does_not_jump_from_step_to_step() {
     let mut state = why::State::default();
     let mut harness = harness(vec2(320.0, 1200.0), Theme::Dark, |ui| {
         let shown = which.get();
-        let input = why::Input { info: shown.walk.info(), step: &shown.step, theme: Theme::Dark };
+        let input = why::Input { info: shown.walk.info(), step: &shown.step, at_end: false, theme: Theme::Dark };
         why::show(ui, input, &mut state);
     });
     // Once each kind of step was seen, there is room for all of them.
@@ -137,7 +137,7 @@ const SMALL_PANE: Vec2 = vec2(440.0, 490.0);
 fn a_small_pane_shows_words_numbers_symbols_and_the_line_at_work() {
     let fixture = fixture(MIDDLE);
     let mut state = why::State::default();
-    let input = why::Input { info: fixture.walk.info(), step: &fixture.step, theme: Theme::Projector };
+    let input = why::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Projector };
     let mut harness = harness(SMALL_PANE, Theme::Projector, move |ui| why::show(ui, input, &mut state));
     harness.run();
     let equation = fixture.step.readouts.iter().find_map(|readout| match readout {
@@ -163,7 +163,7 @@ fn the_explanation_stays_where_it_was_scrolled() {
     let mut state = why::State::default();
     let mut harness = harness(SMALL_PANE, Theme::Projector, |ui| {
         let shown = which.get();
-        let input = why::Input { info: shown.walk.info(), step: &shown.step, theme: Theme::Projector };
+        let input = why::Input { info: shown.walk.info(), step: &shown.step, at_end: false, theme: Theme::Projector };
         why::show(ui, input, &mut state);
     });
     // Once each kind of step was seen, there is room for both.
@@ -326,7 +326,7 @@ fn tiles_light_the_same_pixel_and_tell_its_numbers() {
     let mut state = tiles::State::default();
     let hovered = Cell::new(None);
     let mut harness = harness(vec2(1400.0, 420.0), Theme::Projector, |ui| {
-        let input = tiles::Input { tiles: shown, theme: Theme::Projector };
+        let input = tiles::Input { tiles: shown, is_centred: false, theme: Theme::Projector };
         hovered.set(tiles::show(ui, input, &mut state).hovered);
     });
     let tile = harness.get_by_role_and_label(Node::Image, "candidate").rect();
@@ -443,7 +443,11 @@ impl All {
                 stage::show(ui, stage::Input { theme, ..fixture.stage() }, &mut self.stage);
             });
             part(ui, &mut |ui| {
-                why::show(ui, why::Input { info: fixture.walk.info(), step: &fixture.step, theme }, &mut self.why);
+                why::show(
+                    ui,
+                    why::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme },
+                    &mut self.why,
+                );
             });
             for readout in &fixture.step.readouts {
                 part(ui, &mut |ui| match readout {
@@ -456,7 +460,7 @@ impl All {
                         series::show(ui, series::Input { series: lines, theme, logarithmic: false });
                     }
                     Readout::Tiles(shown) => {
-                        tiles::show(ui, tiles::Input { tiles: shown, theme }, &mut self.tiles);
+                        tiles::show(ui, tiles::Input { tiles: shown, is_centred: false, theme }, &mut self.tiles);
                     }
                     _ => {}
                 });

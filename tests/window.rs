@@ -8,6 +8,8 @@ mod levels;
 mod lockstep;
 #[path = "window/parameters.rs"]
 mod parameters;
+#[path = "window/pixels.rs"]
+mod pixels;
 #[path = "window/timeline.rs"]
 mod timeline;
 

@@ -2,7 +2,7 @@
 
 use crate::threads::Threads;
 use crate::timeline::Timeline;
-use crate::{Clip, Error, Output, Params, Role, Scene, Step, Walk};
+use crate::{Clip, Cursor, Error, Output, Params, Role, Scene, Step, Walk};
 
 /// Where an algorithm tells what it does. `()` sees nothing and costs nothing; `Vec<E>` keeps everything.
 pub trait Observer<E> {
@@ -127,6 +127,25 @@ pub struct Seen<'a, E: Estimator> {
     pub focus: Option<[f32; 2]>,
 }
 
+/// From when on a pixel can be explained by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Explained {
+    /// At every step, since each is about all pixels.
+    Always,
+    /// From this place of the run on: there it is its turn.
+    From(Cursor),
+}
+
+impl Explained {
+    /// Whether that is so at `cursor`.
+    pub fn at(self, cursor: Cursor) -> bool {
+        match self {
+            Self::Always => true,
+            Self::From(turn) => turn <= cursor,
+        }
+    }
+}
+
 /// A motion estimator: parameters, a state, and one unit of work at a time.
 ///
 /// A *unit* is the natural outer step (a block, an iteration, a feature, a frame); *events* are what
@@ -169,6 +188,12 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
 
     /// The unit whose result lies at `point` in frame t, for a click on the stage.
     fn unit_at(&self, _state: &Self::State, _point: [f32; 2]) -> Option<usize> {
+        None
+    }
+
+    /// From when on the pixel at `point` of frame t can be explained by itself; `None` where the unit that lies there is what
+    /// is explained, or nothing lies there. Before that nobody sees what a pixel will come to by pointing at it.
+    fn explained(&self, _state: &Self::State, _point: [f32; 2]) -> Option<Explained> {
         None
     }
 

@@ -1,6 +1,6 @@
 //! How often each displacement came: what a search leaves behind, to be seen at one glance.
 
-use crate::{Grid, coding};
+use crate::{Flow, Grid, coding};
 
 /// The smallest part of the plane that is shown to either side of (0, 0), in px, so that it does not grow at each step.
 const LEAST: i32 = 2;
@@ -14,9 +14,14 @@ pub struct Counted {
     pub level: Option<usize>,
 }
 
+/// How far from (0, 0) displacements of pixels are told apart, in px: some that are far astray are counted at the edge.
+const FARTHEST: f32 = 64.0;
+
 /// Counts of displacements over bins of one whole px each way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
+    /// What has the displacements: `block`.
+    pub of: &'static str,
     /// The level of a pyramid whose blocks are counted, where there are several.
     pub level: Option<usize>,
     /// Displacement in the middle of the first bin, in px.
@@ -53,6 +58,7 @@ impl Histogram {
             units[cell].get_or_insert(counted.first_unit + i);
         }
         Some(Self {
+            of: "block",
             level: counted.level,
             origin: low,
             counts,
@@ -61,6 +67,14 @@ impl Histogram {
             bits: coding::vector_bits(vectors.iter().copied()) / vectors.len() as f64,
             is_rounded: vectors.iter().flatten().any(|c| c.fract() != 0.0),
         })
+    }
+
+    /// Counts the displacements of a field's pixels, as far as they are known; none of them was found by a unit alone.
+    pub fn of_pixels(flow: &Flow) -> Option<Self> {
+        let known = flow.0.cells().iter().filter(|vector| vector[0].is_finite());
+        let vectors: Vec<[f32; 2]> = known.map(|vector| vector.map(|c| c.clamp(-FARTHEST, FARTHEST))).collect();
+        let counted = Self::of(Counted::default(), &vectors, false)?;
+        Some(Self { of: "pixel", units: counted.units.map(|_| None), ..counted })
     }
 
     /// How many there are in all.
@@ -109,6 +123,19 @@ mod tests {
         assert_eq!(histogram.cell([4, 0]), None);
         // Two of one kind and three of their own, the rounded ones apart: 2/5·log₂(5/2) + 3/5·log₂5.
         assert!((histogram.bits - 1.921_928).abs() < 1e-5, "{}", histogram.bits);
+    }
+
+    #[test]
+    fn pixels_are_counted_where_their_motion_is_known() {
+        let flow = Flow(Grid::from_fn(4, 3, |x, y| match (x, y) {
+            (0, 0) => Flow::UNKNOWN,
+            (1, 0) => [900.0, 0.0],
+            _ => [1.25, -0.5],
+        }));
+        let histogram = Histogram::of_pixels(&flow).expect("there are some");
+        assert_eq!(histogram.fullest(), [([1, -1], 10), ([64, 0], 1)]);
+        assert!(histogram.units.cells().iter().all(Option::is_none));
+        assert_eq!(Histogram::of_pixels(&Flow(Grid::new(2, 2, Flow::UNKNOWN))), None);
     }
 
     #[test]

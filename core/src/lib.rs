@@ -36,7 +36,7 @@ pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use coding::Coding;
 pub use error::Error;
 pub use estimator::{
-    AnyEstimator, Count, Estimator, Extent, Info, Observer, Progress, Promise, Rung, Seen, run_observed,
+    AnyEstimator, Count, Estimator, Explained, Extent, Info, Observer, Progress, Promise, Rung, Seen, run_observed,
 };
 pub use grid::{Border, Gray, Grid};
 pub use histogram::{Counted, Histogram};

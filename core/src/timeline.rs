@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::lockstep::Beside;
-use crate::{Clip, Error, Estimator, Info, Output, Progress, Role, Rung, Scene, Seen, Step};
+use crate::{Clip, Error, Estimator, Explained, Info, Output, Progress, Role, Rung, Scene, Seen, Step};
 
 /// A place in a run: the unit at hand and how many of its events were seen.
 ///
@@ -102,6 +102,10 @@ pub trait Walk: Send {
     fn landmarks(&self) -> Vec<(usize, Role)>;
     /// The unit whose result lies at `point` in frame t.
     fn unit_at(&self, point: [f32; 2]) -> Option<usize>;
+    /// From when on the pixel at `point` of frame t can be explained by itself, if it can.
+    fn explained(&self, _point: [f32; 2]) -> Option<Explained> {
+        None
+    }
     /// What the cursor tells; `focus` is the pixel that the person points at.
     fn step(&self, focus: Option<[f32; 2]>) -> Step;
     /// What the cursor shows.
@@ -302,7 +306,8 @@ impl<E: Estimator> Timeline<E> {
             before: &self.unit.before,
             after: self.unit_is_over().then_some(&self.unit.after),
             events: &self.unit.events[..self.seen],
-            focus,
+            // A pixel whose turn has not come is not told.
+            focus: focus.filter(|point| self.explained(*point).is_none_or(|explained| explained.at(self.cursor()))),
         }
     }
 
@@ -494,6 +499,10 @@ impl<E: Estimator> Walk for Timeline<E> {
 
     fn unit_at(&self, point: [f32; 2]) -> Option<usize> {
         self.estimator.unit_at(&self.unit.before, point)
+    }
+
+    fn explained(&self, point: [f32; 2]) -> Option<Explained> {
+        self.estimator.explained(&self.unit.before, point)
     }
 
     fn step(&self, focus: Option<[f32; 2]>) -> Step {

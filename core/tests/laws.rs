@@ -5,7 +5,8 @@ mod common;
 use common::waves;
 use motionscope_core::params::{Kind, Value};
 use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Frame, Grid, Move, Output, Promise, Scene, Step, Threads, Walk, Way, estimators,
+    AnyEstimator, Clip, Cursor, Explained, Frame, Grid, Move, Output, Promise, Scene, Step, Threads, Walk, Way,
+    estimators,
 };
 use proptest::prelude::*;
 
@@ -337,6 +338,25 @@ fn every_mark_is_finite_and_every_event_is_told() {
             assert!(scene.marks.iter().all(|mark| mark.shape.coordinates().iter().all(|c| c.is_finite())));
             assert!(!scene.legend.is_empty());
         }
+    });
+}
+
+#[test]
+fn a_pixel_is_not_explained_before_its_turn() {
+    let clip = moving(40, 32, (2, 1), 2);
+    each(|estimator| {
+        let id = estimator.info().id;
+        let mut walk = estimator.walk(&clip, 0).expect("a run");
+        let point = [9.0, 4.0];
+        let Some(Explained::From(turn)) = walk.explained(point) else { return };
+        let told = |walk: &dyn Walk, focus| format!("{:?} {:?}", walk.step(focus), walk.scene(focus));
+        walk.jump(Move::To(Cursor { unit: turn.unit, event: turn.event - 3 }));
+        assert!(told(&*walk, Some(point)) == told(&*walk, None), "{id} tells at {} what comes", walk.cursor());
+        walk.jump(Move::To(turn));
+        let at_work = told(&*walk, None);
+        assert!(told(&*walk, Some(point)) == at_work, "{id}: at {turn} another pixel is at work");
+        into(Way::Forward, &mut *walk);
+        assert!(told(&*walk, Some(point)) != told(&*walk, None), "{id}: a pixel that is done is not explained");
     });
 }
 

@@ -433,8 +433,8 @@ fn the_spread_that_is_told_is_that_of_many_noisy_pairs() {
         let [u, _] = estimator.run(&clip, 0, &Threads::single()).unwrap().flow().at(place.0, place.1).expect("known");
         found.push(f64::from(u));
         let mut walk = estimator.walk(&clip, 0).unwrap();
-        walk.jump(Move::To(Cursor { unit: 0, event: 1 }));
-        let step = walk.step(Some([place.0 as f32, place.1 as f32]));
+        walk.jump(Move::To(Cursor { unit: place.1, event: place.0 + 1 }));
+        let step = walk.step(None);
         let spread = step.readouts.iter().find_map(|readout| match readout {
             scene::Readout::Plane(plane) => plane.ellipse,
             _ => None,

@@ -66,10 +66,12 @@ pub enum Action {
     ResetAll(Owner),
     /// Go to a place of the run.
     Seek(Cursor),
-    /// Go to the end or to the start of what lies at a pixel.
+    /// Go to the end or to the start of what lies at a pixel, or explain that pixel from now on.
     SeekAt([f32; 2], Side),
     /// Explain a pixel.
     Focus(Option<[f32; 2]>),
+    /// Explain the pixel that was clicked no longer.
+    Release,
     /// Run on the pair that starts with this frame.
     Frame(usize),
     /// Play at this speed.

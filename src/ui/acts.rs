@@ -1,7 +1,7 @@
 //! What the window does when it is told to.
 
 use eframe::egui::ViewportCommand;
-use motionscope_core::compare::alike;
+use motionscope_core::compare::changed_alike;
 use motionscope_core::{AnyEstimator, Cursor, Error, Move, Way, estimator};
 
 use super::action::Action;
@@ -58,6 +58,7 @@ impl App {
                 self.walker.go_at(point, side);
             }
             Action::Focus(point) => self.walker.focus(point),
+            Action::Release => self.walker.release(),
             Action::Frame(frame) => self.go_to_frame(frame),
             Action::Speed(speed) => {
                 self.player.speed = speed;
@@ -201,7 +202,7 @@ impl App {
     fn choose(&mut self, id: &str) {
         match estimator(id) {
             Ok(chosen) => {
-                self.document.choose(alike(self.document.estimator(), chosen));
+                self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.restart();
             }
             Err(error) => self.toasts.fail(error.to_string()),
@@ -214,7 +215,7 @@ impl App {
         let pace = self.document.company().pace;
         let leader = ids.iter().find(|id| **id == now.info().id).or(ids.first());
         let company = || {
-            let leader = alike(now, estimator(leader.copied().unwrap_or_default())?);
+            let leader = changed_alike(now, estimator(leader.copied().unwrap_or_default())?);
             let others: Vec<_> = ids.iter().filter(|id| **id != leader.info().id).collect();
             let company = Company::of(&*leader, &others, pace)?;
             Ok::<_, Error>((leader, company))

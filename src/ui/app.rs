@@ -89,6 +89,8 @@ impl App {
         style::apply(ctx, settings.look());
         let repaint = ctx.clone();
         let player = Player::at_speed(settings.speed);
+        let mut states: States = storage.and_then(|storage| eframe::get_value(storage, STATES)).unwrap_or_default();
+        states.stage.leave_end();
         Ok(Self {
             styled: Some(settings.look()),
             settings,
@@ -100,7 +102,7 @@ impl App {
             error: None,
             overlay: Overlay::None,
             toasts: Toasts::default(),
-            states: storage.and_then(|storage| eframe::get_value(storage, STATES)).unwrap_or_default(),
+            states,
             gallery: gallery::State::default(),
             browsing: None,
             writing: None,
@@ -198,6 +200,7 @@ impl App {
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
             in_lockstep: !self.document.company().is_empty(),
+            holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),
             can_undo: self.document.can_undo(),
             can_redo: self.document.can_redo(),
             is_tuned: self.document.is_tuned(Owner::Estimator),
@@ -289,7 +292,8 @@ impl App {
                     actions.ask(Action::CancelWriting);
                 }
             }
-            let text = self.view.shown.as_deref().map_or_else(|| "No clip is open".to_owned(), status::line);
+            let nothing = || if self.document.clip().is_some() { "no run" } else { "No clip is open" }.to_owned();
+            let text = self.view.shown.as_deref().map_or_else(nothing, status::line);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if ui.available_width() > 70.0 * small.size {
                     let keys = status::keys(self.rungs());

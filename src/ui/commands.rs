@@ -378,6 +378,8 @@ pub struct Now {
     pub lecture: bool,
     /// Several estimators go in lockstep.
     pub in_lockstep: bool,
+    /// A pixel was clicked and stays explained.
+    pub holds_pixel: bool,
     /// There is a change to take back.
     pub can_undo: bool,
     /// There is a change to make again.

@@ -155,6 +155,7 @@ impl App {
     fn begin(&mut self) {
         self.error = None;
         self.states.stage.fit();
+        self.states.stage.leave_end();
         self.ctx.send_viewport_cmd(ViewportCommand::Title(title(&self.document)));
     }
 

@@ -36,7 +36,7 @@ pub struct Response {
 
 /// What the histogram shows, in words.
 pub fn summary(histogram: &Histogram) -> String {
-    let all = blocks(histogram.total());
+    let all = counted(histogram, histogram.total());
     let level = histogram.level.map_or_else(String::new, |level| format!(" of level {level}"));
     let bits = format!("{:.2}", histogram.bits);
     let bins = match histogram.distinct() {
@@ -44,11 +44,13 @@ pub fn summary(histogram: &Histogram) -> String {
         distinct => format!("{} displacements", grouped(distinct)),
     };
     let rounded = if histogram.is_rounded { ", counted by whole px" } else { "" };
-    format!("{all}{level}, {bins}{rounded}; entropy {bits} bits each")
+    // A field of real numbers has as many displacements as pixels, and nobody sends them.
+    let entropy = if histogram.of == "block" { format!("; entropy {bits} bits each") } else { String::new() };
+    format!("{all}{level}, {bins}{rounded}{entropy}")
 }
 
-fn blocks(count: u32) -> String {
-    format!("{} block{}", grouped(count as usize), if count == 1 { "" } else { "s" })
+fn counted(histogram: &Histogram, count: u32) -> String {
+    format!("{} {}{}", grouped(count as usize), histogram.of, if count == 1 { "" } else { "s" })
 }
 
 /// What it is called.
@@ -140,8 +142,9 @@ fn told(input: Input<'_>, at: [i32; 2]) -> String {
     let count = cell.map_or(0, |cell| histogram.counts[cell]);
     let percent = 100.0 * f64::from(count) / f64::from(histogram.total().max(1));
     let near = if histogram.is_rounded { "within half a px of" } else { "by" };
-    let first = if leads && count > 0 { "; a click goes to the first" } else { "" };
-    format!("{} {near} {} px, {percent:.1} %{first}", blocks(count), vector(at))
+    let leads = leads && cell.is_some_and(|cell| histogram.units[cell].is_some());
+    let first = if leads { "; a click goes to the first" } else { "" };
+    format!("{} {near} {} px, {percent:.1} %{first}", counted(histogram, count), vector(at))
 }
 
 /// The fullest bins as words, as many as there is room for; the newest stands out.

@@ -282,6 +282,8 @@ pub fn paint(painter: &egui::Painter, at: egui::Pos2, formula: &Formula, ink: &I
             Piece::Rule(rect) => {
                 painter.rect_filled(rect.translate(origin), 0.0, ink.text);
             }
+            // Of no letters, not even the place is known.
+            Piece::Text { text, .. } if text.is_empty() => {}
             Piece::Text { at, text, size_pt, italic, role } => {
                 let color = role.map_or(ink.text, |role| (ink.role)(role));
                 let galley = painter.layout_job(job(text, *size_pt, *italic, color));

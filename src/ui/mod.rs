@@ -21,6 +21,7 @@ pub mod panes;
 pub mod parameters;
 pub mod parts;
 pub mod plane;
+pub mod plots;
 pub mod primitives;
 pub mod rungs;
 pub mod series;

@@ -8,7 +8,7 @@ use eframe::egui_wgpu::RenderState;
 use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 use lucide_icons::Icon;
 use motionscope_core::scene::Readout;
-use motionscope_core::{Clip, Cursor, Error, Info, Step};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Step};
 use serde::{Deserialize, Serialize};
 
 use super::action::{Action, Actions, Side};
@@ -19,7 +19,7 @@ use super::model::loader::Loading;
 use super::model::snapshot::Snapshot;
 use super::model::walker::View;
 use super::parts::widgets;
-use super::{heat_map, histogram, parameters, plane, series, stack3d, stage, style, surface3d, tiles, why};
+use super::{heat_map, histogram, parameters, plane, plots, stack3d, stage, style, surface3d, tiles, why};
 use crate::paint::{LevelShown, Theme};
 use crate::shot::Look;
 
@@ -44,6 +44,9 @@ pub struct States {
     pub stack3d: stack3d::State,
     /// Whether these stand in the place of the cost surface, where there are some.
     pub is_stack: bool,
+    /// Quantities over steps.
+    #[serde(skip)]
+    pub plots: plots::State,
     /// Small pictures with their numbers.
     #[serde(skip)]
     pub tiles: tiles::State,
@@ -189,6 +192,9 @@ impl Panes<'_> {
         if self.view.busy || self.loading.is_some() {
             return;
         }
+        if self.document.clip().is_some() {
+            return empty(ui, "Nothing runs on this clip as it is set. Another estimator may, or other parameters.");
+        }
         let size = TextStyle::Body.resolve(ui.style()).size;
         let dim = ui.visuals().weak_text_color();
         ui.vertical_centered(|ui| {
@@ -215,11 +221,25 @@ impl Panes<'_> {
         match &self.view.shown {
             Some(shown) => {
                 let (info, step) = self.told(shown);
-                let input = why::Input { info, step, theme: self.look.theme };
+                let input = why::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
                 why::show(ui, input, &mut self.states.why);
             }
-            None => empty(ui, "Here stands why each step happened, once a clip is open."),
+            None => empty(ui, &self.before("No step is explained")),
         }
+    }
+
+    /// Whether what is shown is not what is set, and it takes a while to get there.
+    fn is_stale(&self) -> bool {
+        let (shown, set) =
+            (self.view.shown.as_deref().map(|shown| &shown.subject.estimator), self.document.estimator());
+        let differs = |shown: &dyn AnyEstimator| shown.info().id != set.info().id || shown.values() != set.values();
+        self.view.progress.is_some() && shown.is_some_and(|shown| differs(&**shown))
+    }
+
+    /// What a pane says until there is a run.
+    fn before(&self, what: &str) -> String {
+        let until = if self.document.clip().is_some() { "something runs on the clip" } else { "a clip is open" };
+        format!("{what} until {until}.")
     }
 
     /// What stands over a pane: some are called after what they show just now.
@@ -233,7 +253,7 @@ impl Panes<'_> {
 
     fn chart(&mut self, ui: &mut Ui, pane: Pane) {
         let Some(shown) = self.view.shown.as_deref() else {
-            return empty(ui, "There is nothing to show before a clip is open.");
+            return empty(ui, &self.before("There is nothing to show"));
         };
         let (theme, colors) = (self.look.theme, self.look.colors);
         let (_, step) = self.told(shown);
@@ -253,9 +273,12 @@ impl Panes<'_> {
                     let input = surface3d::Input { surface, colors, theme, gpu: self.gpu };
                     surface3d::show(ui, input, &mut states.surface3d);
                 }
-                (Pane::Plot, Readout::Series(_)) => clicked = plots(ui, &step.readouts, theme),
+                (Pane::Plot, Readout::Series(_)) => {
+                    clicked = plots::show(ui, &step.readouts, theme, &mut states.plots);
+                }
                 (Pane::Numbers, Readout::Tiles(tiles)) => {
-                    tiles::show(ui, tiles::Input { tiles, theme }, &mut states.tiles);
+                    let is_centred = !shown.subject.estimator.tests_candidates();
+                    tiles::show(ui, tiles::Input { tiles, is_centred, theme }, &mut states.tiles);
                 }
                 (Pane::Histogram, Readout::Histogram(counts)) => {
                     // The units of several in lockstep are their own, and not those of this estimator.
@@ -319,24 +342,6 @@ fn pyramid(ui: &mut Ui, step: &Step, theme: Theme, states: &mut States) -> bool 
     true
 }
 
-/// All quantities over steps, one below the other; gives the event that was clicked.
-fn plots(ui: &mut Ui, readouts: &[Readout], theme: Theme) -> Option<usize> {
-    let all = readouts.iter().filter_map(|readout| match readout {
-        Readout::Series(series) => Some(series),
-        _ => None,
-    });
-    let (count, gap) = (all.clone().count().max(1) as f32, ui.spacing().item_spacing.y);
-    let size = vec2(ui.available_width(), (ui.available_height() - gap * (count - 1.0)) / count);
-    let mut clicked = None;
-    for series in all {
-        let show = |ui: &mut Ui| {
-            ui.allocate_ui(size, |ui| series::show(ui, series::Input { series, theme, logarithmic: false }).clicked)
-        };
-        clicked = clicked.or(ui.push_id(series.title, show).inner.inner);
-    }
-    clicked
-}
-
 /// What will stand in a chart that this step has nothing for, and what to do.
 fn absent(pane: Pane) -> String {
     let (what, until) = match pane {
@@ -385,6 +390,9 @@ impl Behavior<Pane> for Panes<'_> {
         ui.painter().rect_filled(rect, 0.0, fill);
         Frame::new().inner_margin(margin).show(ui, |ui| {
             ui.set_clip_rect(ui.clip_rect().intersect(rect));
+            if !matches!(pane, Pane::Stage | Pane::Parameters) && self.is_stale() {
+                ui.multiply_opacity(0.4);
+            }
             match pane {
                 Pane::Stage => self.stage(ui),
                 Pane::Parameters => parameters::show(ui, self.document, self.look.theme, self.actions),

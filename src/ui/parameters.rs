@@ -51,7 +51,10 @@ fn title(ui: &mut Ui, text: &str, owner: Owner, document: &Document, actions: &m
 /// The estimators by family.
 fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     let info = document.estimator().info();
-    let combo = ComboBox::from_id_salt("estimator").selected_text(info.name).width(ui.available_width());
+    // As long as the window allows, so that all of them are seen at once where that can be.
+    let room = (ui.content_rect().height() - 2.0 * ui.spacing().interact_size.y).max(ui.spacing().combo_height);
+    let combo = ComboBox::from_id_salt("estimator").selected_text(info.name);
+    let combo = combo.width(ui.available_width()).height(room);
     let shown = combo.show_ui(ui, |ui| estimators_by_family(ui, info.id, actions));
     let name = format!("Estimator: {}", info.name);
     shown.response.widget_info(|| WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
@@ -65,6 +68,9 @@ pub fn estimators_by_family(ui: &mut Ui, now: &str, actions: &mut Actions) {
     for estimator in estimators() {
         let info = estimator.info();
         if info.family != family {
+            if !family.is_empty() {
+                ui.add_space(4.0);
+            }
             family = info.family;
             widgets::heading(ui, family);
         }

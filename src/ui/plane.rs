@@ -26,7 +26,7 @@ struct Map {
 impl Map {
     fn new(area: Rect, reach: f32, small: f32) -> Self {
         // Room for the title and for the numbers at the axes.
-        let room = Rect::from_min_max(area.min + vec2(4.0 * small, 2.2 * small), area.max - vec2(small, 3.2 * small));
+        let room = Rect::from_min_max(area.min + vec2(4.0 * small, 2.6 * small), area.max - vec2(small, 2.0 * small));
         let side = room.width().min(room.height()).max(8.0);
         let rect = Rect::from_min_size(room.min, vec2(side, side));
         let axis = |from, to| Axis { values: [-reach, reach], places: [from, to] };
@@ -48,7 +48,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>) {
     let map = Map::new(area, plane.reach, small);
     let painter = ui.painter_at(area);
     let font = ink::font(Face::Sans, small);
-    painter.text(area.min, Align2::LEFT_TOP, plane.title, font, ink::color(theme.chrome().dim));
+    // Beside the name of the axis.
+    painter.text(pos2(map.rect.min.x, area.min.y), Align2::LEFT_TOP, plane.title, font, ink::color(theme.chrome().dim));
     axes(&painter, &map, theme);
     let inside = painter.with_clip_rect(map.rect);
     for line in &plane.lines {
@@ -70,18 +71,33 @@ fn axes(painter: &Painter, map: &Map, theme: Theme) {
     let font = ink::font(Face::Sans, small);
     let (dim, faint) = (ink::color(chrome.dim), Stroke::new(1.0, ink::color(chrome.line)));
     painter.rect_stroke(map.rect, 0.0, faint, egui::StrokeKind::Outside);
-    for u in map.across.ticks(4.0 * small, 0.0) {
+    for u in halves(&map.across, 3.6 * small) {
         painter.vline(map.across.place(u), map.rect.y_range(), faint);
         let below = pos2(map.across.place(u), map.rect.max.y + 4.0);
         painter.text(below, Align2::CENTER_TOP, tick(u), font.clone(), dim);
     }
-    for v in map.down.ticks(3.0 * small, 0.0) {
+    for v in halves(&map.down, 2.0 * small) {
         painter.hline(map.rect.x_range(), map.down.place(v), faint);
         let beside = pos2(map.rect.min.x - 6.0, map.down.place(v));
         painter.text(beside, Align2::RIGHT_CENTER, tick(v), font.clone(), dim);
     }
-    let under = pos2(map.rect.center().x, map.rect.max.y + 4.0 + 1.3 * small);
-    painter.text(under, Align2::CENTER_TOP, "u, v in px", font, dim);
+    let (text, name) = (ink::color(chrome.text), ink::font(Face::Italic, small));
+    // The first axis goes to the right, the second down, as in the picture.
+    let beside = pos2(map.rect.max.x + 1.4 * small, map.rect.max.y + 4.0);
+    painter.text(beside, Align2::LEFT_TOP, "u, px →", name.clone(), text);
+    let above = pos2(map.rect.min.x - 6.0, map.rect.min.y - 0.5 * small);
+    painter.text(above, Align2::RIGHT_BOTTOM, "v, px ↓", name, text);
+}
+
+/// Ticks at halves, quarters and so on of what an axis reaches, at least `spacing` points apart: how far a plane reaches
+/// goes by powers of two.
+fn halves(axis: &Axis, spacing: f32) -> Vec<f32> {
+    let reach = axis.values[1];
+    let apart = |step: f32| (axis.place(step) - axis.place(0.0)).abs();
+    let steps = std::iter::successors(Some(reach), |step| Some(step / 2.0));
+    let step = steps.take(4).take_while(|step| apart(*step) >= spacing).last().unwrap_or(reach);
+    let count = (reach / step).round() as i32;
+    (-count..=count).map(|i| i as f32 * step).collect()
 }
 
 /// A number at an axis, without zeros that tell nothing: `0.5`.
@@ -106,6 +122,8 @@ fn names(painter: &Painter, map: &Map, area: Rect, Input { plane, theme }: Input
     let small = theme.sizes().small;
     let font = ink::font(Face::Sans, small);
     let mut at = pos2(map.rect.max.x + small, map.rect.min.y);
+    // Where the plane is small, a name and its place share a line.
+    let is_short = 3.2 * small * plane.points.len() as f32 > map.rect.height();
     for (name, role, uv) in &plane.points {
         let is_inside = map.rect.contains(map.at(*uv));
         if is_inside {
@@ -116,10 +134,13 @@ fn names(painter: &Painter, map: &Map, area: Rect, Input { plane, theme }: Input
         let place = format!("({}, {})", number(uv[0]), number(uv[1]));
         if at.x + 2.0 * small < area.max.x {
             let (text, dim) = (ink::color(theme.chrome().text), ink::color(theme.chrome().dim));
-            painter.text(at + vec2(1.8 * small, -0.2 * small), Align2::LEFT_TOP, name, font.clone(), text);
-            painter.text(at + vec2(1.8 * small, 1.2 * small), Align2::LEFT_TOP, place, font.clone(), dim);
+            let named = at + vec2(1.8 * small, -0.2 * small);
+            let name = painter.text(named, Align2::LEFT_TOP, name, font.clone(), text);
+            let placed =
+                if is_short { name.right_top() + vec2(0.6 * small, 0.0) } else { named + vec2(0.0, 1.4 * small) };
+            painter.text(placed, Align2::LEFT_TOP, place, font.clone(), dim);
         }
-        at.y += 3.2 * small;
+        at.y += if is_short { 1.7 } else { 3.2 } * small;
     }
 }
 
@@ -149,5 +170,11 @@ mod tests {
         let map = Map::new(Rect::from_min_size(Pos2::ZERO, vec2(300.0, 200.0)), 2.0, 10.0);
         assert!(map.at([1.0, 0.0]).x > map.at([0.0, 0.0]).x && map.at([0.0, 1.0]).y > map.at([0.0, 0.0]).y);
         assert_eq!(map.at([0.0, 0.0]), map.rect.center());
+        // Even a small plane has more than its middle to go by.
+        let ticks = |side: f32, reach| {
+            halves(&Map::new(Rect::from_min_size(Pos2::ZERO, vec2(side, side)), reach, 12.0).across, 40.0)
+        };
+        assert_eq!(ticks(120.0, 8.0), [-8.0, 0.0, 8.0]);
+        assert_eq!(ticks(260.0, 1.0), [-1.0, -0.5, 0.0, 0.5, 1.0]);
     }
 }

@@ -3,7 +3,7 @@
 use motionscope_core::Cursor;
 
 use super::commands::{Command, Rungs, key_text};
-use super::model::snapshot::Snapshot;
+use super::model::snapshot::{Pointed, Snapshot};
 use crate::paint::grouped;
 use crate::tile;
 
@@ -17,19 +17,30 @@ pub fn line(shown: &Snapshot) -> String {
     }
     let mut parts = Vec::new();
     for (rung, name) in shown.place.iter().zip(rungs) {
-        // A rung of one is no news.
-        if rung.of != Some(1) {
-            parts.push(counted(name, rung.index + 1, rung.of));
+        match (*name, rung.of) {
+            // A rung of one is no news.
+            (_, Some(1)) => {}
+            // Levels are called by their number in the pyramid, as everywhere else: the last is the picture itself.
+            ("level", Some(of)) => parts.push(format!("level {} of {} to 0", of - 1 - rung.index, of - 1)),
+            (name, of) => parts.push(counted(name, rung.index + 1, of)),
         }
     }
     if let Some(name) = rungs.last() {
         parts.push(counted(name, shown.cursor.event, Some(shown.events)));
     }
-    parts.extend(best(shown));
+    // What is told of the pixel pointed at is not where the run stands.
+    parts.extend(if shown.pointed.is_none() { best(shown) } else { None });
     if let Some(share) = shown.share() {
         parts.push(format!("{} % of the work", percent(share)));
     }
+    parts.extend(shown.pointed.map(explained));
     parts.join("  ·  ")
+}
+
+/// Which pixel is explained, and how another one is.
+fn explained(Pointed { at: [x, y], is_held }: Pointed) -> String {
+    let hint = if is_held { "Esc lets go" } else { "a click holds it" };
+    format!("explained: pixel ({x}, {y}), {hint}")
 }
 
 /// The keys that matter most: `→ step   Shift+→ block   Space play   ? all keys`.

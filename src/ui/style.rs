@@ -119,6 +119,8 @@ fn spacing(theme: Theme) -> egui::style::Spacing {
         menu_width: 320.0 * s,
         menu_spacing: 2.0,
         combo_height: 360.0 * s,
+        // Lists that are given more room than usual get it.
+        default_area_size: egui::vec2(600.0, 2000.0),
         indent: 16.0 * s,
         scroll: scroll(),
         ..Default::default()

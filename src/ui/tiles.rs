@@ -12,7 +12,7 @@ use crate::paint::{Face, Theme, number};
 /// Points per pixel from which numbers fit.
 const NUMBERS: f32 = 17.0;
 /// Size of a pixel that is large enough to read its number, in points.
-const READABLE: f32 = 22.0;
+const READABLE: f32 = 26.0;
 /// Tiles with more pixels along a side are shown whole rather than readable.
 const MOST_PIXELS: usize = 32;
 /// Largest size of a pixel, in points.
@@ -25,6 +25,8 @@ const GAP: f32 = 16.0;
 pub struct Input<'a> {
     /// The tiles, left to right.
     pub tiles: &'a [Tile],
+    /// Whether the pixel that is explained lies in their middle.
+    pub is_centred: bool,
     /// The look.
     pub theme: Theme,
 }
@@ -45,7 +47,7 @@ pub struct Response {
 
 /// Shows the tiles with their numbers, to be scrolled where they do not fit, and the pixel pointed at below them.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
-    let Input { tiles, theme } = input;
+    let Input { tiles, theme, .. } = input;
     let small = theme.sizes().small;
     let line = (1.7 * small).round();
     let mut response = Response::default();
@@ -59,7 +61,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
 }
 
 fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
-    let Input { tiles, theme } = input;
+    let Input { tiles, is_centred, theme } = input;
     let line = (1.7 * theme.sizes().small).round();
     let area = ui.available_rect_before_wrap();
     let labels: Vec<_> = tiles.iter().map(|tile| label_width(ui.painter(), tile, theme)).collect();
@@ -69,11 +71,18 @@ fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let (rect, whole) = ui.allocate_exact_size(vec2(width, frame.height + line), Sense::hover());
     ink::name(&whole, || told(tiles, state.hovered));
     let mut hovered = None;
+    let size_pt = type_size(tiles, frame.cell);
     for (i, (tile, left)) in tiles.iter().zip(lefts).enumerate() {
         let place = frame.place(rect.min + vec2(left, 0.0), tile);
         label(ui.painter(), tile, pos2(place.min.x, rect.min.y), line, theme);
         let sensed = ui.interact(place, ui.scope_id().with(("tile", i)), Sense::hover());
-        let gain = paint(ui.painter(), tile, place, frame.cell, theme);
+        let gain = paint(ui.painter(), tile, (place, frame.cell), size_pt, theme);
+        if is_centred {
+            let middle = Rect::from_center_size(place.center(), vec2(frame.cell, frame.cell));
+            let ink = theme.ink(Role::Reference);
+            ui.painter().rect_stroke(middle, 0.0, Stroke::new(4.0, ink::color(ink.halo)), StrokeKind::Middle);
+            ui.painter().rect_stroke(middle, 0.0, Stroke::new(2.0, ink::color(ink.color)), StrokeKind::Middle);
+        }
         sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, caption(tile, gain)));
         if let Some(at) = sensed.hover_pos() {
             hovered = pixel(at, place, frame.cell, tile).map(|pixel| (pixel, tile.values.size()));
@@ -174,8 +183,21 @@ fn gain(tile: &Tile) -> f32 {
     [8.0, 4.0, 2.0].into_iter().find(fits).unwrap_or(1.0)
 }
 
-/// Paints a tile into `place`; gives its gain.
-fn paint(painter: &Painter, tile: &Tile, place: Rect, cell: f32, theme: Theme) -> f32 {
+/// Type in which the longest number of all `tiles` fits into a cell: one size for all, so that they can be compared.
+fn type_size(tiles: &[Tile], cell: f32) -> f32 {
+    let values = tiles.iter().flat_map(|tile| tile.values.cells()).filter(|v| v.is_finite());
+    let longest = values.map(|v| brief(*v).chars().count()).max().unwrap_or(1) as f32;
+    // A digit is about 0.6 as wide as it is high, a point less.
+    (cell * (1.0 - 0.08) / (0.58 * longest)).min(0.42 * cell).clamp(6.5, 14.0)
+}
+
+/// A number as it fits into a cell: to a tenth, or to one where it is large.
+fn brief(v: f32) -> String {
+    if v.abs() >= 99.95 || v.fract() == 0.0 { number(v.round()) } else { format!("{v:.1}").replace('-', "−") }
+}
+
+/// Paints a tile of cells so large into `place`, with numbers of a size; gives its gain.
+fn paint(painter: &Painter, tile: &Tile, (place, cell): (Rect, f32), size_pt: f32, theme: Theme) -> f32 {
     let gain = gain(tile);
     let [black, white] = tile.range;
     let shade = |v: f32| (255.0 * (v * gain - black) / (white - black).max(f32::MIN_POSITIVE)).clamp(0.0, 255.0) as u8;
@@ -191,13 +213,10 @@ fn paint(painter: &Painter, tile: &Tile, place: Rect, cell: f32, theme: Theme) -
     known.clone().for_each(|(x, y, v)| mesh.add_colored_rect(square(x, y), Color32::from_gray(shade(v))));
     painter.add(Shape::mesh(mesh));
     if cell >= NUMBERS {
-        let font = ink::font(Face::Sans, (0.42 * cell).clamp(7.5, 14.0));
+        let font = ink::font(Face::Sans, size_pt);
         for (x, y, v) in known.filter(|(x, y, _)| painter.clip_rect().intersects(square(*x, *y))) {
             let color = super::stage::on_gray(shade(v));
-            let number = number(v);
-            // A square of 255 has five digits: it gets smaller type.
-            let font = if number.len() > 4 { ink::font(Face::Sans, font.size * 0.72) } else { font.clone() };
-            painter.text(square(x, y).center(), Align2::CENTER_CENTER, number, font, color);
+            painter.text(square(x, y).center(), Align2::CENTER_CENTER, brief(v), font.clone(), color);
         }
     }
     gain

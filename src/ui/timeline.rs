@@ -16,6 +16,8 @@ const TICK_PT: f32 = 9.0;
 /// One track: how much there is, and how much of it was seen.
 struct Track<'a> {
     name: &'a str,
+    /// What stands before it: `block`, or `all rows` where these are counted through several iterations.
+    label: String,
     count: usize,
     /// How much was seen, from 0 to `count`.
     at: f32,
@@ -46,8 +48,16 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
     let units = shown.units.unwrap_or(unit + 1).max(1);
     let inside = if shown.events == 0 { 0.0 } else { event as f32 / shown.events as f32 };
     let of = shown.units.map_or_else(String::new, |units| format!(" / {}", grouped(units)));
+    let unit_name = name(2).unwrap_or("unit");
+    // Elsewhere a unit is counted within its group.
+    let in_group = shown.place.last().and_then(|unit| unit.of);
     let run = Track {
-        name: name(2).unwrap_or("unit"),
+        name: unit_name,
+        label: if in_group.is_some_and(|of| Some(of) != shown.units) {
+            format!("all {unit_name}s")
+        } else {
+            unit_name.into()
+        },
         count: units,
         at: unit as f32 + inside,
         number: unit + 1,
@@ -57,6 +67,7 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
     };
     let events = Track {
         name: name(1).unwrap_or("step"),
+        label: name(1).unwrap_or("step").into(),
         count: shown.events.max(1),
         at: event as f32,
         number: event,
@@ -99,7 +110,7 @@ impl Columns {
         ui.data_mut(|data| data.insert_temp(id, counters));
         // The knob reaches beyond the end of its track.
         let gap = 1.2 * font.size;
-        Self { left: widest(&|track| width(track.name)) + gap, right: counters + gap }
+        Self { left: widest(&|track| width(&track.label)) + gap, right: counters + gap }
     }
 }
 
@@ -149,7 +160,7 @@ impl Track<'_> {
         let font = TextStyle::Small.resolve(ui.style());
         let chrome = theme.chrome();
         let painter = ui.painter();
-        painter.text(rect.left_center(), Align2::LEFT_CENTER, self.name, font.clone(), style::color(chrome.dim));
+        painter.text(rect.left_center(), Align2::LEFT_CENTER, &self.label, font.clone(), style::color(chrome.dim));
         painter.text(rect.right_center(), Align2::RIGHT_CENTER, &self.counter, font, style::color(chrome.text));
     }
 
@@ -234,7 +245,16 @@ mod tests {
     }
 
     fn track(count: usize, counts: Counts) -> Track<'static> {
-        Track { name: "block", count, at: 0.0, number: 0, counts, counter: String::new(), marks: &[] }
+        Track {
+            name: "block",
+            label: "block".into(),
+            count,
+            at: 0.0,
+            number: 0,
+            counts,
+            counter: String::new(),
+            marks: &[],
+        }
     }
 
     #[test]

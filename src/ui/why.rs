@@ -15,6 +15,8 @@ pub struct Input<'a> {
     pub info: &'a Info,
     /// What the cursor tells.
     pub step: &'a Step,
+    /// Whether the run is over: then it is told how good the estimate is as well.
+    pub at_end: bool,
     /// The look.
     pub theme: Theme,
 }
@@ -54,8 +56,8 @@ pub struct State {
     sentence: f32,
     equation: f32,
     facts: f32,
-    /// Whether the line at work is out of sight among the others, and so stands at the bottom as well.
-    pinned: bool,
+    /// How much of the parts is seen where the line at work is out of sight among them, and so stands below them.
+    pinned: Option<f32>,
 }
 
 impl State {
@@ -78,16 +80,16 @@ impl State {
 
 /// Shows the explanation in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
-    let Input { info, step, theme } = input;
+    let Input { info, step, theme, .. } = input;
     let density = Density::of(ui.available_height(), theme);
     ui.spacing_mut().item_spacing = vec2(8.0, density.gap);
     state.keep_for((info.id, ui.available_width().round() as u32, theme, density));
     // The sentence stays in sight, however far the rest is scrolled.
-    hold(ui, &mut state.sentence, |ui| sentence(ui, &step.sentence, theme, density.leading));
+    hold(ui, &mut state.sentence, input.at_end, |ui| sentence(ui, &step.sentence, theme, density.leading));
     // Nor does the line at work: it stands at the bottom where it is scrolled out of sight. Nothing scrolls by itself.
     let (room, below) = (ui.available_height(), pinned_height(ui, input));
-    let height = if state.pinned { room - below } else { room };
-    let scroll = egui::ScrollArea::vertical().id_salt("why").auto_shrink(false).max_height(height.max(0.0));
+    let height = state.pinned.unwrap_or(room).clamp(0.0, room.max(0.0));
+    let scroll = egui::ScrollArea::vertical().id_salt("why").auto_shrink(false).max_height(height);
     let scrolled = scroll.show(ui, |ui| {
         let facts = step.readouts.iter().find_map(|readout| match readout {
             Readout::Facts(facts) => Some(facts.as_slice()),
@@ -99,22 +101,28 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
         });
         // Before the first step there is neither: no room is kept then.
         if facts.is_some() || lines.is_some() {
+            // The formula is what is taught: it is seen in a small window as well.
             rule(ui, theme);
-            hold(ui, &mut state.facts, |ui| table(ui, facts.unwrap_or_default(), theme, density.row));
+            hold(ui, &mut state.equation, input.at_end, |ui| {
+                equation(ui, lines.unwrap_or_default(), theme, density.math)
+            });
             rule(ui, theme);
-            hold(ui, &mut state.equation, |ui| equation(ui, lines.unwrap_or_default(), theme, density.math));
+            hold(ui, &mut state.facts, input.at_end, |ui| table(ui, facts.unwrap_or_default(), theme, density.row));
         }
         let at_work = pseudocode(ui, input);
         citation(ui, info.source, theme);
         at_work
     });
-    if state.pinned {
+    if state.pinned.is_some() {
+        ui.add_space((room - below - height).max(0.0));
         pinned(ui, input);
     }
     let top = scrolled.inner_rect.min.y;
-    let in_sight = |line: Rect| line.min.y >= top && line.max.y <= top + room - below;
     let overflows = scrolled.content_size.y > room;
-    let is_pinned = overflows && scrolled.inner.is_some_and(|line| !in_sight(line));
+    let is_in_sight = |line: &Rect| line.center().y >= top && line.max.y <= top + room - below;
+    // A line that is half in sight would stand there twice: the parts end before it.
+    let seen = |line: Rect| if line.min.y > top { (line.min.y - top).min(room - below) } else { room - below };
+    let is_pinned = scrolled.inner.filter(|line| overflows && !is_in_sight(line)).map(seen);
     if std::mem::replace(&mut state.pinned, is_pinned) != is_pinned {
         ui.ctx().request_discard("the line at work came into sight, or went out of it");
     }
@@ -126,15 +134,19 @@ fn rule(ui: &mut Ui, theme: Theme) {
     ui.painter().hline(rect.x_range(), rect.min.y, Stroke::new(1.0, ink::color(theme.chrome().line)));
 }
 
-/// Shows a part in at least as much height as it ever took.
-fn hold(ui: &mut Ui, height: &mut f32, add: impl FnOnce(&mut Ui)) {
+/// Shows a part in at least as much height as it ever took; but at the end of a run, where more is told, in just its own.
+fn hold(ui: &mut Ui, height: &mut f32, at_end: bool, add: impl FnOnce(&mut Ui)) {
+    let least = if at_end { 0.0 } else { *height };
     let shown = ui.scope(|ui| {
-        ui.set_min_height(*height);
+        ui.set_min_height(least);
         ui.set_width(ui.available_width());
         add(ui);
     });
-    *height = height.max(shown.response.rect.height());
-    if *height > 0.0 {
+    let taken = shown.response.rect.height();
+    if !at_end {
+        *height = height.max(taken);
+    }
+    if taken > 0.0 {
         ui.add_space(ui.spacing().item_spacing.y);
     }
 }
@@ -207,7 +219,7 @@ fn row(ui: &mut Ui, fact: &Fact, (ruled, margin): (bool, f32), theme: Theme) {
 
 /// The algorithm's lines; gives where the one at work is.
 fn pseudocode(ui: &mut Ui, input: Input<'_>) -> Option<Rect> {
-    let Input { info, step, theme } = input;
+    let Input { info, step, theme, .. } = input;
     let chrome = theme.chrome();
     ui.label(egui::RichText::new(info.name).size(theme.sizes().small).color(ink::color(chrome.dim)));
     let frame = egui::Frame::new().fill(ink::color(chrome.raised)).corner_radius(4.0).inner_margin(vec2(0.0, 8.0));
@@ -223,7 +235,7 @@ fn pseudocode(ui: &mut Ui, input: Input<'_>) -> Option<Rect> {
 
 /// The line at work alone.
 fn pinned(ui: &mut Ui, input: Input<'_>) {
-    let Input { info, step, theme } = input;
+    let Input { info, step, theme, .. } = input;
     if let Some(line) = info.pseudocode.get(step.line) {
         code_line(ui, line.trim_start(), true, theme);
     }

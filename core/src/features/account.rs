@@ -88,7 +88,7 @@ impl Account<'_> {
                 to,
                 Role::Estimate,
                 Shape::Path { points: trail.map(place).collect(), closed: false },
-                "way of its middle",
+                "path of its centre",
             );
         }
     }

@@ -8,8 +8,8 @@ use super::select::{Chosen, Peaks, Settings, largest, rank};
 use crate::differential::Tensor;
 use crate::scene::{Math, Step};
 use crate::{
-    Clip, Error, Estimator, Feature, Frame, Grid, Info, Observer, Output, Params, PointField, Progress, Promise, Rung,
-    Scene, Seen, Spec, Status, Threads, Value,
+    Clip, Cursor, Error, Estimator, Explained, Feature, Frame, Grid, Info, Observer, Output, Params, PointField,
+    Progress, Promise, Rung, Scene, Seen, Spec, Status, Threads, Value,
 };
 
 /// What makes a pixel a corner.
@@ -310,6 +310,11 @@ impl<M: Measure> Estimator for Corners<M> {
     fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
         let (_, y) = state.map.cell_at(point)?;
         Some(if state.stage == Stage::Response { y } else { state.map.height() + y })
+    }
+
+    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+        let (x, y) = state.map.cell_at(point)?;
+        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
     }
 
     fn state_bytes(&self, state: &State) -> usize {

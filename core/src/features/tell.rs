@@ -19,6 +19,8 @@ fn point((x, y): (usize, usize)) -> [f32; 2] {
 /// The pixel that is explained and what is known of it.
 struct Looked {
     place: (usize, usize),
+    /// Whether it is not the pixel at work but the one pointed at.
+    is_pointed_at: bool,
     tensor: Tensor,
     response: f32,
 }
@@ -35,8 +37,9 @@ impl<M: Measure> Corners<M> {
             Event::Peak(peak, _) => state.place(*peak),
         };
         let place = seen.focus.and_then(|point| state.map.cell_at(point)).unwrap_or(at_work);
+        let is_pointed_at = place != at_work;
         let tensor = self.tensors(state).at(place);
-        Some(Looked { place, tensor, response: self.0.response([tensor.xx, tensor.xy, tensor.yy]) })
+        Some(Looked { place, is_pointed_at, tensor, response: self.0.response([tensor.xx, tensor.xy, tensor.yy]) })
     }
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
@@ -55,7 +58,13 @@ impl<M: Measure> Corners<M> {
             Event::Peak(_, None) => 8,
         };
         let looked = self.look(seen);
-        let sentence = self.sentence(seen, *last, looked.as_ref());
+        let sentence = match &looked {
+            // Words and numbers speak of one pixel.
+            Some(looked) if looked.is_pointed_at => {
+                responds(looked).text(format!(" So far: {}.", self.verdict(seen, looked)))
+            }
+            looked => self.sentence(seen, *last, looked.as_ref()),
+        };
         let readouts = looked.map_or_else(
             || vec![Readout::Facts(vec![Fact { label: "Peaks", value: "none".into(), role: None }])],
             |looked| self.readouts(seen, &looked),
@@ -71,17 +80,30 @@ impl<M: Measure> Corners<M> {
                 Some(looked) => responds(looked),
                 None => said.text("The response of each pixel follows from its structure tensor."),
             },
+            Event::Row if peaks.over(state.row).next().is_none() => said.text(format!(
+                "No pixel of row {} can be a peak: {}.",
+                state.row,
+                match state.row == 0 || state.row + 1 == state.map.height() {
+                    true => "at the border, neighbours are missing".to_owned(),
+                    false => format!(
+                        "each response is below {}, which is {} % of the largest",
+                        tell::number(peaks.limit),
+                        tell::number(100.0 * threshold)
+                    ),
+                }
+            )),
             Event::Row => said.text(format!(
-                "The largest response is {}. Of row {}, {} pixels reach {} % of it, {}; each must be a peak.",
+                "The largest response is {}. Pixels of row {} that reach {} % of it, {}: {}. Each is a corner only if it is a peak.",
                 tell::number(state.largest),
                 state.row,
-                peaks.over(state.row).count(),
                 tell::number(100.0 * threshold),
-                tell::number(peaks.limit)
+                tell::number(peaks.limit),
+                peaks.over(state.row).count()
             )),
             Event::Over(place, by) => over(&peaks, place, by),
+            Event::Ranked if state.peaks.is_empty() => said.text("There is no peak, and so no corner."),
             Event::Ranked => said.text(format!(
-                "{} peaks are in order, the strongest first. At most {max_points} are kept, each at least {min_distance} px \
+                "The peaks, {} in all, are put in order of strength. At most {max_points} are kept, each at least {min_distance} px \
                  from those before.",
                 state.peaks.len()
             )),
@@ -107,7 +129,7 @@ impl<M: Measure> Corners<M> {
     }
 
     fn readouts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Readout> {
-        let (state, Looked { place, tensor, response }) = (seen.before, looked);
+        let (state, Looked { place, tensor, response, .. }) = (seen.before, looked);
         let fact = |label, value: String, role| Fact { label, value, role };
         let [large, small] = tensor.eigenvalues().map(tell::number);
         let Tensor { xx, xy, yy, .. } = *tensor;

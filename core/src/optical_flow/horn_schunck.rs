@@ -50,8 +50,8 @@ impl Model for HornSchunck {
     const LINES: (usize, &'static [usize]) = (5, &[7, 8]);
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints are off, and α² \
-                                   times how unlike neighbours move. Where course notes multiply the second part by \
-                                   (Iₓ² + I_y²) as well, that is a misprint.";
+                                   times how unlike neighbours move. (In some course notes the second part is multiplied by \
+                                   Iₓ² + I_y² as well: a misprint.)";
     const SYSTEM_PARTS: usize = 3;
     type System = relax::System;
     type Unknowns = Field;
@@ -96,13 +96,23 @@ impl HornSchunck {
         }
         let [a, b, c] = looked.factors();
         let off = tell::number(a * mean[0] + b * mean[1] + c);
+        if off.chars().all(|letter| "−0.".contains(letter)) {
+            return Sentence::default()
+                .text("With the average, the constraint of ")
+                .ink(Role::Reference, looked.pixel())
+                .text(" holds already: it moves as its neighbours do, by ")
+                .ink(Role::Result, format!("{} px", tell::vector(looked.to())))
+                .text(".");
+        }
         let relaxed = if self.solver == Solver::Sor { " and beyond" } else { "" };
         Sentence::default()
             .text(format!("With the average, the constraint is off by {off} gray levels at "))
             .ink(Role::Reference, looked.pixel())
             .text(format!(". It is moved along its gradient towards the line{relaxed}, to "))
             .ink(Role::Result, format!("{} px", tell::vector(looked.to())))
-            .text(": the nearer to it, the larger the gradient is beside α.")
+            .text(
+                ". Where the gradient is large beside α, it comes near the line; where it is small, the average stays.",
+            )
     }
 
     /// The update in symbols, and with the numbers of the pixel.

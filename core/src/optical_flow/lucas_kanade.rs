@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 
 use crate::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
 use crate::{
-    Clip, Confidence, DenseField, Error, Estimator, Flow, Grid, Info, Observer, Output, Progress, Promise, Rung, Scene,
-    Seen, Step, Threads, params,
+    Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Progress,
+    Promise, Rung, Scene, Seen, Step, Threads, params,
 };
 
 params! {
@@ -198,6 +198,11 @@ impl Estimator for LucasKanade {
 
     fn at_rest(&self, state: &State) -> State {
         State { linear: Arc::default(), ..state.clone() }
+    }
+
+    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+        let (x, _) = state.given.pixel_at(point)?;
+        Some(Explained::From(Cursor { unit: self.unit_at(state, point)?, event: x + 1 }))
     }
 
     fn state_bytes(&self, state: &State) -> usize {

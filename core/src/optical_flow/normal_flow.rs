@@ -13,8 +13,8 @@ use std::sync::Arc;
 use crate::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
 use crate::scene::{Fact, Math, Picture, Plane, Readout, Sentence, Shape};
 use crate::{
-    Clip, Confidence, DenseField, Error, Estimator, Flow, Grid, Info, Observer, Output, Progress, Promise, Role, Rung,
-    Scene, Seen, Step, Threads, params,
+    Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Progress,
+    Promise, Role, Rung, Scene, Seen, Step, Threads, params,
 };
 
 params! {
@@ -139,6 +139,11 @@ impl Estimator for NormalFlow {
         state.fixed.given.pixel_at(point).map(|(_, y)| y)
     }
 
+    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+        let (x, y) = state.fixed.given.pixel_at(point)?;
+        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
+    }
+
     fn state_bytes(&self, state: &State) -> usize {
         size_of::<State>() + size_of_val(&state.found[..])
     }
@@ -206,11 +211,12 @@ impl NormalFlow {
             };
             return said.text(format!(" has a gradient of {size} gray levels per px, {why}: it says nothing."));
         }
-        said.text(format!(
-            " grows brighter by {size} gray levels per px along its gradient, and by {} per frame",
-            tell::number(c)
-        ))
-        .text(": the pattern moves by ")
+        let change = match tell::number(c.abs()) {
+            none if none.chars().all(|digit| "0.".contains(digit)) => "stays as bright from frame to frame".to_owned(),
+            by => format!("grows {} by {by} per frame", if c > 0.0 { "brighter" } else { "darker" }),
+        };
+        said.text(format!(" is brighter by {size} gray levels for each px along its gradient, and {change}"))
+            .text(": the pattern moves by ")
         .ink(Role::Result, format!("{} px", tell::vector(found)))
         .text(" across the edge. How far it moves along the edge cannot be seen through one pixel (aperture problem).")
     }

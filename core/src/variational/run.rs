@@ -6,8 +6,8 @@ use super::declare::Settings;
 use super::model::{Iteration, Model, Unknowns, Warp};
 use crate::differential::{Field, Given, Linear, field, filter, relax};
 use crate::{
-    Clip, DenseField, Error, Estimator, Flow, Grid, Info, Observer, Output, Params, Progress, Promise, Rung, Scene,
-    Seen, Spec, Step, Threads, Value, pyramid,
+    Clip, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Params, Progress, Promise, Rung,
+    Scene, Seen, Spec, Step, Threads, Value, pyramid,
 };
 
 /// From one level of the pyramid to the next.
@@ -311,6 +311,10 @@ impl<M: Model> Estimator for Variational<M> {
             constraints => constraints.clone(),
         };
         State { constraints, ..state.clone() }
+    }
+
+    fn explained(&self, state: &State<M>, point: [f32; 2]) -> Option<Explained> {
+        state.fixed.given.pixel_at(point).map(|_| Explained::Always)
     }
 
     fn state_bytes(&self, state: &State<M>) -> usize {

@@ -96,7 +96,9 @@ impl<M: Model> Variational<M> {
         let line = |of: fn(&Note) -> f32| -> Vec<[f32; 2]> {
             notes.iter().enumerate().map(|(i, note)| [(i + 1) as f32, of(note)]).collect()
         };
-        let x_max = self.units(seen.before).unwrap_or(notes.len());
+        // Twice as far at most as the run has come, so that the beginning can be read as well.
+        let near = std::iter::successors(Some(16), |end| Some(2 * end)).find(|end| *end >= notes.len()).unwrap_or(16);
+        let x_max = self.units(seen.before).unwrap_or(notes.len()).min(near);
         let series =
             |title, y_label, lines| Series { title, x_label: "iteration", y_label, x_max, events: Vec::new(), lines };
         let energy = vec![

@@ -1,5 +1,6 @@
 //! Every key on one page, and what the program is.
 
+use eframe::egui::style::ScrollStyle;
 use eframe::egui::{self, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use crate::paint::Theme;
@@ -16,6 +17,8 @@ pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {
         ui.heading("Keyboard shortcuts");
         ui.add_space(8.0);
         let height = (screen.height() - 190.0).max(120.0);
+        // A bar that is always there says that the page goes on.
+        ui.spacing_mut().scroll = ScrollStyle { bar_width: 8.0, ..ScrollStyle::solid() };
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             ui.columns(2, |columns| {
                 let (left, right) = columns.split_at_mut(1);

@@ -46,7 +46,9 @@ impl Place {
             return Self::END;
         }
         let event = if event > 0 && event == shown.events { usize::MAX } else { event };
-        Self { cursor: Cursor { unit, event }, near: shown.reference() }
+        // What is pointed at is not where the run stands.
+        let near = shown.reference().filter(|_| shown.pointed.is_none());
+        Self { cursor: Cursor { unit, event }, near }
     }
 
     /// Where several go on in lockstep from what is `shown`: as many candidates into the same block.
@@ -78,6 +80,15 @@ pub struct Job {
     pub place: Place,
 }
 
+/// A pixel that is explained in place of the one at work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pointed {
+    /// The pixel of frame t.
+    pub at: [f32; 2],
+    /// Whether it was clicked, and stays explained when the pointer leaves it.
+    pub is_held: bool,
+}
+
 /// Everything there is to see at one cursor.
 pub struct Snapshot {
     /// What is run.
@@ -106,6 +117,8 @@ pub struct Snapshot {
     pub step: Arc<Step>,
     /// What the cursor shows.
     pub scene: Arc<Scene>,
+    /// The pixel that is explained, where that is not the one at work.
+    pub pointed: Option<Pointed>,
     /// Candidates of the unit that were tested.
     pub tested: usize,
     /// Each of those that go in lockstep; none where there is but one.

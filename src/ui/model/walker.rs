@@ -11,10 +11,10 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use motionscope_core::scene::Fact;
-use motionscope_core::{Clip, Cursor, Error, Move, Output, Step, Stop, Walk};
+use motionscope_core::scene::{Fact, Readout};
+use motionscope_core::{Clip, Cursor, Error, Explained, Histogram, Move, Output, Step, Stop, Walk};
 
-use super::snapshot::{Job, Place, Snapshot, Subject};
+use super::snapshot::{Job, Place, Pointed, Snapshot, Subject};
 use crate::paint::Pictures;
 use crate::quality::Quality;
 use crate::shot::{LastPair, pictures};
@@ -45,8 +45,10 @@ type Visit = Box<dyn FnOnce(&Arc<Subject>, &dyn Walk) + Send>;
 
 enum Request {
     Go(Move),
-    /// To the end or the start of the unit whose result lies at a pixel.
+    /// To the end or the start of the unit whose result lies at a pixel, or to that pixel itself.
     GoAt([f32; 2], Side),
+    /// No pixel is held any longer.
+    Release,
     /// To where the run stands, whatever it was on its way to.
     Stay,
     Visit(Visit),
@@ -134,7 +136,8 @@ impl Walker {
         self.wake(desk, replaces);
     }
 
-    /// Goes to the end or the start of the unit whose result lies at pixel `point` of frame t.
+    /// Goes to the end or the start of the unit whose result lies at pixel `point` of frame t. Where single pixels are
+    /// explained, that one is from now on, until the run moves on to others; if its turn has not come, the run goes there.
     pub fn go_at(&self, point: [f32; 2], side: Side) {
         self.ask(true, |desk| desk.requests.push_back(Request::GoAt(point, side)));
     }
@@ -158,6 +161,11 @@ impl Walker {
                 desk.focus_moved = true;
             });
         }
+    }
+
+    /// Explains the pixel at work again, or the one pointed at.
+    pub fn release(&self) {
+        self.ask(false, |desk| desk.requests.push_back(Request::Release));
     }
 
     /// Has `visit` look at the run, on the walker's thread, after what was asked for before.
@@ -234,6 +242,8 @@ struct Run {
 struct End {
     pictures: Pictures,
     quality: Vec<Fact>,
+    /// How many pixels of a dense field have each displacement.
+    histogram: Option<Histogram>,
     beside: Vec<Ending>,
 }
 
@@ -246,11 +256,13 @@ enum Task {
 struct Worker<'a> {
     shared: &'a Shared,
     run: Option<Run>,
+    /// The pixel that was clicked.
+    held: Option<[f32; 2]>,
 }
 
 impl<'a> Worker<'a> {
     fn new(shared: &'a Shared) -> Self {
-        Self { shared, run: None }
+        Self { shared, run: None, held: None }
     }
 
     fn run(mut self) {
@@ -308,15 +320,18 @@ impl<'a> Worker<'a> {
                     Err(error) => self.refuse(error),
                 }
             }
-            Task::Request(Request::Go(to)) => self.go(to),
-            Task::Request(Request::GoAt(point, side)) => {
+            Task::Request(Request::Go(to)) => {
                 let Some(run) = &self.run else { return };
-                let to = run.walk.unit_at(point).map(|unit| {
-                    let event = if side == Side::Start { usize::from(unit > 0) } else { usize::MAX };
-                    Cursor { unit, event }
-                });
-                // Where nothing is found at that pixel, the move that this one replaced has ended where the run stands.
-                self.go(Move::To(to.unwrap_or_else(|| run.walk.cursor())));
+                // Who steps from pixel to pixel wants to hear of the next one; where all change at once, of the same.
+                let walks_pixels = |at: &[f32; 2]| matches!(run.walk.explained(*at), Some(Explained::From(_)));
+                self.held = self.held.filter(|at| !walks_pixels(at));
+                self.go(to);
+            }
+            Task::Request(Request::GoAt(point, side)) => self.go_at(point, side),
+            Task::Request(Request::Release) => {
+                if self.held.take().is_some() {
+                    self.publish();
+                }
             }
             Task::Request(Request::Stay) => {
                 if let Some(cursor) = self.run.as_ref().map(|run| run.walk.cursor()) {
@@ -328,13 +343,17 @@ impl<'a> Worker<'a> {
                     visit(&run.subject, run.walk.as_ref());
                 }
             }
+            // What is held stays, wherever the pointer goes.
+            Task::Focus if self.held().is_some() => {}
             Task::Focus => self.publish(),
         }
     }
 
     /// Starts a run; gives whether it stands at its place. The old one is gone, whatever comes of the new one.
     fn open(&mut self, Job { subject, place }: Job) -> Result<bool, Error> {
-        self.run = None;
+        // A pixel stays held when parameters change, but not in another clip.
+        let other = self.run.take().is_some_and(|run| run.clip.info().name != subject.clip.info().name);
+        self.held = self.held.filter(|_| !other);
         let clip = subject.clip.clone().until(self.shared.stop.clone());
         let mut pairs = LastPair::default();
         let walk = subject.company.walk(&*subject.estimator, &clip, subject.frame)?;
@@ -351,6 +370,27 @@ impl<'a> Worker<'a> {
         if self.travel(to) {
             self.publish();
         }
+    }
+
+    fn go_at(&mut self, point: [f32; 2], side: Side) {
+        let Some(run) = &self.run else { return };
+        // Where nothing is found at that pixel, the move that this one replaced has ended where the run stands.
+        let here = run.walk.cursor();
+        let to = match (run.walk.explained(point), run.walk.unit_at(point)) {
+            (Some(explained), _) => {
+                self.held = Some(point);
+                if let Explained::From(turn) = explained { turn.max(here) } else { here }
+            }
+            (None, Some(unit)) if side == Side::Start => Cursor { unit, event: usize::from(unit > 0) },
+            (None, Some(unit)) => Cursor { unit, event: usize::MAX },
+            (None, None) => here,
+        };
+        self.go(Move::To(to));
+    }
+
+    /// The pixel that was clicked, where it can be explained.
+    fn held(&self) -> Option<[f32; 2]> {
+        self.held.filter(|at| self.run.as_ref().is_some_and(|run| run.explains(*at)))
     }
 
     /// Works on a move until it is done or another one is wanted more; gives whether it is done.
@@ -386,7 +426,9 @@ impl<'a> Worker<'a> {
             desk.focus_moved = false;
             desk.focus
         };
-        let mut shown = run.snapshot(focus);
+        let held = self.held();
+        let pointed = held.or(focus.filter(|at| run.explains(*at))).map(|at| Pointed { at, is_held: held.is_some() });
+        let mut shown = Snapshot { pointed, ..run.snapshot(held.or(focus)) };
         let before = self.shared.desk().view.shown.clone();
         // What looks the same is the same, so that nobody paints it anew.
         if let Some(before) = before {
@@ -435,6 +477,7 @@ impl Run {
             failure: walk.failure().cloned(),
             step: Arc::new(self.step(focus)),
             scene: Arc::new(tile::scene(&**walk, focus, &tiles)),
+            pointed: None,
             tested: walk.evaluations().partition_point(|event| *event <= walk.cursor().event),
             tiles,
         }
@@ -442,11 +485,17 @@ impl Run {
 }
 
 impl Run {
+    /// Whether the pixel at `point` is explained when it is pointed at.
+    fn explains(&self, point: [f32; 2]) -> bool {
+        self.walk.explained(point).is_some_and(|explained| explained.at(self.walk.cursor()))
+    }
+
     /// What the cursor tells; at the end, also how good the estimate is.
     fn step(&self, focus: Option<[f32; 2]>) -> Step {
         let mut step = self.walk.step(focus);
         if self.walk.at_end() {
             add_facts(&mut step, self.end().quality.clone());
+            step.readouts.extend(self.end().histogram.clone().map(Readout::Histogram));
         }
         step
     }
@@ -457,8 +506,14 @@ impl Run {
 
     fn end(&self) -> &End {
         self.end.get_or_init(|| {
-            let quality = Quality::of(&self.clip, self.walk.frame(), &self.walk.output());
+            let output = self.walk.output();
+            let quality = Quality::of(&self.clip, self.walk.frame(), &output);
+            let histogram = match &output {
+                Output::Dense(field) => Histogram::of_pixels(&field.flow),
+                Output::Blocks(_) | Output::Points(_) | Output::Tracks(_) => None,
+            };
             End {
+                histogram,
                 pictures: pictures(&*self.walk, &self.pair),
                 quality: quality.map_or_else(|_| Vec::new(), |quality| quality.facts()),
                 beside: endings(&*self.walk, &self.clip, &self.pair),

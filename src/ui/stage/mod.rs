@@ -136,6 +136,13 @@ impl State {
         Share::new(self.blend).unwrap_or_default()
     }
 
+    /// Both frames, where what a run has made of them was seen: another clip is not at its end yet.
+    pub fn leave_end(&mut self) {
+        if self.view.is_of_the_end() {
+            self.view = View::default();
+        }
+    }
+
     /// The whole picture.
     pub fn fit(&mut self) {
         self.zoom = Zoom::Fit;

@@ -44,8 +44,7 @@ impl LucasKanade {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let Some(looked) = self.look(seen) else {
             let sentence = "One pixel says too little, so those of a window are asked together: T (u, v) = −Σ w ∇I Iₜ, where \
-                            T holds the products of Iₓ and I_y alone. Where course notes put Iₜ into the matrix, that is a \
-                            misprint.";
+                            T holds the products of Iₓ and I_y alone. (In some course notes Iₜ stands in T as well: a misprint.)";
             return Step { line: 0, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
         };
         let line = if looked.is_told() { 7 } else { 6 };
@@ -88,7 +87,7 @@ impl LucasKanade {
             )),
             Texture::Edge => said.text(format!(
                 " all gradients point the same way: one eigenvalue is {large}, but the other {small}, {}. The lines of the \
-                 window are nearly one, and cross nowhere for certain.",
+                 window are all but parallel, and cross nowhere for certain.",
                 why(eigenvalues[1], "nearly 0 beside it")
             )),
             Texture::Corner => said
@@ -128,7 +127,7 @@ impl LucasKanade {
         }
         if let Some(spread) = spread {
             let [a, b] = spread.radii.map(tell::number);
-            facts.push(fact("Standard deviation", format!("{a} to {b} px"), Some(Role::Measured)));
+            facts.push(fact("Standard deviation", format!("{a} to {b} px"), None));
         }
         let truth = seen.before.given.true_displacement(*pixel);
         facts.extend(truth.map(|truth| fact("Truth", px(truth), Some(Role::Truth))));
@@ -189,7 +188,8 @@ impl LucasKanade {
 /// Marks where windows say nothing: at the places where arrows would stand.
 fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
     let solutions = seen.before.solutions(seen.events);
-    let spacing = field::arrow_spacing(solutions.size());
+    // At every other place of an arrow, so that the edge itself is seen between the marks.
+    let spacing = 2 * field::arrow_spacing(solutions.size());
     let along = |extent: usize| (spacing / 2..extent).step_by(spacing);
     let places: Vec<_> =
         along(solutions.height()).flat_map(|y| along(solutions.width()).map(move |x| (x, y))).collect();

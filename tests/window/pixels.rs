@@ -1,0 +1,182 @@
+//! Single pixels that are pointed at, and held.
+
+use super::*;
+use motionscope::ui::model::snapshot::Pointed;
+
+/// A window on an estimator at a step, with further lines of its session.
+fn window(estimator: &str, step: &str, clip: &str) -> Window {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("one.motionscope");
+    let lines = format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"{estimator}\"\nstep = \"{step}\"\n");
+    fs::write(&path, lines).expect("it is written");
+    Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) })
+}
+
+fn pointed(window: &Window) -> Option<Pointed> {
+    window.shown().pointed
+}
+
+/// The place of the stage's first picture at these shares of its size.
+fn on_stage(window: &Window, [x, y]: [f32; 2]) -> Pos2 {
+    let stage = window
+        .harness
+        .get_all_by_role(Role::Image)
+        .find(|node| node.accesskit_node().label().is_some_and(|label| label.starts_with("Stage: Frame t =")));
+    let rect = stage.expect("frame t is shown").rect();
+    rect.min + rect.size() * vec2(x, y)
+}
+
+fn status(window: &Window) -> String {
+    let line = window.harness.query_all_by_role(Role::Label).filter_map(|node| node.accesskit_node().value());
+    line.into_iter().find(|line| line.contains("row ") && line.contains("of the work")).expect("the status line")
+}
+
+#[test]
+fn a_pixel_that_is_clicked_stays_explained() {
+    let mut window = window("normal-flow", "150.20", "synth:pillar");
+    let (cursor, high) = (window.cursor(), on_stage(&window, [0.5, 0.3]));
+    window.harness.hover_at(high);
+    window.settle();
+    let hovered = pointed(&window).expect("it is explained while the pointer is on it");
+    assert!(!hovered.is_held && status(&window).contains("a click holds it"));
+    window.click_at(high);
+    let held = pointed(&window).expect("it is held");
+    assert!(held.is_held && held.at == hovered.at, "{held:?}");
+    assert_eq!(window.cursor(), cursor, "the run stays where it was");
+    let told = window.told();
+    window.harness.hover_at(Pos2::new(700.0, 880.0));
+    window.settle();
+    assert!(window.told() == told, "it stays explained when the pointer goes elsewhere");
+    assert!(status(&window).contains("Esc lets go") && status(&window).contains("row 150 of 240"));
+    window.key(Key::Escape);
+    assert_eq!(pointed(&window), None);
+    assert!(window.told() != told && window.cursor() == cursor);
+    window.click_at(high);
+    window.harness.hover_at(Pos2::new(700.0, 880.0));
+    window.key(Key::ArrowRight);
+    assert_eq!(pointed(&window), None, "who steps hears of the next pixel");
+}
+
+#[test]
+fn a_pixel_whose_turn_has_not_come_is_told_when_it_is_clicked_only() {
+    let mut window = window("lucas-kanade", "3.5", "synth:pillar");
+    let before = window.told();
+    let low = on_stage(&window, [0.5, 0.7]);
+    window.harness.hover_at(low);
+    window.settle();
+    assert_eq!(pointed(&window), None);
+    assert!(window.told() == before, "nothing of what comes is told");
+    window.click_at(low);
+    let at = pointed(&window).expect("the run has gone there").at;
+    let Cursor { unit, event } = window.cursor();
+    assert_eq!([(event - 1) as f32, unit as f32], at);
+}
+
+#[test]
+fn an_iteration_goes_on_about_the_pixel_that_is_held() {
+    let mut window = window("horn-schunck", "2.1", "synth:pillar,frames=2");
+    let place = on_stage(&window, [0.4, 0.4]);
+    window.click_at(place);
+    let held = pointed(&window).expect("it is held");
+    window.harness.hover_at(Pos2::new(700.0, 880.0));
+    window.key(Key::ArrowRight);
+    assert_eq!(pointed(&window), Some(held), "all pixels change at every step");
+}
+
+#[test]
+fn a_click_on_a_block_goes_to_the_block() {
+    let mut window = window("full-search", "3.5", "synth:pillar");
+    window.click_at(on_stage(&window, [0.5, 0.5]));
+    assert!(window.cursor().unit > 100 && pointed(&window).is_none());
+}
+
+#[test]
+fn another_estimator_keeps_its_own_defaults() {
+    let mut window = window("lucas-kanade", "3.5", "synth:pillar,frames=2");
+    let iterations = |window: &Window| window.value("iterations");
+    assert_eq!(iterations(&window), Value::Int(2));
+    window.press(Modifiers::COMMAND, Key::K);
+    window.harness.get_by_label("What to find").type_text("horn");
+    window.settle();
+    window.key(Key::Enter);
+    assert_eq!(window.app().document().estimator().info().id, "horn-schunck");
+    assert_eq!(iterations(&window), Value::Int(100));
+}
+
+#[test]
+fn a_clip_on_which_nothing_runs_is_open_all_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for t in 0..2 {
+        image::RgbImage::new(1, 1).save(folder.path().join(format!("{t}.png"))).expect("it is written");
+    }
+    let window = Window::with(vec2(1440.0, 900.0), Start { open: Some(folder.path().into()) });
+    assert!(window.app().view().shown.is_none() && window.app().view().refused.is_some());
+    assert!(window.harness.query_by_label_contains("Open a clip to begin").is_none());
+    assert!(window.harness.query_by_label_contains("No clip is open").is_none());
+    assert!(window.harness.query_by_label_contains("Nothing runs on this clip").is_some());
+}
+
+#[test]
+fn plots_are_seen_one_at_a_time_where_there_is_little_room() {
+    let mut window = window("horn-schunck", "3.2", "synth:pillar,frames=2");
+    window.click_role(Role::Tab, "Plot");
+    window.click("Mean change");
+    assert!(window.harness.query_by_label_contains("Mean change, px, change").is_some(), "its plot is shown");
+    assert!(window.harness.query_by_label_contains("Mean endpoint error, px, error").is_none(), "and no other");
+}
+
+#[test]
+fn the_displacements_of_a_field_are_counted_at_the_end() {
+    let mut window = window("normal-flow", "3.2", "synth:pillar,frames=2");
+    window.command(Command::End);
+    window.click_role(Role::Tab, "Histogram");
+    assert!(window.harness.query_by_label_contains(" pixels, ").is_some(), "the counts tell themselves");
+}
+
+#[test]
+fn what_only_an_end_shows_is_not_looked_at_in_another_clip() {
+    let mut window = window("normal-flow", "3.2", "synth:pillar,frames=2");
+    window.command(Command::End);
+    window.command(Command::Residual);
+    let shows =
+        |window: &Window, what: &str| window.harness.query_by_label_contains(&format!("Stage: {what}")).is_some();
+    assert!(shows(&window, "|frame 0 − its prediction|"));
+    window.harness.state_mut().open("synth:flag,frames=2");
+    window.settle();
+    window.command(Command::End);
+    assert!(!shows(&window, "|frame 0 − its prediction|"));
+}
+
+#[test]
+fn a_flow_is_compared_with_its_kin_and_copied_for_a_spreadsheet() {
+    let mut window = window("lucas-kanade", "3.2", "synth:pillar,frames=2");
+    window.harness.key_press(Key::C);
+    window.compared();
+    assert!(window.harness.query_by_label("969.2").is_none(), "no block search is proposed");
+    window.harness.get_by_label("Copy as CSV").click();
+    window.harness.step();
+    let copied = window.harness.output().platform_output.commands.iter().find_map(|command| match command {
+        eframe::egui::OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    });
+    let copied = copied.expect("it is in the clipboard");
+    assert!(
+        copied.starts_with("estimator,")
+            && copied.contains(",known,")
+            && copied.lines().any(|line| line.starts_with("lucas-kanade,")),
+        "{copied}"
+    );
+}
+
+#[test]
+fn every_estimator_is_in_sight_in_the_list() {
+    let size = vec2(1600.0, 1000.0);
+    let mut window = Window::new(size);
+    let name = |window: &Window| window.app().document().estimator().info().name;
+    window.click(&format!("Estimator: {}", name(&window)));
+    for estimator in motionscope_core::estimators() {
+        let rects = window.harness.query_all_by_label(estimator.info().name).map(|node| node.rect());
+        let inside = rects.filter(|rect| rect.min.y > 0.0 && rect.max.y < size.y).count();
+        assert!(inside > 0, "{} is out of sight", estimator.info().name);
+    }
+}
