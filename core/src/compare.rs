@@ -251,7 +251,7 @@ mod tests {
             let figures = Figures::of(&*estimator, &output, (&clip, 0), &threads).expect("figures");
             let id = estimator.info().id;
             for kept in [figures.kept_in_noise, figures.kept_in_light] {
-                assert_eq!(kept.is_none(), output.points().is_some(), "{id}");
+                assert_eq!(kept.is_none(), output.points().is_some() || output.tracks().is_some(), "{id}");
                 assert!(kept.is_none_or(|kept| (0.0..=1.0).contains(&kept)), "{id}");
             }
             assert_eq!(figures.blocks.is_some(), estimator.info().family == "Block matching", "{id}");
