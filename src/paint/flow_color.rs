@@ -40,7 +40,7 @@ pub fn flow_color([u, v]: [f32; 2], longest: f32) -> Color {
 /// The angle of (x, y) as a share of a full turn, 0 to 1 from −π to π. A picture has millions of pixels: this polynomial is
 /// several times as fast as `atan2`, and within 2·10⁻⁶ of it (C. Hastings, Approximations for digital computers, 1955).
 fn turn(y: f32, x: f32) -> f32 {
-    const TERMS: [f32; 6] = [0.999_977_26, -0.332_623_47, 0.193_543_46, -0.116_432_87, 0.052_653_32, -0.011_721_20];
+    const TERMS: [f32; 6] = [0.999_977_26, -0.332_623_47, 0.193_543_46, -0.116_432_87, 0.052_653_32, -0.011_721_2];
     let (long, short) = (x.abs().max(y.abs()), x.abs().min(y.abs()));
     let z = short / long.max(f32::MIN_POSITIVE);
     let within_octant = z * TERMS.iter().rev().fold(0.0, |sum, term| sum * (z * z) + term) / TAU;

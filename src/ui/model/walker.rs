@@ -244,6 +244,9 @@ impl Drop for Walker {
     }
 }
 
+/// What is seen of motion depends on: where the run stands, what is wanted, and whether the reverse pair is known.
+type MotionKey = (Cursor, Want, bool);
+
 /// A run at work.
 struct Run {
     subject: Arc<Subject>,
@@ -256,7 +259,7 @@ struct Run {
     /// The flow of the reverse pair, once it was asked for.
     backward: Option<Result<Flow, Error>>,
     /// What was seen of motion last, where, and whether the reverse pair was known.
-    motion: RefCell<Option<((Cursor, Want, bool), Motion)>>,
+    motion: RefCell<Option<(MotionKey, Motion)>>,
 }
 
 /// What the end of a run shows beside its last step.
