@@ -227,7 +227,7 @@ fn layers_of_motion_look_as_they_did() {
     let (frame, scene, flow, scalars) = turning();
     let framed = PlateOptions { view: View::Current, zoom: 2, legend: true, ..PlateOptions::default() };
     let pictures = Pictures::of([frame.clone(), frame]);
-    let wheel = Tint::wheel(&[flow.clone()]).pop().map(Arc::new);
+    let wheel = Tint::wheel(std::slice::from_ref(&flow)).pop().map(Arc::new);
     let plate = Plate::new(&Pictures { layer: wheel, ..pictures.clone() }, &scene, &framed);
     check_png("flow-wheel.png", &plate, 1);
     check_svg("flow-wheel.svg", &plate);
