@@ -6,8 +6,8 @@ use crate::differential::{Field, Multiscale, Weights, Window, field, relax, tell
 use crate::polynomial::{Agreed, Agreement, Applicability, Expander, Looked, Moved, Packed, Part};
 use crate::scene::{Chart, Fact, Readout, Sentence, Series};
 use crate::{
-    Clip, Confidence, DenseField, Error, Estimator, Grid, Info, Observer, Output, Progress, Promise, Role, Rung, Scene,
-    Seen, Step, Threads, params,
+    Clip, Confidence, DenseField, Error, Estimator, Explained, Grid, Info, Observer, Output, Progress, Promise, Role,
+    Rung, Scene, Seen, Step, Threads, params,
 };
 
 params! {
@@ -203,6 +203,10 @@ impl Estimator for Farneback {
     /// The polynomials are made again.
     fn at_rest(&self, state: &State) -> State {
         State { polynomials: None, ..state.clone() }
+    }
+
+    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+        state.frames.pixel_at(0, point).map(|_| Explained::Always)
     }
 
     fn state_bytes(&self, state: &State) -> usize {
