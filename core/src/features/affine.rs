@@ -106,14 +106,12 @@ impl View {
     fn normal(&self, next: &Level, at: [f32; 2], fit: &Fit) -> Normal {
         let mut normal = Normal::default();
         for (offset, value) in offsets(self.reach).zip(&self.values) {
-            let [x, y] = place(at, fit, offset);
-            let around = [[x - 1.0, y], [x + 1.0, y], [x, y - 1.0], [x, y + 1.0]];
-            if value.is_nan() || !around.iter().all(|place| next.holds(*place)) {
+            let place = place(at, fit, offset);
+            if value.is_nan() || !next.holds_around(place) {
                 continue;
             }
-            let [left, right, above, below] = around.map(|place| f64::from(next.sample(place)));
-            let gradient = [(right - left) / 2.0, (below - above) / 2.0];
-            normal.add(gradient, offset.map(f64::from), f64::from(value - next.sample([x, y])));
+            let (there, gradient) = next.slope(place);
+            normal.add(gradient.map(f64::from), offset.map(f64::from), f64::from(value - there));
         }
         normal
     }

@@ -80,6 +80,25 @@ impl Level {
         self.pixels.sample(x + self.margin as f32, y + self.margin as f32)
     }
 
+    /// The gray value at a place, and half of what it changes by from a px before to a px after, along x and y; the place lies
+    /// a px or more inside the picture.
+    pub fn slope(&self, [x, y]: [f32; 2]) -> (f32, [f32; 2]) {
+        let ([i, j], [fx, fy]) = self.corner([x, y], 1);
+        let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
+        // Rows from the one above to the second below, and in each what lies between its pixels.
+        let rows: [&[u8]; 4] = [0, 1, 2, 3].map(|k| &self.pixels.row(j + k)[i..i + 4]);
+        let between = |k: usize, c: usize| mix(f32::from(rows[k][c]), f32::from(rows[k][c + 1]), fx);
+        let [above, top, bottom, below] = [0, 1, 2, 3].map(|k| between(k, 1));
+        let beside = |c: usize| mix(between(1, c), between(2, c), fy);
+        let down = mix(bottom, below, fy) - mix(above, top, fy);
+        (mix(top, bottom, fy), [(beside(2) - beside(0)) / 2.0, down / 2.0])
+    }
+
+    /// Whether a place lies a px or more inside the picture.
+    pub fn holds_around(&self, at: [f32; 2]) -> bool {
+        at.iter().zip(self.last).all(|(c, last)| (1.0..=last - 1.0).contains(c))
+    }
+
     /// The first pixel under a window around a place that reaches `reach` px, and how far the place lies beyond it.
     #[inline(always)]
     fn corner(&self, at: [f32; 2], reach: usize) -> ([usize; 2], [f32; 2]) {
@@ -336,6 +355,27 @@ mod tests {
                 assert!((f64::from(found) - plain).abs() < 2e-3 * (1.0 + plain.abs()), "{found}, plainly {plain}");
             }
         }
+    }
+
+    #[test]
+    fn a_slope_is_that_of_the_values_between_pixels() {
+        let level = Level::new(&picture(), 3);
+        for at in [[12.0, 9.0], [20.25, 14.5], [1.0, 1.0], [37.9, 27.75]] {
+            assert!(level.holds_around(at));
+            let (value, [across, down]) = level.slope(at);
+            let sample = |i: f32, j: f32| level.sample([at[0] + i, at[1] + j]);
+            let plain = [
+                sample(0.0, 0.0),
+                (sample(1.0, 0.0) - sample(-1.0, 0.0)) / 2.0,
+                (sample(0.0, 1.0) - sample(0.0, -1.0)) / 2.0,
+            ];
+            for (found, plain) in [value, across, down].into_iter().zip(plain) {
+                assert!((found - plain).abs() < 1e-3, "{found}, plainly {plain} at {at:?}");
+            }
+        }
+        assert!(
+            !level.holds_around([0.9, 5.0]) && !level.holds_around([5.0, 28.1]) && !level.holds_around([f32::NAN, 5.0])
+        );
     }
 
     #[test]
