@@ -195,7 +195,14 @@ impl Quality {
             // A few that are far off say little of single points.
             facts.extend(self.features.map(|_| fact("Median error", format!("{:.3} px", truth.epe_median_px))));
             facts.push(fact("Angular error", format!("{:.2}°", truth.aae_deg)));
-            facts.push(fact("Known motion", format!("{} pixels", grouped(truth.known))));
+            facts.push(fact(
+                "Known motion",
+                format!(
+                    "{} {}",
+                    grouped(truth.known),
+                    if self.features.is_some() { "displacements" } else { "pixels" }
+                ),
+            ));
         }
         if let Some(error) = &self.truth_error {
             facts.push(fact("Truth", error.to_string()));

@@ -93,7 +93,7 @@ Examples:
   motionscope run synth:pillar --estimator full-search --beside diamond,three-step --step 35.9 --overlay three.png
   motionscope run synth:pillar --estimator hierarchical --step 15.9 --level 2 --overlay coarse.png
   motionscope run frame10.png --estimator horn-schunck --layer error --legend --overlay error.png
-  motionscope run synth:occlusion --estimator lucas-kanade --layer consistency --json
+  motionscope run synth:pillar --estimator lucas-kanade --layer consistency --json
   motionscope run lesson.motionscope --overlay lesson.png --scale 4")]
     Run(RunArgs),
     /// Writes pictures of a range of steps.

@@ -118,10 +118,11 @@ impl Report {
         }
         text += &match &metrics.truth {
             Some(AgainstTruth { epe_px, epe_median_px, epe_p95_px, r0_5, r1_0, r2_0, aae_deg, known }) => {
+                let what = if metrics.features.is_some() { "displacements" } else { "pixels" };
                 let [r0_5, r1_0, r2_0] = [r0_5, r1_0, r2_0].map(|share| 100.0 * share);
                 format!(
                     "error       {epe_px:.3} px endpoint (median {epe_median_px:.3}, 95 % below {epe_p95_px:.3}), \
-                     {aae_deg:.2}° angular, over {known} pixels of known motion\n\
+                     {aae_deg:.2}° angular, over {known} {what} of known motion\n\
                      beyond      {r0_5:.1} % by more than 0.5 px, {r1_0:.1} % by 1 px, {r2_0:.1} % by 2 px\n"
                 )
             }

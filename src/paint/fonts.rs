@@ -109,6 +109,19 @@ mod tests {
     }
 
     #[test]
+    fn what_estimators_say_of_themselves_can_be_written() {
+        for estimator in motionscope_core::estimators() {
+            let info = estimator.info();
+            let words = [info.name, info.summary, info.source].into_iter().chain(info.pseudocode.iter().copied());
+            let docs = estimator.specs().iter().flat_map(|spec| [spec.doc, spec.label]);
+            for c in words.chain(docs).flat_map(str::chars) {
+                let face = Face::Sans.with(c);
+                assert!(face.font().is_some_and(|font| font.glyph_id(c).0 != 0), "{}: {c}", info.id);
+            }
+        }
+    }
+
+    #[test]
     fn digits_have_one_width_and_pairs_are_kerned() {
         for face in Face::ALL {
             let one = width("1", face, 14.0);

@@ -25,7 +25,13 @@ pub struct Account<'a> {
 }
 
 fn px(uv: [f32; 2]) -> String {
-    format!("{} px", tell::vector(uv))
+    in_px(uv, 0)
+}
+
+/// A displacement in px of a level.
+fn in_px(uv: [f32; 2], level: usize) -> String {
+    let of = if level == 0 { String::new() } else { format!(" of level {level}") };
+    format!("{} px{of}", tell::vector(uv))
 }
 
 fn after(from: [f32; 2], update: [f32; 2]) -> [f32; 2] {
@@ -33,6 +39,11 @@ fn after(from: [f32; 2], update: [f32; 2]) -> [f32; 2] {
 }
 
 impl Account<'_> {
+    /// A displacement on the level at hand.
+    fn px(&self, uv: [f32; 2]) -> String {
+        in_px(uv, self.level)
+    }
+
     fn scale(&self) -> f32 {
         (1u32 << self.level) as f32
     }
@@ -106,7 +117,7 @@ impl Account<'_> {
                      begins at ",
                     self.level
                 );
-                said.text(told).ink(Role::Predicted, px(self.guess)).text(".")
+                said.text(told).ink(Role::Predicted, self.px(self.guess)).text(".")
             }
             Some(Event::Iteration { from, mismatch, update }) => {
                 let is_last = update[0].hypot(update[1]) < self.follow.epsilon;
@@ -117,23 +128,23 @@ impl Account<'_> {
                     .text(format!(
                         " the windows differ by {} gray levels on average. The mismatch says to move by {}{end}: now ",
                         tell::number(mismatch.residual),
-                        px(*update)
+                        self.px(*update)
                     ))
-                    .ink(Role::Candidate, px(after(*from, *update)))
+                    .ink(Role::Candidate, self.px(after(*from, *update)))
                     .text(".")
             }
             Some(Event::Handed(displacement, reason)) => {
                 let told = match reason {
-                    None => format!(" leaves level {} with {}.", self.level, px(*displacement)),
+                    None => format!(" leaves level {} with {}.", self.level, self.px(*displacement)),
                     Some(status) => format!(
                         " finds nothing on level {}{} The guess of {} is handed on.",
                         self.level,
                         why(*status),
-                        px(*displacement)
+                        self.px(*displacement)
                     ),
                 };
                 let told = format!("{told} The finer level begins with twice that, ");
-                said.text(told).ink(Role::Predicted, px(displacement.map(|c| 2.0 * c))).text(".")
+                said.text(told).ink(Role::Predicted, in_px(displacement.map(|c| 2.0 * c), self.level - 1)).text(".")
             }
             Some(Event::End(displacement, Ok(residual))) => {
                 let differs =
@@ -149,18 +160,18 @@ impl Account<'_> {
         let fact = |label, value: String, role| Fact { label, value, role };
         let mut facts = vec![
             fact("Level", format!("{} of {} to 0", self.level, self.pyramids[0].len() - 1), None),
-            fact("Guess", px(self.guess), Some(Role::Predicted)),
+            fact("Guess", self.px(self.guess), Some(Role::Predicted)),
         ];
         if let Some(tensor) = self.tensor() {
             let [large, small] = tensor.eigenvalues().map(tell::number);
             facts.push(fact("Eigenvalues", format!("{large} and {small}"), None));
         }
         if let Some((mismatch, update)) = self.last() {
-            facts.push(fact("Update", px(update), Some(Role::Candidate)));
+            facts.push(fact("Update", self.px(update), Some(Role::Candidate)));
             facts.push(fact("Residual", format!("{} gray levels before it", tell::number(mismatch.residual)), None));
         }
         let role = if self.level == 0 { Role::Result } else { Role::Best };
-        facts.push(fact("Displacement", px(self.displacement()), Some(role)));
+        facts.push(fact("Displacement", self.px(self.displacement()), Some(role)));
         if self.level > 0 {
             facts.push(fact("On the picture", px(self.on_picture()), None));
         }

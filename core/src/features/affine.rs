@@ -34,6 +34,32 @@ const EPSILON_PX: f32 = 0.02;
 /// At most so many updates.
 const ITERATIONS: usize = 10;
 
+/// Why a first view could not be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unfit {
+    /// It cannot be told how it lies: too little of it is in the picture, or its gradients do not say.
+    Unknown,
+    /// It would have to be stretched or shifted beyond reason.
+    Astray,
+}
+
+/// A view that is stretched or squeezed by more than this in any direction fits anything.
+const STRETCH: f32 = 2.0;
+/// Where the tracked place and the fit differ by more, in px, one of them is wrong.
+const SHIFT_PX: f32 = 2.0;
+
+impl Fit {
+    /// Whether the view is neither squeezed nor shifted beyond reason.
+    fn is_sound(&self) -> bool {
+        let [[a, b], [c, d]] = self.matrix;
+        // The singular values of A: the roots of s² − t s + det².
+        let (t, det) = (a * a + b * b + c * c + d * d, a * d - b * c);
+        let root = (t * t - 4.0 * det * det).max(0.0).sqrt();
+        let [large, small] = [t + root, t - root].map(|twice| (twice / 2.0).max(0.0).sqrt());
+        det > 0.0 && large <= STRETCH && small >= 1.0 / STRETCH && self.shift[0].hypot(self.shift[1]) <= SHIFT_PX
+    }
+}
+
 /// The equations of an update: T z = a for z = (D₁₁, D₁₂, D₂₁, D₂₂, d₁, d₂).
 #[derive(Default)]
 struct Normal {
@@ -69,29 +95,35 @@ impl View {
     }
 
     /// Fits the view to `next` around a place, from a matrix on, by Gauss and Newton's method; tells each fit on the way.
-    /// `None` where gradients cannot tell how it lies, or too little of it is left in the picture.
+    ///
+    /// # Errors
+    /// Why it cannot be fitted.
     pub fn fit(
         &self,
         next: &Level,
         at: [f32; 2],
         matrix: [[f32; 2]; 2],
         observer: &mut impl Observer<Fit>,
-    ) -> Option<Fit> {
+    ) -> Result<Fit, Unfit> {
         let mut fit = Fit { matrix, shift: [0.0; 2], difference: 0.0, share: 0.0 };
-        for _ in 0..ITERATIONS {
+        for iteration in 0..ITERATIONS {
+            let lost = if iteration == 0 { Unfit::Unknown } else { Unfit::Astray };
             let normal = self.normal(next, at, &fit);
             (fit.difference, fit.share) = (normal.mean(), normal.pixels as f32 / self.values.len() as f32);
             observer.see(|| fit);
             if fit.share < 0.5 {
-                return None;
+                return Err(lost);
             }
-            let update = solve(normal.matrix, normal.right)?.map(|v| v as f32);
+            let update = solve(normal.matrix, normal.right).ok_or(lost)?.map(|v| v as f32);
             for (i, row) in fit.matrix.iter_mut().enumerate() {
                 row.iter_mut().zip(&update[2 * i..]).for_each(|(value, change)| *value += change);
                 fit.shift[i] += update[4 + i];
             }
             let reach = self.reach as f32;
             let moved = [0, 1].map(|i| (update[2 * i].abs() + update[2 * i + 1].abs()) * reach + update[4 + i].abs());
+            if !fit.is_sound() {
+                return Err(Unfit::Astray);
+            }
             if moved[0].max(moved[1]) < EPSILON_PX {
                 break;
             }
@@ -99,7 +131,7 @@ impl View {
         let normal = self.normal(next, at, &fit);
         (fit.difference, fit.share) = (normal.mean(), normal.pixels as f32 / self.values.len() as f32);
         observer.see(|| fit);
-        (fit.share >= 0.5).then_some(fit)
+        if fit.share < 0.5 { Err(Unfit::Astray) } else { Ok(fit) }
     }
 
     /// What the pixels of the view say where it lies as `fit` says.
@@ -227,12 +259,22 @@ mod tests {
     #[test]
     fn what_cannot_be_told_is_not() {
         let flat = Level::new(&Grid::new(40, 40, 9), 10);
-        assert_eq!(View::new(&flat, [20.0, 20.0], 10).fit(&flat, [20.0, 20.0], IDENTITY, &mut ()), None);
+        assert_eq!(View::new(&flat, [20.0, 20.0], 10).fit(&flat, [20.0, 20.0], IDENTITY, &mut ()), Err(Unfit::Unknown));
         let first = Level::new(&picture([[1.0, 0.0], [0.0, 1.0]], [0.0; 2]), 10);
         let view = View::new(&first, [40.0, 30.0], 10);
-        assert_eq!(view.fit(&first, [0.0, 0.0], IDENTITY, &mut ()), None, "three quarters lie outside");
+        assert_eq!(view.fit(&first, [0.0, 0.0], IDENTITY, &mut ()), Err(Unfit::Unknown), "three quarters lie outside");
         let dot = Level::new(&Grid::new(1, 1, 9), 3);
-        assert_eq!(View::new(&dot, [0.0; 2], 3).fit(&dot, [0.0; 2], IDENTITY, &mut ()), None);
+        assert_eq!(View::new(&dot, [0.0; 2], 3).fit(&dot, [0.0; 2], IDENTITY, &mut ()), Err(Unfit::Unknown));
+    }
+
+    #[test]
+    fn a_fit_beyond_reason_is_none() {
+        let fit = |matrix, shift| Fit { matrix, shift, difference: 0.0, share: 1.0 };
+        assert!(fit([[1.3, 0.2], [-0.2, 0.8]], [1.0, -1.0]).is_sound());
+        assert!(!fit(IDENTITY, [2.0, 1.0]).is_sound(), "shifted");
+        assert!(!fit([[1.0, 0.95], [0.95, 1.0]], [0.0; 2]).is_sound(), "squeezed to a line");
+        assert!(!fit([[1.0, 0.0], [0.0, -1.0]], [0.0; 2]).is_sound(), "turned over");
+        assert!(!fit([[2.1, 0.0], [0.0, 1.0]], [0.0; 2]).is_sound(), "stretched");
     }
 
     #[test]

@@ -133,16 +133,15 @@ impl Chosen {
 
     /// Takes `peak` unless one that was taken before is too near: then gives that.
     pub fn take(&mut self, peak: u32) -> Option<u32> {
-        if self.min_distance == 0 {
-            return None;
-        }
+        // Even where any distance is allowed, a place is taken once.
+        let side = self.min_distance.max(1);
         let place = |peak: u32| (peak as usize % self.width, peak as usize / self.width);
         let (x, y) = place(peak);
-        let (column, row) = (x / self.min_distance, y / self.min_distance);
+        let (column, row) = (x / side, y / side);
         let (columns, rows) = self.squares.size();
         let near = |other: &u32| {
             let (a, b) = place(*other);
-            a.abs_diff(x).pow(2) + b.abs_diff(y).pow(2) < self.min_distance.pow(2)
+            a.abs_diff(x).pow(2) + b.abs_diff(y).pow(2) < side.pow(2)
         };
         let around = (row.saturating_sub(1)..(row + 2).min(rows))
             .flat_map(|j| (column.saturating_sub(1)..(column + 2).min(columns)).map(move |i| (i, j)));

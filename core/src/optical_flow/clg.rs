@@ -8,7 +8,7 @@ use crate::variational::{Local, Looked, Model, MotionTensor, Solver, Told, Warp,
 use crate::{Info, Promise, Role, Threads};
 
 variational_params! {
-    /// The combined local-global method. The energy ∫∫ (w, 1)ᵀ T (w, 1) + α² (|∇u|² + |∇v|²), w = (u, v), is made as small as can
+    /// The combined local-global method. The energy ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), w = (u, v), is made as small as can
     /// be, where T is the motion tensor over a window: Lucas and Kanade's where α is 0, Horn and Schunck's where ρ is 0.
     pub struct Clg {
         /// Weight α of smoothness: the larger, the smoother the field; about the gradient, in gray levels per px, that counts as much.
@@ -43,13 +43,13 @@ impl Model for Clg {
                  methods, International Journal of Computer Vision 61(3), 2005; medians: D. Sun, S. Roth and M. J. Black, \
                  Secrets of optical flow estimation and their principles, CVPR 2010",
         pseudocode: &[
-            "E(u, v) = ∫∫ (w, 1)ᵀ T (w, 1) + α² (|∇u|² + |∇v|²), where w = (u, v)",
+            "E(u, v) = ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), where w = (u, v)",
             "(u, v) ← 0 on the coarsest level",
             "for each level, from the coarsest to the picture itself",
             "  for each warp",
             "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
             "    bring frame t+1 back along (u₀, v₀), take Iₓ, I_y, Iₜ",
-            "    T ← Gaussian of ρ px over (Iₓ, I_y, Iₜ) (Iₓ, I_y, Iₜ)ᵀ",
+            "    T ← Gaussian of ρ px over the products of Iₓ, I_y and Iₜ",
             "    for each iteration",
             "      (u_m, v_m) ← mean of the neighbours, for each pixel",
             "      (u, v) ← solution of (T + α²) (u, v) = α² (u_m, v_m) + T (u₀, v₀) − (T_xt, T_yt)",

@@ -147,13 +147,13 @@ impl Estimator for Farneback {
             "(u, v) ← 0 on the coarsest level",
             "for each level, from the coarsest to the picture itself",
             "  for each pixel of frames t and t+1, over the neighbourhood around it",
-            "    A, b, c ← the polynomial xᵀA x + bᵀx + c that fits best",
+            "    A, b, c ← the polynomial x · A x + b · x + c that fits best",
             "  for each iteration",
             "    for each pixel of frame t, with A₁ and b₁",
             "      (m, n) ← (u, v) in whole px; A₂, b₂ ← those of frame t+1 as far away",
             "      A ← ½ (A₁ + A₂), Δb ← A (m, n) − ½ (b₂ − b₁)",
             "    for each pixel, over the window around it",
-            "      T ← Σ w AᵀA, h ← Σ w AᵀΔb",
+            "      T ← Σ w A A, h ← Σ w A Δb",
             "      (u, v) ← (T + λ 1)⁻¹ (h + λ (u, v))",
         ],
         rungs: &["frame", "level", "iteration", "step"],
@@ -222,7 +222,7 @@ impl Estimator for Farneback {
 
     fn step(&self, seen: &Seen<Self>) -> Step {
         let Some(looked) = self.look(seen) else {
-            let sentence = "A neighbourhood is described by the polynomial xᵀA x + bᵀx + c that fits it best. If the picture \
+            let sentence = "A neighbourhood is described by the polynomial x · A x + b · x + c that fits it best. If the picture \
                             moves by d, the polynomial becomes that of x − d, and its b becomes b − 2 A d: what b has \
                             changed by tells d.";
             return Step { line: 0, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
@@ -281,7 +281,7 @@ impl Farneback {
     fn facts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Fact> {
         let state = seen.before;
         let fact = |label, value, role| Fact { label, value, role };
-        let px = |uv: [f32; 2]| format!("{} px", tell::vector(uv));
+        let px = |uv: [f32; 2]| format!("{} {}", tell::vector(uv), looked.unit());
         let (width, height) = state.frames.size(looked.level);
         let of = state.frames.count() - 1;
         let (x, y) = looked.place;

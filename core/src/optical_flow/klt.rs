@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::differential::truth;
 use crate::estimator::Mapped;
-use crate::features::affine::{Fit, IDENTITY, View};
+use crate::features::affine::{Fit, IDENTITY, Unfit, View};
 use crate::features::follow::{self, Follow};
 use crate::features::tracker::Level;
 use crate::features::{Detection, detect_around};
@@ -250,9 +250,10 @@ impl Klt {
         let fit = live.view.fit(next, to, live.matrix, &mut Mapped { observer, map: Event::Fit });
         match fit {
             // At the edge too little of it is left to tell.
-            None => Ok(live.matrix),
-            Some(fit) if fit.difference > self.max_change => Err(Status::Changed),
-            Some(fit) => Ok(fit.matrix),
+            Err(Unfit::Unknown) => Ok(live.matrix),
+            Err(Unfit::Astray) => Err(Status::Changed),
+            Ok(fit) if fit.difference > self.max_change => Err(Status::Changed),
+            Ok(fit) => Ok(fit.matrix),
         }
     }
 

@@ -196,11 +196,11 @@ impl Pixel {
         let to = looked.to();
         match step {
             FITTED => self.fitting(model, looked),
-            SMOOTHED => [("u", "pᵤ", 0), ("v", "pᵥ", 1)]
+            SMOOTHED => [("u", "p_u", 0), ("v", "p_v", 1)]
                 .into_iter()
                 .flat_map(|(name, p, i)| smoothing(model, (name, p), (self.fitted[i], self.divergence[i], to[i])))
                 .collect(),
-            _ => [("u", "pᵤ", 0), ("v", "pᵥ", 1)]
+            _ => [("u", "p_u", 0), ("v", "p_v", 1)]
                 .into_iter()
                 .flat_map(|(name, p, i)| turning(model, (name, p), (self.p[0][i], self.gradients[i], self.p[1][i])))
                 .collect(),

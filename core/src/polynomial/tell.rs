@@ -101,10 +101,15 @@ impl Looked<'_> {
         square(Picture::Current, Role::Reference, self.place, 0, "pixel that is explained");
     }
 
+    /// What displacements are told in.
+    pub fn unit(&self) -> String {
+        if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) }
+    }
+
     /// What has happened, in words.
     pub fn sentence(&self) -> Sentence {
         let (said, pixel) = (Sentence::default(), self.pixel());
-        let px = |uv: [f32; 2]| format!("{} px", tell::vector(uv));
+        let px = |uv: [f32; 2]| format!("{} {}", tell::vector(uv), self.unit());
         let outside = " leaves the picture by now: it says nothing.";
         match self.part {
             Part::Expanded => {
@@ -137,7 +142,7 @@ impl Looked<'_> {
                 let damping = tell::number(self.agreement.damping);
                 said.text("One pixel says too little where the picture bends one way only. Over the window around ")
                     .ink(Role::Reference, pixel)
-                    .text(format!(" the eigenvalues of the mean of AᵀA are {large} and {small}, beside λ = {damping}."))
+                    .text(format!(" the eigenvalues of the mean of A A are {large} and {small}, beside λ = {damping}."))
             }
             Part::Moved => said
                 .text("The window around ")
@@ -211,7 +216,7 @@ impl Looked<'_> {
         let is_pixel = self.part == Part::Compared;
         Plane {
             title: if is_pixel { "What the pixel says: A d = Δb" } else { "What the window says: A d = Δb" },
-            unit: if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) },
+            unit: self.unit(),
             reach: tell::reach(points.iter().map(|(.., point)| *point)),
             lines: if is_pixel { of_pixel() } else { self.window_lines() },
             points,

@@ -138,7 +138,11 @@ impl Klt {
                     .ink(Role::Reference, self.name(seen))
                     .text(format!(" was first seen, in frame {since}, turned and stretched by "))
                     .ink(Role::Estimate, matrix(fit))
-                    .text(format!(", it differs by {} on average.", grays(fit.difference)))
+                    .text(format!(
+                        " and shifted by {} px, it differs by {} on average.",
+                        tell::number(fit.shift[0].hypot(fit.shift[1])),
+                        grays(fit.difference)
+                    ))
             }
             Event::Verdict(feature) => self.verdict(seen, feature),
         }
@@ -176,7 +180,7 @@ impl Klt {
                 Status::Outside => ": it leaves the picture.",
                 Status::Flat => ": its window has too little gradient in one direction, or in both.",
                 Status::Astray => ": it does not come back to where it was.",
-                Status::Changed => ": it does not look like its first view any more.",
+                Status::Changed => ": it does not look like its first view any more, however that is turned.",
                 _ => ": what it led to looks too different from the frame before.",
             });
         };
@@ -252,7 +256,10 @@ impl Klt {
         }
         let Some(account) = self.account(seen) else { return };
         match (seen.events.last(), fit(seen.events)) {
-            (Some(Event::Fit(_) | Event::Verdict(_)), Some(fit)) => draw_view(&account, &fit, scene),
+            (Some(event @ (Event::Fit(_) | Event::Verdict(_))), Some(fit)) => {
+                let is_refused = matches!(event, Event::Verdict(feature) if feature.displacement.is_none());
+                draw_view(&account, &fit, is_refused, scene);
+            }
             _ => account.draw([Picture::Current, Picture::Next], scene),
         }
         if let Some(place) = back(seen.events) {
@@ -317,7 +324,7 @@ fn draw_features(seen: &Seen<Klt>, scene: &mut Scene) {
 }
 
 /// The outline of the first view as it lies in the second frame.
-fn draw_view(account: &Account, fit: &Fit, scene: &mut Scene) {
+fn draw_view(account: &Account, fit: &Fit, is_refused: bool, scene: &mut Scene) {
     let half = account.follow.reach as f32 + 0.5;
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
     let [x, y] = account.at;
@@ -326,8 +333,9 @@ fn draw_view(account: &Account, fit: &Fit, scene: &mut Scene) {
     scene.legend(Role::Reference, "window");
     let to = [0, 1].map(|i| account.at[i] + account.on_picture()[i]);
     let outline = corners.map(|corner| place(to, fit, corner)).to_vec();
-    scene.mark(Picture::Next, Role::Best, Shape::Path { points: outline, closed: true });
-    scene.legend(Role::Best, "its first view, turned and stretched");
+    let role = if is_refused { Role::Rejected } else { Role::Best };
+    scene.mark(Picture::Next, role, Shape::Path { points: outline, closed: true });
+    scene.legend(role, "its first view, turned and stretched");
 }
 
 fn matrix(fit: &Fit) -> String {
