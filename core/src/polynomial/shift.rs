@@ -125,7 +125,8 @@ impl Moved<'_> {
         }
     }
 
-    /// The means over the window around a pixel of AᵀA and AᵀΔb, the latter with its sign turned, as of gradient constraints.
+    /// The means over the window around a pixel of AᵀA and AᵀΔb, the latter with its sign turned, as of gradient constraints;
+    /// and the share of the window of which something is known.
     pub fn tensor(&self, (x, y): (usize, usize), window: &Window) -> Tensor {
         let (width, height) = self.from.u.size();
         let ((left, across), (top, down)) = (window.inside(x, width), window.inside(y, height));
@@ -135,6 +136,7 @@ impl Moved<'_> {
             for (x, weight) in (left..).zip(across) {
                 let Some((Shift { a: [xx, xy, yy], b: [bx, by] }, _)) = self.shift((x, y)) else { continue };
                 let weight = along * weight / total;
+                mean.pixels += weight;
                 mean.xx += weight * (xx * xx + xy * xy);
                 mean.xy += weight * xy * (xx + yy);
                 mean.yy += weight * (xy * xy + yy * yy);
@@ -213,11 +215,17 @@ impl Agreement {
     }
 }
 
+/// The weight λ that counts where the means of A A have this diagonal: however little is asked for, two lines that are one do
+/// not cross.
+#[inline(always)]
+pub fn in_effect(damping: f32, [xx, yy]: [f32; 2]) -> f32 {
+    damping + 1e-5 * (xx + yy)
+}
+
 /// The displacement d at which the mean of |A d − Δb|² and λ |d − from|² are least together.
 #[inline(always)]
 fn damped([xx, xy, yy]: [f32; 3], [x, y]: [f32; 2], [u, v]: [f32; 2], damping: f32) -> [f32; 2] {
-    // However little is asked for, two lines that are one do not cross.
-    let damping = damping + 1e-5 * (xx + yy);
+    let damping = in_effect(damping, [xx, yy]);
     let (a, c) = (xx + damping, yy + damping);
     let (p, q) = (x + damping * u, y + damping * v);
     let det = a * c - xy * xy;

@@ -1,5 +1,6 @@
 //! How an iteration of Farnebäck's method is told and drawn at one pixel.
 
+use super::shift::in_effect;
 use super::{Agreement, Moved, Polynomial, Shift};
 use crate::differential::{Field, Multiscale, Tensor, tell};
 use crate::scene::{Constraint, Math, Picture, Plane, Readout, Sentence, Shape, Tile};
@@ -165,7 +166,7 @@ impl Looked<'_> {
 
     /// How much the constraints of the window are off at the displacement found, in gray levels per px: the root mean square.
     pub fn off(&self) -> f32 {
-        self.tensor.residual(self.to()).sqrt()
+        (self.tensor.residual(self.to()) / self.tensor.pixels.max(f32::MIN_POSITIVE)).sqrt()
     }
 
     /// The true displacement, in px of the level, if it is known.
@@ -270,7 +271,7 @@ impl Looked<'_> {
             Math::text(" "),
             Math::indexed(Math::Var("d"), Math::text("0")),
         ]);
-        let damping = self.agreement.damping;
+        let damping = in_effect(self.agreement.damping, [xx, yy]);
         let row = |[a, b]: [f32; 2], right: f32| {
             linear_row([a, b].map(tell::number), Math::ink(Role::Candidate, tell::number(right)))
         };
