@@ -113,7 +113,7 @@ mod tests {
         for estimator in motionscope_core::estimators() {
             let info = estimator.info();
             let words = [info.name, info.summary, info.source].into_iter().chain(info.pseudocode.iter().copied());
-            let docs = estimator.specs().iter().map(|spec| spec.doc);
+            let docs = estimator.specs().iter().map(|spec| spec.doc.as_str());
             for c in words.chain(docs).flat_map(str::chars) {
                 let face = Face::Sans.with(c);
                 assert!(face.font().is_some_and(|font| font.glyph_id(c).0 != 0), "{}: {c}", info.id);
