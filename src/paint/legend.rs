@@ -92,7 +92,7 @@ pub fn entries<'a>(
     let entry = |&(role, meaning): &(Role, &'static str)| {
         let sample = marks.clone().filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min()?;
         if let Some(frames) = look.streak_frames.filter(|_| role == Role::Result && sample == Sample::Arrow) {
-            let meaning = format!("way of particles carried along for {frames} frames");
+            let meaning = format!("where particles would go in {frames} frames of this motion");
             return Some(Entry { role, sample: Sample::Line, meaning });
         }
         let long = match look.lengthen {

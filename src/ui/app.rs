@@ -246,8 +246,11 @@ impl App {
     }
 
     fn top_bar(&self, ui: &mut Ui, actions: &mut Actions) {
+        let (frame, id) = (self.document.frame(), self.document.estimator().info().id);
+        let shown = self.view.shown.as_deref().filter(|shown| shown.subject.frame == frame && shown.info.id == id);
         let input = topbar::Input {
             document: &self.document,
+            at_frame: shown.map(|shown| shown.frame),
             now: self.now(),
             rungs: self.rungs(),
             folded: self.folded(),

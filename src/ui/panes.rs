@@ -271,7 +271,8 @@ impl Panes<'_> {
         };
         let (theme, colors) = (self.look.theme, self.look.colors);
         let (_, step) = self.told(shown);
-        if pane == Pane::Surface3d && pyramid(ui, step, theme, self.states) {
+        let has_costs = shown.subject.estimator.charts().contains(&Chart::Surface);
+        if pane == Pane::Surface3d && pyramid(ui, step, has_costs, theme, self.states) {
             return;
         }
         if pane == Pane::Histogram && errors(ui, step, theme, self.states) {
@@ -322,23 +323,25 @@ fn has_plane(step: &Step) -> bool {
 
 /// Where the step works on a pyramid: the choice between it and the cost surface, and the pyramid if it is chosen. Gives
 /// whether it is.
-fn pyramid(ui: &mut Ui, step: &Step, theme: Theme, states: &mut States) -> bool {
+fn pyramid(ui: &mut Ui, step: &Step, has_costs: bool, theme: Theme, states: &mut States) -> bool {
     let stack = step.readouts.iter().find_map(|r| if let Readout::Stack(stack) = r { Some(stack) } else { None });
     let Some(stack) = stack else { return false };
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 2.0;
-        for (is_stack, text, tip) in [
-            (false, "Surface", "The cost of every displacement tested."),
-            (true, "Pyramid", "The levels of the pyramid, with the block and what was found for it on each."),
-        ] {
-            let chosen = ui.selectable_value(&mut states.is_stack, is_stack, text).on_hover_text(tip);
-            if chosen.changed() {
-                ui.ctx().request_repaint();
+    if has_costs {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            for (is_stack, text, tip) in [
+                (false, "Surface", "The cost of every displacement tested."),
+                (true, "Pyramid", "The levels of the pyramid, with the block and what was found for it on each."),
+            ] {
+                let chosen = ui.selectable_value(&mut states.is_stack, is_stack, text).on_hover_text(tip);
+                if chosen.changed() {
+                    ui.ctx().request_repaint();
+                }
             }
+        });
+        if !states.is_stack {
+            return false;
         }
-    });
-    if !states.is_stack {
-        return false;
     }
     let stage = &mut states.stage;
     let input = stack3d::Input { stack, on_stage: stage.level.of(&stack.levels), theme };

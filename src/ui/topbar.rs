@@ -17,6 +17,8 @@ use crate::shot::Look;
 pub struct Input<'a> {
     /// What is open.
     pub document: &'a Document,
+    /// The first frame of the pair that the run stands on, if one does.
+    pub at_frame: Option<usize>,
     /// What can be done just now.
     pub now: Now,
     /// The names of the ladder.
@@ -91,7 +93,7 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         return;
     }
     let dim = ui.visuals().weak_text_color();
-    let frame = input.document.frame();
+    let frame = input.at_frame.unwrap_or(input.document.frame());
     ui.add_space(8.0);
     ui.label(RichText::new(format!("frame {frame} → {}", frame + 1)).color(dim));
     ui.add_space(8.0);

@@ -90,7 +90,7 @@ fn streaklines_move_while_they_are_seen_and_only_then() {
     window.harness.state_mut().wait();
     window.harness.run_steps(3);
     assert!(window.shown().pictures.streaks.as_ref().is_some_and(|streaks| !streaks.at(0.5).is_empty()));
-    assert!(window.harness.query_by_label_contains("way of particles carried along for ").is_some());
+    assert!(window.harness.query_by_label_contains("where particles would go in ").is_some());
     // With motion reduced they stand still: the window comes to rest.
     window.harness.state_mut().command(Command::ReducedMotion);
     window.settle();

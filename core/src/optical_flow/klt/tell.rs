@@ -5,7 +5,7 @@ use crate::differential::tell;
 use crate::features::affine::{Fit, place};
 use crate::features::{Account, Detection, follow};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Series, Shape, Tile};
-use crate::{Feature, Grid, Role, Scene, Seen, Status, Step};
+use crate::{Feature, Grid, Role, Scene, Seen, Status, Step, Track};
 
 /// So many frames back a trail reaches.
 const TRAIL_FRAMES: usize = 20;
@@ -123,13 +123,14 @@ impl Klt {
                 tell::number(100.0 * self.quality),
                 tell::number(found.limit)
             )),
-            Event::Taken(found) => said
-                .ink(Role::Result, format!("{} new features", found.kept.len()))
-                .text(format!(
-                    " are taken, the strongest first, each at least {} px from the others and from the {} that are tracked.",
-                    self.min_distance,
-                    state.live.len()
-                )),
+            Event::Taken(found) => said.ink(Role::Result, format!("{} new features", found.kept.len())).text(format!(
+                " are taken, the strongest first, each at least {} px from the others{}.",
+                self.min_distance,
+                match state.live.len() {
+                    0 => String::new(),
+                    count => format!(" and from the {count} that are tracked"),
+                }
+            )),
             Event::Forward(..) => self.account(seen).map_or(said, |account| account.sentence()),
             Event::Back(result) => self.way_back(seen, *result),
             Event::Fit(fit) => {
@@ -196,8 +197,12 @@ impl Klt {
                 _ => None,
             });
             let mut facts = vec![fact("Tracked", format!("{} features", seen.before.live.len()), None)];
-            facts.extend(found.map(|found| fact("Peaks", found.peaks.len().to_string(), Some(Role::Best))));
-            facts.extend(found.map(|found| fact("New", found.kept.len().to_string(), Some(Role::Result))));
+            // Each number from the step on that finds it.
+            let stage = seen.events.len();
+            let sifted = found.filter(|_| stage > 1);
+            facts.extend(sifted.map(|found| fact("Peaks", found.peaks.len().to_string(), None)));
+            let taken = found.filter(|_| stage > 2);
+            facts.extend(taken.map(|found| fact("New", found.kept.len().to_string(), None)));
             let plots = plots(seen.before).into_iter();
             return if seen.events.is_empty() {
                 Vec::new()
@@ -223,7 +228,7 @@ impl Klt {
         let track = &seen.before.tracks[live.track as usize];
         let mut facts = vec![
             fact("Feature", format!("{} at {}", live.track + 1, tell::vector(live.at)), Some(Role::Reference)),
-            fact("Seen in", format!("{} frames, from frame {}", track.points.len(), track.first), None),
+            fact("Seen since", format!("frame {}", track.first), None),
         ];
         facts.extend(account.map(Account::facts).unwrap_or_default());
         if let Some(place) = back(seen.events) {
@@ -388,17 +393,28 @@ fn views(account: &Account, live: &Live, fit: &Fit) -> Vec<Tile> {
     ]
 }
 
-/// How many features were tracked in each pair.
+/// How many features were tracked in each pair, how many of them were new there, and how many were lost.
 fn plots(state: &State) -> Option<Readout> {
-    let counts = state.counts.iter().enumerate().map(|(i, count)| [(i + 1) as f32, *count as f32]);
-    let line: Vec<_> = counts.collect();
+    let line: Vec<_> = state.counts.iter().enumerate().map(|(i, count)| [(i + 1) as f32, *count as f32]).collect();
+    let tally = |frame: &dyn Fn(&Track) -> usize| {
+        let mut counts = vec![0.0; line.len()];
+        for track in &state.tracks {
+            if let Some(count) = counts.get_mut(frame(track) - state.first) {
+                *count += 1.0;
+            }
+        }
+        counts.iter().enumerate().map(|(i, count)| [(i + 1) as f32, *count]).collect()
+    };
+    let new = tally(&|track| track.first);
+    // What is not lost has its last point in a frame that no pair before begins with.
+    let lost = tally(&|track| track.first + track.points.len() - 1);
     let series = Series {
-        title: "Features tracked",
+        title: "Features",
         x_label: "pair",
         y_label: "features",
         x_max: if state.last == usize::MAX { line.len() } else { state.last - state.first },
         events: Vec::new(),
-        lines: vec![("features", Role::Result, line)],
+        lines: vec![("tracked", Role::Result, line), ("new", Role::Measured, new), ("lost", Role::Rejected, lost)],
     };
     (series.lines[0].2.len() > 1).then_some(Readout::Series(series))
 }
