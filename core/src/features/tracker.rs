@@ -1,4 +1,4 @@
-//! Where a window of frame t has gone, to a fraction of a pixel: J.-Y. Bouguet's iterations on one level.
+//! Windows of a frame and how they fit to places of the next, to a fraction of a pixel (J.-Y. Bouguet, 2000).
 
 use std::ops::Range;
 
