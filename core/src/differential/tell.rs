@@ -11,7 +11,9 @@ pub fn number(v: f32) -> String {
         _ if size >= 100.0 => 0,
         _ if size >= 10.0 => 1,
         _ if size >= 1.0 || size == 0.0 => 2,
-        _ => 3,
+        _ if size >= 0.1 => 3,
+        _ if size >= 0.01 => 4,
+        _ => 5,
     };
     let digits = format!("{size:.decimals$}");
     let is_negative = v < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b));
@@ -209,8 +211,8 @@ mod tests {
 
     #[test]
     fn numbers_are_short_and_have_a_true_sign() {
-        let told = [0.0, -0.0001, 0.1234, -3.456, 12.34, -255.0].map(number);
-        assert_eq!(told, ["0.00", "0.000", "0.123", "−3.46", "12.3", "−255"]);
+        let told = [0.0, -1e-7, -0.00123, 0.01234, 0.1234, -3.456, 12.34, -255.0].map(number);
+        assert_eq!(told, ["0.00", "0.00000", "−0.00123", "0.0123", "0.123", "−3.46", "12.3", "−255"]);
         assert_eq!((plus(-2.0), plus(0.5)), ("− 2.00".into(), "+ 0.500".into()));
     }
 

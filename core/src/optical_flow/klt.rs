@@ -371,10 +371,8 @@ impl Estimator for Klt {
         vec![
             Rung { index: 0, of: Some(1) },
             Rung { index: state.frame - state.first, of: pairs },
-            Rung {
-                index: state.turn.map_or(0, |turn| turn + 1),
-                of: state.turn.is_some().then_some(state.live.len() + 1),
-            },
+            // Looking for features counts with the first of them.
+            Rung { index: state.turn.unwrap_or(0), of: state.turn.map(|_| state.live.len()) },
         ]
     }
 
