@@ -4,15 +4,13 @@ use std::sync::{Arc, OnceLock};
 
 use super::declare::Settings;
 use super::model::{Iteration, Model, Unknowns, Warp};
-use crate::differential::{Field, Given, Linear, field, filter, relax};
+use crate::differential::{Field, Linear, Multiscale, field, filter, relax};
 use crate::scene::Chart;
 use crate::{
     Clip, DenseField, Error, Estimator, Explained, Flow, Frame, Grid, Info, Level, Observer, Output, Params, Progress,
-    Promise, Rung, Scene, Seen, Spec, Step, Threads, Value, pyramid,
+    Promise, Rung, Scene, Seen, Spec, Step, Threads, Value,
 };
 
-/// From one level of the pyramid to the next.
-const FACTOR: f32 = 0.5;
 /// How many numbers for each pixel [`Linear`] holds.
 const LINEAR_PARTS: usize = 5;
 
@@ -87,9 +85,7 @@ impl<M: Model> Clone for State<M> {
 
 /// What stays the same all along.
 pub(super) struct Fixed {
-    pub(super) given: Given,
-    /// The levels of frames t and t + 1, the picture first.
-    levels: [Vec<Grid<f32>>; 2],
+    pub(super) frames: Multiscale,
     /// Frames t and t + 1.
     pair: [Arc<Frame>; 2],
     /// The levels as pictures, for whoever looks.
@@ -100,10 +96,10 @@ impl Fixed {
     /// The levels as pictures to be looked at.
     pub(super) fn pictures(&self) -> Arc<[Level]> {
         let seen = |level: &Grid<f32>| Arc::new(Frame::gray(level.map(|v| v.round().clamp(0.0, 255.0) as u8)));
-        let coarser = |level: usize| Level::covering([0, 1].map(|i| seen(&self.levels[i][level])));
+        let coarser = |level: usize| Level::covering(self.frames.pair(level).map(seen));
         let make = || {
             let picture = [Level::covering(self.pair.clone())].into_iter();
-            picture.chain((1..self.levels[0].len()).map(coarser)).collect()
+            picture.chain((1..self.frames.count()).map(coarser)).collect()
         };
         Arc::clone(self.pictures.get_or_init(make))
     }
@@ -148,13 +144,12 @@ impl<M: Model> Variational<M> {
 
     fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State<M>, Error> {
         let Settings { levels, smoothing, .. } = self.settings();
-        let given = Given::new(clip, frame, smoothing, threads)?;
-        let levels = [0, 1].map(|i| pyramid::levels(given.pictures[i].clone(), FACTOR, levels, threads));
-        let level = levels[0].len() - 1;
-        let start = Field::new(levels[0][level].size(), [0.0; 2]);
+        let frames = Multiscale::new((clip, frame), smoothing, levels, threads)?;
+        let level = frames.count() - 1;
+        let start = Field::new(frames.size(level), [0.0; 2]);
         Ok(State {
             unknowns: Arc::new(M::Unknowns::begin(&start, None)),
-            fixed: Arc::new(Fixed { given, levels, pair: clip.pair(frame)?, pictures: OnceLock::new() }),
+            fixed: Arc::new(Fixed { frames, pair: clip.pair(frame)?, pictures: OnceLock::new() }),
             level,
             warp: 0,
             iteration: 0,
@@ -172,7 +167,7 @@ impl<M: Model> Variational<M> {
             Constraints::About(start) => Arc::clone(start),
             Constraints::Next => Arc::new(state.next_start(threads)),
         };
-        let pictures = [0, 1].map(|i| &state.fixed.levels[i][state.level]);
+        let pictures = state.fixed.frames.pair(state.level);
         let linear = Linear::about(start, pictures, self.settings().derivatives, threads);
         let system = self.0.system(&linear, threads);
         Arc::new(Warp { linear, system })
@@ -188,7 +183,7 @@ impl<M: Model> Variational<M> {
             _ => Arc::clone(&state.unknowns),
         };
         let to = Arc::new(self.0.iterate(&warp, &from, count, threads));
-        let scale = f64::from(state.scale(state.level)[0]);
+        let scale = f64::from(state.fixed.frames.scale(state.level)[0]);
         let change = if count == 1 { scale * relax::change(from.field(), to.field()) } else { f64::INFINITY };
         state.unknowns = Arc::clone(&to);
         state.constraints = Constraints::Made(Arc::clone(&warp));
@@ -214,7 +209,7 @@ impl<M: Model> Variational<M> {
     /// An iteration on `level` in numbers.
     fn note(&self, state: &State<M>, level: usize, done: &Iteration<M>, change: f64) -> Note {
         let [data, smoothness] = self.0.energy(&done.warp, &done.to).map(|part| part as f32);
-        Note { data, smoothness, change: change as f32, error: state.error(level) }
+        Note { data, smoothness, change: change as f32, error: state.fixed.frames.error(level, state.unknowns.field()) }
     }
 }
 
@@ -228,7 +223,7 @@ struct Done<M: Model> {
 impl<M: Model> State<M> {
     /// The field at which the next warp begins.
     fn next_start(&self, threads: &Threads) -> Field {
-        let (found, size) = (self.unknowns.field(), self.level_size(self.level));
+        let (found, size) = (self.unknowns.field(), self.fixed.frames.size(self.level));
         let start = if found.u.size() == size { found.clone() } else { found.resized(size, threads) };
         if self.is_first_warp() {
             return start;
@@ -238,63 +233,18 @@ impl<M: Model> State<M> {
 
     /// Whether nothing was found before the warp at hand.
     pub(super) fn is_first_warp(&self) -> bool {
-        self.warp == 0 && self.level + 1 == self.levels()
+        self.warp == 0 && self.level + 1 == self.fixed.frames.count()
     }
 
     /// What was found on `level`, if that is done.
     pub(super) fn found(&self, level: usize) -> Option<&Field> {
-        self.coarser.get(self.levels() - 1 - level).map(|found| found.field())
-    }
-
-    /// How many levels there are.
-    pub(super) fn levels(&self) -> usize {
-        self.fixed.levels[0].len()
-    }
-
-    /// Width and height of a level in its own px.
-    pub(super) fn level_size(&self, level: usize) -> (usize, usize) {
-        self.fixed.levels[0][level].size()
-    }
-
-    /// How many px of the picture one of a level is, across and down.
-    pub(super) fn scale(&self, level: usize) -> [f32; 2] {
-        let ((width, height), (w, h)) = (self.fixed.given.size(), self.level_size(level));
-        [width as f32 / w as f32, height as f32 / h as f32]
+        self.coarser.get(self.fixed.frames.count() - 1 - level).map(|found| found.field())
     }
 
     /// What was found by now, on the picture.
     fn flow(&self) -> Flow {
-        let (found, size) = (self.unknowns.field(), self.fixed.given.size());
-        if found.u.size() == size { found.flow() } else { found.resized(size, &Threads::single()).flow() }
+        self.fixed.frames.flow(self.unknowns.field())
     }
-
-    /// The true displacement of a pixel of a level, in px of the picture, if it is known.
-    pub(super) fn truth(&self, (x, y): (usize, usize), scale: [f32; 2]) -> Option<[f32; 2]> {
-        let place = |i: usize, scale: f32| ((i as f32 + 0.5) * scale) as usize;
-        self.fixed.given.true_displacement((place(x, scale[0]), place(y, scale[1])))
-    }
-
-    /// Mean endpoint error in px of the picture, over the pixels of `level` whose true motion is known.
-    fn error(&self, level: usize) -> f32 {
-        let (found, scale) = (self.unknowns.field(), self.scale(level));
-        let (width, height) = found.u.size();
-        let (mut sum, mut known) = (0.0, 0u32);
-        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-            let Some([true_u, true_v]) = self.truth((x, y), scale) else { continue };
-            let [u, v] = found.at(x, y);
-            sum += f64::from((u * scale[0] - true_u).hypot(v * scale[1] - true_v));
-            known += 1;
-        }
-        (sum / f64::from(known)) as f32
-    }
-}
-
-/// The pixel whose displacement changes most from one field to the other; the first of several.
-fn most_changed(from: &Field, to: &Field) -> (usize, usize) {
-    let squared = |place: (usize, usize)| (to.u[place] - from.u[place]).powi(2) + (to.v[place] - from.v[place]).powi(2);
-    let (width, height) = from.u.size();
-    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    places.fold((0, 0), |most, place| if squared(place) > squared(most) { place } else { most })
 }
 
 impl<M: Model> Estimator for Variational<M> {
@@ -322,7 +272,7 @@ impl<M: Model> Estimator for Variational<M> {
             }
             observer.see(|| Event::Warped);
         }
-        let most = most_changed(from.field(), to.field());
+        let most = field::most_changed(from.field(), to.field());
         let done = Arc::new(Iteration { warp, from, to, most });
         (0..M::LINES.1.len()).for_each(|step| observer.see(|| Event::Step(step, Arc::clone(&done))));
         let note = self.note(state, level, &done, change);
@@ -332,12 +282,12 @@ impl<M: Model> Estimator for Variational<M> {
 
     fn units(&self, state: &State<M>) -> Option<usize> {
         let Settings { iterations, tolerance, warps, .. } = self.settings();
-        (tolerance == 0.0).then(|| state.levels() * warps * iterations)
+        (tolerance == 0.0).then(|| state.fixed.frames.count() * warps * iterations)
     }
 
     fn place(&self, state: &State<M>) -> Vec<Rung> {
         let Settings { iterations, warps, .. } = self.settings();
-        let (rung, levels) = (|index, of| Rung { index, of: Some(of) }, state.levels());
+        let (rung, levels) = (|index, of| Rung { index, of: Some(of) }, state.fixed.frames.count());
         vec![
             rung(0, 1),
             rung(levels - 1 - state.level, levels),
@@ -356,7 +306,7 @@ impl<M: Model> Estimator for Variational<M> {
     }
 
     fn explained(&self, state: &State<M>, point: [f32; 2]) -> Option<Explained> {
-        state.fixed.given.pixel_at(point).map(|_| Explained::Always)
+        state.fixed.frames.given.pixel_at(point).map(|_| Explained::Always)
     }
 
     /// What was found on coarser levels is shared by all states of a run.
@@ -370,13 +320,12 @@ impl<M: Model> Estimator for Variational<M> {
     }
 
     fn memory_bytes(&self, state: &State<M>) -> usize {
-        let Fixed { given, levels, .. } = &*state.fixed;
-        let pictures: usize =
-            given.pictures.iter().chain(levels.iter().flatten()).map(|p| size_of_val(p.cells())).sum();
-        let constraints = size_of_val(given.pictures[0].cells()) * (LINEAR_PARTS + M::SYSTEM_PARTS);
+        let frames = &state.fixed.frames;
+        let given = size_of_val(frames.given.pictures[0].cells());
+        let constraints = given * (LINEAR_PARTS + M::SYSTEM_PARTS);
         let coarser: usize = state.coarser.iter().map(|unknowns| unknowns.bytes()).sum();
         // What an iteration goes from, and what it comes to.
-        self.state_bytes(state) + pictures + constraints + coarser + 2 * state.unknowns.bytes()
+        self.state_bytes(state) + 2 * given + frames.bytes() + constraints + coarser + 2 * state.unknowns.bytes()
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {

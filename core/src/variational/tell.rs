@@ -13,13 +13,9 @@ impl<M: Model> Looked<'_, M> {
     /// The iteration at a cursor, at the pixel pointed at, or else the one that changes most; `None` before its first step.
     fn at<'a>(seen: &'a Seen<Variational<M>>) -> Option<Looked<'a, M>> {
         let Some(Event::Step(_, iteration)) = seen.events.last() else { return None };
-        let state = seen.before;
-        let ((width, height), scale) = (state.level_size(state.level), state.scale(state.level));
-        let pointed_at = seen.focus.and_then(|point| state.fixed.given.pixel_at(point)).map(|(x, y)| {
-            let on_level = |c: usize, scale: f32, extent: usize| (((c as f32 + 0.5) / scale) as usize).min(extent - 1);
-            (on_level(x, scale[0], width), on_level(y, scale[1], height))
-        });
-        Some(Looked { iteration, place: pointed_at.unwrap_or(iteration.most), level: state.level, scale })
+        let (frames, level) = (&seen.before.fixed.frames, seen.before.level);
+        let pointed_at = seen.focus.and_then(|point| frames.pixel_at(level, point));
+        Some(Looked { iteration, place: pointed_at.unwrap_or(iteration.most), level, scale: frames.scale(level) })
     }
 }
 
@@ -45,7 +41,7 @@ impl<M: Model> Variational<M> {
 
     /// What is said when a warp begins.
     fn warped(&self, state: &State<M>) -> Sentence {
-        let (width, height) = state.level_size(state.level);
+        let (width, height) = state.fixed.frames.size(state.level);
         let warp = format!("{} of {}", state.warp + 1, self.settings().warps);
         let what = if state.is_first_warp() {
             "nothing was found yet, so the derivatives are taken of both frames as they are."
@@ -59,8 +55,8 @@ impl<M: Model> Variational<M> {
     fn facts(&self, seen: &Seen<Self>, looked: Option<(&Looked<M>, Vec<Fact>)>) -> Vec<Fact> {
         let state = seen.before;
         let fact = |label, value, role| Fact { label, value, role };
-        let (width, height) = state.level_size(state.level);
-        let of = state.levels() - 1;
+        let (width, height) = state.fixed.frames.size(state.level);
+        let of = state.fixed.frames.count() - 1;
         let mut facts = vec![
             fact("Level", format!("{} of {of} to 0, {width}×{height} px", state.level), None),
             fact("Iteration", format!("{} of {}", state.iteration + 1, self.settings().iterations), None),
@@ -92,7 +88,7 @@ impl<M: Model> Variational<M> {
     /// The pyramid, if it has more levels than the picture itself; that is what there is before anything was done.
     pub(super) fn levels(&self, seen: &Seen<Self>) -> Option<Levels> {
         let at_work = if seen.events.is_empty() { 0 } else { seen.before.level };
-        (seen.before.levels() > 1).then(|| Levels { all: seen.before.fixed.pictures(), at_work })
+        (seen.before.fixed.frames.count() > 1).then(|| Levels { all: seen.before.fixed.pictures(), at_work })
     }
 
     /// The pyramid with the pixel that is explained, and with those of the other levels that lie where it does.
@@ -101,9 +97,10 @@ impl<M: Model> Variational<M> {
         let Some(looked) = Looked::at(seen) else {
             return Some(Stack { floors: vec![Floor::default(); levels.all.len()], levels });
         };
-        let here = state.scale(state.level);
+        let frames = &state.fixed.frames;
+        let here = frames.scale(state.level);
         let floor = |level: usize| {
-            let ((width, height), scale) = (state.level_size(level), state.scale(level));
+            let ((width, height), scale) = (frames.size(level), frames.scale(level));
             let on_level =
                 |c: usize, i: usize, extent: usize| (((c as f32 + 0.5) * here[i] / scale[i]) as usize).min(extent - 1);
             let (x, y) = (on_level(looked.place.0, 0, width), on_level(looked.place.1, 1, height));
@@ -119,10 +116,9 @@ impl<M: Model> Variational<M> {
 
     /// Marks the pixel that is explained.
     pub(super) fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let Some(Looked { place: (x, y), scale, .. }) = Looked::at(seen) else { return };
-        let edge = |i: usize, scale: f32| i as f32 * scale - 0.5;
-        let min = [edge(x, scale[0]), edge(y, scale[1])];
-        let max = [edge(x + 1, scale[0]), edge(y + 1, scale[1])];
+        let Some(Looked { place: (x, y), level, .. }) = Looked::at(seen) else { return };
+        let [x, y] = [x, y].map(|c| c as f32);
+        let [min, max] = seen.before.fixed.frames.on_picture(level, [x, y], [x + 1.0, y + 1.0]);
         scene.mark(Picture::Current, Role::Reference, Shape::Rect { min, max });
         scene.legend(Role::Reference, "pixel that is explained");
     }
@@ -173,11 +169,10 @@ fn plane<M: Model>(
     points: Vec<(&'static str, Role, [f32; 2])>,
     lines: Vec<crate::scene::Constraint>,
 ) -> Readout {
-    let scale = looked.scale;
     let mut all = vec![("before", Role::Best, looked.from())];
     all.extend(points);
-    let truth = state.truth(looked.place, scale);
-    all.extend(truth.map(|[u, v]| ("truth", Role::Truth, [u / scale[0], v / scale[1]])));
+    let truth = state.fixed.frames.truth(looked.level, looked.place);
+    all.extend(truth.map(|truth| ("truth", Role::Truth, truth)));
     Readout::Plane(Plane {
         title: "Constraint and smoothness",
         unit: looked.unit(),
