@@ -35,6 +35,7 @@ pub mod synth;
 mod threads;
 mod timeline;
 mod variational;
+mod wide;
 
 pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use coding::Coding;

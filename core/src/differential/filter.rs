@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use crate::wide::wide;
 use crate::{Border, Grid, Threads};
 
 /// How a picture goes on beyond its edge.
@@ -34,24 +35,13 @@ pub fn separable(
 ) -> Grid<f32> {
     let ((width, height), beyond) = (image.size(), beyond.into());
     let mut filtered = Grid::new(width, height, 0.0);
-    threads.rows(&mut filtered, |y, target| row_of(image, (across, down), (beyond, y), target));
+    threads.rows(&mut filtered, |y, target| row_of(image, (across, down), (beyond, y), &mut Vec::new(), target));
     filtered
 }
 
-/// Row `y` of what [`separable`] gives, with the widest registers there are; all give the same.
-fn row_of(image: &Grid<f32>, filter: (&[f32], &[f32]), at: (Beyond, usize), target: &mut [f32]) {
-    #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has AVX2.
-        return unsafe { row_of_avx2(image, filter, at, target) };
-    }
-    filtered_row(image, filter, at, &mut Vec::new(), target);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn row_of_avx2(image: &Grid<f32>, filter: (&[f32], &[f32]), at: (Beyond, usize), target: &mut [f32]) {
-    filtered_row(image, filter, at, &mut Vec::new(), target);
+wide! {
+    fn row_of(image: &Grid<f32>, filter: (&[f32], &[f32]), at: (Beyond, usize), row: &mut Vec<f32>, target: &mut [f32])
+        = filtered_row
 }
 
 /// Row `y` of what [`separable`] gives, added to `target`; `row` is room to work in.

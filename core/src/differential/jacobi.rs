@@ -3,6 +3,7 @@
 use super::Field;
 use super::relax::{BESIDE, update};
 use crate::Threads;
+use crate::wide::widest;
 
 /// Iterations that are done while the rows are in the cache.
 pub const DEPTH: usize = 16;
@@ -119,32 +120,8 @@ impl Default for Desk {
 /// Three rows of the iteration before.
 type Around<'a> = [&'a [f32]; 3];
 
-/// A row of an iteration from three rows of the one before, with the widest registers there are; all give the same.
-fn kernel(around: [Around; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2], desk: &mut Desk) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if is_x86_feature_detected!("avx512f") {
-            // SAFETY: the processor has AVX-512.
-            return unsafe { row_avx512(around, factors, to, desk) };
-        }
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2.
-            return unsafe { row_avx2(around, factors, to, desk) };
-        }
-    }
-    row(around, factors, to, desk);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn row_avx512(around: [Around; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2], desk: &mut Desk) {
-    row(around, factors, to, desk);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn row_avx2(around: [Around; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2], desk: &mut Desk) {
-    row(around, factors, to, desk);
+widest! {
+    fn kernel(around: [Around; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2], desk: &mut Desk) = row
 }
 
 /// Beyond the edge the pixel at the edge is repeated. With w the weight beside, the mean around a pixel is w (beside +

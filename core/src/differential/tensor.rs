@@ -4,6 +4,7 @@ use super::filter::gaussian_within;
 use super::{Constraints, FLAT};
 use crate::choices;
 use crate::scene::Spread;
+use crate::wide::wide;
 
 choices! {
     /// How much the pixels of a window count.
@@ -229,20 +230,8 @@ impl Window {
     }
 }
 
-/// Adds up the products under the window of each pixel of a row, with the widest registers there are; all give the same.
-fn sum_up(window: &Window, of: &Constraints, rows: (usize, &[f32]), sums: &mut Sums) {
-    #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has AVX2.
-        return unsafe { sum_up_avx2(window, of, rows, sums) };
-    }
-    sum_up_anyhow(window, of, rows, sums);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn sum_up_avx2(window: &Window, of: &Constraints, rows: (usize, &[f32]), sums: &mut Sums) {
-    sum_up_anyhow(window, of, rows, sums);
+wide! {
+    fn sum_up(window: &Window, of: &Constraints, rows: (usize, &[f32]), sums: &mut Sums) = sum_up_anyhow
 }
 
 #[inline(always)]

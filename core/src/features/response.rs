@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::Gray;
 use crate::differential::filter::{Beyond, add_weighted, filtered_row};
 use crate::differential::{Scheme, Tensor, Window};
+use crate::wide::wide;
 
 /// The structure tensors of a picture.
 pub struct Tensors<'a> {
@@ -23,18 +24,10 @@ impl Tensors<'_> {
     /// Tells of each of `rows` its number and the means of Iₓ², Iₓ I_y and I_y² of its pixels, with the widest registers
     /// there are; all give the same.
     pub fn rows(&self, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2.
-            return unsafe { self.rows_avx2(rows, tell) };
+        wide! {
+            fn wide(of: &Tensors, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) = Tensors::rows_anyhow
         }
-        self.rows_anyhow(rows, tell);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn rows_avx2(&self, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) {
-        self.rows_anyhow(rows, tell);
+        wide(self, rows, tell);
     }
 
     #[inline(always)]

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::differential::Tensor;
 use crate::pyramid::halvings;
+use crate::wide::wide;
 use crate::{Gray, Grid};
 
 /// Pixels that are worked on at once.
@@ -148,18 +149,10 @@ impl Template {
     /// The window around a place of `level` that reaches `reach` px each way. Pixels outside the picture do not
     /// count, and neither do those at its edge: their gradients are not known.
     pub fn new(level: &Level, at: [f32; 2], reach: usize) -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2.
-            return unsafe { Self::new_avx2(level, at, reach) };
+        wide! {
+            fn wide(level: &Level, at: [f32; 2], reach: usize) -> Template = Template::new_anyhow
         }
-        Self::new_anyhow(level, at, reach)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn new_avx2(level: &Level, at: [f32; 2], reach: usize) -> Self {
-        Self::new_anyhow(level, at, reach)
+        wide(level, at, reach)
     }
 
     #[inline(always)]
@@ -203,18 +196,10 @@ impl Template {
 
     /// How the window fits to a place in `next`, which lies in that picture.
     pub fn mismatch(&self, next: &Level, at: [f32; 2]) -> Mismatch {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2.
-            return unsafe { self.mismatch_avx2(next, at) };
+        wide! {
+            fn wide(of: &Template, next: &Level, at: [f32; 2]) -> Mismatch = Template::mismatch_anyhow
         }
-        self.mismatch_anyhow(next, at)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn mismatch_avx2(&self, next: &Level, at: [f32; 2]) -> Mismatch {
-        self.mismatch_anyhow(next, at)
+        wide(self, next, at)
     }
 
     #[inline(always)]

@@ -2,6 +2,7 @@
 //! expansion for orientation and motion estimation, Linköping 2002, chapter 4).
 
 use crate::differential::filter::{add_weighted, gaussian_within};
+use crate::wide::wide;
 use crate::{Grid, Threads};
 
 /// The polynomial c + bₓ x + b_y y + aₓₓ x² + 2 aₓ_y x y + a_yy y² about a pixel, in gray levels, x and y in px from it: in
@@ -161,18 +162,10 @@ impl Expander {
 
     /// The polynomials of row `y`, with the widest registers there are; all give the same.
     fn row(&self, picture: &Grid<f32>, y: usize, row: &mut [Packed]) {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2.
-            return unsafe { self.row_avx2(picture, y, row) };
+        wide! {
+            fn wide(by: &Expander, picture: &Grid<f32>, y: usize, row: &mut [Packed]) = Expander::row_anyhow
         }
-        self.row_anyhow(picture, y, row);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn row_avx2(&self, picture: &Grid<f32>, y: usize, row: &mut [Packed]) {
-        self.row_anyhow(picture, y, row);
+        wide(self, picture, y, row);
     }
 
     #[inline(always)]

@@ -4,6 +4,7 @@
 use super::Packed;
 use crate::differential::filter::add_weighted;
 use crate::differential::{Field, Tensor, Window};
+use crate::wide::wide;
 use crate::{Grid, Threads};
 
 /// The polynomials of frames t and t + 1, and the displacements found so far.
@@ -93,18 +94,10 @@ impl Moved<'_> {
 
     /// A row of the products, with the widest registers there are; all give the same.
     fn product_row(&self, y: usize, row: &mut [f32]) {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2.
-            return unsafe { self.product_row_avx2(y, row) };
+        wide! {
+            fn wide(of: &Moved, y: usize, row: &mut [f32]) = Moved::product_row_anyhow
         }
-        self.product_row_anyhow(y, row);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn product_row_avx2(&self, y: usize, row: &mut [f32]) {
-        self.product_row_anyhow(y, row);
+        wide(self, y, row);
     }
 
     #[inline(always)]
@@ -173,18 +166,11 @@ impl Agreement {
 
     /// A row of displacements, with the widest registers there are; all give the same.
     fn row(&self, products: (&Grid<f32>, &[f32]), from: (&Field, usize), row: [&mut [f32]; 3]) {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2.
-            return unsafe { self.row_avx2(products, from, row) };
+        wide! {
+            fn wide(by: &Agreement, products: (&Grid<f32>, &[f32]), from: (&Field, usize), row: [&mut [f32]; 3])
+                = Agreement::row_anyhow
         }
-        self.row_anyhow(products, from, row);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn row_avx2(&self, products: (&Grid<f32>, &[f32]), from: (&Field, usize), row: [&mut [f32]; 3]) {
-        self.row_anyhow(products, from, row);
+        wide(self, products, from, row);
     }
 
     #[inline(always)]

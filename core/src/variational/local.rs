@@ -3,8 +3,8 @@
 //! Both solvers lessen the energy Σ (w, 1)ᵀ T (w, 1) + α² Σ wₙ |w − wₙ|² over the displacements w = (u, v), the second sum as in
 //! [`relax`].
 
-use super::wide::{LANES, lane, widest};
 use crate::differential::{Field, Linear, filter, relax};
+use crate::wide::{LANES, lane, widest};
 use crate::{Border, Grid, Threads};
 
 /// The motion tensor of every pixel: the products of the factors of the constraints, smoothed.

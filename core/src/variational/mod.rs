@@ -11,7 +11,6 @@ pub mod primal_dual;
 mod run;
 mod solver;
 mod tell;
-mod wide;
 
 pub(crate) use declare::variational_params;
 pub use declare::{HasSettings, Settings};

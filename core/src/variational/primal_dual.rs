@@ -4,8 +4,8 @@
 //! that fits, and ∇ are differences to the next pixel, 0 at the last one.
 
 use super::model::Unknowns;
-use super::wide::{LANES, lane, widest};
 use crate::differential::{Field, Linear};
+use crate::wide::{LANES, lane, widest};
 use crate::{Grid, Threads};
 
 /// A field and its dual variables.
