@@ -214,7 +214,7 @@ impl<'a> Found<'a> {
         let known = match self {
             Self::Drawn(..) | Self::Output(Output::Dense(_)) => Known::Dense,
             Self::Output(Output::Blocks(_)) | Self::Several(_) => Known::Blocks,
-            Self::Output(Output::Points(_) | Output::Tracks(_)) => Known::Points,
+            Self::Output(Output::Points(_) | Output::Tracks(_) | Output::Objects(_)) => Known::Points,
         };
         Offer {
             known,

@@ -81,12 +81,12 @@ pub struct Moment<'a> {
     pub tiles: &'a [Tile],
 }
 
-/// Frames `t` and `t + 1` of `clip`, and what their files are called.
+/// Frames `t` and `t + 1` of `clip`, and what their files are called; the last frame stands beside itself.
 ///
 /// # Errors
-/// If there is no such pair, or it cannot be decoded.
+/// If there is no such frame, or it cannot be decoded.
 pub fn pair(clip: &Clip, t: usize) -> Result<Pictures, Error> {
-    Ok(Pictures { names: [t, t + 1].map(|frame| clip.frame_name(frame)), ..Pictures::of(clip.pair(t)?) })
+    Ok(Pictures { names: [t, t + 1].map(|frame| clip.frame_name(frame)), ..Pictures::of(clip.pair_or_last(t)?) })
 }
 
 /// The pair of frames that was shown last: most steps show the same as the one before.

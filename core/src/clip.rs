@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::{Error, Gray, Grid, Stop};
+use crate::{Detection, Error, Gray, Grid, Stop};
 
 /// One picture of a clip: its gray values, and its colours if it has any.
 ///
@@ -191,6 +191,7 @@ pub struct Clip {
     info: Arc<ClipInfo>,
     frames: Arc<dyn FrameSource>,
     truth: Option<Arc<dyn Truth>>,
+    detections: Option<Arc<Vec<Vec<Detection>>>>,
     stop: Stop,
 }
 
@@ -203,7 +204,7 @@ impl fmt::Debug for Clip {
 impl Clip {
     /// A clip of frames that `frames` delivers.
     pub fn new(info: ClipInfo, frames: Arc<dyn FrameSource>) -> Self {
-        Self { info: Arc::new(info), frames, truth: None, stop: Stop::default() }
+        Self { info: Arc::new(info), frames, truth: None, detections: None, stop: Stop::default() }
     }
 
     /// A clip of frames in memory.
@@ -238,6 +239,12 @@ impl Clip {
         self
     }
 
+    /// The same clip with what someone detected in its frames beside it, from frame 0 on; in later ones nothing.
+    pub fn with_detections(mut self, detections: Vec<Vec<Detection>>) -> Self {
+        self.detections = Some(Arc::new(detections));
+        self
+    }
+
     /// The same clip with other facts told about it.
     pub fn with_info(mut self, info: ClipInfo) -> Self {
         self.info = Arc::new(info);
@@ -258,6 +265,11 @@ impl Clip {
     /// What is known about the clip beyond its pixels.
     pub fn truth(&self) -> Option<&Arc<dyn Truth>> {
         self.truth.as_ref()
+    }
+
+    /// What someone detected in frame `t`; `None` for a clip without detections.
+    pub fn detections(&self, t: usize) -> Option<&[Detection]> {
+        self.detections.as_ref().map(|frames| frames.get(t).map_or(&[][..], Vec::as_slice))
     }
 
     /// Width and height in pixels of every frame.
@@ -309,6 +321,15 @@ impl Clip {
             )));
         }
         Ok([self.frame(t)?, self.frame(t.saturating_add(1))?])
+    }
+
+    /// Frame `t` and the one that follows; the last one stands beside itself.
+    ///
+    /// # Errors
+    /// As [`Clip::frame`].
+    pub fn pair_or_last(&self, t: usize) -> Result<[Arc<Frame>; 2], Error> {
+        let is_last = self.info.frames.is_some_and(|frames| t.checked_add(1) == Some(frames));
+        if is_last { self.frame(t).map(|frame| [Arc::clone(&frame), frame]) } else { self.pair(t) }
     }
 
     /// A clip of frames `t + 1` and `t`, in this order, of which nothing more is known.

@@ -192,7 +192,7 @@ fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> Option<f64> {
 /// The displacement of every block or pixel, where it is known; `None` of features.
 fn displacements(output: &Output) -> Option<Vec<Option<[f32; 2]>>> {
     Some(match output {
-        Output::Points(_) | Output::Tracks(_) => return None,
+        Output::Points(_) | Output::Tracks(_) | Output::Objects(_) => return None,
         Output::Blocks(field) => field.vectors.iter().map(|vector| vector.map(|vector| vector.displacement)).collect(),
         Output::Dense(DenseField { flow, .. }) => {
             let known = |uv: &[f32; 2]| Some(*uv).filter(|uv| uv.iter().all(|c| c.is_finite()));

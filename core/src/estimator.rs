@@ -94,6 +94,8 @@ pub enum Promise {
     },
     /// No displacement, but features: those of a picture that is moved are moved alike.
     Places,
+    /// No displacement, but what moves before a background at rest: it is found in its place.
+    Objects,
     /// The part along the gradient of a displacement of a fraction of a px, on any smooth texture.
     AlongGradient,
 }
@@ -215,8 +217,8 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
         Vec::new()
     }
 
-    /// The first frame of the pair that the next unit of `state` works on, for those that go through a clip; `None` where
-    /// that is always the pair of the run.
+    /// The frame that the next unit of `state` works on, for those that go through a clip: the first of a pair, or one by
+    /// itself. `None` where that is always the pair of the run.
     fn at_frame(&self, _state: &Self::State) -> Option<usize> {
         None
     }

@@ -22,6 +22,7 @@ mod levels;
 pub mod lockstep;
 mod memory;
 pub mod metrics;
+pub mod objects;
 pub mod optical_flow;
 mod output;
 pub mod params;
@@ -49,6 +50,7 @@ pub use histogram::{Counted, Histogram};
 pub use interpolation::Interpolation;
 pub use levels::{Floor, Level, Levels, Stack};
 pub use lockstep::{Beside, Lockstep, Pace};
+pub use objects::{Blob, Bounds, Detection, Life, Mask, Object, ObjectField, ObjectFrame};
 pub use output::{
     Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Feature, Output, PointField, Status, Track,
     TrackField, predict,

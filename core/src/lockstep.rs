@@ -177,7 +177,7 @@ impl Lockstep {
         let members = estimators.iter().map(member).collect::<Result<Vec<_>, Error>>()?;
         let blocks = members.iter().map(|member| match member.walk.output() {
             Output::Blocks(field) => Ok(field.blocks),
-            Output::Dense(_) | Output::Points(_) | Output::Tracks(_) => {
+            _ => {
                 let id = member.walk.info().id;
                 Err(Error::new(format!("{id} has no blocks to be walked in lockstep; choose block searches")))
             }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::{Border, Flow, Gray, Grid, Interpolation};
+use crate::{Border, Flow, Gray, Grid, Interpolation, ObjectField};
 
 /// The result of a run, or of the part of it that was done.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,8 @@ pub enum Output {
     Points(PointField),
     /// Features that were tracked from frame to frame.
     Tracks(TrackField),
+    /// What does not belong to the background, and the objects that it is made of.
+    Objects(ObjectField),
 }
 
 impl Output {
@@ -26,6 +28,7 @@ impl Output {
             Output::Dense(field) => field.flow.clone(),
             Output::Points(field) => field.flow(),
             Output::Tracks(field) => field.frames().last().map_or_else(|| field.at(0), |t| field.at(t)).flow(),
+            Output::Objects(field) => Flow(Grid::new(field.picture.0, field.picture.1, Flow::UNKNOWN)),
         }
     }
 
@@ -35,7 +38,7 @@ impl Output {
         match self {
             Output::Blocks(field) => Some(predict(&field.flow(), next, (field.border, field.filter))),
             Output::Dense(field) => Some(predict(&field.flow, next, (Border::Replicate, Interpolation::Bilinear))),
-            Output::Points(_) | Output::Tracks(_) => None,
+            Output::Points(_) | Output::Tracks(_) | Output::Objects(_) => None,
         }
     }
 
@@ -43,7 +46,7 @@ impl Output {
     pub fn blocks(&self) -> Option<&BlockField> {
         match self {
             Output::Blocks(field) => Some(field),
-            Output::Dense(_) | Output::Points(_) | Output::Tracks(_) => None,
+            _ => None,
         }
     }
 
@@ -51,7 +54,7 @@ impl Output {
     pub fn points(&self) -> Option<&PointField> {
         match self {
             Output::Points(field) => Some(field),
-            Output::Blocks(_) | Output::Dense(_) | Output::Tracks(_) => None,
+            _ => None,
         }
     }
 
@@ -59,7 +62,15 @@ impl Output {
     pub fn tracks(&self) -> Option<&TrackField> {
         match self {
             Output::Tracks(field) => Some(field),
-            Output::Blocks(_) | Output::Dense(_) | Output::Points(_) => None,
+            _ => None,
+        }
+    }
+
+    /// The objects, if it is about such.
+    pub fn objects(&self) -> Option<&ObjectField> {
+        match self {
+            Output::Objects(field) => Some(field),
+            _ => None,
         }
     }
 }

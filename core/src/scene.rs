@@ -2,7 +2,9 @@
 //!
 //! A scene is data. Painters (window, PNG, SVG) choose colours, dashes and halos by [`Role`].
 
-use crate::{Grid, Histogram, Levels, Stack};
+use std::sync::Arc;
+
+use crate::{Grid, Histogram, Levels, Mask, Stack};
 
 /// What a mark or a word stands for. A role has one colour, and one shape or line style, everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -109,6 +111,10 @@ pub enum Shape {
         /// The displacements.
         values: Grid<[f32; 2]>,
     },
+    /// Pixels that belong to something, painted half-transparent in the colour of the role.
+    Mask(Arc<Mask>),
+    /// Which region each pixel belongs to, painted half-transparent in a colour for each; 0 stays clear.
+    Labels(Arc<Grid<u32>>),
 }
 
 impl Shape {
@@ -131,7 +137,7 @@ impl Shape {
 
     /// Whether it is a layer of colours, one for each pixel, below all lines.
     pub fn is_layer(&self) -> bool {
-        matches!(self, Shape::Heat { .. })
+        matches!(self, Shape::Heat { .. } | Shape::Mask(_) | Shape::Labels(_))
     }
 
     /// As [`Scene::same`].
@@ -179,6 +185,16 @@ impl Shape {
                     Grid::from_fn(width * factor, height * factor, |x, y| values[(x / factor, y / factor)].map(times));
                 Shape::Flow { origin: first(origin), values }
             }
+            Shape::Mask(mask) => {
+                let (width, height) = mask.size();
+                let is_set = |x: usize, y: usize| mask.get(x / factor, y / factor);
+                Shape::Mask(Arc::new(Mask::from_fn(width * factor, height * factor, is_set)))
+            }
+            Shape::Labels(labels) => {
+                let (width, height) = labels.size();
+                let label = |x: usize, y: usize| labels[(x / factor, y / factor)];
+                Shape::Labels(Arc::new(Grid::from_fn(width * factor, height * factor, label)))
+            }
         }
     }
 
@@ -193,6 +209,7 @@ impl Shape {
             Shape::Path { points, .. } | Shape::Points(points) => points.concat(),
             Shape::Text { at, .. } => at.to_vec(),
             Shape::Heat { origin, .. } | Shape::Flow { origin, .. } => origin.to_vec(),
+            Shape::Mask(_) | Shape::Labels(_) => Vec::new(),
         }
     }
 }
@@ -372,6 +389,8 @@ pub enum Readout {
     Distribution(Distribution),
     /// A pyramid with what is at hand on each of its levels.
     Stack(Stack),
+    /// Matrices with the numbers of this step.
+    Matrices(Vec<Matrix>),
 }
 
 /// The kinds of [`Readout`] that a chart shows.
@@ -389,12 +408,14 @@ pub enum Chart {
     Histogram,
     /// [`Readout::Stack`].
     Stack,
+    /// [`Readout::Matrices`].
+    Matrices,
 }
 
 impl Chart {
     /// Every chart.
     pub const ALL: &'static [Chart] =
-        &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Plane, Chart::Histogram, Chart::Stack];
+        &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Plane, Chart::Histogram, Chart::Stack, Chart::Matrices];
 }
 
 impl Readout {
@@ -408,6 +429,7 @@ impl Readout {
             Readout::Plane(_) => Some(Chart::Plane),
             Readout::Histogram(_) => Some(Chart::Histogram),
             Readout::Stack(_) => Some(Chart::Stack),
+            Readout::Matrices(_) => Some(Chart::Matrices),
         }
     }
 }
@@ -434,6 +456,25 @@ pub struct Tile {
     pub values: Grid<f32>,
     /// The number shown black and the one shown white.
     pub range: [f32; 2],
+}
+
+/// A matrix, or a vector as one of a single column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Matrix {
+    /// What it is called in formulas: `P`.
+    pub symbol: &'static str,
+    /// What it is: `covariance of the state`.
+    pub name: &'static str,
+    /// Its role, if it has one.
+    pub role: Option<Role>,
+    /// Its entries.
+    pub entries: Grid<f64>,
+    /// What stands for each row, as `x` and `vₓ`; nothing where that is clear.
+    pub rows: Vec<&'static str>,
+    /// The same for the columns.
+    pub columns: Vec<&'static str>,
+    /// The entries that this step has changed.
+    pub changed: Option<Grid<bool>>,
 }
 
 /// A quantity over steps.

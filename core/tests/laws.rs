@@ -5,7 +5,7 @@ mod common;
 use common::waves;
 use motionscope_core::params::{Kind, Value};
 use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Explained, Frame, Grid, Move, Output, Promise, Scene, Step, Threads, Walk, Way,
+    AnyEstimator, Bounds, Clip, Cursor, Explained, Frame, Grid, Move, Output, Promise, Scene, Step, Threads, Walk, Way,
     estimators,
 };
 use proptest::prelude::*;
@@ -181,7 +181,8 @@ fn rungs_lead_to_ends_of_units_and_back() {
 #[test]
 fn sliced_seeking_arrives_at_the_same_place() {
     each(|estimator| {
-        let clip = moving(80, 60, (1, 0), 2);
+        // Some have a unit for each frame.
+        let clip = moving(80, 60, (1, 0), 16);
         let mut direct = estimator.walk(&clip, 0).unwrap();
         let mut sliced = estimator.walk(&clip, 0).unwrap();
         let units = estimator.extent(&clip, 0).unwrap().units;
@@ -222,6 +223,7 @@ fn known_translations_are_recovered_as_far_as_promised() {
             | Promise::SubPixel { .. }
             | Promise::Features { .. }
             | Promise::Places
+            | Promise::Objects
             | Promise::AlongGradient => return,
         };
         for motion in [(0, 0), (2, -1), (-2, 2)] {
@@ -288,6 +290,40 @@ fn features_of_a_moved_picture_are_moved_alike() {
         let again = again.into_iter().filter(|is_again| *is_again).count();
         let id = estimator.info().id;
         assert!(all.len() > 20 && 10 * again >= 9 * all.len(), "{id}: {again} of {} are found again", all.len());
+    }
+}
+
+/// A bright square that goes over a background at rest, and where it is in each frame.
+fn square_on_background(frames: usize) -> (Clip, Vec<Bounds>) {
+    let bounds = |t: usize| Bounds::around([12.0 + 2.5 * t as f32, 30.0 + 0.5 * t as f32], [15.0, 13.0]);
+    let frame = |t: usize| {
+        let Bounds { min, max } = bounds(t);
+        let is_inside = |p: [f32; 2]| (0..2).all(|i| min[i] < p[i] && p[i] < max[i]);
+        Frame::gray(Grid::from_fn(96, 80, |x, y| match is_inside([x as f32, y as f32]) {
+            true => 190 + texture(x as i64, y as i64 - t as i64) / 8,
+            false => smooth_texture(x as i64, y as i64) / 3 + texture(x as i64 + 300 * t as i64, y as i64) / 64,
+        }))
+    };
+    let clip = Clip::from_frames("square", (0..frames).map(frame).collect()).expect("frames of one size");
+    (clip, (0..frames).map(bounds).collect())
+}
+
+#[test]
+fn what_moves_before_a_background_is_found_in_its_place() {
+    for estimator in estimators().into_iter().filter(|estimator| estimator.promise() == Promise::Objects) {
+        let (clip, bounds) = square_on_background(24);
+        let output = estimator.run(&clip, 0, &Threads::single()).unwrap();
+        let field = output.objects().expect("objects");
+        let id = estimator.info().id;
+        assert_eq!((field.first, field.frames.len()), (0, 24), "{id}");
+        for (frame, truth) in field.frames.iter().zip(&bounds).skip(8) {
+            let places = match &frame.objects[..] {
+                [] => frame.detections.iter().map(|found| found.bounds).collect::<Vec<_>>(),
+                all => all.iter().map(|object| object.bounds).collect(),
+            };
+            let best = places.iter().map(|place| place.iou(truth)).fold(0.0, f32::max);
+            assert!(best >= 0.5, "{id}: {places:?} where {truth:?} is");
+        }
     }
 }
 

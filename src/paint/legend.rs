@@ -77,7 +77,8 @@ impl Sample {
             Shape::Arrows(_) | Shape::Flow { .. } => Some(Sample::Arrow),
             Shape::Points(_) => Some(Sample::Point),
             Shape::Path { .. } => Some(Sample::Line),
-            Shape::Text { .. } | Shape::Heat { .. } => None,
+            Shape::Mask(_) => Some(Sample::Point),
+            Shape::Text { .. } | Shape::Heat { .. } | Shape::Labels(_) => None,
         }
     }
 }

@@ -8,7 +8,7 @@ use motionscope_core::{Grid, Role, Scene, Streak};
 
 use super::fonts::Face;
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke, Trails};
-use super::{ColorMap, Ink, PointShape, Theme};
+use super::{Color, ColorMap, Ink, PointShape, Theme};
 
 /// How near to each other displacements are drawn, in points of the window and pixels of a file; closer, they would hide the picture and each other.
 const CLOSEST: f32 = 5.0;
@@ -169,6 +169,12 @@ impl Painter<'_> {
             })),
             Shape::Heat { origin, values } => self.heat(*origin, values),
             Shape::Flow { origin, values } => self.flow(role, *origin, values),
+            Shape::Mask(mask) => {
+                let color = self.ink.color.alpha(HEAT_ALPHA).0;
+                let (width, height) = mask.size();
+                self.layer([0.0; 2], Grid::from_fn(width, height, |x, y| if mask.get(x, y) { color } else { [0; 4] }));
+            }
+            Shape::Labels(labels) => self.layer([0.0; 2], labels.map(|&label| region_color(label))),
         }
     }
 
@@ -273,6 +279,19 @@ impl Painter<'_> {
         let rect = self.place.rect(min, [min[0] + width as f32, min[1] + height as f32]);
         self.out.push(Primitive::Image { pixels: Arc::new(pixels), rect });
     }
+}
+
+/// The colour of a region: hues a golden section apart, so that neighbouring labels differ; none for 0.
+fn region_color(label: u32) -> [u8; 4] {
+    if label == 0 {
+        return [0; 4];
+    }
+    let hue = 6.0 * (label as f32 * 0.618_034).fract();
+    let part = |center: f32| {
+        let far = (hue - center).abs().min(6.0 - (hue - center).abs());
+        (255.0 * (2.0 - far).clamp(0.15, 1.0)) as u8
+    };
+    Color([part(0.0), part(2.0), part(4.0), 255]).alpha(HEAT_ALPHA).0
 }
 
 /// Points along an ellipse, whatever the unit.

@@ -51,7 +51,7 @@ impl Pane {
             Pane::Surface => &[Chart::Surface, Chart::Plane],
             Pane::Surface3d => &[Chart::Surface, Chart::Stack],
             Pane::Plot => &[Chart::Series],
-            Pane::Numbers => &[Chart::Tiles],
+            Pane::Numbers => &[Chart::Tiles, Chart::Matrices],
             Pane::Histogram => &[Chart::Histogram],
         }
     }

@@ -17,6 +17,7 @@ pub mod keys;
 pub mod layout;
 mod map;
 pub mod math;
+pub mod matrices;
 pub mod model;
 pub mod panes;
 pub mod parameters;

@@ -20,7 +20,7 @@ use super::model::snapshot::Snapshot;
 use super::model::walker::View;
 use super::parts::widgets;
 use super::{
-    distribution, heat_map, histogram, parameters, plane, plots, stack3d, stage, style, surface3d, tiles, why,
+    distribution, heat_map, histogram, matrices, parameters, plane, plots, stack3d, stage, style, surface3d, tiles, why,
 };
 use crate::paint::{LevelShown, Theme};
 use crate::shot::Look;
@@ -298,6 +298,7 @@ impl Panes<'_> {
                     let is_centred = !shown.subject.estimator.tests_candidates();
                     tiles::show(ui, tiles::Input { tiles, is_centred, theme }, &mut states.tiles);
                 }
+                (Pane::Numbers, Readout::Matrices(all)) => matrices::show(ui, all, theme),
                 (Pane::Histogram, Readout::Histogram(counts)) => {
                     // The units of several in lockstep are their own, and not those of this estimator.
                     let input = histogram::Input { histogram: counts, leads: shown.tiles.is_empty(), colors, theme };
@@ -405,6 +406,9 @@ fn absent(pane: Pane, charts: &[Chart]) -> String {
             (Command::Into, "stands how the cost goes from candidate to candidate", "there are some")
         }
         Pane::Plot => (Command::Into, "stands how quantities go from step to step", "there are some"),
+        Pane::Numbers if charts.contains(&Chart::Matrices) => {
+            (Command::Into, "stand the matrices of the filter, as numbers", "it has worked with them")
+        }
         _ if candidates => (Command::Into, "stand the pixels that are compared, as numbers", "a block is compared"),
         _ => (Command::Into, "stand pixels and their derivatives, as numbers", "a pixel is asked"),
     };

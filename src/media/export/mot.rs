@@ -16,7 +16,7 @@ pub fn mot(frames: &[Vec<ObjectBox>]) -> String {
 }
 
 /// Four decimals at most.
-fn brief(value: f32) -> f64 {
+pub(super) fn brief(value: f32) -> f64 {
     (f64::from(value) * 1e4).round() / 1e4
 }
 

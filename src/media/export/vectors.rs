@@ -14,6 +14,7 @@ pub fn csv(output: &Output) -> String {
         Output::Blocks(field) => blocks(field).csv(),
         Output::Points(field) => points(field).csv(),
         Output::Tracks(field) => tracks(field).csv(),
+        Output::Objects(field) => super::objects::csv(field),
         Output::Dense(field) => match &field.confidence {
             Some(Confidence { name, values }) => {
                 let rows = pixels(&field.flow).map(|([x, y], [u, v])| {

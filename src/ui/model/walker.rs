@@ -593,7 +593,7 @@ impl Run {
             let output = self.walk.output();
             let histogram = match &output {
                 Output::Dense(field) => Histogram::of_pixels(&field.flow),
-                Output::Blocks(_) | Output::Points(_) | Output::Tracks(_) => None,
+                _ => None,
             };
             End {
                 histogram,

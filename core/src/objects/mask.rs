@@ -1,0 +1,109 @@
+//! Which pixels of a picture belong to something: a bit for each.
+
+use std::fmt;
+
+/// A set of pixels. Bit i of word w of a row is pixel 64 w + i; bits beyond the width are 0.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Mask {
+    width: usize,
+    height: usize,
+    words: Vec<u64>,
+}
+
+/// Pixels of a word.
+const BITS: usize = u64::BITS as usize;
+
+impl Mask {
+    /// No pixel of a picture of that many columns and rows.
+    pub fn new(width: usize, height: usize) -> Self {
+        Self { width, height, words: vec![0; width.div_ceil(BITS) * height] }
+    }
+
+    /// The pixels for which `is_set` holds, asked along the rows.
+    pub fn from_fn(width: usize, height: usize, mut is_set: impl FnMut(usize, usize) -> bool) -> Self {
+        let mut mask = Self::new(width, height);
+        for y in 0..height {
+            for (w, word) in mask.row_mut(y).iter_mut().enumerate() {
+                let columns = w * BITS..width.min((w + 1) * BITS);
+                *word = columns.enumerate().fold(0, |word, (i, x)| word | u64::from(is_set(x, y)) << i);
+            }
+        }
+        mask
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// Whether the pixel is set; none outside is.
+    pub fn get(&self, x: usize, y: usize) -> bool {
+        x < self.width && y < self.height && self.row(y)[x / BITS] >> (x % BITS) & 1 == 1
+    }
+
+    /// The words of row `y`.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn row(&self, y: usize) -> &[u64] {
+        let words = self.width.div_ceil(BITS);
+        &self.words[y * words..(y + 1) * words]
+    }
+
+    /// The words of row `y`. Bits beyond the width have to stay 0.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn row_mut(&mut self, y: usize) -> &mut [u64] {
+        let words = self.width.div_ceil(BITS);
+        &mut self.words[y * words..(y + 1) * words]
+    }
+
+    /// The words of all rows, one row after the other, and how many make a row.
+    pub fn words_mut(&mut self) -> (&mut [u64], usize) {
+        (&mut self.words, self.width.div_ceil(BITS))
+    }
+
+    /// How many pixels are set.
+    pub fn count(&self) -> usize {
+        self.words.iter().map(|word| word.count_ones() as usize).sum()
+    }
+
+    /// Memory that it takes, in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.words[..])
+    }
+}
+
+impl fmt::Debug for Mask {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Mask {}×{}, {} set: {:x?}", self.width, self.height, self.count(), self.words)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mask_holds_what_it_is_made_of() {
+        for (width, height) in [(1, 1), (63, 2), (64, 3), (65, 2), (200, 5)] {
+            let is_set = |x: usize, y: usize| (x * 7 + y * 13) % 5 < 2;
+            let mask = Mask::from_fn(width, height, is_set);
+            let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            assert!(places().all(|(x, y)| mask.get(x, y) == is_set(x, y)));
+            assert_eq!(mask.count(), places().filter(|&(x, y)| is_set(x, y)).count(), "no bit beyond the width");
+            assert!(!mask.get(width, 0) && !mask.get(0, height));
+        }
+    }
+}

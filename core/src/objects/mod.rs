@@ -1,0 +1,161 @@
+//! What moving objects are told with, from pixels that differ to objects with a past: masks, detections, objects.
+
+mod mask;
+mod span;
+
+use std::sync::Arc;
+
+pub use mask::Mask;
+pub use span::Span;
+
+use crate::ObjectBox;
+
+/// An axis-parallel rectangle by its outer edges, in px.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Left and top edge; that of the first pixel lies at −0.5.
+    pub min: [f32; 2],
+    /// Right and bottom edge.
+    pub max: [f32; 2],
+}
+
+impl Bounds {
+    /// The rectangle of a width and height around a centre.
+    pub fn around(center: [f32; 2], size: [f32; 2]) -> Self {
+        Self { min: [0, 1].map(|i| center[i] - size[i] / 2.0), max: [0, 1].map(|i| center[i] + size[i] / 2.0) }
+    }
+
+    /// The centre.
+    pub fn center(&self) -> [f32; 2] {
+        [0, 1].map(|i| (self.min[i] + self.max[i]) / 2.0)
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [f32; 2] {
+        [0, 1].map(|i| self.max[i] - self.min[i])
+    }
+
+    /// The area in px².
+    pub fn area(&self) -> f32 {
+        let [width, height] = self.size();
+        width.max(0.0) * height.max(0.0)
+    }
+
+    /// Intersection over union, 0 to 1.
+    pub fn iou(&self, other: &Bounds) -> f32 {
+        let both = Bounds {
+            min: [0, 1].map(|i| self.min[i].max(other.min[i])),
+            max: [0, 1].map(|i| self.max[i].min(other.max[i])),
+        };
+        let (shared, all) = (both.area(), self.area() + other.area());
+        if shared > 0.0 { shared / (all - shared) } else { 0.0 }
+    }
+}
+
+impl From<&ObjectBox> for Bounds {
+    fn from(object: &ObjectBox) -> Self {
+        let min = [object.x, object.y];
+        Self { min, max: [min[0] + object.width, min[1] + object.height] }
+    }
+}
+
+/// Something that was found in one frame by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detection {
+    /// Its box.
+    pub bounds: Bounds,
+    /// Where it is: its centroid, or the centre of its box.
+    pub center: [f32; 2],
+    /// How sure the detector is, as large as it likes; 1 where it does not say.
+    pub score: f32,
+    /// What it looks like, where its pixels are known.
+    pub blob: Option<Blob>,
+}
+
+/// The shape of a connected region.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blob {
+    /// Its label, from 1.
+    pub label: u32,
+    /// Pixels.
+    pub area_px: u32,
+    /// Half axes in px of the ellipse with the same second moments, the longer one first.
+    pub radii: [f32; 2],
+    /// From x towards y to the longer axis, in radians, −π/2 to π/2.
+    pub angle_rad: f32,
+    /// Mean gray value.
+    pub gray: f32,
+}
+
+/// Where an object stands in its life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Life {
+    /// Seen too seldom to be believed in.
+    Tentative,
+    /// Seen in this frame.
+    Confirmed,
+    /// Not seen in this frame, but expected back.
+    Coasting,
+}
+
+impl Life {
+    /// Kebab-case name, for tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Life::Tentative => "tentative",
+            Life::Confirmed => "confirmed",
+            Life::Coasting => "coasting",
+        }
+    }
+}
+
+/// An object that is tracked, in one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Object {
+    /// Its identity, the same in every frame, from 1.
+    pub id: u32,
+    /// Its box.
+    pub bounds: Bounds,
+    /// Where it stands in its life.
+    pub life: Life,
+    /// Where it is believed to be, in px.
+    pub position: [f64; 2],
+    /// Its velocity in px/frame, where that is estimated.
+    pub velocity: Option<[f64; 2]>,
+    /// The covariance of the position in px², by rows, where that is known.
+    pub covariance: Option<[[f64; 2]; 2]>,
+    /// The detection of this frame that belongs to it.
+    pub detection: Option<usize>,
+}
+
+/// What one frame came to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObjectFrame {
+    /// The pixels that do not belong to the background, where that was asked.
+    pub mask: Option<Mask>,
+    /// What was detected.
+    pub detections: Vec<Detection>,
+    /// The objects, by identity; none where nobody tracks them.
+    pub objects: Vec<Object>,
+}
+
+/// What was found in frame after frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectField {
+    /// Width and height of the picture in px.
+    pub picture: (usize, usize),
+    /// The first frame.
+    pub first: usize,
+    /// What it and those that follow came to.
+    pub frames: Vec<Arc<ObjectFrame>>,
+}
+
+impl ObjectFrame {
+    /// Memory that it takes, in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of::<Self>()
+            + self.mask.as_ref().map_or(0, Mask::bytes)
+            + size_of_val(&self.detections[..])
+            + size_of_val(&self.objects[..])
+    }
+}

@@ -1,0 +1,143 @@
+//! Detections and tracked objects as tables and as MOTChallenge rows.
+
+use motionscope_core::{Bounds, Detection, Life, Object, ObjectField};
+
+use super::{Cell, Table};
+
+/// One row for each object in each frame; for each detection where nobody tracks them.
+pub fn csv(field: &ObjectField) -> String {
+    if field.frames.iter().any(|frame| !frame.objects.is_empty()) {
+        objects(field).csv()
+    } else {
+        detections(field).csv()
+    }
+}
+
+fn frames(field: &ObjectField) -> impl Iterator<Item = (Cell, &motionscope_core::ObjectFrame)> {
+    field.frames.iter().enumerate().map(|(i, frame)| (Cell::Int((field.first + i) as i64), &**frame))
+}
+
+/// Upper left corner, width and height.
+fn place(bounds: &Bounds) -> [Cell; 4] {
+    let ([x, y], [width, height]) = (bounds.min, bounds.size());
+    [x, y, width, height].map(Cell::Single)
+}
+
+fn objects(field: &ObjectField) -> Table<13> {
+    let columns = [
+        "frame",
+        "id",
+        "x_px",
+        "y_px",
+        "u_px",
+        "v_px",
+        "left_px",
+        "top_px",
+        "width_px",
+        "height_px",
+        "status",
+        "sigma_x_px",
+        "sigma_y_px",
+    ];
+    let row = |frame: Cell, object: &Object| {
+        let [x, y] = object.position.map(Cell::Real);
+        let [u, v] = object.velocity.map_or([Cell::Empty; 2], |velocity| velocity.map(Cell::Real));
+        let [left, top, width, height] = place(&object.bounds);
+        let sigma = |i: usize| object.covariance.map_or(Cell::Empty, |c| Cell::Real(c[i][i].max(0.0).sqrt()));
+        let status = Cell::Word(object.life.name());
+        let id = Cell::Int(i64::from(object.id));
+        [frame, id, x, y, u, v, left, top, width, height, status, sigma(0), sigma(1)]
+    };
+    let rows = frames(field).flat_map(|(t, frame)| frame.objects.iter().map(move |object| row(t, object)));
+    Table { columns, rows: rows.collect() }
+}
+
+fn detections(field: &ObjectField) -> Table<12> {
+    let columns = [
+        "frame",
+        "x_px",
+        "y_px",
+        "left_px",
+        "top_px",
+        "width_px",
+        "height_px",
+        "score",
+        "area_px",
+        "angle_deg",
+        "elongation",
+        "gray",
+    ];
+    let row = |frame: Cell, found: &Detection| {
+        let [x, y] = found.center.map(Cell::Single);
+        let [left, top, width, height] = place(&found.bounds);
+        let blob = found.blob.map_or([Cell::Empty; 4], |blob| {
+            let [long, short] = blob.radii;
+            let angle = Cell::Single(blob.angle_rad.to_degrees());
+            [Cell::Int(i64::from(blob.area_px)), angle, Cell::Single(long / short), Cell::Single(blob.gray)]
+        });
+        let [area, angle, elongation, gray] = blob;
+        [frame, x, y, left, top, width, height, Cell::Single(found.score), area, angle, elongation, gray]
+    };
+    let rows = frames(field).flat_map(|(t, frame)| frame.detections.iter().map(move |found| row(t, found)));
+    Table { columns, rows: rows.collect() }
+}
+
+/// The objects seen in each frame as MOTChallenge's results: frame, id, left, top, width, height, 1, −1, −1, −1; frames and
+/// pixels counted from 1. Tentative objects and those that coast are left out.
+pub fn tracks(field: &ObjectField) -> String {
+    let seen = |object: &&Object| object.life == Life::Confirmed;
+    let row = |t: usize, object: &Object| {
+        let ([x, y], [width, height]) = (object.bounds.min, object.bounds.size());
+        // The left edge of our first pixel lies at −0.5, that of theirs at 1.
+        let [left, top, width, height] = [x + 1.5, y + 1.5, width, height].map(super::mot::brief);
+        format!("{},{},{left},{top},{width},{height},1,-1,-1,-1\n", t + 1, object.id)
+    };
+    let frames = field.frames.iter().enumerate();
+    let rows = frames.flat_map(|(i, frame)| frame.objects.iter().filter(seen).map(move |o| row(field.first + i, o)));
+    rows.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use motionscope_core::{Blob, ObjectFrame};
+
+    use super::*;
+
+    fn field() -> ObjectField {
+        let bounds = Bounds { min: [-0.5, 9.5], max: [3.5, 12.0] };
+        let blob = Blob { label: 1, area_px: 10, radii: [2.0, 1.0], angle_rad: 0.0, gray: 90.0 };
+        let found = Detection { bounds, center: bounds.center(), score: 0.5, blob: Some(blob) };
+        let object = |id, life| Object {
+            id,
+            bounds,
+            life,
+            position: [1.5, 10.75],
+            velocity: Some([1.0, -0.5]),
+            covariance: Some([[4.0, 0.0], [0.0, 2.25]]),
+            detection: None,
+        };
+        let all = vec![object(3, Life::Confirmed), object(4, Life::Coasting), object(5, Life::Tentative)];
+        let frames = vec![
+            Arc::new(ObjectFrame { mask: None, detections: vec![found], objects: Vec::new() }),
+            Arc::new(ObjectFrame { mask: None, detections: Vec::new(), objects: all }),
+        ];
+        ObjectField { picture: (32, 24), first: 4, frames }
+    }
+
+    #[test]
+    fn results_count_frames_and_pixels_from_one() {
+        assert_eq!(tracks(&field()), "6,3,1,11,4,2.5,1,-1,-1,-1\n");
+    }
+
+    #[test]
+    fn a_table_tells_of_objects_or_else_of_detections() {
+        let all = csv(&field());
+        assert!(all.contains("\n5,4,1.5,10.75,1,-0.5,-0.5,9.5,4,2.5,coasting,2,1.5\n"), "{all}");
+        let mut found = field();
+        found.frames.truncate(1);
+        let all = csv(&found);
+        assert!(all.contains("\n4,1.5,10.75,-0.5,9.5,4,2.5,0.5,10,0,2,90\n"), "{all}");
+    }
+}
