@@ -18,6 +18,7 @@ mod grid;
 mod histogram;
 pub mod interest_points;
 mod interpolation;
+pub mod kalman;
 mod levels;
 pub mod lockstep;
 mod memory;
@@ -35,6 +36,7 @@ mod streaks;
 pub mod synth;
 mod threads;
 mod timeline;
+pub mod tracking;
 mod variational;
 mod wide;
 

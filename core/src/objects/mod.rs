@@ -1,6 +1,8 @@
 //! What moving objects are told with, from pixels that differ to objects with a past: masks, detections, objects.
 
+pub mod assignment;
 mod mask;
+pub mod source;
 mod span;
 
 use std::sync::Arc;

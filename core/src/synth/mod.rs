@@ -24,7 +24,7 @@ pub(crate) mod disturb;
 mod layer;
 mod maths;
 mod motion;
-mod random;
+pub(crate) mod random;
 mod recent;
 mod scenes;
 mod shape;

@@ -1,0 +1,13 @@
+//! The Kalman filter: R. E. Kalman, A new approach to linear filtering and prediction problems, 1960; motions, consistency and
+//! smoothing after Y. Bar-Shalom, X. R. Li and T. Kirubarajan, Estimation with applications to tracking and navigation, 2001.
+
+mod any;
+pub mod chi_square;
+mod ellipse;
+mod filter;
+mod motion;
+
+pub use any::{Filter, Measurement, Model, PredictionNumbers, UpdateNumbers};
+pub use ellipse::ellipse;
+pub use filter::{Estimate, Innovation, Prediction, Sensor, Smoothed, Update, smoothed};
+pub use motion::{Acceleration, Motion, Turn, Velocity};

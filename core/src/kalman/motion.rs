@@ -1,0 +1,211 @@
+//! How objects are thought to move from one frame to the next. Time is counted in frames, places in px.
+
+use nalgebra::{Matrix4, Matrix5, SMatrix, SVector, Vector5};
+
+/// A model of motion with a state of `N` numbers, the first two of which are the place, the next two the velocity.
+pub trait Motion<const N: usize> {
+    /// What the numbers of the state are.
+    const NAMES: [&'static str; N];
+
+    /// The state a frame later: f(x).
+    fn moved(&self, state: &SVector<f64, N>) -> SVector<f64, N>;
+
+    /// The derivatives of that by the state: F.
+    fn transition(&self, state: &SVector<f64, N>) -> SMatrix<f64, N, N>;
+
+    /// What is uncertain about it: Q.
+    fn noise(&self) -> SMatrix<f64, N, N>;
+
+    /// Standard deviations of what a first measurement of the place does not tell.
+    fn doubts(&self, speed: f64) -> [f64; N];
+}
+
+/// Constant velocity, disturbed by accelerations that last a frame each (Bar-Shalom, section 6.3.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Velocity {
+    /// Standard deviation of the acceleration in px/frame².
+    pub acceleration: f64,
+}
+
+/// Constant acceleration, disturbed by what is added to it in each frame (Bar-Shalom, section 6.3.3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Acceleration {
+    /// Standard deviation of what is added in px/frame².
+    pub change: f64,
+}
+
+/// Coordinated turn: constant speed and turn rate, disturbed by accelerations and by changes of that rate (Bar-Shalom, section
+/// 11.7.1). It is not linear: the filter is extended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// Standard deviation of the acceleration in px/frame².
+    pub acceleration: f64,
+    /// Standard deviation of the change of the turn rate in radians/frame².
+    pub rate_change: f64,
+}
+
+/// G Gᵀ σ² of a disturbance σ that enters x and y alike by `ways` = G: into place, velocity and so on, `N` numbers by twos.
+fn disturbed<const N: usize>(ways: &[f64], deviation: f64) -> SMatrix<f64, N, N> {
+    let variance = deviation * deviation;
+    SMatrix::from_fn(|i, j| match (ways.get(i / 2), ways.get(j / 2)) {
+        (Some(a), Some(b)) if i % 2 == j % 2 => a * b * variance,
+        _ => 0.0,
+    })
+}
+
+impl Motion<4> for Velocity {
+    const NAMES: [&'static str; 4] = ["x", "y", "u", "v"];
+
+    fn moved(&self, state: &SVector<f64, 4>) -> SVector<f64, 4> {
+        self.transition(state) * state
+    }
+
+    fn transition(&self, _: &SVector<f64, 4>) -> SMatrix<f64, 4, 4> {
+        Matrix4::new(1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    }
+
+    fn noise(&self) -> SMatrix<f64, 4, 4> {
+        disturbed(&[0.5, 1.0], self.acceleration)
+    }
+
+    fn doubts(&self, speed: f64) -> [f64; 4] {
+        [0.0, 0.0, speed, speed]
+    }
+}
+
+impl Motion<6> for Acceleration {
+    const NAMES: [&'static str; 6] = ["x", "y", "u", "v", "a_x", "a_y"];
+
+    fn moved(&self, state: &SVector<f64, 6>) -> SVector<f64, 6> {
+        self.transition(state) * state
+    }
+
+    fn transition(&self, _: &SVector<f64, 6>) -> SMatrix<f64, 6, 6> {
+        // By twos: 1 for itself, 1 for what is one derivative further, ½ for two.
+        SMatrix::from_fn(|i, j| match (i % 2 == j % 2, (j / 2).checked_sub(i / 2)) {
+            (true, Some(0 | 1)) => 1.0,
+            (true, Some(2)) => 0.5,
+            _ => 0.0,
+        })
+    }
+
+    fn noise(&self) -> SMatrix<f64, 6, 6> {
+        disturbed(&[0.5, 1.0, 1.0], self.change)
+    }
+
+    fn doubts(&self, speed: f64) -> [f64; 6] {
+        // What comes and goes within some frames.
+        let change = speed / 5.0;
+        [0.0, 0.0, speed, speed, change, change]
+    }
+}
+
+/// Below this a turn is a straight line as far as numbers can tell, in radians/frame.
+const STRAIGHT: f64 = 1e-6;
+
+/// sin ω / ω and (1 − cos ω) / ω, and their derivatives by ω.
+fn arcs(rate: f64) -> ([f64; 2], [f64; 2]) {
+    if rate.abs() < STRAIGHT {
+        return ([1.0, rate / 2.0], [-rate / 3.0, 0.5]);
+    }
+    let (sin, cos) = rate.sin_cos();
+    let along = sin / rate;
+    // 1 − cos ω = 2 sin² (ω/2), without loss for small ω.
+    let across = 2.0 * (rate / 2.0).sin().powi(2) / rate;
+    ([along, across], [(cos - along) / rate, (sin - across) / rate])
+}
+
+impl Motion<5> for Turn {
+    const NAMES: [&'static str; 5] = ["x", "y", "u", "v", "ω"];
+
+    fn moved(&self, state: &SVector<f64, 5>) -> SVector<f64, 5> {
+        let [x, y, u, v, rate] = state.data.0[0];
+        let ([along, across], (sin, cos)) = (arcs(rate).0, rate.sin_cos());
+        Vector5::new(x + along * u - across * v, y + across * u + along * v, cos * u - sin * v, sin * u + cos * v, rate)
+    }
+
+    fn transition(&self, state: &SVector<f64, 5>) -> SMatrix<f64, 5, 5> {
+        let [_, _, u, v, rate] = state.data.0[0];
+        let (([along, across], [d_along, d_across]), (sin, cos)) = (arcs(rate), rate.sin_cos());
+        Matrix5::new(
+            1.0,
+            0.0,
+            along,
+            -across,
+            d_along * u - d_across * v,
+            0.0,
+            1.0,
+            across,
+            along,
+            d_across * u + d_along * v,
+            0.0,
+            0.0,
+            cos,
+            -sin,
+            -sin * u - cos * v,
+            0.0,
+            0.0,
+            sin,
+            cos,
+            cos * u - sin * v,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+        )
+    }
+
+    fn noise(&self) -> SMatrix<f64, 5, 5> {
+        let mut noise = disturbed(&[0.5, 1.0], self.acceleration);
+        noise[(4, 4)] = self.rate_change * self.rate_change;
+        noise
+    }
+
+    fn doubts(&self, speed: f64) -> [f64; 5] {
+        // A quarter of a turn in some ten frames.
+        [0.0, 0.0, speed, speed, 0.15]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector4;
+
+    use super::*;
+
+    #[test]
+    fn a_turn_keeps_its_speed_and_closes() {
+        let turn = Turn { acceleration: 1.0, rate_change: 0.1 };
+        let start = Vector5::new(3.0, -2.0, 4.0, 1.0, std::f64::consts::TAU / 40.0);
+        let mut state = start;
+        for _ in 0..40 {
+            state = turn.moved(&state);
+            assert!((state.fixed_rows::<2>(2).norm() - start.fixed_rows::<2>(2).norm()).abs() < 1e-12);
+        }
+        assert!((state - start).norm() < 1e-9, "a whole circle: {state}");
+    }
+
+    #[test]
+    fn the_jacobian_is_the_derivative() {
+        let turn = Turn { acceleration: 1.0, rate_change: 0.1 };
+        for rate in [-0.7, -1e-4, 0.0, 1e-7, 0.02, 1.3] {
+            let state = Vector5::new(5.0, 7.0, -3.0, 2.0, rate);
+            let jacobian = turn.transition(&state);
+            for j in 0..5 {
+                let mut step = SVector::<f64, 5>::zeros();
+                step[j] = 1e-5;
+                let slope = (turn.moved(&(state + step)) - turn.moved(&(state - step))) / 2e-5;
+                assert!((slope - jacobian.column(j)).norm() < 1e-6, "ω = {rate}, column {j}: {slope}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_turn_of_none_is_constant_velocity() {
+        let (turn, velocity) = (Turn { acceleration: 2.0, rate_change: 0.1 }, Velocity { acceleration: 2.0 });
+        let moved = turn.moved(&Vector5::new(1.0, 2.0, 3.0, 4.0, 0.0));
+        assert_eq!(moved.fixed_rows::<4>(0), velocity.moved(&Vector4::new(1.0, 2.0, 3.0, 4.0)));
+        assert_eq!(turn.noise().fixed_view::<4, 4>(0, 0), velocity.noise());
+    }
+}

@@ -1,0 +1,582 @@
+//! How the filter is told and drawn.
+
+use super::{Event, Gated, KalmanFilter, Moment, State};
+use crate::differential::tell::number;
+use crate::kalman::{Filter, UpdateNumbers, chi_square, ellipse};
+use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Sentence, Series, Shape};
+use crate::{Grid, Role, Scene, Seen, Step};
+
+/// Names of what a sensor measures.
+const MEASURED: [&str; 4] = ["x", "y", "u", "v"];
+
+fn fact(label: &'static str, value: String, role: Option<Role>) -> Fact {
+    Fact { label, value, role }
+}
+
+fn short(value: f64) -> String {
+    number(value as f32)
+}
+
+/// A place as a person reads it.
+fn place([x, y]: [f64; 2]) -> String {
+    // A space at which no line is broken.
+    format!("({},\u{a0}{})", short(x), short(y))
+}
+
+fn point(place: [f64; 2]) -> [f32; 2] {
+    place.map(|c| c as f32)
+}
+
+/// What is on the way of a step: the filters before and after it, as far as it has them.
+struct Now<'a> {
+    frame: usize,
+    before: Option<Filter>,
+    predicted: Option<Filter>,
+    gated: Vec<&'a Gated>,
+    after: Option<Filter>,
+}
+
+impl KalmanFilter {
+    fn now<'a>(&self, seen: &Seen<'a, Self>) -> Now<'a> {
+        let state = seen.before;
+        let mut now =
+            Now { frame: frame_of(state), before: state.filter, predicted: None, gated: Vec::new(), after: None };
+        for event in seen.events {
+            match event {
+                Event::Predicted(both) => now.predicted = Some(both[1]),
+                Event::Gated(gated) => now.gated.push(gated),
+                Event::Updated(update) => now.after = Some(update.1),
+                Event::Begun(filter) => now.after = Some(**filter),
+                Event::Missed(filter) => now.after = filter.as_deref().copied(),
+                Event::Lost(filter) => now.after = Some(**filter),
+                Event::Smoothed(all) => (now.before, now.after) = (Some(all[0]), Some(all[2])),
+                Event::Kept(filter) => {
+                    (now.before, now.after) = (filter.as_deref().copied(), filter.as_deref().copied())
+                }
+                Event::Looked(..) | Event::Hidden(_) => {}
+            }
+        }
+        now
+    }
+
+    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+        let line = match seen.events.last() {
+            None => 0,
+            Some(Event::Predicted(_)) => 1,
+            Some(Event::Looked(..) | Event::Hidden(_) | Event::Begun(_)) => 2,
+            Some(Event::Gated(_)) => 3,
+            Some(Event::Updated(_)) => 4,
+            Some(Event::Missed(_) | Event::Lost(_)) => 6,
+            Some(Event::Smoothed(_)) => 8,
+            Some(Event::Kept(_)) => 7,
+        };
+        let now = self.now(seen);
+        Step { line, sentence: self.sentence(seen, &now), readouts: self.readouts(seen, &now) }
+    }
+
+    fn sentence(&self, seen: &Seen<Self>, now: &Now) -> Sentence {
+        let said = Sentence::default();
+        let Now { frame, .. } = now;
+        match seen.events.last() {
+            None => said
+                .text("A filter believes where an object is and how it moves, and how sure that is. In each frame it ")
+                .ink(Role::Predicted, "predicts")
+                .text(", looks at what is ")
+                .ink(Role::Measured, "measured")
+                .text(" and settles ")
+                .ink(Role::Estimate, "between both")
+                .text("."),
+            Some(Event::Predicted(both)) => {
+                let [before, after] = both.each_ref().map(deviation);
+                said.text(format!("In frame {frame} the object is "))
+                    .ink(Role::Predicted, format!("expected at {}", place(both[1].place())))
+                    .text(format!(
+                        ". A time step makes that less sure: the standard deviation goes from {} to {} px.",
+                        short(before),
+                        short(after)
+                    ))
+            }
+            Some(Event::Looked(_, measured, _)) => match measured.first() {
+                None => said.text(format!("Nothing is detected in frame {frame}.")),
+                Some(first) => said.ink(Role::Measured, format!("Measured: {}", place(first.place))).text(format!(
+                    ", with a standard deviation of {} px{}.",
+                    short(first.place_deviation),
+                    if measured.len() > 1 { "; a second sensor measures as well" } else { "" }
+                )),
+            },
+            Some(Event::Hidden(_)) => {
+                said.text(format!("Frame {frame} is one of those in which nothing is to be seen of the object."))
+            }
+            Some(Event::Gated(gated)) => {
+                let said = said
+                    .ink(
+                        Role::Measured,
+                        format!("{} is a squared distance of {}", sensor(gated), short(gated.squared_distance)),
+                    )
+                    .text(" from what is expected, in units of what is uncertain about both. ");
+                let (share, limit) = (short(100.0 * f64::from(self.gate)), short(gated.limit));
+                if gated.is_inside() {
+                    said.text(format!("{share} % of all measurements of the object stay within {limit}: it is taken."))
+                } else {
+                    said.ink(
+                        Role::Error,
+                        format!("{share} % of all measurements of the object stay within {limit}: it is not taken."),
+                    )
+                }
+            }
+            Some(Event::Updated(update)) => {
+                let (gated, after) = (&update.0, &update.1);
+                let share = self.moved_share(gated);
+                said.text("What is believed moves ").ink(Role::Estimate, format!("to {}", place(after.place()))).text(
+                    format!(
+                        ", {} % of the way to the measurement, and its standard deviation goes from {} to {} px.",
+                        short(100.0 * share),
+                        short(deviation(&gated.expected)),
+                        short(deviation(after))
+                    ),
+                )
+            }
+            Some(Event::Begun(filter)) => said
+                .text("An object begins with its first measurement, at ")
+                .ink(Role::Estimate, place(filter.place()))
+                .text(format!(
+                    ". How it moves is not known: each component of its velocity is 0 ± {} px/frame.",
+                    short(f64::from(self.first_speed))
+                )),
+            Some(Event::Missed(None)) => {
+                said.text(format!("Nothing was ever measured up to frame {frame}: there is nothing to believe."))
+            }
+            Some(Event::Missed(Some(filter))) => said
+                .text("Without a measurement the prediction stands: ")
+                .ink(Role::Estimate, place(filter.place()))
+                .text(format!(". It is {} frames since the object was seen.", seen.before.missed + 1)),
+            Some(Event::Lost(_)) => said.text(format!(
+                "The object was not seen for more than {} frames and is given up; the next measurement begins another.",
+                self.patience
+            )),
+            Some(Event::Smoothed(all)) => {
+                let far = distance(all[0].place(), all[2].place());
+                said.text(format!(
+                    "Frame {frame} once more, with what is known of the next: what is believed moves by {} px ",
+                    short(far)
+                ))
+                .ink(Role::Result, format!("to {}", place(all[2].place())))
+                .text(format!(
+                    ", and its standard deviation goes from {} to {} px.",
+                    short(deviation(&all[0])),
+                    short(deviation(&all[2]))
+                ))
+            }
+            Some(Event::Kept(Some(_))) => said
+                .text(format!("After frame {frame} nothing more is known of the object: here what is believed stays.")),
+            Some(Event::Kept(None)) => {
+                said.text(format!("In frame {frame} nothing was believed that could be smoothed."))
+            }
+        }
+    }
+
+    /// How far the estimate moves towards a measurement, as a share of the way.
+    fn moved_share(&self, gated: &Gated) -> f64 {
+        let (from, to) = (gated.expected.place(), gated.measurement.place);
+        let after = gated.expected.updated(&gated.measurement).map_or(from, |(filter, _)| filter.place());
+        let way = distance(from, to);
+        if way > 0.0 { distance(from, after) / way } else { 0.0 }
+    }
+
+    fn readouts(&self, seen: &Seen<Self>, now: &Now) -> Vec<Readout> {
+        let mut readouts = vec![Readout::Facts(self.facts(seen, now))];
+        readouts.extend(self.equation(seen.events.last()));
+        let matrices = matrices(seen.events.last(), now);
+        if !matrices.is_empty() {
+            readouts.push(Readout::Matrices(matrices));
+        }
+        readouts.extend(self.series(seen));
+        readouts
+    }
+
+    fn facts(&self, seen: &Seen<Self>, now: &Now) -> Vec<Fact> {
+        let mut facts = vec![fact("Frame", now.frame.to_string(), None)];
+        let believed = now.after.or(now.predicted).or(now.before);
+        if let Some(filter) = believed {
+            let ([u, v], [[xx, _], [_, yy]]) = (filter.velocity(), filter.place_covariance());
+            let role = if now.after.is_some() { Role::Estimate } else { Role::Predicted };
+            facts.push(fact("Place", format!("{} px", place(filter.place())), Some(role)));
+            facts.push(fact(
+                "Velocity",
+                format!("{} px/frame, {} px/frame fast", place([u, v]), short(u.hypot(v))),
+                None,
+            ));
+            facts.push(fact("Standard deviation", format!("{} by {} px", short(xx.sqrt()), short(yy.sqrt())), None));
+        }
+        if let Some(gated) = now.gated.last() {
+            facts.push(fact("Measured", format!("{} px", place(gated.measurement.place)), Some(Role::Measured)));
+            facts.push(fact(
+                "NIS",
+                format!("{} of at most {}", short(gated.squared_distance), short(gated.limit)),
+                None,
+            ));
+        }
+        if let (Some(truth), Some(filter)) = (truth(seen), believed) {
+            facts.push(fact("Truth", format!("{} px", place(truth)), Some(Role::Truth)));
+            facts.push(fact("Error", format!("{} px", short(distance(truth, filter.place()))), Some(Role::Error)));
+            facts.extend(filter.squared_error(truth).map(|nees| fact("NEES", short(nees), None)));
+        }
+        facts
+    }
+
+    /// The formula of the step with its numbers, along x.
+    fn equation(&self, event: Option<&Event>) -> Option<Readout> {
+        let var = Math::Var;
+        let sub = |name, index| Math::indexed(Math::Var(name), Math::Var(index));
+        let text = |text: &str| Math::text(text);
+        let lines = match event? {
+            Event::Predicted(both) => {
+                let (before, after) = (&both[0], &both[1]);
+                let [x, u] = [before.place()[0], before.velocity()[0]];
+                vec![
+                    Math::Row(vec![
+                        var("x"),
+                        text(" ← "),
+                        var("f"),
+                        text("("),
+                        var("x"),
+                        text("), "),
+                        var("P"),
+                        text(" ← "),
+                        var("F"),
+                        var("P"),
+                        Math::power(var("F"), text("T")),
+                        text(" + "),
+                        var("Q"),
+                    ]),
+                    Math::Row(vec![
+                        var("x"),
+                        text(&format!(": {} and {} px/frame, after a frame ", short(x), short(u))),
+                        Math::ink(Role::Predicted, short(after.place()[0])),
+                    ]),
+                ]
+            }
+            Event::Gated(gated) => {
+                let numbers = gated.expected.update_numbers(&gated.measurement)?;
+                vec![Math::Row(vec![
+                    Math::power(var("ν"), text("T")),
+                    Math::power(var("S"), text("−1")),
+                    var("ν"),
+                    text(&format!(
+                        " = {} {} {}",
+                        short(numbers.squared_distance),
+                        if gated.is_inside() { "≤" } else { ">" },
+                        short(gated.limit)
+                    )),
+                ])]
+            }
+            Event::Updated(update) => {
+                let (gated, after) = (&update.0, &update.1);
+                let numbers = gated.expected.update_numbers(&gated.measurement)?;
+                let (gain, residual) = (numbers.gain[(0, 0)], numbers.residual[0]);
+                vec![
+                    Math::Row(vec![var("x"), text(" ← "), var("x"), text(" + "), var("K"), var("ν")]),
+                    Math::Row(vec![
+                        sub("x", "x"),
+                        text(" = "),
+                        Math::ink(Role::Predicted, short(gated.expected.place()[0])),
+                        text(&format!(" + {} · ", short(gain))),
+                        Math::ink(Role::Measured, short(residual)),
+                        text(" + … = "),
+                        Math::ink(Role::Estimate, short(after.place()[0])),
+                    ]),
+                ]
+            }
+            _ => return None,
+        };
+        Some(Readout::Equation(lines))
+    }
+
+    /// What goes from frame to frame, up to the one at hand.
+    fn series(&self, seen: &Seen<Self>) -> Vec<Readout> {
+        let state = seen.after.unwrap_or(seen.before);
+        let moments = || state.moments.iter().enumerate();
+        let x = |i: usize| (state.span.first + i) as f32;
+        let line = |of: &dyn Fn(&Moment) -> Option<f64>| -> Vec<[f32; 2]> {
+            moments().filter_map(|(i, moment)| Some([x(i), of(moment)? as f32])).collect()
+        };
+        let bound = |p: f64| -> Vec<[f32; 2]> {
+            let value = chi_square::quantile(p, 2) as f32;
+            [0, state.moments.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
+        };
+        let x_max = state.span.first + state.span.frames().map_or(state.moments.len(), |frames| frames - 1);
+        let series = |title, y_label, lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>| {
+            Readout::Series(Series { title, x_label: "frame", y_label, x_max, events: Vec::new(), lines })
+        };
+        if state.moments.len() < 2 {
+            return Vec::new();
+        }
+        let nis = line(&|moment| moment.nis.iter().find(|(_, numbers)| *numbers == 2).map(|(nis, _)| *nis));
+        let sigma = line(&|moment| moment.filtered.as_ref().map(deviation));
+        let smoothed = line(&|moment| moment.smoothed.as_ref().map(deviation));
+        let mut deviations = vec![("filtered", Role::Estimate, sigma)];
+        if !smoothed.is_empty() {
+            deviations.push(("smoothed", Role::Result, smoothed));
+        }
+        let mut all = vec![
+            series("NIS", "squared distance", vec![("NIS", Role::Measured, nis), ("95 %", Role::Window, bound(0.95))]),
+            series("Standard deviation", "px", deviations),
+        ];
+        let nees = line(&|moment| moment.filtered?.squared_error(moment.truth?));
+        if nees.len() > 1 {
+            let off = |of: fn(&Moment) -> Option<Filter>| {
+                line(&move |moment: &Moment| Some(distance(of(moment)?.place(), moment.truth?)))
+            };
+            all.push(series(
+                "NEES",
+                "squared distance",
+                vec![("NEES", Role::Error, nees), ("95 %", Role::Window, bound(0.95))],
+            ));
+            let mut errors = vec![("filtered", Role::Estimate, off(|moment| moment.filtered))];
+            let measured = line(&|moment| Some(distance(*moment.measured.first()?, moment.truth?)));
+            errors.push(("measured", Role::Measured, measured));
+            if state.back.is_some() {
+                errors.push(("smoothed", Role::Result, off(|moment| moment.smoothed)));
+            }
+            all.push(series("Distance from the truth", "px", errors));
+        }
+        all
+    }
+
+    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let (state, now) = (seen.before, self.now(seen));
+        trails(seen, scene);
+        let detections = seen.events.iter().find_map(|event| match event {
+            Event::Looked(detections, ..) => Some(detections),
+            _ => None,
+        });
+        for found in detections.into_iter().flat_map(|all| all.iter()) {
+            let shape = Shape::Rect { min: found.bounds.min, max: found.bounds.max };
+            scene.mark(Picture::Current, Role::Rejected, shape);
+            scene.legend(Role::Rejected, "detected");
+        }
+        self.truth(seen, scene);
+        if let Some(predicted) = now.predicted {
+            self.belief(&predicted, (Role::Predicted, "predicted"), scene);
+        }
+        if let (Some(gated), None) = (now.gated.last(), now.after) {
+            gate(gated, scene);
+        }
+        measured(seen, &now, scene);
+        let is_back = state.back.is_some();
+        if let Some(before) = now.before.filter(|_| is_back) {
+            self.belief(&before, (Role::Estimate, "filtered"), scene);
+        }
+        if let Some(after) = now.after {
+            let role = if is_back { (Role::Result, "smoothed") } else { (Role::Estimate, "estimated") };
+            self.belief(&after, role, scene);
+        }
+        if scene.legend.is_empty() {
+            scene.legend(Role::Measured, "measured");
+            scene.legend(Role::Predicted, "predicted");
+            scene.legend(Role::Estimate, "estimated");
+        }
+    }
+
+    /// Where something is believed to be, with its ellipse and where it goes in the next frame.
+    fn belief(&self, filter: &Filter, (role, meaning): (Role, &'static str), scene: &mut Scene) {
+        let center = filter.place();
+        if let Some(shape) = ellipse(center, filter.place_covariance(), self.confidence.share()) {
+            scene.mark(Picture::Current, role, shape);
+            scene.mark(Picture::Current, role, Shape::Points(vec![point(center)]));
+            scene.legend(role, meaning);
+        }
+    }
+
+    fn truth(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        if let Some(truth) = truth(seen) {
+            scene.mark(Picture::Current, Role::Truth, Shape::Points(vec![point(truth)]));
+            scene.legend(Role::Truth, "true place");
+        }
+    }
+}
+
+/// The frame at work.
+fn frame_of(state: &State) -> usize {
+    let count = state.moments.len();
+    state.span.first + state.back.map_or(count, |done| count.saturating_sub(done + 1))
+}
+
+fn sensor(gated: &Gated) -> &'static str {
+    if gated.sensor == 0 { "The measurement" } else { "The second sensor's measurement" }
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// The standard deviation of a place, the mean over both axes.
+fn deviation(filter: &Filter) -> f64 {
+    let [[xx, _], [_, yy]] = filter.place_covariance();
+    ((xx + yy) / 2.0).sqrt()
+}
+
+/// The true place in the frame at hand.
+fn truth(seen: &Seen<KalmanFilter>) -> Option<[f64; 2]> {
+    let told = seen.events.iter().find_map(|event| match event {
+        Event::Looked(.., truth) | Event::Hidden(truth) => *truth,
+        _ => None,
+    });
+    let index = frame_of(seen.before) - seen.before.span.first;
+    told.or_else(|| seen.before.moments.get(index)?.truth)
+}
+
+/// Where the object was believed to be up to here, and where what came later puts it.
+fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
+    let state = seen.before;
+    let mut draw = |of: fn(&Moment) -> Option<Filter>, role: Role, meaning: &'static str| {
+        let mut runs: Vec<Vec<[f32; 2]>> = Vec::new();
+        for moment in &state.moments {
+            match of(moment) {
+                Some(filter) => {
+                    if runs.is_empty() || moment.begins {
+                        runs.push(Vec::new());
+                    }
+                    if let Some(run) = runs.last_mut() {
+                        run.push(point(filter.place()));
+                    }
+                }
+                None => runs.push(Vec::new()),
+            }
+        }
+        for points in runs.into_iter().filter(|points| points.len() > 1) {
+            scene.mark(Picture::Current, role, Shape::Path { points, closed: false });
+            scene.legend(role, meaning);
+        }
+    };
+    draw(|moment| moment.filtered, Role::Estimate, "estimated");
+    if state.back.is_some() {
+        draw(|moment| moment.smoothed, Role::Result, "smoothed");
+    }
+}
+
+/// The region in which a measurement is taken.
+fn gate(gated: &Gated, scene: &mut Scene) {
+    let Some(numbers) = gated.expected.update_numbers(&gated.measurement) else { return };
+    let covariance = [0, 1].map(|i| [0, 1].map(|j| numbers.covariance[(j, i)]));
+    // The share that lies within this limit in the plane of places.
+    let share = chi_square::share(gated.limit, 2);
+    if let Some(shape) = ellipse(gated.expected.place(), covariance, share) {
+        scene.mark(Picture::Current, Role::Window, shape);
+        scene.legend(Role::Window, "gate");
+    }
+}
+
+/// What was measured, and the way there from what was expected.
+fn measured(seen: &Seen<KalmanFilter>, now: &Now, scene: &mut Scene) {
+    let looked = seen.events.iter().find_map(|event| match event {
+        Event::Looked(_, measured, _) => Some(measured),
+        _ => None,
+    });
+    let Some(all) = looked.filter(|all| !all.is_empty()) else { return };
+    let points = all.iter().map(|measurement| point(measurement.place)).collect();
+    scene.mark(Picture::Current, Role::Measured, Shape::Points(points));
+    scene.legend(Role::Measured, "measured");
+    let arrows: Vec<Arrow> = now
+        .gated
+        .iter()
+        .map(|gated| Arrow { from: point(gated.expected.place()), to: point(gated.measurement.place) })
+        .collect();
+    if !arrows.is_empty() {
+        scene.mark(Picture::Current, Role::Measured, Shape::Arrows(arrows));
+        scene.legend(Role::Measured, "measured; the arrow is the innovation ν");
+    }
+}
+
+fn column(values: &[f64]) -> Grid<f64> {
+    Grid::from_fn(1, values.len(), |_, y| values[y])
+}
+
+/// A matrix by its symbol, its name, its role and its entries.
+fn matrix(symbol: &'static str, name: &'static str, role: Option<Role>, entries: Grid<f64>) -> Matrix {
+    Matrix { symbol, name, role, entries, rows: Vec::new(), columns: Vec::new(), changed: None }
+}
+
+/// The state and its covariance, with what differs from `before` lit.
+fn belief(filter: &Filter, before: Option<&Filter>, role: Role) -> [Matrix; 2] {
+    let differs = |now: &Grid<f64>, old: Option<Grid<f64>>| {
+        let old = old.filter(|old| old.size() == now.size())?;
+        let (width, height) = now.size();
+        Some(Grid::from_fn(width, height, |x, y| now[(x, y)] != old[(x, y)]))
+    };
+    let (state, covariance) = (column(&filter.state()), filter.covariance());
+    let rows = filter.names().to_vec();
+    let changed = [
+        differs(&state, before.map(|before| column(&before.state()))),
+        differs(&covariance, before.map(Filter::covariance)),
+    ];
+    let [of_state, of_covariance] = changed;
+    [
+        Matrix { rows: rows.clone(), changed: of_state, ..matrix("x", "state", Some(role), state) },
+        Matrix {
+            columns: rows.clone(),
+            rows,
+            changed: of_covariance,
+            ..matrix("P", "its covariance", Some(role), covariance)
+        },
+    ]
+}
+
+fn of_update(numbers: UpdateNumbers, names: &[&'static str]) -> [Matrix; 5] {
+    let UpdateNumbers { observation, noise, residual, covariance, gain, .. } = numbers;
+    let measured = MEASURED[..residual.len()].to_vec();
+    let square = |name: &'static str, meaning, entries| Matrix {
+        rows: measured.clone(),
+        columns: measured.clone(),
+        ..matrix(name, meaning, None, entries)
+    };
+    [
+        Matrix { rows: measured.clone(), ..matrix("ν", "innovation", Some(Role::Measured), column(&residual)) },
+        square("S", "its covariance", covariance),
+        Matrix { rows: names.to_vec(), columns: measured.clone(), ..matrix("K", "gain", None, gain) },
+        square("R", "noise of the measurement", noise),
+        Matrix {
+            rows: measured.clone(),
+            columns: names.to_vec(),
+            ..matrix("H", "what is measured", None, observation)
+        },
+    ]
+}
+
+/// All matrices of a step.
+fn matrices(event: Option<&Event>, now: &Now) -> Vec<Matrix> {
+    match event {
+        None | Some(Event::Kept(None)) => Vec::new(),
+        Some(Event::Predicted(both)) => {
+            let [before, after] = &**both;
+            let numbers = before.prediction_numbers();
+            let names = before.names().to_vec();
+            let square = |name: &'static str, meaning, entries| Matrix {
+                rows: names.clone(),
+                columns: names.clone(),
+                ..matrix(name, meaning, None, entries)
+            };
+            let mut all = belief(after, Some(before), Role::Predicted).to_vec();
+            all.push(square("F", "transition", numbers.transition));
+            all.push(square("Q", "noise of the motion", numbers.noise));
+            all
+        }
+        Some(Event::Gated(gated)) => with_update(belief(&gated.expected, None, Role::Predicted), gated),
+        Some(Event::Updated(update)) => {
+            with_update(belief(&update.1, Some(&update.0.expected), Role::Estimate), &update.0)
+        }
+        Some(Event::Smoothed(all)) => belief(&all[2], Some(&all[0]), Role::Result).to_vec(),
+        Some(_) => {
+            let role = if now.after.is_some() { Role::Estimate } else { Role::Predicted };
+            let filter = now.after.or(now.predicted);
+            filter.map_or_else(Vec::new, |filter| belief(&filter, None, role).to_vec())
+        }
+    }
+}
+
+fn with_update(belief: [Matrix; 2], gated: &Gated) -> Vec<Matrix> {
+    let mut all = belief.to_vec();
+    let numbers = gated.expected.update_numbers(&gated.measurement);
+    all.extend(numbers.into_iter().flat_map(|numbers| of_update(numbers, gated.expected.names())));
+    all
+}

@@ -1,0 +1,409 @@
+//! Many objects, each with a Kalman filter: in every frame detections are shared out among them.
+
+mod tell;
+
+use std::sync::Arc;
+
+use crate::kalman::{Acceleration, Filter, Measurement, Model, Velocity, chi_square};
+use crate::objects::assignment::{least_cost, nearest_first};
+use crate::objects::source::{Detector, Source};
+use crate::objects::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame, Span};
+use crate::scene::Chart;
+use crate::{
+    Clip, Error, Estimator, Grid, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices,
+    params,
+};
+
+choices! {
+    /// How objects are thought to move.
+    pub enum Motion {
+        /// Straight on, with their velocity.
+        Velocity = "velocity" "Constant velocity",
+        /// With their velocity and their acceleration.
+        Acceleration = "acceleration" "Constant acceleration",
+    }
+}
+
+choices! {
+    /// How pairs of objects and detections are chosen.
+    pub enum Association {
+        /// The cheapest pair first, then the next.
+        Nearest = "nearest" "Nearest first",
+        /// As many pairs as can be at the least cost in all: the Hungarian method.
+        Assignment = "assignment" "Assignment",
+    }
+}
+
+choices! {
+    /// What a pair costs.
+    pub enum PairCost {
+        /// The squared Mahalanobis distance from where the object is expected.
+        Mahalanobis = "mahalanobis" "Mahalanobis distance",
+        /// What the boxes do not have in common: 1 − intersection over union.
+        Overlap = "overlap" "Overlap of boxes",
+        /// The mean of both, each as a share of its limit.
+        Both = "both" "Both",
+    }
+}
+
+params! {
+    /// Many objects, each with a Kalman filter.
+    pub struct KalmanTracker {
+        /// At most so many frames, the first one counted; fewer where the clip ends.
+        frames: usize = 300, 2..=10_000;
+        /// Who detects the objects.
+        source: Source = Source::Auto;
+        /// Detections with a lower score are left out.
+        min_score: f32 = 0.3, -1000.0..=1000.0;
+        /// Standard deviation of the noise that a true place is measured with.
+        added_noise: f32 = 2.0, 0.0..=100.0, "px";
+        /// Which noise that is.
+        seed: u32 = 1, 0..=9999;
+        /// How objects are thought to move.
+        motion: Motion = Motion::Velocity;
+        /// Standard deviation of what disturbs the motion in a frame, as a share of the height of the object.
+        process_noise: f32 = 0.02, 0.0..=2.0;
+        /// Standard deviation of a measured place along each axis, as a share of the height of the object.
+        measurement_noise: f32 = 0.05, 0.001..=2.0;
+        /// How pairs of objects and detections are chosen.
+        association: Association = Association::Assignment;
+        /// What a pair costs.
+        cost: PairCost = PairCost::Both;
+        /// A pair is allowed if the detection lies where this share of all measurements of the object would lie.
+        gate: f32 = 0.999, 0.5..=0.9999;
+        /// A pair is allowed if both boxes have at least this in common, as intersection over union.
+        min_overlap: f32 = 0.2, 0.0..=0.95;
+        /// An object is believed in once it was seen in so many frames.
+        confirm: usize = 3, 1..=50;
+        /// An object is given up after so many frames in a row in which it was not seen; one that is not believed in after the first.
+        patience: usize = 15, 0..=500;
+        /// Once an object is believed in, it counts from where it was first seen.
+        backdate: bool = true;
+        /// Where an object comes back after some frames, it is put in between as well, on a straight line.
+        bridge: bool = true;
+    }
+}
+
+/// What a run reads and writes.
+#[derive(Clone)]
+pub struct State {
+    span: Span,
+    detector: Detector,
+    tracks: Vec<Track>,
+    /// How many objects there have been.
+    begun: u32,
+    frames: Vec<Arc<ObjectFrame>>,
+    picture: (usize, usize),
+}
+
+/// An object that is followed.
+#[derive(Clone, Debug)]
+pub struct Track {
+    id: u32,
+    filter: Filter,
+    /// Width and height of its box in px.
+    size: [f64; 2],
+    /// Frames in which it was seen, and frames in a row in which it was not.
+    seen: usize,
+    missed: usize,
+    life: Life,
+}
+
+/// What happens in a frame.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// What was detected.
+    Looked(Arc<Vec<Detection>>),
+    /// All objects go on by a time step.
+    Predicted(Arc<Vec<Track>>),
+    /// What each pair would cost; infinite where it is not allowed.
+    Costs(Arc<Costs>),
+    /// A pair was chosen.
+    Paired(Arc<Costs>, [usize; 2]),
+    /// An object moves to its detection: before and after.
+    Updated(Box<[Track; 2]>, Measurement),
+    /// An object was not seen.
+    Missed(Box<Track>),
+    /// An object is given up.
+    Ended(Box<Track>),
+    /// A detection that belongs to nobody begins an object.
+    Begun(Box<Track>),
+    /// The frame is over.
+    Done(Arc<ObjectFrame>),
+}
+
+/// Objects beside detections.
+#[derive(Clone, Debug)]
+pub struct Costs {
+    tracks: Vec<Track>,
+    detections: Vec<Detection>,
+    /// Squared Mahalanobis distances and overlaps; a row for each object.
+    distances: Grid<f64>,
+    overlaps: Grid<f64>,
+    /// What a pair costs, infinite where it is not allowed.
+    costs: Grid<f64>,
+    /// The limit of the squared distances.
+    limit: f64,
+    /// The detection of each object.
+    pairs: Vec<Option<usize>>,
+}
+
+impl Track {
+    /// Its box, around where it is believed to be.
+    fn bounds(&self) -> Bounds {
+        Bounds::around(self.filter.place().map(|c| c as f32), self.size.map(|side| side as f32))
+    }
+
+    fn object(&self, detection: Option<usize>) -> Object {
+        Object {
+            id: self.id,
+            bounds: self.bounds(),
+            life: self.life,
+            position: self.filter.place(),
+            velocity: Some(self.filter.velocity()),
+            covariance: Some(self.filter.place_covariance()),
+            detection,
+        }
+    }
+}
+
+impl KalmanTracker {
+    fn model(&self, height_px: f64) -> Model {
+        let deviation = f64::from(self.process_noise) * height_px;
+        match self.motion {
+            Motion::Velocity => Model::Velocity(Velocity { acceleration: deviation }),
+            Motion::Acceleration => Model::Acceleration(Acceleration { change: deviation }),
+        }
+    }
+
+    fn measurement(&self, detection: &Detection) -> Measurement {
+        let height_px = f64::from(detection.bounds.size()[1]).max(1.0);
+        let place_deviation = f64::from(self.measurement_noise) * height_px;
+        Measurement { place: detection.center.map(f64::from), place_deviation, velocity: None }
+    }
+
+    /// What each pair of `tracks` and `detections` would cost, and who belongs to whom.
+    fn costs(&self, tracks: Vec<Track>, detections: Vec<Detection>) -> Costs {
+        let size = (detections.len(), tracks.len());
+        let measured: Vec<Measurement> = detections.iter().map(|detection| self.measurement(detection)).collect();
+        let distances = Grid::from_fn(size.0, size.1, |x, y| {
+            tracks[y].filter.squared_distance(&measured[x]).unwrap_or(f64::INFINITY)
+        });
+        let boxes: Vec<Bounds> = tracks.iter().map(Track::bounds).collect();
+        let overlaps = Grid::from_fn(size.0, size.1, |x, y| f64::from(boxes[y].iou(&detections[x].bounds)));
+        let limit = chi_square::quantile(f64::from(self.gate), 2);
+        let least = f64::from(self.min_overlap);
+        let costs = Grid::from_fn(size.0, size.1, |x, y| {
+            let (distance, overlap) = (distances[(x, y)], overlaps[(x, y)]);
+            let (is_near, has_overlap) = (distance <= limit, overlap > 0.0 && overlap >= least);
+            let apart = (1.0 - overlap) / (1.0 - least);
+            match self.cost {
+                PairCost::Mahalanobis if is_near => distance,
+                PairCost::Overlap if has_overlap => 1.0 - overlap,
+                PairCost::Both if is_near && has_overlap => (distance / limit + apart) / 2.0,
+                _ => f64::INFINITY,
+            }
+        });
+        let pairs = match self.association {
+            Association::Nearest => nearest_first(&costs),
+            Association::Assignment => least_cost(&costs),
+        };
+        Costs { tracks, detections, distances, overlaps, costs, limit, pairs }
+    }
+
+    /// An object moves to its detection.
+    fn updated(&self, track: &Track, detection: &Detection) -> Track {
+        let measurement = self.measurement(detection);
+        let filter = track.filter.updated(&measurement).map_or(track.filter, |(filter, _)| filter);
+        let found = detection.bounds.size().map(f64::from);
+        // Sizes change slowly: half of what is new, and none of the filter's making.
+        let size = [0, 1].map(|i| (track.size[i] + found[i]) / 2.0);
+        let seen = track.seen + 1;
+        let is_believed = seen >= self.confirm || track.life != Life::Tentative;
+        let life = if is_believed { Life::Confirmed } else { Life::Tentative };
+        Track { filter, size, seen, missed: 0, life, id: track.id }
+    }
+
+    fn begun(&self, detection: &Detection, id: u32) -> Track {
+        let size = detection.bounds.size().map(f64::from);
+        let life = if self.confirm <= 1 { Life::Confirmed } else { Life::Tentative };
+        let height_px = size[1].max(1.0);
+        // In a frame hardly anything goes as far as half its height.
+        let filter = Filter::begun(self.model(height_px), &self.measurement(detection), height_px / 4.0);
+        Track { id, filter, size, seen: 1, missed: 0, life }
+    }
+
+    /// What becomes of an object that was not seen; `None` where it is given up.
+    fn missed(&self, track: &Track) -> Option<Track> {
+        let missed = track.missed + 1;
+        let is_over = missed > self.patience || track.life == Life::Tentative;
+        (!is_over).then(|| Track { missed, life: Life::Coasting, ..track.clone() })
+    }
+
+    /// Tells earlier frames of an object what became of it: that it is believed in, and where it was while it was not seen.
+    fn look_back(&self, state: &mut State, track: &Track, (was, missed): (Life, usize)) {
+        if self.backdate && was == Life::Tentative && track.life == Life::Confirmed {
+            for frame in state.frames.iter_mut().rev() {
+                let Some(i) = frame.objects.iter().position(|object| object.id == track.id) else { break };
+                Arc::make_mut(frame).objects[i].life = Life::Confirmed;
+            }
+        }
+        if self.bridge && missed > 0 {
+            let now = track.bounds();
+            let count = state.frames.len();
+            let Some(before) = count.checked_sub(missed + 1).map(|i| Arc::clone(&state.frames[i])) else { return };
+            let Some(from) = before.objects.iter().find(|object| object.id == track.id) else { return };
+            for (step, frame) in state.frames[count - missed..].iter_mut().enumerate() {
+                let share = (step + 1) as f32 / (missed + 1) as f32;
+                let between = |a: [f32; 2], b: [f32; 2]| [0, 1].map(|i| a[i] + (b[i] - a[i]) * share);
+                let bounds = Bounds { min: between(from.bounds.min, now.min), max: between(from.bounds.max, now.max) };
+                if let Some(i) = frame.objects.iter().position(|object| object.id == track.id) {
+                    let object = &mut Arc::make_mut(frame).objects[i];
+                    (object.bounds, object.life) = (bounds, Life::Confirmed);
+                    object.position = bounds.center().map(f64::from);
+                }
+            }
+        }
+    }
+}
+
+impl Estimator for KalmanTracker {
+    const INFO: Info = Info {
+        id: "kalman-tracker",
+        name: "Kalman tracker",
+        family: "Tracking",
+        summary: "Follows many objects: predicts each, shares the detections of a frame out among them, and moves each to its own.",
+        source: "A. Bewley, Z. Ge, L. Ott, F. Ramos and B. Upcroft, Simple online and realtime tracking, ICIP 2016; gate and life \
+                 of tracks: S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999; assignment: H. W. \
+                 Kuhn 1955, R. Jonker and A. Volgenant 1987",
+        pseudocode: &[
+            "for each frame t",
+            "  detect objects",
+            "  predict every track: x ← F x, P ← F P Fᵀ + Q",
+            "  cost of each pair: Mahalanobis distance, overlap, or both; ∞ outside the gate",
+            "  choose pairs of tracks and detections",
+            "  for each pair: update the track",
+            "  for each track without a detection",
+            "    coast, or end if it was not seen for too long",
+            "  for each detection without a track",
+            "    begin a track, tentative until it was seen often enough",
+        ],
+        rungs: &["clip", "frame", "step"],
+        frames: 2,
+    };
+    const PROMISE: Promise = Promise::Objects;
+    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        let span = Span::new(clip, frame, self.frames)?;
+        let source = self.source.of(clip, frame)?;
+        let detector = Detector { source, noise_px: f64::from(self.added_noise), seed: u64::from(self.seed) };
+        let picture = clip.size();
+        Ok(State { span, detector, tracks: Vec::new(), begun: 0, frames: Vec::new(), picture })
+    }
+
+    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let t = state.span.first + state.frames.len();
+        let mut detections = state.detector.look(clip, t)?;
+        detections.retain(|detection| detection.score >= self.min_score);
+        observer.see(|| Event::Looked(Arc::new(detections.clone())));
+        let mut tracks = std::mem::take(&mut state.tracks);
+        for track in &mut tracks {
+            track.filter = track.filter.predicted();
+        }
+        observer.see(|| Event::Predicted(Arc::new(tracks.clone())));
+        let costs = Arc::new(self.costs(tracks, detections));
+        observer.see(|| Event::Costs(Arc::clone(&costs)));
+        for (row, column) in costs.pairs.iter().enumerate().filter_map(|(row, column)| Some((row, (*column)?))) {
+            observer.see(|| Event::Paired(Arc::clone(&costs), [row, column]));
+        }
+        let objects = self.share_out(state, &costs, observer);
+        let frame = Arc::new(ObjectFrame { mask: None, detections: costs.detections.clone(), objects });
+        observer.see(|| Event::Done(Arc::clone(&frame)));
+        state.frames.push(frame);
+        let is_over = state.span.is_over(clip, state.span.first + state.frames.len());
+        Ok(if is_over { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        state.span.frames()
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        vec![Rung { index: 0, of: Some(1) }, Rung { index: state.frames.len(), of: state.span.frames() }]
+    }
+
+    fn at_frame(&self, state: &State) -> Option<usize> {
+        Some(state.span.first + state.frames.len())
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let frames: usize = state.frames.iter().map(|frame| frame.bytes()).sum();
+        size_of::<State>() + frames + size_of_val(&state.tracks[..])
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::Begun(_) => Some(Role::Reference),
+            Event::Ended(_) => Some(Role::Rejected),
+            _ => None,
+        }
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        let State { span, picture, frames, .. } = state;
+        Output::Objects(ObjectField { picture: *picture, first: span.first, frames: frames.clone() })
+    }
+}
+
+impl KalmanTracker {
+    /// Moves objects to their detections, ends and begins some; gives those there are in this frame.
+    fn share_out(&self, state: &mut State, costs: &Costs, observer: &mut impl Observer<Event>) -> Vec<Object> {
+        let mut objects = Vec::new();
+        for (track, pair) in costs.tracks.iter().zip(&costs.pairs) {
+            let next = match pair {
+                Some(column) => {
+                    let detection = &costs.detections[*column];
+                    let updated = self.updated(track, detection);
+                    observer.see(|| {
+                        let both = Box::new([track.clone(), updated.clone()]);
+                        Event::Updated(both, self.measurement(detection))
+                    });
+                    self.look_back(state, &updated, (track.life, track.missed));
+                    Some(updated)
+                }
+                None => {
+                    let missed = self.missed(track);
+                    observer.see(|| match &missed {
+                        Some(track) => Event::Missed(Box::new(track.clone())),
+                        None => Event::Ended(Box::new(track.clone())),
+                    });
+                    missed
+                }
+            };
+            objects.extend(next.iter().map(|track| track.object(*pair)));
+            state.tracks.extend(next);
+        }
+        for (column, detection) in costs.detections.iter().enumerate() {
+            if costs.pairs.contains(&Some(column)) {
+                continue;
+            }
+            state.begun += 1;
+            let track = self.begun(detection, state.begun);
+            observer.see(|| Event::Begun(Box::new(track.clone())));
+            objects.push(track.object(Some(column)));
+            state.tracks.push(track);
+        }
+        objects
+    }
+}

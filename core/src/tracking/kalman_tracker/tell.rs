@@ -1,0 +1,330 @@
+//! How the tracker is told and drawn.
+
+use super::{Costs, Event, KalmanTracker, PairCost, State, Track};
+use crate::differential::tell::number;
+use crate::kalman::ellipse;
+use crate::objects::{Bounds, Life};
+use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Sentence, Series, Shape};
+use crate::{Grid, Role, Scene, Seen, Step};
+
+/// So many frames back a trail reaches.
+const TRAIL_FRAMES: usize = 40;
+/// So many rows and columns of a table of costs are shown.
+const SHOWN: usize = 12;
+
+fn fact(label: &'static str, value: String, role: Option<Role>) -> Fact {
+    Fact { label, value, role }
+}
+
+fn short(value: f64) -> String {
+    number(value as f32)
+}
+
+fn count(count: usize, one: &str) -> String {
+    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
+}
+
+fn named(track: &Track) -> String {
+    format!("Object {}", track.id)
+}
+
+fn speed(track: &Track) -> String {
+    let [u, v] = track.filter.velocity();
+    // From right, against the clock, as a person reads a picture.
+    format!("{} px/frame towards {}°", short(u.hypot(v)), short((-v).atan2(u).to_degrees().round()))
+}
+
+impl KalmanTracker {
+    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+        let line = match seen.events.last() {
+            None | Some(Event::Done(_)) => 0,
+            Some(Event::Looked(_)) => 1,
+            Some(Event::Predicted(_)) => 2,
+            Some(Event::Costs(_)) => 3,
+            Some(Event::Paired(..)) => 4,
+            Some(Event::Updated(..)) => 5,
+            Some(Event::Missed(_) | Event::Ended(_)) => 7,
+            Some(Event::Begun(_)) => 9,
+        };
+        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+    }
+
+    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
+        let said = Sentence::default();
+        let frame = frame_of(seen.before);
+        let Some(event) = seen.events.last() else {
+            return said
+                .text("Each object has a filter that ")
+                .ink(Role::Predicted, "predicts")
+                .text(" where it will be. What is ")
+                .ink(Role::Measured, "detected")
+                .text(" in a frame is shared out among them, and each moves to its own.");
+        };
+        match event {
+            Event::Looked(all) => {
+                said.ink(Role::Measured, format!("{} in frame {frame}", count(all.len(), "detection"))).text(".")
+            }
+            Event::Predicted(tracks) if tracks.is_empty() => {
+                said.text("There is no object yet whose place could be predicted.")
+            }
+            Event::Predicted(tracks) => said
+                .text("Each of ")
+                .ink(Role::Predicted, count(tracks.len(), "object"))
+                .text(" goes on as it did, and is less sure of its place than before."),
+            Event::Costs(costs) => {
+                let allowed = costs.costs.cells().iter().filter(|cost| cost.is_finite()).count();
+                said.text(format!(
+                    "Of {} pairs of objects and detections {allowed} are allowed: {}.",
+                    costs.costs.cells().len(),
+                    self.limits(costs)
+                ))
+            }
+            Event::Paired(costs, [row, column]) => said
+                .ink(Role::Predicted, named(&costs.tracks[*row]))
+                .text(" belongs to ")
+                .ink(Role::Measured, format!("detection {}", column + 1))
+                .text(format!(", at a cost of {}.", short(costs.costs[(*column, *row)]))),
+            Event::Updated(both, _) => {
+                let [before, after] = &**both;
+                let said =
+                    said.ink(Role::Estimate, named(after)).text(format!(" moves to its detection: {}.", speed(after)));
+                match (before.life, after.life) {
+                    (Life::Tentative, Life::Confirmed) => {
+                        said.text(format!(" It was seen in {} frames now, and is believed in.", after.seen))
+                    }
+                    (Life::Coasting, _) => said.text(format!(" It is back after {}.", count(before.missed, "frame"))),
+                    _ => said,
+                }
+            }
+            Event::Missed(track) => said.ink(Role::Predicted, named(track)).text(format!(
+                " was not seen for {} and coasts: its ellipse grows. After {} it is given up.",
+                count(track.missed, "frame"),
+                count(self.patience, "frame")
+            )),
+            Event::Ended(track) => said.ink(Role::Rejected, named(track)).text(match track.life {
+                Life::Tentative => " was not seen again and is dropped: it was not yet believed in.",
+                _ => " was not seen for too long and is given up.",
+            }),
+            Event::Begun(track) => said
+                .text("A detection that belongs to nobody begins ")
+                .ink(Role::Reference, named(track).to_lowercase())
+                .text("."),
+            Event::Done(frame_done) => {
+                let of = |life: Life| frame_done.objects.iter().filter(|object| object.life == life).count();
+                said.text(format!(
+                    "Frame {frame} is over: {} seen, {} coasting, {} tentative.",
+                    of(Life::Confirmed),
+                    of(Life::Coasting),
+                    of(Life::Tentative)
+                ))
+            }
+        }
+    }
+
+    fn limits(&self, costs: &Costs) -> String {
+        let near = format!("their squared distance is at most {}", short(costs.limit));
+        let shared = format!("they have at least {} in common", short(f64::from(self.min_overlap)));
+        match self.cost {
+            PairCost::Mahalanobis => near,
+            PairCost::Overlap => shared,
+            PairCost::Both => format!("{near}, and {shared}"),
+        }
+    }
+
+    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
+        let state = seen.before;
+        let mut facts = vec![fact("Frame", frame_of(state).to_string(), None)];
+        let objects = seen.after.unwrap_or(state).tracks.len();
+        facts.push(fact("Objects", objects.to_string(), None));
+        if let Some(track) = track_of(seen) {
+            let [[xx, _], [_, yy]] = track.filter.place_covariance();
+            facts.push(fact("Object", track.id.to_string(), None));
+            facts.push(fact("State", track.life.name().into(), None));
+            facts.push(fact("Seen", count(track.seen, "frame"), None));
+            facts.push(fact("Velocity", speed(track), None));
+            facts.push(fact("Standard deviation", format!("{} by {} px", short(xx.sqrt()), short(yy.sqrt())), None));
+        }
+        let mut readouts = vec![Readout::Facts(facts)];
+        if let Some((costs, pair)) = costs_of(seen) {
+            readouts.push(Readout::Matrices(self.tables(costs, pair)));
+        }
+        readouts.extend(series(seen));
+        readouts
+    }
+
+    /// The tables of costs, the pairs that were chosen lit.
+    fn tables(&self, costs: &Costs, pair: Option<[usize; 2]>) -> Vec<Matrix> {
+        let (width, height) = costs.costs.size();
+        let size = (width.min(SHOWN), height.min(SHOWN));
+        if size.0 == 0 || size.1 == 0 {
+            return Vec::new();
+        }
+        let is_paired = |x: usize, y: usize| match pair {
+            Some(pair) => pair == [y, x],
+            None => costs.pairs[y] == Some(x),
+        };
+        let table = |symbol, name, entries: &Grid<f64>| Matrix {
+            symbol,
+            name,
+            role: None,
+            entries: Grid::from_fn(size.0, size.1, |x, y| entries[(x, y)]),
+            rows: Vec::new(),
+            columns: Vec::new(),
+            changed: Some(Grid::from_fn(size.0, size.1, is_paired)),
+        };
+        let mut all = vec![table("C", "costs: objects down, detections across", &costs.costs)];
+        if self.cost != PairCost::Overlap {
+            all.push(table("d²", "squared Mahalanobis distances", &costs.distances));
+        }
+        if self.cost != PairCost::Mahalanobis {
+            all.push(table("IoU", "overlaps", &costs.overlaps));
+        }
+        all
+    }
+
+    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        for event in seen.events {
+            if let Event::Looked(all) = event {
+                for found in all.iter() {
+                    rect(scene, Role::Measured, found.bounds);
+                }
+            }
+        }
+        scene.legend(Role::Measured, "detected");
+        let after = seen.after.map(|state| &state.tracks);
+        match (after, seen.events.last()) {
+            (Some(tracks), _) => tracks.iter().for_each(|track| draw_track(scene, track, seen)),
+            (None, None) => seen.before.tracks.iter().for_each(|track| draw_track(scene, track, seen)),
+            (None, Some(_)) => self.draw_work(seen, scene),
+        }
+    }
+
+    /// The objects in the middle of a frame: predicted, and those that were done already as they are now.
+    fn draw_work(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let predicted = seen.events.iter().find_map(|event| match event {
+            Event::Predicted(tracks) => Some(tracks),
+            _ => None,
+        });
+        let Some(predicted) = predicted else {
+            return seen.before.tracks.iter().for_each(|track| draw_track(scene, track, seen));
+        };
+        let mut now: Vec<(Track, bool)> = predicted.iter().map(|track| (track.clone(), false)).collect();
+        for event in seen.events {
+            match event {
+                Event::Updated(both, _) => set(&mut now, &both[1]),
+                Event::Missed(track) => set(&mut now, track),
+                Event::Ended(track) => now.retain(|(other, _)| other.id != track.id),
+                Event::Begun(track) => now.push(((**track).clone(), true)),
+                _ => {}
+            }
+        }
+        for (track, is_done) in &now {
+            if *is_done {
+                draw_track(scene, track, seen);
+            } else {
+                draw(scene, track, (Role::Predicted, "predicted"));
+            }
+        }
+        pairs(seen, scene);
+    }
+}
+
+fn set(tracks: &mut [(Track, bool)], track: &Track) {
+    if let Some(place) = tracks.iter_mut().find(|(other, _)| other.id == track.id) {
+        *place = (track.clone(), true);
+    }
+}
+
+/// The pairs chosen so far, each as a line from the object to its detection.
+fn pairs(seen: &Seen<KalmanTracker>, scene: &mut Scene) {
+    let chosen = seen.events.iter().filter_map(|event| match event {
+        Event::Paired(costs, [row, column]) => {
+            let from = costs.tracks[*row].filter.place().map(|c| c as f32);
+            Some(Arrow { from, to: costs.detections[*column].center })
+        }
+        _ => None,
+    });
+    let arrows: Vec<Arrow> = chosen.collect();
+    if !arrows.is_empty() {
+        scene.mark(Picture::Current, Role::Measured, Shape::Arrows(arrows));
+    }
+}
+
+fn frame_of(state: &State) -> usize {
+    state.span.first + state.frames.len()
+}
+
+/// The object that the step is about.
+fn track_of<'a>(seen: &Seen<'a, KalmanTracker>) -> Option<&'a Track> {
+    match seen.events.last()? {
+        Event::Updated(both, _) => Some(&both[1]),
+        Event::Missed(track) | Event::Ended(track) | Event::Begun(track) => Some(track),
+        Event::Paired(costs, [row, _]) => costs.tracks.get(*row),
+        _ => None,
+    }
+}
+
+/// The table of costs, from when on there is one, and the pair that the step is about.
+fn costs_of<'a>(seen: &Seen<'a, KalmanTracker>) -> Option<(&'a Costs, Option<[usize; 2]>)> {
+    let pair = match seen.events.last()? {
+        Event::Paired(_, pair) => Some(*pair),
+        _ => None,
+    };
+    let costs = seen.events.iter().find_map(|event| if let Event::Costs(costs) = event { Some(costs) } else { None });
+    costs.map(|costs| (&**costs, pair))
+}
+
+fn rect(scene: &mut Scene, role: Role, Bounds { min, max }: Bounds) {
+    scene.mark(Picture::Current, role, Shape::Rect { min, max });
+}
+
+/// A box with its ellipse and its number.
+fn draw(scene: &mut Scene, track: &Track, (role, meaning): (Role, &'static str)) {
+    let bounds = track.bounds();
+    rect(scene, role, bounds);
+    if let Some(shape) = ellipse(track.filter.place(), track.filter.place_covariance(), 0.95) {
+        scene.mark(Picture::Current, role, shape);
+    }
+    let text = Shape::Text { at: bounds.min, text: track.id.to_string() };
+    if text.is_finite() {
+        scene.mark(Picture::Current, role, text);
+    }
+    scene.legend(role, meaning);
+}
+
+/// An object with its trail, as its life has it.
+fn draw_track(scene: &mut Scene, track: &Track, seen: &Seen<KalmanTracker>) {
+    let role = match track.life {
+        Life::Tentative => (Role::Candidate, "tentative"),
+        Life::Confirmed => (Role::Estimate, "tracked"),
+        Life::Coasting => (Role::Predicted, "predicted"),
+    };
+    let frames = &seen.after.unwrap_or(seen.before).frames;
+    let recent = frames.len().saturating_sub(TRAIL_FRAMES);
+    let places = frames[recent..].iter().filter_map(|frame| {
+        frame.objects.iter().find(|object| object.id == track.id).map(|object| object.position.map(|c| c as f32))
+    });
+    let points: Vec<[f32; 2]> = places.chain([track.filter.place().map(|c| c as f32)]).collect();
+    if points.len() > 1 {
+        scene.mark(Picture::Current, role.0, Shape::Path { points, closed: false });
+    }
+    draw(scene, track, role);
+}
+
+/// How many objects there are from frame to frame.
+fn series(seen: &Seen<KalmanTracker>) -> Option<Readout> {
+    let state = seen.after.unwrap_or(seen.before);
+    let line = |of: &dyn Fn(&crate::ObjectFrame) -> usize| -> Vec<[f32; 2]> {
+        let frames = state.frames.iter().enumerate();
+        frames.map(|(i, frame)| [(state.span.first + i) as f32, of(frame) as f32]).collect()
+    };
+    let with = |life: Life| line(&move |frame| frame.objects.iter().filter(|object| object.life == life).count());
+    let lines = vec![
+        ("detected", Role::Measured, line(&|frame| frame.detections.len())),
+        ("tracked", Role::Estimate, with(Life::Confirmed)),
+        ("coasting", Role::Predicted, with(Life::Coasting)),
+    ];
+    let x_max = state.span.first + state.span.frames().map_or(state.frames.len(), |frames| frames - 1);
+    let series = Series { title: "Objects", x_label: "frame", y_label: "objects", x_max, events: Vec::new(), lines };
+    (state.frames.len() > 1).then_some(Readout::Series(series))
+}

@@ -1,0 +1,7 @@
+//! Objects with a past and a predicted future.
+
+mod kalman_filter;
+mod kalman_tracker;
+
+pub use kalman_filter::KalmanFilter;
+pub use kalman_tracker::KalmanTracker;
