@@ -71,7 +71,7 @@ pub fn levels(picture: Grid<f32>, factor: f32, count: usize, threads: &Threads) 
 /// 2013), and sampled to `size`.
 fn shrunk(picture: &Grid<f32>, size: (usize, usize), factor: f32, threads: &Threads) -> Grid<f32> {
     let sigma_px = 0.6 * (factor.powi(-2) - 1.0).sqrt();
-    let smooth = filter::smooth(picture.clone(), sigma_px, filter::Beyond::Slope, threads);
+    let smooth = filter::smooth(picture, sigma_px, filter::Beyond::Slope, threads);
     resampled(&smooth, size, Sampling::Bicubic, threads)
 }
 

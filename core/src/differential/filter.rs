@@ -21,53 +21,76 @@ impl From<Border> for Beyond {
     }
 }
 
+/// A row of numbers that is weighed without being copied before.
+pub trait Numbers: Copy {
+    /// Its first `count` numbers.
+    fn first(self, count: usize) -> Self;
+
+    /// Number `i`.
+    fn at(self, i: usize) -> f32;
+}
+
+impl<T: Copy + Into<f32>> Numbers for &[T] {
+    #[inline(always)]
+    fn first(self, count: usize) -> Self {
+        &self[..count]
+    }
+
+    #[inline(always)]
+    fn at(self, i: usize) -> f32 {
+        self[i].into()
+    }
+}
+
 /// The sums of `image` weighted by `across` along each row and by `down` along each column.
 ///
 /// The middle weight belongs to the pixel itself; of an even number, the one left of (above) the middle.
 ///
 /// # Panics
 /// If the image or one of the filters is empty.
-pub fn separable(
-    image: &Grid<f32>,
-    (across, down): (&[f32], &[f32]),
+pub fn separable<T: Copy + Into<f32> + Sync>(
+    image: &Grid<T>,
+    filter: (&[f32], &[f32]),
     beyond: impl Into<Beyond>,
     threads: &Threads,
 ) -> Grid<f32> {
     let ((width, height), beyond) = (image.size(), beyond.into());
     let mut filtered = Grid::new(width, height, 0.0);
-    threads.rows(&mut filtered, |y, target| row_of(image, (across, down), (beyond, y), &mut Vec::new(), target));
+    threads.rows(&mut filtered, |y, target| row_of(image, filter, (beyond, y), target));
     filtered
 }
-
 wide! {
-    fn row_of(image: &Grid<f32>, filter: (&[f32], &[f32]), at: (Beyond, usize), row: &mut Vec<f32>, target: &mut [f32])
-        = filtered_row
+    fn row_of(image: &Grid<impl Copy + Into<f32>>, filter: (&[f32], &[f32]), at: (Beyond, usize), target: &mut [f32])
+        = row_of_anyhow
 }
 
-/// Row `y` of what [`separable`] gives, added to `target`; `row` is room to work in.
 #[inline(always)]
-pub fn filtered_row<T: Copy + Into<f32>>(
-    image: &Grid<T>,
+fn row_of_anyhow(
+    image: &Grid<impl Copy + Into<f32>>,
+    filter: (&[f32], &[f32]),
+    at: (Beyond, usize),
+    target: &mut [f32],
+) {
+    filtered_row((|y| image.row(y), image.height()), filter, at, &mut Vec::new(), target);
+}
+
+/// Row `y` of what [`separable`] gives, of a picture with these `rows`, so many; `row` is room to work in.
+#[inline(always)]
+pub fn filtered_row<N: Numbers>(
+    (rows, height): (impl Fn(usize) -> N, usize),
     (across, down): (&[f32], &[f32]),
     (beyond, y): (Beyond, usize),
     row: &mut Vec<f32>,
     target: &mut [f32],
 ) {
-    let (width, height) = image.size();
-    let (left, above) = ((across.len() - 1) / 2, (down.len() - 1) / 2);
-    // With room on either side for what `across` reaches.
-    row.clear();
-    row.resize(width + across.len() - 1, 0.0);
-    let (inner, first) = (left..left + width, y as isize - above as isize);
-    match beyond {
-        Beyond::Pixels(border) => {
-            add_weighted(&mut row[inner.clone()], down, |k| image.row(border.index(first + k as isize, height)));
-        }
-        Beyond::Slope => {
-            let (first, down) = folded(down, first, height);
-            add_weighted(&mut row[inner.clone()], &down, |k| image.row(first + k));
-        }
+    let left = (across.len() - 1) / 2;
+    if across == [1.0] {
+        return weigh_rows((rows, height), down, (beyond, y), target);
     }
+    let width = target.len();
+    // With room on either side for what `across` reaches.
+    row.resize(width + across.len() - 1, 0.0);
+    weigh_rows((rows, height), down, (beyond, y), &mut row[left..left + width]);
     for i in (0..left).chain(left + width..row.len()) {
         let at = i as isize - left as isize;
         row[i] = match beyond {
@@ -75,8 +98,26 @@ pub fn filtered_row<T: Copy + Into<f32>>(
             Beyond::Slope => on_slope(at, width).map(|(inside, times)| times * row[left + inside]).sum(),
         };
     }
-    let row = &*row;
-    add_weighted(target, across, |k| &row[k..]);
+    let row = &**row;
+    weigh(target, across, |k| &row[k..]);
+}
+
+/// Sets `target` to the rows around row `y` weighted by `down`.
+#[inline(always)]
+fn weigh_rows<N: Numbers>(
+    (rows, height): (impl Fn(usize) -> N, usize),
+    down: &[f32],
+    (beyond, y): (Beyond, usize),
+    target: &mut [f32],
+) {
+    let first = y as isize - ((down.len() - 1) / 2) as isize;
+    match beyond {
+        Beyond::Pixels(border) => weigh(target, down, |k| rows(border.index(first + k as isize, height))),
+        Beyond::Slope => {
+            let (first, down) = folded(down, first, height);
+            weigh(target, &down, |k| rows(first + k));
+        }
+    }
 }
 
 /// What pixel `i` of `extent` in a row is made from where a picture goes on as [`Beyond::Slope`]: pixels inside, and how often.
@@ -107,34 +148,39 @@ fn folded(weights: &[f32], first: isize, extent: usize) -> (usize, Cow<'_, [f32]
     (0, Cow::Owned(inside))
 }
 
-/// Adds to `target` source k, `weights[k]` times, for all k; those of weight 0 are left out.
+/// Sets `target` to the sum of all sources k, each `weights[k]` times; those of weight 0 are left out.
 #[inline(always)]
-pub fn add_weighted<'a, T: Copy + Into<f32> + 'a>(
-    target: &mut [f32],
-    weights: &[f32],
-    source: impl Fn(usize) -> &'a [T],
-) {
+pub fn weigh<N: Numbers>(target: &mut [f32], weights: &[f32], source: impl Fn(usize) -> N) {
     let mut taps =
         weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0).map(|(k, &weight)| (source(k), weight));
-    // Several in one pass: the sums stay in registers, and are the same as one after the other.
-    while let Some(first) = taps.next() {
-        match (taps.next(), taps.next(), taps.next(), taps.next()) {
-            (Some(b), Some(c), Some(d), Some(e)) => add_scaled(target, [first, b, c, d, e]),
-            (Some(b), Some(c), Some(d), None) => add_scaled(target, [first, b, c, d]),
-            (Some(b), Some(c), ..) => add_scaled(target, [first, b, c]),
-            (Some(b), ..) => add_scaled(target, [first, b]),
-            _ => add_scaled(target, [first]),
-        }
+    if !add_some::<false, N>(target, &mut taps) {
+        target.fill(0.0);
     }
+    while add_some::<true, N>(target, &mut taps) {}
+}
+
+/// Adds the next taps, if there are any, to `target`, or where that is not `ON`, to 0. Several in one pass: the sums stay in
+/// registers, and are the same as one after the other.
+#[inline(always)]
+fn add_some<const ON: bool, N: Numbers>(target: &mut [f32], taps: &mut impl Iterator<Item = (N, f32)>) -> bool {
+    let Some(first) = taps.next() else { return false };
+    match (taps.next(), taps.next(), taps.next(), taps.next()) {
+        (Some(b), Some(c), Some(d), Some(e)) => add_scaled::<ON, 5, N>(target, [first, b, c, d, e]),
+        (Some(b), Some(c), Some(d), None) => add_scaled::<ON, 4, N>(target, [first, b, c, d]),
+        (Some(b), Some(c), ..) => add_scaled::<ON, 3, N>(target, [first, b, c]),
+        (Some(b), ..) => add_scaled::<ON, 2, N>(target, [first, b]),
+        _ => add_scaled::<ON, 1, N>(target, [first]),
+    }
+    true
 }
 
 #[inline(always)]
-fn add_scaled<const N: usize, T: Copy + Into<f32>>(target: &mut [f32], taps: [(&[T], f32); N]) {
-    let taps = taps.map(|(source, weight)| (&source[..target.len()], weight));
+fn add_scaled<const ON: bool, const TAPS: usize, N: Numbers>(target: &mut [f32], taps: [(N, f32); TAPS]) {
+    let taps = taps.map(|(source, weight)| (source.first(target.len()), weight));
     for (i, value) in target.iter_mut().enumerate() {
-        let mut sum = *value;
+        let mut sum = if ON { *value } else { 0.0 };
         for (source, weight) in taps {
-            sum += weight * source[i].into();
+            sum += weight * source.at(i);
         }
         *value = sum;
     }
@@ -157,12 +203,14 @@ pub fn gaussian_within(sigma_px: f32, reach: usize) -> Vec<f32> {
 }
 
 /// `image` smoothed by a Gaussian of `sigma_px`.
-pub fn smooth(image: Grid<f32>, sigma_px: f32, beyond: impl Into<Beyond>, threads: &Threads) -> Grid<f32> {
-    if sigma_px <= 0.0 {
-        return image;
-    }
-    let weights = gaussian(sigma_px);
-    separable(&image, (&weights, &weights), beyond, threads)
+pub fn smooth<T: Copy + Into<f32> + Sync>(
+    image: &Grid<T>,
+    sigma_px: f32,
+    beyond: impl Into<Beyond>,
+    threads: &Threads,
+) -> Grid<f32> {
+    let weights = gaussian(sigma_px.max(0.0));
+    separable(image, (&weights, &weights), beyond, threads)
 }
 
 /// The median of the 3×3 px around each pixel, the edge repeated.
@@ -253,10 +301,10 @@ mod tests {
         let variance: f32 = weights.iter().enumerate().map(|(i, w)| w * (i as f32 - middle).powi(2)).sum();
         assert!((variance.sqrt() - 1.5).abs() < 0.02, "{}", variance.sqrt());
         assert_eq!(gaussian(0.0), [1.0]);
-        let flat = smooth(Grid::new(1, 5, 7.0), 2.0, Border::Mirror, &Threads::single());
+        let flat = smooth(&Grid::new(1, 5, 7.0), 2.0, Border::Mirror, &Threads::single());
         assert!(flat.cells().iter().all(|v| (v - 7.0).abs() < 1e-5));
         let slope = |x: usize, y: usize| 4.0 * x as f32 - y as f32;
-        let smoothed = smooth(Grid::from_fn(9, 5, slope), 2.0, Beyond::Slope, &Threads::single());
+        let smoothed = smooth(&Grid::from_fn(9, 5, slope), 2.0, Beyond::Slope, &Threads::single());
         for (x, y) in (0..5).flat_map(|y| (0..9).map(move |x| (x, y))) {
             assert!((smoothed[(x, y)] - slope(x, y)).abs() < 1e-4, "({x}, {y}) of a slope stays {}", slope(x, y));
         }

@@ -20,7 +20,7 @@ impl Given {
     /// If there is no such pair, or it cannot be read.
     pub fn new(clip: &Clip, frame: usize, sigma_px: f32, threads: &Threads) -> Result<Self, Error> {
         let pair = clip.pair(frame)?;
-        let smooth = |i: usize| filter::smooth(pair[i].luma().map(|&v| f32::from(v)), sigma_px, Beyond::Slope, threads);
+        let smooth = |i: usize| filter::smooth(pair[i].luma(), sigma_px, Beyond::Slope, threads);
         Ok(Self { pictures: [smooth(0), smooth(1)], truth: truth(clip, frame) })
     }
 

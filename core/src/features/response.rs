@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::Gray;
-use crate::differential::filter::{Beyond, add_weighted, filtered_row};
+use crate::differential::filter::{Beyond, filtered_row, weigh};
 use crate::differential::{Scheme, Tensor, Window};
 use crate::wide::wide;
 
@@ -49,12 +49,9 @@ impl Tensors<'_> {
             }
             let share = share(y, height);
             for (part, mean) in means.iter_mut().enumerate() {
-                let inner = &mut down[reach..reach + width];
-                inner.fill(0.0);
-                add_weighted(inner, weights, |k| &ring[(top + k) % side][part][..]);
-                mean.clear();
+                weigh(&mut down[reach..reach + width], weights, |k| &ring[(top + k) % side][part][..]);
                 mean.resize(width, 0.0);
-                add_weighted(mean, self.window.weights(), |k| &down[k..]);
+                weigh(mean, self.window.weights(), |k| &down[k..]);
                 mean.iter_mut().zip(&shares).for_each(|(mean, of_column)| *mean *= of_column * share);
             }
             tell(y, means.each_ref().map(Vec::as_slice));
@@ -71,12 +68,11 @@ impl Tensors<'_> {
     /// The products of row `y`.
     #[inline(always)]
     fn products(&self, y: usize, products: &mut Products, [row, x, across]: &mut [Vec<f32>; 3]) {
-        let width = self.picture.width();
+        let (width, height) = self.picture.size();
         let (along, mean) = self.scheme.weights();
         for (filter, part) in [((along, mean), &mut *x), ((mean, along), &mut *across)] {
-            part.clear();
             part.resize(width, 0.0);
-            filtered_row(self.picture, filter, (Beyond::Slope, y), row, part);
+            filtered_row((|y| self.picture.row(y), height), filter, (Beyond::Slope, y), row, part);
         }
         let [xx, xy, yy] = products;
         for (product, (a, b)) in [(xx, (&*x, &*x)), (xy, (&*x, &*across)), (yy, (&*across, &*across))] {

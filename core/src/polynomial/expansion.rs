@@ -1,7 +1,7 @@
 //! Polynomial expansion: each neighbourhood of a picture as a polynomial of the second degree (G. Farnebäck, Polynomial
 //! expansion for orientation and motion estimation, Linköping 2002, chapter 4).
 
-use crate::differential::filter::{add_weighted, gaussian_within};
+use crate::differential::filter::{gaussian_within, weigh};
 use crate::wide::wide;
 use crate::{Grid, Threads};
 
@@ -176,11 +176,10 @@ impl Expander {
         let mut parts: [Vec<f32>; 6] = std::array::from_fn(|_| vec![0.0; width]);
         // Which kernels go along the rows, for each that goes down.
         for (down, across) in [(0, &[(1, 0), (2, 2), (0, 5)][..]), (1, &[(0, 1), (1, 3)]), (2, &[(0, 4)])] {
-            padded[reach..reach + width].fill(0.0);
             let inside = &self.kernels[down][top + reach - y..=bottom + reach - y];
-            add_weighted(&mut padded[reach..reach + width], inside, |k| picture.row(top + k));
+            weigh(&mut padded[reach..reach + width], inside, |k| picture.row(top + k));
             for &(kernel, part) in across {
-                add_weighted(&mut parts[part], &self.kernels[kernel], |k| &padded[k..]);
+                weigh(&mut parts[part], &self.kernels[kernel], |k| &padded[k..]);
             }
         }
         let [bx, by, xx, xy, yy, c] = parts.each_ref().map(|part| &part[..width]);

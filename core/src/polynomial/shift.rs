@@ -2,7 +2,7 @@
 //! expansion, SCIA 2003): for each pixel A d = Δb, and over a window the displacement d that fits best.
 
 use super::Packed;
-use crate::differential::filter::add_weighted;
+use crate::differential::filter::weigh;
 use crate::differential::{Field, Tensor, Window};
 use crate::wide::wide;
 use crate::{Grid, Threads};
@@ -182,10 +182,8 @@ impl Agreement {
         let mut means = vec![0.0; PARTS * width];
         let mut means = parts(&mut means, width);
         for (part, mean) in means.iter_mut().enumerate() {
-            let middle = &mut down[reach..reach + width];
-            middle.fill(0.0);
-            add_weighted(middle, inside, |k| &products.row(top + k)[part * width..][..width]);
-            add_weighted(mean, weights, |k| &down[k..]);
+            weigh(&mut down[reach..reach + width], inside, |k| &products.row(top + k)[part * width..][..width]);
+            weigh(mean, weights, |k| &down[k..]);
         }
         let [xx, xy, yy, x_right, y_right] = means.each_ref().map(|mean| &mean[..width]);
         let [u, v, certainty] = row.map(|row| &mut row[..width]);

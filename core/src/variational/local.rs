@@ -24,7 +24,7 @@ impl MotionTensor {
         let smoothed = |a: &Grid<f32>, b: &Grid<f32>| {
             let mut product = a.clone();
             product.cells_mut().iter_mut().zip(b.cells()).for_each(|(a, b)| *a *= b);
-            filter::smooth(product, sigma_px, Border::Mirror, threads)
+            filter::smooth(&product, sigma_px, Border::Mirror, threads)
         };
         let mut parts = [(x, x), (x, y), (y, y), (x, t), (y, t), (t, t)].map(|(a, b)| smoothed(a, b));
         let [xx, xy, yy, xt, yt, tt] = &mut parts;
