@@ -62,6 +62,28 @@ impl Threads {
         self.chunks(grid.cells_mut(), width, f);
     }
 
+    /// Has `f` write every row of all `grids`, which are of one size, given its number, in any order. What it gives of each
+    /// row, in theirs.
+    pub(crate) fn rows_of<T: Send, R: Send, const N: usize>(
+        &self,
+        grids: [&mut Grid<T>; N],
+        f: impl Fn(usize, [&mut [T]; N]) -> R + Send + Sync,
+    ) -> Vec<R> {
+        let height = grids.first().map_or(0, |grid| grid.height());
+        let mut rows = grids.map(|grid| {
+            let width = grid.width().max(1);
+            grid.cells_mut().chunks_exact_mut(width)
+        });
+        let rows = (0..height).map(|y| (y, rows.each_mut().map(|rows| rows.next().unwrap_or_default())));
+        match &self.0 {
+            None => rows.map(|(y, rows)| f(y, rows)).collect(),
+            Some(pool) => {
+                let rows: Vec<_> = rows.collect();
+                pool.install(|| rows.into_par_iter().map(|(y, rows)| f(y, rows)).collect())
+            }
+        }
+    }
+
     /// Has `f` write every stretch of `length` cells, given its number, in any order.
     pub(crate) fn chunks<T: Send>(&self, cells: &mut [T], length: usize, f: impl Fn(usize, &mut [T]) + Sync) {
         let length = length.max(1);

@@ -1,6 +1,7 @@
 //! The derivatives of a pair of pictures.
 
-use super::filter::{Beyond, separable};
+use super::filter::{Beyond, Numbers, filtered_row};
+use crate::wide::wide;
 use crate::{Grid, Threads, choices};
 
 choices! {
@@ -52,24 +53,48 @@ impl Scheme {
     /// The derivatives of a pair of pictures of one size. Those along x and y are of the mean of both, halfway in time.
     pub fn of(self, current: &Grid<f32>, next: &Grid<f32>, threads: &Threads) -> Derivatives {
         let (width, height) = current.size();
-        let both = |f: fn(f32, f32) -> f32| {
-            let mut combined = Grid::new(width, height, 0.0);
-            threads.rows(&mut combined, |y, row| {
-                for (value, (&a, &b)) in row.iter_mut().zip(current.row(y).iter().zip(next.row(y))) {
-                    *value = f(a, b);
-                }
-            });
-            combined
-        };
-        let (along, across) = self.weights();
-        let filter = |image: &Grid<f32>, weights| separable(image, weights, Beyond::Slope, threads);
-        let mean = both(|a, b| 0.5 * (a + b));
-        let change = both(|a, b| b - a);
-        Derivatives {
-            x: filter(&mean, (along, across)),
-            y: filter(&mean, (across, along)),
-            t: if self == Scheme::Cube { filter(&change, (across, across)) } else { change },
+        let [mut x, mut y, mut t] = [(); 3].map(|()| Grid::new(width, height, 0.0));
+        threads.rows_of([&mut x, &mut y, &mut t], |row, targets| self.row([current, next], row, targets));
+        Derivatives { x, y, t }
+    }
+
+    /// Row `y` of the derivatives along x, y and time.
+    pub fn row(self, pictures: [&Grid<f32>; 2], y: usize, targets: [&mut [f32]; 3]) {
+        wide! {
+            fn wide(by: Scheme, pictures: [&Grid<f32>; 2], y: usize, targets: [&mut [f32]; 3]) = Scheme::row_anyhow
         }
+        wide(self, pictures, y, targets);
+    }
+
+    #[inline(always)]
+    fn row_anyhow(self, [current, next]: [&Grid<f32>; 2], y: usize, [to_x, to_y, to_t]: [&mut [f32]; 3]) {
+        let (along, across) = self.weights();
+        let (at, height, mut desk) = ((Beyond::Slope, y), current.height(), Vec::new());
+        let mean = |y| Both { rows: [current.row(y), next.row(y)], f: |a, b| 0.5 * (a + b) };
+        filtered_row((mean, height), (along, across), at, &mut desk, to_x);
+        filtered_row((mean, height), (across, along), at, &mut desk, to_y);
+        let change = |y| Both { rows: [current.row(y), next.row(y)], f: |a, b| b - a };
+        let around = if self == Scheme::Cube { across } else { &[1.0] };
+        filtered_row((change, height), (around, around), at, &mut desk, to_t);
+    }
+}
+
+/// What `f` makes of each number of two rows.
+#[derive(Clone, Copy)]
+struct Both<'a, F> {
+    rows: [&'a [f32]; 2],
+    f: F,
+}
+
+impl<F: Fn(f32, f32) -> f32 + Copy> Numbers for Both<'_, F> {
+    #[inline(always)]
+    fn first(self, count: usize) -> Self {
+        Self { rows: self.rows.map(|row| &row[..count]), ..self }
+    }
+
+    #[inline(always)]
+    fn at(self, i: usize) -> f32 {
+        (self.f)(self.rows[0][i], self.rows[1][i])
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Derivatives, Field, Sampling, Scheme, backward};
+use super::{Field, Sampling, Scheme, backward};
 use crate::{Grid, Threads};
 
 /// A constraint a u + b v + c = 0 for every pixel, in gray levels. One that is not known is 0, 0, 0 and says nothing.
@@ -19,17 +19,19 @@ pub struct Constraints {
 }
 
 impl Constraints {
-    /// The constraints of these factors; one of which a factor is not finite is not known.
-    pub fn new([mut a, mut b, mut c]: [Grid<f32>; 3]) -> Self {
-        let mut unknown = Vec::new();
-        let cells = a.cells_mut().iter_mut().zip(b.cells_mut()).zip(c.cells_mut());
-        for (i, ((a, b), c)) in cells.enumerate() {
-            if !(*a + *b + *c).is_finite() {
-                (*a, *b, *c) = (0.0, 0.0, 0.0);
-                unknown.push(i as u32);
-            }
-        }
-        Self { a, b, c, unknown }
+    /// The constraints of a picture of a `size` whose factors `write` works out row by row; one of which a factor is not
+    /// finite is not known.
+    pub fn new(
+        (width, height): (usize, usize),
+        write: impl Fn(usize, [&mut [f32]; 3]) + Send + Sync,
+        threads: &Threads,
+    ) -> Self {
+        let [mut a, mut b, mut c] = [(); 3].map(|()| Grid::new(width, height, 0.0));
+        let unknown = threads.rows_of([&mut a, &mut b, &mut c], |y, mut row| {
+            write(y, row.each_mut().map(|part| &mut **part));
+            silenced(row).into_iter().map(|x| (y * width + x) as u32).collect::<Vec<_>>()
+        });
+        Self { a, b, c, unknown: unknown.concat() }
     }
 
     /// a, b and c of a pixel.
@@ -55,6 +57,19 @@ impl Constraints {
     }
 }
 
+/// Sets those of a row of factors to 0 of which one is not finite; the pixels whose they are.
+fn silenced([a, b, c]: [&mut [f32]; 3]) -> Vec<usize> {
+    let is_unknown = |a: f32, b: f32, c: f32| !(a + b + c).is_finite();
+    let of_row = a.iter().zip(&*b).zip(&*c);
+    // Most often all are finite: looked at without a way out, that becomes vector instructions.
+    if !of_row.fold(false, |any, ((a, b), c)| any | is_unknown(*a, *b, *c)) {
+        return Vec::new();
+    }
+    let unknown: Vec<_> = (0..a.len()).filter(|&x| is_unknown(a[x], b[x], c[x])).collect();
+    unknown.iter().for_each(|&x| (a[x], b[x], c[x]) = (0.0, 0.0, 0.0));
+    unknown
+}
+
 /// The constraint of every pixel, linear about the displacements `start`.
 ///
 /// Frame t + 1 is brought back along `start`, so that its derivatives (a, b, Iₜ) are of what is left to find; then
@@ -70,18 +85,20 @@ impl Linear {
     /// The constraints of a pair of `pictures` about `start`.
     pub fn about(start: impl Into<Arc<Field>>, pictures: [&Grid<f32>; 2], scheme: Scheme, threads: &Threads) -> Self {
         let (start, [current, next]) = (start.into(), pictures);
-        // Where nothing was found yet there is nothing to bring back.
-        let warped = match start.is_zero() {
-            true => next.clone(),
-            false => backward(next, [&start.u, &start.v], Sampling::Bicubic, threads),
-        };
-        let Derivatives { x, y, mut t } = scheme.of(current, &warped, threads);
-        let start_at = start.u.cells().iter().zip(start.v.cells());
-        let gradients = x.cells().iter().zip(y.cells());
-        for (c, ((a, b), (u, v))) in t.cells_mut().iter_mut().zip(gradients.zip(start_at)) {
-            *c -= a * u + b * v;
+        // Where nothing was found yet there is nothing to bring back, and all that changes is left to find.
+        if start.is_zero() {
+            let write = |y, factors: [&mut [f32]; 3]| scheme.row([current, next], y, factors);
+            return Self { factors: Constraints::new(current.size(), write, threads), start };
         }
-        Self { factors: Constraints::new([x, y, t]), start }
+        let warped = backward(next, [&start.u, &start.v], Sampling::Bicubic, threads);
+        let write = |y, [a, b, c]: [&mut [f32]; 3]| {
+            scheme.row([current, &warped], y, [&mut *a, &mut *b, &mut *c]);
+            let start_at = start.u.row(y).iter().zip(start.v.row(y));
+            for (c, ((a, b), (u, v))) in c.iter_mut().zip(a.iter().zip(b).zip(start_at)) {
+                *c -= *a * u + *b * v;
+            }
+        };
+        Self { factors: Constraints::new(current.size(), write, threads), start }
     }
 
     /// Iₓ, I_y and Iₜ of a pixel, NaN where they are not known.

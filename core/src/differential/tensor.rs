@@ -262,7 +262,7 @@ fn sum_up_anyhow(window: &Window, of: &Constraints, (top, weights): (usize, &[f3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Grid;
+    use crate::{Grid, Threads};
 
     /// Checks the tensors of all pixels against plain sums over what is known.
     fn assert_plain(of: &Constraints, window: &Window) {
@@ -300,7 +300,11 @@ mod tests {
             if is_gone { f32::NAN } else { part(7)[(x, y)] }
         });
         for c in [part(7), hidden] {
-            let of = Constraints::new([part(3), part(5), c]);
+            let parts = [part(3), part(5), c];
+            let write = |y: usize, row: [&mut [f32]; 3]| {
+                row.into_iter().zip(&parts).for_each(|(row, part)| row.copy_from_slice(part.row(y)));
+            };
+            let of = Constraints::new((11, 9), write, &Threads::single());
             [Window::even(2), Window::gaussian(3)].iter().for_each(|window| assert_plain(&of, window));
         }
     }

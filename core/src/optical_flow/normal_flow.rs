@@ -187,7 +187,8 @@ impl Estimator for NormalFlow {
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
-        let mut flow = state.flow(&[]);
+        let (width, height) = state.fixed.given.size();
+        let mut flow = Grid::new(width, height, [0.0; 2]);
         threads.rows(&mut flow, |y, row| self.row(&state.fixed.derivatives, y, row, &mut ()));
         state.found = flow.into_cells();
         Ok(state)
