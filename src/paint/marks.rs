@@ -10,8 +10,10 @@ use super::fonts::Face;
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke, Trails};
 use super::{Color, ColorMap, Ink, PointShape, Theme};
 
-/// How near to each other displacements are drawn, in points of the window and pixels of a file; closer, they would hide the picture and each other.
+/// How near to each other displacements are drawn unless it is chosen, in points of the window and pixels of a file; closer, they would hide the picture and each other.
 const CLOSEST: f32 = 5.0;
+/// The same where it is chosen: closer, nobody can see one from the next.
+const DISTINCT: f32 = 1.0;
 /// Opacity of heat over footage.
 const HEAT_ALPHA: u8 = 0xb8;
 /// How near to each other the arrows of a dense field are drawn unless it is chosen, in points of the window and pixels of a file.
@@ -231,8 +233,11 @@ impl Painter<'_> {
         while self.look.spacing.is_none() && step > 1 && step as f32 * zoom >= ROOMY {
             step /= 2;
         }
-        let least = if self.look.spacing.is_some() { CLOSEST } else { AIRY };
-        step *= (least / (step as f32 * zoom * self.look.density)).ceil().max(1.0) as usize;
+        // What is chosen is kept to, whatever it hides.
+        step = match self.look.spacing {
+            Some(_) => step.max((DISTINCT / (zoom * self.look.density)).ceil() as usize),
+            None => step * (AIRY / (step as f32 * zoom * self.look.density)).ceil().max(1.0) as usize,
+        };
         // Arrows that start a little outside may reach into what is seen.
         let first = self.place.at(origin);
         let range = |i: usize, extent: usize| match seen {
@@ -381,12 +386,10 @@ pub fn streaks(streaks: &[Streak], theme: Theme, place: Placement) -> Primitive 
 /// less than `wanted`.
 fn cell(arrows: &[scene::Arrow], zoom: f32, wanted: Option<f32>) -> f32 {
     let spacing = spacing(arrows);
-    let least = (CLOSEST / zoom).max(wanted.unwrap_or(0.0));
-    // Half a step more or less is nearest to what is wanted; what would touch is too close whatever is wanted.
-    let steps = if wanted.is_some_and(|wanted| wanted * zoom > CLOSEST) {
-        (least / spacing).round()
-    } else {
-        (least / spacing).ceil()
+    // Half a step more or less is nearest to what is wanted.
+    let steps = match wanted {
+        Some(wanted) => (wanted.max(DISTINCT / zoom) / spacing).round(),
+        None => (CLOSEST / zoom / spacing).ceil(),
     };
     spacing * steps.max(1.0)
 }
@@ -597,6 +600,15 @@ mod tests {
         for zoom in [1.0, 8.0] {
             assert_eq!(drawn(&scene, spaced, Placement::new([0.0; 2], zoom)).len(), 18 * 9);
         }
+        for (px, count) in [(1, 350 * 180), (2, 175 * 90), (3, 117 * 60), (4, 88 * 45), (5, 70 * 36)] {
+            let spaced = ArrowStyle { spacing_px: Some(px), ..ArrowStyle::default() };
+            assert_eq!(drawn(&scene, spaced, Placement::new([0.0; 2], 1.0)).len(), count, "{px} px");
+        }
+        let far = |px| {
+            let spaced = ArrowStyle { spacing_px: Some(px), ..ArrowStyle::default() };
+            drawn(&scene, spaced, Placement::new([0.0; 2], 0.25)).len()
+        };
+        assert!(far(1) == far(4) && far(4) > far(5) && far(5) > far(7), "several to a point of the screen are one");
         let streaks = ArrowStyle { streak_frames: Some(32), ..ArrowStyle::default() };
         assert!(drawn(&scene, streaks, Placement::new([0.0; 2], 1.0)).is_empty(), "streaklines stand in their place");
     }
@@ -616,6 +628,10 @@ mod tests {
         let arrows: Vec<_> = all.map(|from| scene::Arrow { from, to: [from[0] + 1.0, from[1]] }).collect();
         let kept = |wanted| apart(&arrows, 1.0, Some(wanted)).len();
         assert_eq!([kept(1.0), kept(8.0), kept(17.0), kept(32.0)], [60 * 40, 60 * 40, 30 * 20, 15 * 10]);
+        let small: Vec<_> =
+            arrows.iter().map(|arrow| scene::Arrow { from: arrow.from.map(|c| c / 8.0), ..*arrow }).collect();
+        let kept = [1.0, 2.0, 3.0, 4.0, 5.0].map(|wanted| apart(&small, 1.0, Some(wanted)).len());
+        assert_eq!(kept, [60 * 40, 30 * 20, 20 * 14, 15 * 10, 12 * 8]);
     }
 
     #[test]

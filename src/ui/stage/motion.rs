@@ -16,7 +16,7 @@ use crate::ui::{ink, primitives};
 /// Diameter of the wheel among the choices, in points.
 const WHEEL: f32 = 88.0;
 /// Distances of arrows in px that the slider reaches.
-const SLIDER_PX: std::ops::RangeInclusive<u16> = 4..=128;
+const SLIDER_PX: std::ops::RangeInclusive<u16> = 1..=128;
 /// Factors that the slider of the arrows' length reaches.
 const SLIDER_TIMES: std::ops::RangeInclusive<f32> = 0.25..=16.0;
 
