@@ -48,6 +48,7 @@ pub struct Offer {
     several: bool,
     /// Whether the run looks at two frames and no more.
     is_pair: bool,
+    /// Whether the end of the run tells how far its field is trusted.
     has_confidence: bool,
     has_truth: bool,
 }
@@ -63,9 +64,8 @@ impl Offer {
         self.has_truth
     }
 
-    /// Why there is no such layer here, as part of a sentence; `None` if there is.
-    pub fn why_not(&self, layer: FlowLayer) -> Option<&'static str> {
-        let of_the_end = matches!(layer, FlowLayer::Error | FlowLayer::Confidence | FlowLayer::Consistency);
+    /// Why there is no such layer at any step of this run, as part of a sentence; `None` if there is.
+    pub fn why_never(&self, layer: FlowLayer) -> Option<&'static str> {
         match layer {
             FlowLayer::None => None,
             _ if !self.has_field() => Some("only single points are known to move here"),
@@ -73,10 +73,25 @@ impl Offer {
             FlowLayer::Consistency if self.several => Some("only an estimator by itself is run on the reverse pair"),
             FlowLayer::Consistency if !self.is_pair => Some("this estimator looks at more than two frames"),
             FlowLayer::Confidence if self.several => Some("these estimators tell no confidence"),
-            _ if of_the_end && !self.at_end => Some("it needs the whole field, which is there at the end of a run"),
             FlowLayer::Confidence if !self.has_confidence => Some("this estimator tells no confidence"),
             _ => None,
         }
+    }
+
+    /// Why there is no such layer here, as part of a sentence; `None` if there is.
+    pub fn why_not(&self, layer: FlowLayer) -> Option<&'static str> {
+        let of_the_end = "it needs the whole field, which is there at the end of a run";
+        self.why_never(layer).or((layer.is_of_the_end() && !self.at_end).then_some(of_the_end))
+    }
+
+    /// What is wanted and comes with the end of the run, where that is not reached.
+    pub fn awaited(&self, wanted: Option<FlowLayer>) -> Option<FlowLayer> {
+        wanted.filter(|layer| self.why_never(*layer).is_none() && self.why_not(*layer).is_some())
+    }
+
+    /// The layer that is chosen where `wanted` is wanted: the one that is shown, or awaited.
+    pub fn chosen(&self, wanted: Option<FlowLayer>) -> FlowLayer {
+        self.awaited(wanted).unwrap_or(self.layer(wanted))
     }
 
     /// The layer that is shown where `wanted` is wanted: that, or what suits the estimator.
@@ -104,6 +119,8 @@ pub struct Motion {
     pub offer: Offer,
     /// The layer of colours: one, or one for each of several estimators.
     pub layers: Vec<Arc<Tint>>,
+    /// What is wanted in their place and comes with the end of the run.
+    pub awaited: Option<FlowLayer>,
     /// The particles of each.
     pub streaks: Vec<Arc<Streaks>>,
     /// What the check with the reverse pair has found.
@@ -111,17 +128,21 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// What `want` wants to see at `site`. For the check, `backward` is the flow of the reverse pair; without it there is
-    /// none.
+    /// What `want` wants to see at `site`. Where the check is to be seen, `backward` is asked for the flow of the reverse
+    /// pair; without it there is none.
     ///
     /// # Errors
-    /// If the truth that it needs cannot be read.
-    pub fn of(site: Site<'_>, want: &Want, backward: Option<&Flow>) -> Result<Self, Error> {
+    /// If the truth or the reverse pair that it needs cannot be had.
+    pub fn of<'a>(
+        site: Site<'_>,
+        want: &Want,
+        backward: impl FnOnce() -> Result<Option<&'a Flow>, Error>,
+    ) -> Result<Self, Error> {
         let found = Found::at(site);
         let offer = found.offer(site);
         let layer = offer.layer(want.layer);
         let shows_streaks = want.streaks && offer.has_field();
-        let mut motion = Self { offer, ..Self::default() };
+        let mut motion = Self { offer, awaited: offer.awaited(want.layer), ..Self::default() };
         if layer == FlowLayer::None && !shows_streaks {
             return Ok(motion);
         }
@@ -153,12 +174,12 @@ impl Motion {
                 )
             }
             FlowLayer::Consistency => {
-                let (Some(backward), Some(flow)) = (backward, flows.first()) else { return Ok(motion) };
+                let (Some(flow), Some(backward)) = (flows.first(), backward()?) else { return Ok(motion) };
                 let check = Consistency::of(flow, backward)?;
                 motion.check = Some(Check::of(&check, site.clip, site.walk.at_frame())?);
-                let Consistency { distance_px, hidden } = check;
+                let Consistency { distance_px, inconsistent } = check;
                 let scalars = scalars("there and back, off by", "px", vec![distance_px]);
-                Tint::scale(Scalars { marks: Some(hidden), ..scalars }, want.colors)
+                Tint::scale(Scalars { marks: Some(inconsistent), ..scalars }, want.colors)
             }
         };
         motion.layers = shown.into_iter().map(Arc::new).collect();
@@ -168,6 +189,7 @@ impl Motion {
     /// Puts it into the pictures that are looked at, those of all and those of each.
     pub fn put(&self, pictures: &mut Pictures, tiles: &mut [Tile]) {
         (pictures.layer, pictures.streaks) = (self.layers.first().cloned(), self.streaks.first().cloned());
+        pictures.awaited = self.awaited;
         for (i, tile) in tiles.iter_mut().enumerate() {
             (tile.layer, tile.streaks) = (self.layers.get(i).cloned(), self.streaks.get(i).cloned());
         }
@@ -221,7 +243,7 @@ impl<'a> Found<'a> {
             at_end: walk.at_end(),
             several: matches!(self, Self::Several(_)),
             is_pair: walk.info().frames == 2,
-            has_confidence: self.confidence().is_some(),
+            has_confidence: walk.tells_confidence(),
             has_truth: clip.truth().is_some_and(|truth| truth.kinds().contains(&"flow")),
         }
     }
@@ -284,7 +306,7 @@ impl<'a> Reverse<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Check {
     /// Pixels that fail it.
-    pub hidden: usize,
+    pub inconsistent: usize,
     /// All pixels.
     pub pixels: usize,
     /// How well they are those that are truly hidden, where that is known.
@@ -299,14 +321,15 @@ impl Check {
     pub fn of(check: &Consistency, clip: &Clip, t: usize) -> Result<Self, Error> {
         let truth = clip.truth().map(|truth| truth.occlusion(t)).transpose()?.flatten();
         let agreement = truth.map(|truth| check.against(&truth)).transpose()?;
-        Ok(Self { hidden: check.count(), pixels: check.hidden.cells().len(), agreement })
+        Ok(Self { inconsistent: check.count(), pixels: check.inconsistent.cells().len(), agreement })
     }
 
     /// The same for a person.
     pub fn facts(&self) -> Vec<Fact> {
         let fact = |label, value| Fact { label, value, role: None };
-        let percent = 100.0 * self.hidden as f64 / self.pixels.max(1) as f64;
-        let mut facts = vec![fact("Fail the check", format!("{} pixels, {percent:.1} %", grouped(self.hidden)))];
+        let percent = 100.0 * self.inconsistent as f64 / self.pixels.max(1) as f64;
+        let mut facts = vec![fact("Fail the check", format!("{} pixels, {percent:.1} %", grouped(self.inconsistent)))];
+        facts.push(fact("They fail where", Consistency::criterion()));
         if let Some(Agreement { precision, recall }) = self.agreement {
             let share = |share: Option<f64>| share.map_or("–".into(), |share| format!("{:.0} %", 100.0 * share));
             let told = format!("precision {}, recall {}", share(precision), share(recall));
@@ -330,6 +353,15 @@ mod tests {
         assert!(why(known, FlowLayer::Error).contains("end of a run"));
         let ended = Offer { at_end: true, ..known };
         assert_eq!(ended.layer(Some(FlowLayer::Error)), FlowLayer::Error);
+        for (offer, awaited) in [(dense, None), (known, Some(FlowLayer::Error)), (ended, None)] {
+            assert_eq!(offer.awaited(Some(FlowLayer::Error)), awaited, "only what will be there is awaited");
+        }
+        let wheel = Some(FlowLayer::Wheel);
+        assert_eq!([known.chosen(Some(FlowLayer::Error)), known.chosen(wheel)], [FlowLayer::Error, FlowLayer::Wheel]);
+        assert_eq!(
+            [dense.chosen(Some(FlowLayer::Error)), known.awaited(wheel).unwrap_or_default()],
+            [FlowLayer::Wheel, FlowLayer::None]
+        );
         assert!(why(ended, FlowLayer::Confidence).contains("tells no confidence"));
         assert!(why(Offer { several: true, ..ended }, FlowLayer::Consistency).contains("by itself"));
         assert!(why(Offer { is_pair: false, ..ended }, FlowLayer::Consistency).contains("more than two frames"));

@@ -139,8 +139,7 @@ impl Still {
         let mut tiles = tiles(walk, None, &endings(walk, clip, pair));
         let (mut pictures, scene) = (pictures(walk, pair), tile::scene(walk, None, &tiles));
         let site = Site { walk, clip, scene: &scene };
-        let backward = (want.layer == Some(FlowLayer::Consistency) && walk.at_end()).then(|| reverse.flow());
-        let motion = Motion::of(site, want, backward.transpose()?)?;
+        let motion = Motion::of(site, want, || reverse.flow().map(Some))?;
         motion.put(&mut pictures, &mut tiles);
         Ok(Self {
             frame: walk.at_frame(),

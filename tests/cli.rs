@@ -113,9 +113,9 @@ fn the_check_with_the_reverse_pair_is_told_in_numbers() {
         "run synth:parallax,width=96,height=72,frames=2 --estimator full-search --set block=8 --layer consistency";
     let run = json(folder.path(), &format!("{line} --json"));
     let check = &run["consistency"];
-    let hidden = check["hidden"].as_u64().unwrap();
-    assert!(hidden > 0 && hidden < 96 * 72, "{check}");
-    assert!((check["share"].as_f64().unwrap() - hidden as f64 / (96.0 * 72.0)).abs() < 1e-9);
+    let failing = check["inconsistent"].as_u64().unwrap();
+    assert!(failing > 0 && failing < 96 * 72, "{check}");
+    assert!((check["share"].as_f64().unwrap() - failing as f64 / (96.0 * 72.0)).abs() < 1e-9);
     for share in ["precision", "recall"] {
         assert!((0.0..=1.0).contains(&check[share].as_f64().unwrap()), "{check}");
     }

@@ -251,10 +251,18 @@ impl Clip {
         self
     }
 
-    /// The same clip, whose frames are given up while `stop` is set; other copies of the clip do not notice.
+    /// The same clip, whose frames, and runs on it, are given up while `stop` is set; other copies of the clip do not notice.
     pub fn until(mut self, stop: Stop) -> Self {
         self.stop = stop;
         self
+    }
+
+    /// Ends work on the clip with `?` when nobody wants it any more.
+    ///
+    /// # Errors
+    /// If it was given up (see [`Clip::until`]).
+    pub fn wanted(&self) -> Result<(), Error> {
+        self.stop.check()
     }
 
     /// Facts about the clip.

@@ -9,8 +9,8 @@ pub struct Consistency {
     /// How far from each pixel one comes back, |w + w'| in px; NaN where either way is not known, or leads out of the
     /// picture.
     pub distance_px: Grid<f32>,
-    /// Pixels that fail the check, or leave the picture: they are not seen in the other frame.
-    pub hidden: Grid<bool>,
+    /// Pixels that fail the check, or leave the picture: they are hidden in the other frame, or their displacement is wrong.
+    pub inconsistent: Grid<bool>,
 }
 
 /// How well the pixels that fail the check are those that are truly hidden.
@@ -22,7 +22,17 @@ pub struct Agreement {
     pub recall: Option<f64>,
 }
 
+/// How far one may come back from where he started: this share of the squares of both displacements …
+const SHARE: f32 = 0.01;
+/// … and this much more, in px².
+const MORE_PX2: f32 = 0.5;
+
 impl Consistency {
+    /// Where a pixel fails, in numbers; w is its displacement, and w' that of the reverse pair where w leads.
+    pub fn criterion() -> String {
+        format!("|w + w′|² ≥ {SHARE} (|w|² + |w′|²) + {MORE_PX2} px²")
+    }
+
     /// Checks `forward` against `backward`, the flow of the same pair in reverse order.
     ///
     /// A pixel fails where |w + w'|² ≥ 0.01 (|w|² + |w'|²) + 0.5, w' being taken where w leads, between pixels
@@ -36,26 +46,26 @@ impl Consistency {
         if backward.0.size() != (width, height) {
             return Err(Error::new("the flows of both directions must have one size"));
         }
-        let mut hidden = Grid::new(width, height, false);
+        let mut inconsistent = Grid::new(width, height, false);
         let distance_px = Grid::from_fn(width, height, |x, y| {
             let Some([u, v]) = forward.at(x, y) else { return f32::NAN };
             let to = [x as f32 + u, y as f32 + v];
             if !forward.holds(to) {
-                hidden[(x, y)] = true;
+                inconsistent[(x, y)] = true;
                 return f32::NAN;
             }
             let Some(back) = backward.sample(to) else { return f32::NAN };
             let square = |[u, v]: [f32; 2]| u * u + v * v;
             let off = square([u + back[0], v + back[1]]);
-            hidden[(x, y)] = off >= 0.01 * (square([u, v]) + square(back)) + 0.5;
+            inconsistent[(x, y)] = off >= SHARE * (square([u, v]) + square(back)) + MORE_PX2;
             off.sqrt()
         });
-        Ok(Self { distance_px, hidden })
+        Ok(Self { distance_px, inconsistent })
     }
 
-    /// How many pixels are hidden.
+    /// How many pixels fail the check.
     pub fn count(&self) -> usize {
-        self.hidden.cells().iter().filter(|hidden| **hidden).count()
+        self.inconsistent.cells().iter().filter(|fails| **fails).count()
     }
 
     /// How well what was found agrees with the pixels that are truly hidden, over those whose way is known.
@@ -63,11 +73,11 @@ impl Consistency {
     /// # Errors
     /// If the sizes differ.
     pub fn against(&self, truth: &Grid<bool>) -> Result<Agreement, Error> {
-        if truth.size() != self.hidden.size() {
+        if truth.size() != self.inconsistent.size() {
             return Err(Error::new("the mask of hidden pixels must have the size of the flow"));
         }
         let (mut found, mut hidden, mut both) = (0usize, 0usize, 0usize);
-        let cells = self.hidden.cells().iter().zip(self.distance_px.cells()).zip(truth.cells());
+        let cells = self.inconsistent.cells().iter().zip(self.distance_px.cells()).zip(truth.cells());
         for ((&is_found, distance), &is_hidden) in cells {
             if !is_found && distance.is_nan() {
                 continue;
@@ -94,7 +104,7 @@ mod tests {
         let check = Consistency::of(&flow(|_, _| [2.5, 0.0]), &flow(|_, _| [-2.5, 0.0])).unwrap();
         for (x, y) in (0..6).flat_map(|y| (0..12).map(move |x| (x, y))) {
             let leaves = x as f32 + 2.5 > 11.5;
-            assert_eq!(check.hidden[(x, y)], leaves, "{x}, {y}");
+            assert_eq!(check.inconsistent[(x, y)], leaves, "{x}, {y}");
             assert!(leaves == check.distance_px[(x, y)].is_nan() && (leaves || check.distance_px[(x, y)] == 0.0));
         }
     }
@@ -104,11 +114,11 @@ mod tests {
         // |w + w'|² = 0.49 and 0.51 for small displacements: the limit is 0.5 and one hundredth of both squares.
         for (off, fails) in [(0.7f32, false), (0.72, true)] {
             let check = Consistency::of(&flow(|_, _| [0.0, 0.0]), &flow(|_, _| [off, 0.0])).unwrap();
-            assert!(check.hidden.cells().iter().all(|hidden| *hidden == fails), "{off}");
+            assert!(check.inconsistent.cells().iter().all(|found| *found == fails), "{off}");
         }
         let check = Consistency::of(&flow(|_, _| [4.0, 0.0]), &flow(|_, _| [-3.1, 0.0])).unwrap();
         // 0.81 against 0.01 (16 + 9.61) + 0.5 = 0.756.
-        assert!(check.hidden[(2, 2)] && (check.distance_px[(2, 2)] - 0.9).abs() < 1e-5);
+        assert!(check.inconsistent[(2, 2)] && (check.distance_px[(2, 2)] - 0.9).abs() < 1e-5);
         assert!(Consistency::of(&flow(|_, _| [0.0; 2]), &Flow(Grid::new(2, 2, [0.0; 2]))).is_err());
     }
 

@@ -161,6 +161,8 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     const PROMISE: Promise = Promise::Translation;
     /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
     const TESTS_CANDIDATES: bool = false;
+    /// Whether the end of a run tells how far its field is trusted.
+    const TELLS_CONFIDENCE: bool = false;
     /// The charts that its steps may have something for: the window offers no others.
     const CHARTS: &'static [Chart] = Chart::ALL;
     /// All that a unit reads and writes, its random generator included.
@@ -273,6 +275,7 @@ pub fn run_observed<E: Estimator>(
     let mut state = estimator.start(clip, frame)?;
     let mut units = 1;
     while estimator.advance(clip, &mut state, observer)? == Progress::More {
+        clip.wanted()?;
         units += 1;
     }
     Ok((state, units))

@@ -57,7 +57,7 @@ impl Threads {
     }
 
     /// Has `f` write every row of `grid`, given its number; the rows are written in any order.
-    pub(crate) fn rows<T: Send>(&self, grid: &mut Grid<T>, f: impl Fn(usize, &mut [T]) + Sync) {
+    pub fn rows<T: Send>(&self, grid: &mut Grid<T>, f: impl Fn(usize, &mut [T]) + Sync) {
         let width = grid.width();
         self.chunks(grid.cells_mut(), width, f);
     }

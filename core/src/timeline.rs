@@ -74,6 +74,10 @@ pub enum Move {
 pub trait Walk: Send {
     /// What there is to say about the estimator.
     fn info(&self) -> &'static Info;
+    /// Whether the end of the run tells how far its field is trusted.
+    fn tells_confidence(&self) -> bool {
+        false
+    }
     /// The frame that the run started on.
     fn frame(&self) -> usize;
     /// The first frame of the pair that the unit at hand works on.
@@ -428,6 +432,10 @@ impl<E: Estimator> Timeline<E> {
 impl<E: Estimator> Walk for Timeline<E> {
     fn info(&self) -> &'static Info {
         const { &E::INFO }
+    }
+
+    fn tells_confidence(&self) -> bool {
+        E::TELLS_CONFIDENCE
     }
 
     fn frame(&self) -> usize {

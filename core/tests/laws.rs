@@ -5,8 +5,8 @@ mod common;
 use common::waves;
 use motionscope_core::params::{Kind, Value};
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Explained, Frame, Grid, Move, Output, Promise, Scene, Step, Threads, Walk, Way,
-    estimators,
+    AnyEstimator, Bounds, Clip, Cursor, Explained, Frame, Grid, Move, Output, Promise, Scene, Step, Stop, Threads,
+    Walk, Way, estimators,
 };
 use proptest::prelude::*;
 
@@ -544,5 +544,39 @@ proptest! {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn who_tells_a_confidence_declares_it() {
+    each(|estimator| {
+        let clip = moving(50, 41, (1, -2), 4);
+        let told = estimator.run(&clip, 0, &Threads::single()).unwrap();
+        let walk = estimator.walk(&clip, 0).unwrap();
+        match told {
+            Output::Dense(field) => assert_eq!(field.confidence.is_some(), walk.tells_confidence()),
+            Output::Blocks(_) => assert!(!walk.tells_confidence()),
+            // Where it is asked for features alone, a method of dense fields may have some to tell otherwise.
+            Output::Points(_) | Output::Tracks(_) => {}
+        }
+    });
+}
+
+#[test]
+fn a_run_that_nobody_wants_ends() {
+    each(|estimator| {
+        let stop = Stop::default();
+        let clip = moving(50, 41, (1, -2), 4).until(stop.clone());
+        stop.set(true);
+        assert!(estimator.extent(&clip, 0).is_err(), "{} goes on before the eyes of someone", estimator.info().id);
+        stop.set(false);
+        assert!(estimator.extent(&clip, 0).is_ok());
+    });
+    for id in ["horn-schunck", "tv-l1", "farneback", "lucas-kanade"] {
+        let estimator = motionscope_core::estimator(id).unwrap();
+        let stop = Stop::default();
+        let clip = moving(50, 41, (1, -2), 4).until(stop.clone());
+        stop.set(true);
+        assert!(estimator.run(&clip, 0, &Threads::single()).is_err(), "{id} goes on");
     }
 }

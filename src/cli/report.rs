@@ -33,7 +33,7 @@ pub struct Report {
 #[derive(Serialize)]
 struct Checked {
     /// Pixels that fail it.
-    hidden: usize,
+    inconsistent: usize,
     /// Their share of all.
     share: f64,
     /// Share of them that are truly hidden, where that is known.
@@ -44,10 +44,10 @@ struct Checked {
 
 impl Checked {
     fn of(check: Check) -> Self {
-        let Check { hidden, pixels, agreement } = check;
+        let Check { inconsistent, pixels, agreement } = check;
         Self {
-            hidden,
-            share: hidden as f64 / pixels.max(1) as f64,
+            inconsistent,
+            share: inconsistent as f64 / pixels.max(1) as f64,
             precision: agreement.and_then(|agreement| agreement.precision),
             recall: agreement.and_then(|agreement| agreement.recall),
         }
@@ -131,12 +131,12 @@ impl Report {
             None if metrics.truth_error.is_some() => "error       unknown: the true flow cannot be read\n".into(),
             None => "error       unknown: there is no true flow for this frame\n".into(),
         };
-        if let Some(Checked { hidden, share, precision, recall }) = consistency {
+        if let Some(Checked { inconsistent, share, precision, recall }) = consistency {
             let percent =
                 |share: Option<f64>| share.map_or("unknown".into(), |share| format!("{:.1} %", 100.0 * share));
             let (precision, recall) = (percent(*precision), percent(*recall));
             text += &format!(
-                "consistency {hidden} pixels fail the check, {:.1} %; of those truly hidden: precision {precision}, recall \
+                "consistency {inconsistent} pixels fail the check, {:.1} %; of those truly hidden: precision {precision}, recall \
                  {recall}\n",
                 100.0 * share
             );

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use motionscope_core::{Error, Flow, Grid, Role};
+use motionscope_core::{Error, Flow, Grid, Role, Threads};
 
 use super::legend::{Bar, Entry, Sample};
 use super::{Color, ColorMap, Theme, flow_color, number};
@@ -65,6 +65,17 @@ impl FlowLayer {
             FlowLayer::Confidence => "Confidence",
             FlowLayer::Consistency => "Consistency",
         }
+    }
+
+    /// Whether only the end of a run has it.
+    pub fn is_of_the_end(self) -> bool {
+        matches!(self, FlowLayer::Error | FlowLayer::Confidence | FlowLayer::Consistency)
+    }
+
+    /// What stands in the legend while the end of the run is awaited.
+    pub fn awaited(self) -> Entry {
+        let meaning = format!("{}: at the end of the run", self.name().to_lowercase());
+        Entry { role: Role::Estimate, sample: Sample::Awaited, meaning }
     }
 
     /// What it shows, in one sentence.
@@ -212,16 +223,12 @@ fn usual_most(values: impl Iterator<Item = f32>, count: usize) -> (f32, bool) {
     (usual, most > usual * 1.001)
 }
 
-/// `color` of every value, worked out on all cores.
+/// `color` of every value, worked out on all cores; a small picture is done before they would be at hand.
 fn colored<T: Sync>(values: &Grid<T>, color: impl Fn(&T) -> [u8; 4] + Sync) -> Grid<[u8; 4]> {
     let mut pixels = Grid::new(values.width(), values.height(), [0; 4]);
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let part = values.cells().len().div_ceil(cores).max(1 << 14);
-    let color = &color;
-    std::thread::scope(|scope| {
-        for (to, from) in pixels.cells_mut().chunks_mut(part).zip(values.cells().chunks(part)) {
-            scope.spawn(move || to.iter_mut().zip(from).for_each(|(to, from)| *to = color(from)));
-        }
+    let all = (values.cells().len() > 1 << 15).then(Threads::all).and_then(Result::ok);
+    all.unwrap_or_else(Threads::single).rows(&mut pixels, |y, row| {
+        row.iter_mut().zip(values.row(y)).for_each(|(to, from)| *to = color(from));
     });
     pixels
 }

@@ -41,6 +41,8 @@ pub enum Sample {
     Wheel,
     /// Stripes.
     Hatch,
+    /// Dots: what is not there yet.
+    Awaited,
 }
 
 /// A bar of colours between two numbers; without the second, a single number that needs none.
@@ -146,6 +148,11 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
             };
             let [light, dark] = layer::hatch();
             out.extend((0..6).map(|i| stripe(i, if i % 2 == 0 { light } else { dark })));
+        }
+        Sample::Awaited => {
+            let middle_x = (rect.min[0] + rect.max[0]) / 2.0;
+            let dot = |x| Primitive::Disc { center: [x, middle], radius: 2.0, color: theme.chrome().dim };
+            out.extend([-8.0, 0.0, 8.0].map(|x| dot(middle_x + x)));
         }
         Sample::Wheel => out.extend(wheel([(rect.min[0] + rect.max[0]) / 2.0, middle], SWATCH[1] / 2.0)),
         Sample::Arrow => {
@@ -277,8 +284,16 @@ mod tests {
 
     #[test]
     fn every_swatch_stays_in_its_box() {
-        let samples =
-            [Sample::Frame, Sample::Ellipse, Sample::Arrow, Sample::Point, Sample::Line, Sample::Wheel, Sample::Hatch];
+        let samples = [
+            Sample::Frame,
+            Sample::Ellipse,
+            Sample::Arrow,
+            Sample::Point,
+            Sample::Line,
+            Sample::Wheel,
+            Sample::Hatch,
+            Sample::Awaited,
+        ];
         for theme in Theme::ALL {
             for role in Role::ALL {
                 for sample in samples {

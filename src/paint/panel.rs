@@ -7,7 +7,7 @@ use std::sync::Arc;
 use motionscope_core::scene::Picture;
 use motionscope_core::{Error, Frame, Grid, Levels, Streaks};
 
-use super::Tint;
+use super::{FlowLayer, Tint};
 
 /// What can be looked at: the frames, and what a run has made of them.
 #[derive(Clone, Debug)]
@@ -20,6 +20,8 @@ pub struct Pictures {
     pub prediction: Option<Arc<Frame>>,
     /// The colours that stand over frame t and tell of its motion.
     pub layer: Option<Arc<Tint>>,
+    /// The colours that are wanted in their place, where only the end of the run has them.
+    pub awaited: Option<FlowLayer>,
     /// Particles carried along by the motion, where they are wanted.
     pub streaks: Option<Arc<Streaks>>,
 }
@@ -27,7 +29,7 @@ pub struct Pictures {
 impl Pictures {
     /// Two frames of which nothing has been made yet.
     pub fn of(pair: [Arc<Frame>; 2]) -> Self {
-        Self { pair, names: [const { None }; 2], prediction: None, layer: None, streaks: None }
+        Self { pair, names: [const { None }; 2], prediction: None, layer: None, awaited: None, streaks: None }
     }
 
     /// What `view` shows where the step works on `levels` of a pyramid: the frames of the level that is `shown`, each of its

@@ -8,7 +8,9 @@ use motionscope_core::{Grid, Scene};
 use super::legend::{self, Bar, line_height};
 use super::primitive::{Anchor, Line, Primitive, Rect, Run, Stroke};
 use super::wrap::{brevity, inked, wrap};
-use super::{Color, Face, Look, Panel, Pictures, Placement, Share, Shown, Style, TypeSizes, View, fonts, marks};
+use super::{
+    Color, Face, FlowLayer, Look, Panel, Pictures, Placement, Share, Shown, Style, TypeSizes, View, fonts, marks,
+};
 
 /// Space around everything.
 const MARGIN: f32 = 16.0;
@@ -295,7 +297,9 @@ impl Layout<'_> {
         let layer = parts.iter().find_map(|part| part.pictures.layer.as_ref());
         let layer = layer.filter(|_| panels.iter().any(|panel| panel.is_tinted()));
         let (signs, bar) = layer.map(|layer| layer.legend()).unwrap_or_default();
-        entries.splice(0..0, signs);
+        let awaited = parts.iter().find_map(|part| part.pictures.awaited);
+        let awaited = awaited.filter(|_| panels.iter().any(|panel| panel.is_tinted()));
+        entries.splice(0..0, signs.into_iter().chain(awaited.map(FlowLayer::awaited)));
         let bars: Vec<_> = heat.into_iter().chain(bar).collect();
         let place = ([self.margin, self.y + 2.0 * GAP], self.width);
         let (primitives, height) = legend::strip(&entries, &bars, self.look.theme, place);

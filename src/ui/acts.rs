@@ -174,13 +174,13 @@ impl App {
         }
     }
 
-    /// Takes the next of the layers that there are.
+    /// Takes the next of the layers that there are, or will be at the end of the run.
     fn next_layer(&mut self) {
         let Some(shown) = self.view.shown.as_deref() else { return };
         let stage = &mut self.states.stage;
-        let now = shown.offer.layer(stage.layer);
+        let now = shown.offer.chosen(stage.layer);
         let mut round = FlowLayer::ALL.into_iter().cycle().skip_while(|layer| *layer != now).skip(1);
-        stage.layer = round.find(|layer| shown.offer.why_not(*layer).is_none());
+        stage.layer = round.find(|layer| shown.offer.why_never(*layer).is_none());
     }
 
     fn restyle(&mut self, command: Command) {

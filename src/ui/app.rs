@@ -197,6 +197,7 @@ impl App {
             at_start: shown.is_none_or(|shown| shown.cursor == motionscope_core::Cursor::default()),
             at_end: shown.is_some_and(|shown| shown.at_end),
             busy: self.view.busy,
+            checking: self.view.checking,
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
             in_lockstep: !self.document.company().is_empty(),

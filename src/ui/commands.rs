@@ -339,7 +339,7 @@ impl Command {
             C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
             C::Play => now.has_run,
             C::Compare | C::Lockstep => now.has_clip,
-            C::Stop => now.busy || now.playing,
+            C::Stop => now.busy || now.checking || now.playing,
             C::NextFrame => now.has_clip && !now.at_last_frame,
             C::PreviousFrame => now.has_clip && !now.at_first_frame,
             C::SaveSession | C::ExportPicture | C::ExportSteps | C::ExportVectors => now.has_run,
@@ -353,7 +353,7 @@ impl Command {
             | C::ErrorLayer
             | C::ConfidenceLayer
             | C::ConsistencyLayer => {
-                now.has_run && self.layer().is_some_and(|layer| now.offer.why_not(layer).is_none())
+                now.has_run && self.layer().is_some_and(|layer| now.offer.why_never(layer).is_none())
             }
             C::Open | C::PastePath | C::Samples | C::Quit => true,
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
@@ -418,6 +418,8 @@ pub struct Now {
     pub at_end: bool,
     /// A long move is at work.
     pub busy: bool,
+    /// The reverse pair is being run.
+    pub checking: bool,
     /// It is playing.
     pub playing: bool,
     /// Nothing is shown but what a class looks at.

@@ -187,7 +187,7 @@ fn is_on(command: Command, input: &Input) -> Option<bool> {
         Command::ViridisColors => Some(colors == ColorMap::Viridis),
         Command::TurboColors => Some(colors == ColorMap::Turbo),
         Command::Streaks => Some(input.look.streaks.is_some()),
-        _ if command.layer().is_some() => Some(command.layer() == Some(input.now.offer.layer(input.look.layer))),
+        _ if command.layer().is_some() => Some(command.layer() == Some(input.now.offer.chosen(input.look.layer))),
         Command::FittingArrows => Some(lengthen == Lengthen::Auto),
         Command::TrueArrows => Some(lengthen == Lengthen::Times(1.0)),
         Command::DoubleArrows => Some(lengthen == Lengthen::Times(2.0)),

@@ -27,23 +27,38 @@ fn kind(window: &Window) -> FlowLayer {
     tint(window).map_or(FlowLayer::None, |tint| tint.kind)
 }
 
+/// The layer of which the legend says that it comes with the end of the run.
+fn awaited(window: &Window) -> Option<&'static str> {
+    let said = |name: &&str| {
+        let told = format!("{name}: at the end of the run");
+        window.harness.query_by_label_contains(&told).is_some()
+    };
+    ["error", "confidence", "consistency"].into_iter().find(said)
+}
+
 #[test]
 fn a_key_goes_through_the_layers_that_there_are() {
     let mut window = dense();
     assert_eq!(kind(&window), FlowLayer::Wheel, "a dense field has its colours by itself");
-    let round: Vec<_> = (0..4).map(|_| (window.key(Key::M), kind(&window)).1).collect();
     let (none, wheel, length) = (FlowLayer::None, FlowLayer::Wheel, FlowLayer::Magnitude);
-    assert_eq!(round, [length, none, wheel, length], "errors need the whole field");
+    for seen in [(length, None), (wheel, Some("error")), (wheel, Some("consistency")), (none, None), (wheel, None)] {
+        window.key(Key::M);
+        assert_eq!((kind(&window), awaited(&window)), seen);
+    }
+    window.command(Command::ConfidenceLayer);
+    assert_eq!(kind(&window), wheel, "a command that makes no sense does nothing");
     window.command(Command::ErrorLayer);
-    assert_eq!(kind(&window), length, "a command that makes no sense does nothing");
+    assert_eq!((kind(&window), awaited(&window)), (wheel, Some("error")));
     window.command(Command::End);
-    window.command(Command::ErrorLayer);
-    assert_eq!(kind(&window), FlowLayer::Error);
+    assert_eq!((kind(&window), awaited(&window)), (FlowLayer::Error, None));
     assert!(window.harness.query_by_label_contains("colours for endpoint error 0 to").is_some());
     window.command(Command::IntoBack);
-    assert_eq!(kind(&window), wheel, "what is not there gives way");
+    assert_eq!((kind(&window), awaited(&window)), (wheel, Some("error")), "what is not there gives way");
     window.command(Command::End);
     assert_eq!(kind(&window), FlowLayer::Error, "and comes back");
+    window.command(Command::IntoBack);
+    window.key(Key::M);
+    assert_eq!((kind(&window), awaited(&window)), (wheel, Some("consistency")), "the key goes on from what is chosen");
 }
 
 #[test]
@@ -54,6 +69,8 @@ fn the_reverse_pair_is_checked_in_the_background() {
     assert!(matches!(tint(&window).map(|tint| &tint.key), Some(TintKey::Scale { has_marks: true, .. })));
     assert!(!window.app().view().checking);
     assert!(window.harness.query_by_label_contains("Fail the check: ").is_some());
+    let criterion = "They fail where: |w + w′|² ≥ 0.01 (|w|² + |w′|²) + 0.5 px²";
+    assert!(window.harness.query_by_label_contains(criterion).is_some());
     assert!(window.harness.query_by_label_contains("Truly hidden: precision ").is_some());
     let shown = window.shown().pictures.layer.clone().expect("a layer");
     // Pointing at a pixel explains it; the colours stay the very same.

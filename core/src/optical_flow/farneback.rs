@@ -162,6 +162,7 @@ impl Estimator for Farneback {
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
     type State = State;
     type Event = Event;
+    const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Plane];
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
@@ -254,6 +255,7 @@ impl Estimator for Farneback {
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
         while !state.is_done {
+            clip.wanted()?;
             self.work(&mut state, threads);
         }
         Ok(state)

@@ -169,6 +169,7 @@ impl Estimator for LucasKanade {
         frames: 2,
     };
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 3 };
+    const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
     type State = State;
     type Event = Event;
@@ -236,6 +237,7 @@ impl Estimator for LucasKanade {
         let mut state = self.prepare(clip, frame, threads)?;
         let ((width, height), window) = (state.given.size(), self.window());
         loop {
+            clip.wanted()?;
             let mut found = Grid::new(width, height, NOTHING);
             let linear = self.linear(&state, threads);
             threads.rows(&mut found, |y, row| self.row((&linear.factors, &window), y, row, &mut ()));

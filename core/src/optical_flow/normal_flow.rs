@@ -113,6 +113,7 @@ impl Estimator for NormalFlow {
         frames: 2,
     };
     const PROMISE: Promise = Promise::AlongGradient;
+    const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
     type State = State;
     type Event = Event;

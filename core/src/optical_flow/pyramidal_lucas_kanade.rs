@@ -202,6 +202,7 @@ impl Estimator for PyramidalLucasKanade {
         frames: 2,
     };
     const PROMISE: Promise = Promise::Features { off_centi_px: 2 };
+    const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Stack];
     type State = State;
     type Event = Event;

@@ -14,6 +14,9 @@ use crate::{
 /// How many numbers for each pixel [`Linear`] holds.
 const LINEAR_PARTS: usize = 5;
 
+/// At most so many iterations are done before it is asked whether anybody still wants them.
+const BATCH: usize = 128;
+
 /// The estimator that `M` makes.
 #[derive(Clone, Debug, Default)]
 pub struct Variational<M>(pub M);
@@ -346,9 +349,10 @@ impl<M: Model> Estimator for Variational<M> {
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State<M>, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
         let Settings { iterations, tolerance, .. } = self.settings();
-        // Where each change decides whether to go on, iterations come one by one.
-        let count = if tolerance > 0.0 { 1 } else { iterations };
         while !state.is_done {
+            clip.wanted()?;
+            // Where each change decides whether to go on, iterations come one by one.
+            let count = if tolerance > 0.0 { 1 } else { BATCH.min(iterations - state.iteration) };
             self.work(&mut state, count, threads);
         }
         Ok(state)

@@ -328,9 +328,13 @@ impl Command {
                 "Have several estimators search the same block side by side, or go on with one alone.",
                 const { &[key(Key::B)] },
             ),
-            C::Stop => {
-                (Menu::Walk, Icon::OctagonX, "Stop", "Give up a move that takes long.", const { &[key(Key::Escape)] })
-            }
+            C::Stop => (
+                Menu::Walk,
+                Icon::OctagonX,
+                "Stop",
+                "Give up a move or a check that takes long.",
+                const { &[key(Key::Escape)] },
+            ),
             C::Slower => {
                 (Menu::Walk, Icon::Rewind, "Play slower", "Play at a lower speed.", const { &[key(Key::OpenBracket)] })
             }

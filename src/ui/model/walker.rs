@@ -70,6 +70,8 @@ struct Desk {
     focus_moved: bool,
     /// The flow of the reverse pair of a run, when it has come.
     backward: Option<(Arc<Subject>, Result<Flow, Error>)>,
+    /// Ends the run of the reverse pair at its next chance.
+    stop_check: Stop,
     since: Option<Instant>,
     quit: bool,
     view: View,
@@ -121,6 +123,7 @@ impl Walker {
     pub fn start(&self, job: Job) {
         self.ask(true, |desk| {
             self.shared.stop.set(true);
+            desk.stop_check.set(true);
             desk.requests.clear();
             desk.starting = true;
             desk.job = Some(job);
@@ -149,9 +152,10 @@ impl Walker {
         self.ask(true, |desk| desk.requests.push_back(Request::GoAt(point, side)));
     }
 
-    /// Gives up the move at work; the run stays where it stands, a new one at its start.
+    /// Gives up the move at work, and the check with the reverse pair; the run stays where it stands, a new one at its start.
     pub fn stop(&self) {
         self.ask(true, |desk| {
+            desk.stop_check.set(true);
             desk.requests.retain(|request| matches!(request, Request::Visit(_)));
             desk.requests.push_front(Request::Stay);
             if let Some(job) = &mut desk.job {
@@ -235,6 +239,7 @@ impl Drop for Walker {
     fn drop(&mut self) {
         self.ask(true, |desk| {
             self.shared.stop.set(true);
+            desk.stop_check.set(true);
             desk.quit = true;
         });
         if let Some(thread) = self.thread.take() {
@@ -375,7 +380,10 @@ impl<'a> Worker<'a> {
             }
             // What is held stays, wherever the pointer goes.
             Task::Focus if self.held().is_some() => {}
-            Task::Focus => self.publish(),
+            Task::Focus => {
+                self.forget_failed_check();
+                self.publish();
+            }
             Task::Backward(subject, flow) => {
                 if let Some(run) = self.run.as_mut().filter(|run| Arc::ptr_eq(&run.subject, &subject)) {
                     run.backward = Some(flow);
@@ -388,10 +396,15 @@ impl<'a> Worker<'a> {
     /// Has the reverse pair of `run` run on a thread of its own if `want` wants it; one at a time.
     fn check(&self, run: &Run, want: &Want, offer: &Offer) {
         let is_wanted = offer.layer(want.layer) == FlowLayer::Consistency && run.backward.is_none();
-        if !is_wanted || std::mem::replace(&mut self.shared.desk().view.checking, true) {
-            return;
+        let stop = Stop::default();
+        {
+            let mut desk = self.shared.desk();
+            if !is_wanted || std::mem::replace(&mut desk.view.checking, true) {
+                return;
+            }
+            desk.stop_check = stop.clone();
         }
-        let (subject, clip, shared) = (Arc::clone(&run.subject), run.clip.clone(), Arc::clone(self.shared));
+        let (subject, clip, shared) = (Arc::clone(&run.subject), run.clip.clone().until(stop), Arc::clone(self.shared));
         let work = move || {
             let work = AssertUnwindSafe(|| backward(&*subject.estimator, &clip, subject.frame));
             let flow = catch_unwind(work).unwrap_or_else(|panic| Err(panicked(panic.as_ref())));
@@ -400,6 +413,14 @@ impl<'a> Worker<'a> {
         };
         if std::thread::Builder::new().name("backward".into()).spawn(work).is_err() {
             self.shared.desk().view.checking = false;
+        }
+    }
+
+    /// Has a check that failed, or was given up, be tried anew when it is chosen the next time.
+    fn forget_failed_check(&mut self) {
+        let is_wanted = self.shared.desk().want.layer == Some(FlowLayer::Consistency);
+        if let Some(run) = self.run.as_mut().filter(|run| !is_wanted && matches!(run.backward, Some(Err(_)))) {
+            run.backward = None;
         }
     }
 
@@ -557,9 +578,9 @@ impl Run {
             return motion.clone();
         }
         let site = Site { walk: &*self.walk, clip: &self.clip, scene };
-        let backward = self.backward.as_ref().and_then(|flow| flow.as_ref().ok());
+        let backward = || Ok(self.backward.as_ref().and_then(|flow| flow.as_ref().ok()));
         // A truth that cannot be read is told beside the other figures; then there are no colours.
-        let none = || Motion::of(site, &Want { layer: Some(FlowLayer::None), ..want }, None).unwrap_or_default();
+        let none = || Motion::of(site, &Want { layer: Some(FlowLayer::None), ..want }, backward).unwrap_or_default();
         let motion = Motion::of(site, &want, backward).unwrap_or_else(|_| none());
         *self.motion.borrow_mut() = Some((key, motion.clone()));
         motion

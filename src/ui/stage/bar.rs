@@ -6,7 +6,7 @@ use motionscope_core::{Frame, Role};
 
 use super::{Input, Response, State, motion, pixels};
 use crate::paint::legend::{self, Entry, Sample};
-use crate::paint::{Face, Look, Primitive, Theme, View, grouped, number};
+use crate::paint::{Face, FlowLayer, Look, Primitive, Theme, View, grouped, number};
 use crate::ui::{ink, primitives};
 
 /// The most room that the legend needed, so that the pictures do not jump from step to step.
@@ -184,12 +184,14 @@ fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items
     let tiles = input.lockstep.map_or(&[][..], |all| all.tiles);
     // Several have one scale.
     let layer = input.pictures.layer.as_ref().or_else(|| tiles.iter().find_map(|tile| tile.layer.as_ref()));
-    let layer = layer.filter(|_| !has_numbers && panels.iter().any(|panel| panel.is_tinted()));
-    let (signs, bar) = layer.map(|layer| layer.legend()).unwrap_or_default();
-    let entries = signs.into_iter().chain(legend::entries(&input.scene.legend, shown, look, zoom)).map(|entry| {
-        let width = ink::SWATCH.x + GAP + width(&entry.meaning);
-        (entry, width)
-    });
+    let is_tinted = !has_numbers && panels.iter().any(|panel| panel.is_tinted());
+    let (signs, bar) = layer.filter(|_| is_tinted).map(|layer| layer.legend()).unwrap_or_default();
+    let awaited = input.pictures.awaited.filter(|_| is_tinted).map(FlowLayer::awaited);
+    let entries =
+        signs.into_iter().chain(awaited).chain(legend::entries(&input.scene.legend, shown, look, zoom)).map(|entry| {
+            let width = ink::SWATCH.x + GAP + width(&entry.meaning);
+            (entry, width)
+        });
     let heat = look.heat.filter(|_| has_heat).map(|range| legend::Bar::heat(input.heat, range, look.colors));
     let bars = heat.into_iter().chain(bar).map(|bar| {
         let width = bar_width(&bar, width);

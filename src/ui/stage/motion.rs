@@ -26,7 +26,7 @@ pub fn button(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut 
     let opener = ui.add(Button::new(("Motion", caret)));
     opener.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Motion"));
     if input.checking {
-        ui.spinner().on_hover_text("The reverse pair is run for the check.");
+        ui.spinner().on_hover_text("The reverse pair is run for the check (Esc gives it up).");
     }
     let tip = Command::NextLayer.with_key("What is seen of motion: colours, arrows and streaklines.");
     let opener = opener.on_hover_text(tip);
@@ -37,13 +37,19 @@ pub fn button(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut 
 fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
     ui.set_width(19.0 * input.theme.sizes().body);
     ui.label(RichText::new("Colours over the picture").small().weak());
-    let now = input.offer.layer(state.layer);
+    let now = input.offer.chosen(state.layer);
     for layer in FlowLayer::ALL {
-        let why = input.offer.why_not(layer);
+        let why = input.offer.why_never(layer);
         let item = ui.add_enabled(why.is_none(), Button::selectable(now == layer, layer.name()).min_size(wide(ui)));
         let is_now = now == layer;
         item.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, why.is_none(), is_now, layer.name()));
-        let told = why.map_or_else(|| layer.tip().into(), |why| format!("{} Not here: {why}.", layer.tip()));
+        let told = match why {
+            Some(why) => format!("{} Not here: {why}.", layer.tip()),
+            None if input.offer.awaited(Some(layer)).is_some() => {
+                format!("{} It is there at the end of the run.", layer.tip())
+            }
+            None => layer.tip().into(),
+        };
         if item.on_hover_text(&told).on_disabled_hover_text(&told).clicked() {
             state.layer = Some(layer);
         }

@@ -191,3 +191,53 @@ fn a_run_that_is_stopped_on_its_way_stays_at_its_start() {
     walker.go(Move::Rung(2, Way::Forward));
     assert_eq!(cursor(&walker), Cursor { unit: 0, event: 1 });
 }
+
+/// Two frames that are not delivered while they are held.
+struct Held(Clip, AtomicBool);
+
+impl FrameSource for Held {
+    fn frame(&self, index: usize, stop: &Stop) -> Result<Arc<Frame>, Error> {
+        while self.1.load(Ordering::Relaxed) {
+            stop.check()?;
+            std::thread::yield_now();
+        }
+        self.0.frame(index)
+    }
+
+    fn cached(&self, _index: usize) -> Option<Arc<Frame>> {
+        None
+    }
+}
+
+#[test]
+fn a_check_that_takes_long_is_given_up_and_can_be_tried_again() {
+    let source = Arc::new(Held(clip(), AtomicBool::new(false)));
+    let subject = Subject { clip: Clip::new(clip().info().clone(), Arc::clone(&source) as _), ..subject() };
+    let walker = Walker::new(|| {}).unwrap();
+    walker.start(Job { subject: Arc::new(subject), place: Place::END });
+    walker.wait();
+    source.1.store(true, Ordering::Relaxed);
+    let seen = |layer| Want { layer: Some(layer), ..Want::default() };
+    walker.want(seen(FlowLayer::Consistency));
+    while !walker.view().checking {
+        std::thread::yield_now();
+    }
+    walker.stop();
+    walker.wait();
+    let told = |walker: &Walker| {
+        let shown = walker.view().shown.unwrap();
+        shown.step.readouts.iter().any(|readout| match readout {
+            Readout::Facts(facts) => facts.iter().any(|fact| fact.label == "Reverse pair"),
+            _ => false,
+        })
+    };
+    assert!(told(&walker), "why there is no check is told");
+    source.1.store(false, Ordering::Relaxed);
+    walker.want(seen(FlowLayer::Wheel));
+    walker.wait();
+    walker.want(seen(FlowLayer::Consistency));
+    walker.wait();
+    let layer = walker.view().shown.unwrap().pictures.layer.clone();
+    assert_eq!(layer.map(|layer| layer.kind), Some(FlowLayer::Consistency));
+    assert!(!told(&walker));
+}
