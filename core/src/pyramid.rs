@@ -52,11 +52,12 @@ pub fn halvings(picture: &Gray, count: usize) -> Vec<Gray> {
 /// The smallest side of a level in px.
 const SMALLEST: usize = 16;
 
-/// The levels of a pyramid over `picture`, itself first, each `factor` (between 0 and 1) times as wide and high as the one
-/// before: `count` of them, or as many as leave no side of less than 16 px.
-pub fn levels(picture: Grid<f32>, factor: f32, count: usize, threads: &Threads) -> Vec<Grid<f32>> {
-    let mut levels = vec![picture];
-    while let Some(finest) = levels.last().filter(|_| levels.len() < count) {
+/// The levels of a pyramid over `picture`, each `factor` (between 0 and 1) times as wide and high as the one before: with the
+/// picture itself `count` of them, or as many as leave no side of less than 16 px.
+pub fn coarser(picture: &Grid<f32>, factor: f32, count: usize, threads: &Threads) -> Vec<Grid<f32>> {
+    let mut levels = Vec::new();
+    while levels.len() + 1 < count {
+        let finest = levels.last().unwrap_or(picture);
         let size = [finest.width(), finest.height()].map(|side| (side as f32 * factor).round() as usize);
         if size[0].min(size[1]) < SMALLEST {
             break;
@@ -102,8 +103,8 @@ mod tests {
         let wave = |x: f32, y: f32| 100.0 + 40.0 * (x / 15.0).sin() + 30.0 * (y / 12.0).cos();
         let picture = Grid::from_fn(120, 90, |x, y| wave(x as f32, y as f32));
         for factor in [0.5, 0.8] {
-            let levels = levels(picture.clone(), factor, 3, &Threads::single());
-            assert_eq!(levels.len(), 3);
+            let levels = coarser(&picture, factor, 3, &Threads::single());
+            assert_eq!(levels.len(), 2);
             for level in &levels {
                 let scale = [120.0 / level.width() as f32, 90.0 / level.height() as f32];
                 for (x, y) in (4..level.height() - 4).flat_map(|y| (4..level.width() - 4).map(move |x| (x, y))) {
@@ -114,9 +115,9 @@ mod tests {
                 }
             }
         }
-        let most = levels(picture, 0.5, 10, &Threads::single());
-        assert_eq!(most.iter().map(Grid::size).collect::<Vec<_>>(), [(120, 90), (60, 45), (30, 23)]);
-        assert_eq!(levels(Grid::new(1, 200, 0.0), 0.5, 10, &Threads::single()).len(), 1);
+        let most = coarser(&picture, 0.5, 10, &Threads::single());
+        assert_eq!(most.iter().map(Grid::size).collect::<Vec<_>>(), [(60, 45), (30, 23)]);
+        assert!(coarser(&Grid::new(1, 200, 0.0), 0.5, 10, &Threads::single()).is_empty());
     }
 
     #[test]

@@ -50,10 +50,13 @@ impl Field {
 
     /// The field as others know it.
     pub fn flow(&self) -> Flow {
-        let cells = self.u.cells().iter().zip(self.v.cells()).map(|(&u, &v)| [u, v]);
-        let mut cells = cells.map(|uv| if uv.iter().all(|c| c.is_finite()) { uv } else { Flow::UNKNOWN });
         let (width, height) = self.u.size();
-        Flow(Grid::from_fn(width, height, |_, _| cells.next().unwrap_or(Flow::UNKNOWN)))
+        let mut flow = Grid::new(width, height, [0.0; 2]);
+        let parts = self.u.cells().iter().zip(self.v.cells());
+        for (uv, (&u, &v)) in flow.cells_mut().iter_mut().zip(parts) {
+            *uv = if u.is_finite() & v.is_finite() { [u, v] } else { Flow::UNKNOWN };
+        }
+        Flow(flow)
     }
 }
 

@@ -10,8 +10,8 @@ const FACTOR: f32 = 0.5;
 pub struct Multiscale {
     /// The frames as they are, and the truth about them.
     pub given: Given,
-    /// Frames t and t + 1 on each level.
-    levels: [Vec<Grid<f32>>; 2],
+    /// Frames t and t + 1 on each level but the picture itself.
+    coarser: [Vec<Grid<f32>>; 2],
 }
 
 impl Multiscale {
@@ -21,23 +21,23 @@ impl Multiscale {
     /// As [`Given::new`].
     pub fn new((clip, frame): (&Clip, usize), sigma_px: f32, count: usize, threads: &Threads) -> Result<Self, Error> {
         let given = Given::new(clip, frame, sigma_px, threads)?;
-        let levels = [0, 1].map(|i| pyramid::levels(given.pictures[i].clone(), FACTOR, count, threads));
-        Ok(Self { given, levels })
+        let coarser = given.pictures.each_ref().map(|picture| pyramid::coarser(picture, FACTOR, count, threads));
+        Ok(Self { given, coarser })
     }
 
     /// How many levels there are.
     pub fn count(&self) -> usize {
-        self.levels[0].len()
+        1 + self.coarser[0].len()
     }
 
     /// Frames t and t + 1 on a level.
     pub fn pair(&self, level: usize) -> [&Grid<f32>; 2] {
-        self.levels.each_ref().map(|levels| &levels[level])
+        [0, 1].map(|i| if level == 0 { &self.given.pictures[i] } else { &self.coarser[i][level - 1] })
     }
 
     /// Width and height of a level in its own px.
     pub fn size(&self, level: usize) -> (usize, usize) {
-        self.levels[0][level].size()
+        self.pair(level)[0].size()
     }
 
     /// How many px of the picture one of a level is, across and down.
@@ -95,6 +95,6 @@ impl Multiscale {
 
     /// Memory of the levels, in bytes.
     pub fn bytes(&self) -> usize {
-        self.levels.iter().flatten().map(|level| size_of_val(level.cells())).sum()
+        self.given.bytes() + self.coarser.iter().flatten().map(|level| size_of_val(level.cells())).sum::<usize>()
     }
 }

@@ -328,7 +328,7 @@ impl<M: Model> Estimator for Variational<M> {
         let constraints = given * (LINEAR_PARTS + M::SYSTEM_PARTS);
         let coarser: usize = state.coarser.iter().map(|unknowns| unknowns.bytes()).sum();
         // What an iteration goes from, and what it comes to.
-        self.state_bytes(state) + 2 * given + frames.bytes() + constraints + coarser + 2 * state.unknowns.bytes()
+        self.state_bytes(state) + frames.bytes() + constraints + coarser + 2 * state.unknowns.bytes()
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
