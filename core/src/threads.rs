@@ -48,6 +48,14 @@ impl Threads {
         self.0.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
     }
 
+    /// How many of `height` rows one thread takes at once where its first costs as much as all that lie under its window.
+    pub(crate) fn rows_at_once(&self, height: usize) -> usize {
+        match self.count() {
+            1 => height,
+            count => height.div_ceil(4 * count),
+        }
+    }
+
     /// `f` of 0, 1, … `n − 1`, in that order, computed in any.
     pub(crate) fn map<T: Send>(&self, n: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
         match &self.0 {

@@ -1,6 +1,6 @@
 //! The structure tensor: what the gradients in a window say together.
 
-use super::filter::gaussian_within;
+use super::filter::{gaussian_within, weigh};
 use super::{Constraints, FLAT};
 use crate::choices;
 use crate::scene::Spread;
@@ -121,11 +121,20 @@ pub struct Window {
 /// The products of the derivatives: which two of x, y and t.
 const PRODUCTS: [[usize; 2]; 6] = [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]];
 
-/// Room for the sums along a row.
-#[derive(Default)]
-pub struct Sums {
-    down: [Vec<f32>; 6],
-    across: [Vec<f32>; 6],
+/// The tensors of a picture, row by row, each over as much of the window as lies in the picture and is known.
+pub struct Sums<'a> {
+    window: &'a Window,
+    of: &'a Constraints,
+    /// The rows of products that were met last, each with its number: row y is number y % (side of the window).
+    products: Vec<Option<(usize, [Vec<f32>; 6])>>,
+    /// Room for the sums down the columns, with nothing beyond the edge.
+    down: Vec<f32>,
+    means: [Vec<f32>; 6],
+    /// For each column the weights of the window that lie inside, and the sum of their squares.
+    columns: Vec<[f32; 2]>,
+    /// For each pixel of the row the weight under its window that is known, and how many pixels count.
+    weights: Vec<f32>,
+    pixels: Vec<f32>,
     unknown: Unknown,
 }
 
@@ -208,54 +217,91 @@ impl Window {
         (first, &self.weights[skip..skip + last + 1 - first])
     }
 
-    /// The tensors along row `y`, over as much of the window as lies in the picture and is known.
-    pub fn row(&self, of: &Constraints, y: usize, sums: &mut Sums, mut tell: impl FnMut(usize, Tensor)) {
-        let (width, height) = of.a.size();
-        let reach = self.reach();
-        let (top, down) = self.inside(y, height);
-        sum_up(self, of, (top, down), sums);
-        sums.unknown.sum_up(self, of, (top, down));
-        let count = |weights: &[f32]| [weights.iter().sum::<f32>(), weights.iter().map(|w| w * w).sum()];
-        let [weight_down, squares_down] = count(down);
-        let whole = count(&self.weights);
-        for x in 0..width {
-            let is_whole = x >= reach && x + reach < width;
-            let [weight, squares] = if is_whole { whole } else { count(self.inside(x, width).1) };
-            let unknown = sums.unknown.at(x);
-            let (weight, squares) = (weight * weight_down - unknown[0], squares * squares_down - unknown[1]);
-            let [xx, xy, yy, xt, yt, tt] = [0, 1, 2, 3, 4, 5].map(|i| sums.across[i][x] / weight);
-            let tensor = Tensor { xx, xy, yy, xt, yt, tt, pixels: weight * weight / squares };
-            tell(x, if weight > LEAST_WEIGHT { tensor } else { Tensor::default() });
+    /// The tensors of a picture with these constraints.
+    pub fn sums<'a>(&'a self, of: &'a Constraints) -> Sums<'a> {
+        let width = of.a.width();
+        let whole = counts(&self.weights);
+        let column = |x: usize| {
+            let is_whole = x >= self.reach() && x + self.reach() < width;
+            if is_whole { whole } else { counts(self.inside(x, width).1) }
+        };
+        Sums {
+            window: self,
+            of,
+            products: self.weights.iter().map(|_| None).collect(),
+            down: vec![0.0; width + 2 * self.reach()],
+            means: [(); 6].map(|()| vec![0.0; width]),
+            columns: (0..width).map(column).collect(),
+            weights: vec![0.0; width],
+            pixels: vec![0.0; width],
+            unknown: Unknown::default(),
         }
     }
 }
 
-wide! {
-    fn sum_up(window: &Window, of: &Constraints, rows: (usize, &[f32]), sums: &mut Sums) = sum_up_anyhow
+/// The sums of `weights` and of their squares.
+fn counts(weights: &[f32]) -> [f32; 2] {
+    [weights.iter().sum(), weights.iter().map(|w| w * w).sum()]
 }
 
-#[inline(always)]
-fn sum_up_anyhow(window: &Window, of: &Constraints, (top, weights): (usize, &[f32]), sums: &mut Sums) {
-    let (width, reach) = (of.a.width(), window.reach());
-    let parts = [&of.a, &of.b, &of.c];
-    for (product, [i, j]) in PRODUCTS.into_iter().enumerate() {
-        let (down, across) = (&mut sums.down[product], &mut sums.across[product]);
-        down.clear();
-        // Beyond the edge there is nothing.
-        down.resize(width + 2 * reach, 0.0);
-        for (k, weight) in weights.iter().enumerate() {
-            let (a, b) = (parts[i].row(top + k), parts[j].row(top + k));
-            for (sum, (a, b)) in down[reach..reach + width].iter_mut().zip(a.iter().zip(b)) {
-                *sum += weight * (a * b);
-            }
+impl Sums<'_> {
+    /// Tells of each pixel of row `y` its column and its tensor.
+    pub fn row(&mut self, y: usize, mut tell: impl FnMut(usize, Tensor)) {
+        wide! {
+            fn work_out(sums: &mut Sums, y: usize) = Sums::work_out
         }
-        across.clear();
-        across.resize(width, 0.0);
-        for (k, weight) in window.weights.iter().enumerate() {
-            for (sum, value) in across.iter_mut().zip(&down[k..]) {
-                *sum += weight * value;
-            }
+        work_out(self, y);
+        let width = self.columns.len();
+        let [xx, xy, yy, xt, yt, tt] = self.means.each_ref().map(|means| &means[..width]);
+        for (x, (&weight, &pixels)) in self.weights.iter().zip(&self.pixels).enumerate() {
+            let tensor = Tensor { xx: xx[x], xy: xy[x], yy: yy[x], xt: xt[x], yt: yt[x], tt: tt[x], pixels };
+            tell(x, if weight > LEAST_WEIGHT { tensor } else { Tensor::default() });
         }
+    }
+
+    /// Works out the means and the known weights of row `y`.
+    #[inline(always)]
+    fn work_out(&mut self, y: usize) {
+        let (width, height) = self.of.a.size();
+        let (top, down) = self.window.inside(y, height);
+        self.unknown.sum_up(self.window, self.of, (top, down));
+        self.count(counts(down));
+        (top..top + down.len()).for_each(|row| self.multiply(row));
+        let (side, reach) = (self.products.len(), self.window.reach());
+        for (i, means) in self.means.iter_mut().enumerate() {
+            let product = |k: usize| self.products[(top + k) % side].as_ref().map_or(&[][..], |(_, of_row)| &of_row[i]);
+            weigh(&mut self.down[reach..reach + width], down, product);
+            weigh(means, &self.window.weights, |k| &self.down[k..]);
+            means.iter_mut().zip(&self.weights).for_each(|(mean, weight)| *mean /= weight);
+        }
+    }
+
+    /// Counts what is known under the windows of a row, of which each column has this weight and sum of squares.
+    #[inline(always)]
+    fn count(&mut self, [weight, squares]: [f32; 2]) {
+        let counted = self.weights.iter_mut().zip(&mut self.pixels);
+        for (x, ((known, pixels), column)) in counted.zip(&self.columns).enumerate() {
+            let unknown = self.unknown.at(x);
+            *known = column[0] * weight - unknown[0];
+            *pixels = *known * *known / (column[1] * squares - unknown[1]);
+        }
+    }
+
+    /// Has the products of a row at hand.
+    #[inline(always)]
+    fn multiply(&mut self, row: usize) {
+        let side = self.products.len();
+        let held = &mut self.products[row % side];
+        if held.as_ref().is_some_and(|(held, _)| *held == row) {
+            return;
+        }
+        let mut products = held.take().map(|(_, products)| products).unwrap_or_default();
+        let parts = [&self.of.a, &self.of.b, &self.of.c].map(|part| part.row(row));
+        for (product, [i, j]) in products.iter_mut().zip(PRODUCTS) {
+            product.clear();
+            product.extend(parts[i].iter().zip(parts[j]).map(|(a, b)| a * b));
+        }
+        *held = Some((row, products));
     }
 }
 
@@ -267,8 +313,10 @@ mod tests {
     /// Checks the tensors of all pixels against plain sums over what is known.
     fn assert_plain(of: &Constraints, window: &Window) {
         let (reach, (width, height)) = (window.reach() as isize, of.a.size());
-        for y in 0..height {
-            window.row(of, y, &mut Sums::default(), |x, found| {
+        let mut sums = window.sums(of);
+        // Not in order, so that rows are met again and skipped.
+        for y in (0..height).map(|y| y * 4 % height) {
+            sums.row(y, |x, found| {
                 let (mut total, mut squares, mut sums) = (0.0, 0.0, [0.0; 6]);
                 for (i, j) in (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (i, j))) {
                     let place = (x.checked_add_signed(i), y.checked_add_signed(j));

@@ -199,7 +199,7 @@ impl<M: Measure> Corners<M> {
     /// The responses of all pixels of a picture.
     pub(crate) fn map(&self, picture: &Gray, threads: &Threads) -> Grid<f32> {
         let (width, height) = picture.size();
-        let rows = rows_at_once(height, threads);
+        let rows = threads.rows_at_once(height);
         let mut map = Grid::new(width, height, 0.0);
         let parts = map.cells_mut().chunks_mut(rows * width).enumerate().collect();
         let tensors = self.tensors_of(picture);
@@ -256,7 +256,7 @@ impl<M: Measure> Corners<M> {
         let map = self.map(state.picture.luma(), threads);
         state.largest = largest(map.cells());
         state.map = Arc::new(map);
-        let (peaks, rows) = (self.peaks(&state), rows_at_once(height, threads));
+        let (peaks, rows) = (self.peaks(&state), threads.rows_at_once(height));
         let of_rows = threads.map(height.div_ceil(rows), |i| {
             let mut found = Vec::new();
             (i * rows..((i + 1) * rows).min(height)).for_each(|y| self.suppress(peaks, y, &mut found, &mut ()));
@@ -266,14 +266,6 @@ impl<M: Measure> Corners<M> {
         (state.stage, state.row) = (Stage::Choice, 0);
         self.choose(&mut state, &mut ());
         state
-    }
-}
-
-/// Rows that a thread takes at once. Its first costs as much as all that lie under its window.
-fn rows_at_once(height: usize, threads: &Threads) -> usize {
-    match threads.count() {
-        1 => height,
-        count => height.div_ceil(4 * count),
     }
 }
 

@@ -87,33 +87,42 @@ impl LucasKanade {
     }
 
     /// Asks the windows of row `y`.
-    fn row(
-        &self,
-        (of, window): (&Constraints, &Window),
-        y: usize,
-        row: &mut [Solution],
-        observer: &mut impl Observer<Event>,
-    ) {
-        window.row(of, y, &mut Sums::default(), |x, tensor| {
+    fn row(&self, sums: &mut Sums, y: usize, row: &mut [Solution], observer: &mut impl Observer<Event>) {
+        sums.row(y, |x, tensor| {
             row[x] = self.solve(&tensor);
             observer.see(|| row[x]);
         });
     }
 
+    /// Asks all windows of an iteration.
+    fn all(&self, of: &Constraints, threads: &Threads) -> Vec<Solution> {
+        let ((width, height), window) = (of.a.size(), self.window());
+        let rows = threads.rows_at_once(height);
+        let mut found = vec![NOTHING; width * height];
+        let bands = found.chunks_mut(rows * width).enumerate().collect();
+        threads.each(bands, |(band, found): (usize, &mut [Solution])| {
+            let mut sums = window.sums(of);
+            found.chunks_mut(width).enumerate().for_each(|(y, row)| self.row(&mut sums, band * rows + y, row, &mut ()));
+        });
+        found
+    }
+
     /// Goes on after the last row of an iteration.
-    fn next_iteration(&self, state: &mut State) -> Progress {
+    fn next_iteration(&self, state: &mut State, threads: &Threads) -> Progress {
         (state.iteration, state.y) = (state.iteration + 1, 0);
         if state.iteration == self.iterations {
             return Progress::Done;
         }
         // A pixel that nobody answered for is looked for where it was before.
-        let start = Arc::make_mut(&mut state.start);
-        let parts = start.u.cells_mut().iter_mut().zip(start.v.cells_mut());
-        for ((u, v), Solution { displacement, .. }) in parts.zip(&state.found) {
-            if displacement[0].is_finite() {
-                [*u, *v] = *displacement;
+        let Field { u, v } = Arc::make_mut(&mut state.start);
+        let width = u.width();
+        threads.rows_of([u, v], |y, [u, v]| {
+            for ((u, v), Solution { displacement, .. }) in u.iter_mut().zip(v).zip(&state.found[y * width..]) {
+                if displacement[0].is_finite() {
+                    [*u, *v] = *displacement;
+                }
             }
-        }
+        });
         state.linear = Arc::default();
         Progress::More
     }
@@ -132,17 +141,17 @@ impl State {
         self.y += 1;
     }
 
-    /// What was found by now, with `more` of the next row; where this iteration has not come yet, in the one before.
-    fn solutions(&self, more: &[Event]) -> Grid<Option<Solution>> {
+    /// `f` of what was found by now, with `more` of the next row; where this iteration has not come yet, in the one before.
+    fn solutions<T>(&self, more: &[Event], f: impl Fn(Option<&Solution>) -> T) -> Grid<T> {
         let (width, height) = self.given.size();
-        Grid::from_fn(width, height, |x, y| match more.get(x).filter(|_| y == self.y) {
-            Some(solution) => Some(*solution),
-            None => self.found.get(y * width + x).copied(),
+        Grid::from_fn(width, height, |x, y| {
+            let of_row = more.get(x).filter(|_| y == self.y);
+            f(of_row.or_else(|| self.found.get(y * width + x)))
         })
     }
 
     fn flow(&self, more: &[Event]) -> Grid<[f32; 2]> {
-        self.solutions(more).map(|solution| solution.map_or(Flow::UNKNOWN, |solution| solution.displacement))
+        self.solutions(more, |solution| solution.map_or(Flow::UNKNOWN, |solution| solution.displacement))
     }
 }
 
@@ -182,9 +191,9 @@ impl Estimator for LucasKanade {
         let (width, height) = state.given.size();
         let mut row = vec![NOTHING; width];
         let linear = self.linear(state, &Threads::single());
-        self.row((&linear.factors, &self.window()), state.y, &mut row, observer);
+        self.row(&mut self.window().sums(&linear.factors), state.y, &mut row, observer);
         state.take(&row);
-        Ok(if state.y < height { Progress::More } else { self.next_iteration(state) })
+        Ok(if state.y < height { Progress::More } else { self.next_iteration(state, &Threads::single()) })
     }
 
     fn units(&self, state: &State) -> Option<usize> {
@@ -228,21 +237,17 @@ impl Estimator for LucasKanade {
     }
 
     fn output(&self, state: &State) -> Output {
-        let smaller = state.solutions(&[]).map(|solution| solution.map_or(0.0, |solution| solution.eigenvalues[1]));
+        let smaller = state.solutions(&[], |solution| solution.map_or(0.0, |solution| solution.eigenvalues[1]));
         let confidence = Some(Confidence { name: "smaller_eigenvalue", values: smaller });
         Output::Dense(DenseField { flow: Flow(state.flow(&[])), confidence })
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
-        let ((width, height), window) = (state.given.size(), self.window());
         loop {
             clip.wanted()?;
-            let mut found = Grid::new(width, height, NOTHING);
-            let linear = self.linear(&state, threads);
-            threads.rows(&mut found, |y, row| self.row((&linear.factors, &window), y, row, &mut ()));
-            state.found = found.into_cells();
-            if self.next_iteration(&mut state) == Progress::Done {
+            state.found = self.all(&self.linear(&state, threads).factors, threads);
+            if self.next_iteration(&mut state, threads) == Progress::Done {
                 return Ok(state);
             }
         }

@@ -1,7 +1,7 @@
 //! How Lucas and Kanade's method is told and drawn.
 
 use super::{LucasKanade, Solution};
-use crate::differential::{Constraints, Linear, Sums, Tensor, Texture, field, tell};
+use crate::differential::{Constraints, Linear, Tensor, Texture, field, tell};
 use crate::scene::{Constraint, Fact, Math, Picture, Plane, Readout, Sentence, Shape, Spread, Step, arrow_spacing};
 use crate::{Role, Scene, Seen, Threads};
 
@@ -32,7 +32,7 @@ impl LucasKanade {
         let pixel = pointed_at.unwrap_or((last, state.y));
         let linear = self.linear(state, &Threads::single());
         let mut tensor = Tensor::default();
-        self.window().row(&linear.factors, pixel.1, &mut Sums::default(), |x, found| {
+        self.window().sums(&linear.factors).row(pixel.1, |x, found| {
             if x == pixel.0 {
                 tensor = found;
             }
@@ -189,17 +189,16 @@ impl LucasKanade {
 
 /// Marks where windows say nothing: at the places where arrows would stand.
 fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
-    let solutions = seen.before.solutions(seen.events);
+    let textures = seen.before.solutions(seen.events, |solution| solution.map(|solution| solution.texture));
     // At every other place of an arrow, so that the edge itself is seen between the marks.
-    let spacing = 2 * arrow_spacing(solutions.size());
+    let spacing = 2 * arrow_spacing(textures.size());
     let along = |extent: usize| (spacing / 2..extent).step_by(spacing);
-    let places: Vec<_> =
-        along(solutions.height()).flat_map(|y| along(solutions.width()).map(move |x| (x, y))).collect();
+    let places: Vec<_> = along(textures.height()).flat_map(|y| along(textures.width()).map(move |x| (x, y))).collect();
     for (texture, role, meaning) in [
         (Texture::Edge, Role::Rejected, "edge: only the motion across it is seen"),
         (Texture::Flat, Role::Predicted, "flat: no motion is seen"),
     ] {
-        let is_so = |place: &&(usize, usize)| solutions[**place].is_some_and(|solution| solution.texture == texture);
+        let is_so = |place: &&(usize, usize)| textures[**place] == Some(texture);
         let points: Vec<_> = places.iter().filter(is_so).map(|(x, y)| [*x as f32, *y as f32]).collect();
         if !points.is_empty() {
             scene.mark(Picture::Current, role, Shape::Points(points));
