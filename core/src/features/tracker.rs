@@ -121,15 +121,42 @@ impl Level {
     }
 }
 
+/// Pixels of a window beside each other. Those beyond its last column do not count.
+struct Strip {
+    values: Lanes,
+    /// Their gradients along x and y, 0 where they do not count.
+    across: Lanes,
+    down: Lanes,
+    /// 1 where there is a pixel of the picture that has neighbours on all sides, else 0.
+    counts: Lanes,
+}
+
+impl Strip {
+    /// The pixels from column `first` on of the middle one of three rows, which begin a px before the window.
+    #[inline(always)]
+    fn new([top, middle, bottom]: [&Row; 3], first: usize, counts: Lanes) -> Self {
+        let from = |row: &Row, x: usize| -> Lanes { std::array::from_fn(|i| row.as_flattened()[first + x + i]) };
+        let differ = |after: Lanes, before: Lanes| -> Lanes {
+            std::array::from_fn(|i| 0.5 * counts[i] * (after[i] - before[i]))
+        };
+        let across = differ(from(middle, 2), from(middle, 0));
+        let down = differ(from(bottom, 1), from(top, 1));
+        Self { values: from(middle, 1), across, down, counts }
+    }
+
+    /// What they have more than pixels `fraction` px below the row `above`.
+    #[inline(always)]
+    fn off(&self, [above, below]: [&Lanes; 2], fraction: f32) -> Lanes {
+        std::array::from_fn(|i| self.values[i] - (above[i] + (below[i] - above[i]) * fraction))
+    }
+}
+
 /// A window of frame t with its gradients.
 pub struct Template {
     reach: usize,
-    stride: usize,
-    values: Vec<f32>,
-    across: Vec<f32>,
-    down: Vec<f32>,
-    /// 1 where there is a pixel of the picture that has neighbours on all sides, else 0.
-    counts: Vec<f32>,
+    /// Row by row, `strips_in_row` of each.
+    strips: Vec<Strip>,
+    strips_in_row: usize,
     /// The means of the products of its gradients; those with time are not known yet.
     pub tensor: Tensor,
 }
@@ -158,40 +185,32 @@ impl Template {
     #[inline(always)]
     fn new_anyhow(level: &Level, at: [f32; 2], reach: usize) -> Self {
         let side = 2 * reach + 1;
-        let stride = side.next_multiple_of(LANES);
-        let [mut values, mut across, mut down, mut counts] = [(); 4].map(|()| vec![0.0; side * stride]);
+        let strips_in_row = side.div_ceil(LANES);
         let ([x, y], [fx, fy]) = level.corner(at, reach + 1);
         // Three rows of the window with a px more on either side, each from the two between which it lies.
         let wide = (side + 2).div_ceil(LANES);
         let mut rows: [Row; 3] = Default::default();
-        let [mut above, mut below]: [Row; 2] = Default::default();
+        let [mut above, mut below, mut columns]: [Row; 3] = Default::default();
+        for (i, column) in columns.as_flattened_mut()[..side].iter_mut().enumerate() {
+            *column = inside(at[0] + i as f32 - reach as f32, level.size.0);
+        }
+        let mut strips = Vec::with_capacity(side * strips_in_row);
         level.between([x, y], fx, &mut above[..wide]);
-        let columns = (0..side).map(|i| inside(at[0] + i as f32 - reach as f32, level.size.0)).collect::<Vec<f32>>();
         for j in 0..side + 2 {
             level.between([x, y + j + 1], fx, &mut below[..wide]);
-            for (value, (a, b)) in
-                rows[j % 3].as_flattened_mut().iter_mut().zip(above.as_flattened().iter().zip(below.as_flattened()))
-            {
-                *value = a + (b - a) * fy;
+            for (value, (a, b)) in rows[j % 3][..wide].iter_mut().zip(above.iter().zip(&below)) {
+                *value = std::array::from_fn(|i| a[i] + (b[i] - a[i]) * fy);
             }
             std::mem::swap(&mut above, &mut below);
             let Some(row) = j.checked_sub(2) else { continue };
             let of_row = inside(at[1] + row as f32 - reach as f32, level.size.1);
-            let [top, middle, bottom] = [j - 2, j - 1, j].map(|j| &rows[j % 3].as_flattened()[..side + 2]);
-            let range = row * stride..row * stride + side;
-            values[range.clone()].copy_from_slice(&middle[1..=side]);
-            let differ = |out: &mut [f32], [after, before]: [&[f32]; 2]| {
-                for (out, ((after, before), column)) in out.iter_mut().zip(after.iter().zip(before).zip(&columns)) {
-                    *out = 0.5 * of_row * column * (after - before);
-                }
-            };
-            differ(&mut across[range.clone()], [&middle[2..], middle]);
-            differ(&mut down[range.clone()], [&bottom[1..], &top[1..]]);
-            counts[range].iter_mut().zip(&columns).for_each(|(count, column)| *count = of_row * column);
+            let around = [j - 2, j - 1, j].map(|j| &rows[j % 3]);
+            let columns = columns[..strips_in_row].iter().enumerate();
+            strips.extend(columns.map(|(k, columns)| Strip::new(around, k * LANES, columns.map(|c| of_row * c))));
         }
-        let sums = [(&across, &across), (&across, &down), (&down, &down)].map(|(a, b)| dot(a, b));
-        let tensor = tensor(sums, dot(&counts, &counts));
-        Self { reach, stride, values, across, down, counts, tensor }
+        let mut sums = Sums::default();
+        strips.iter().for_each(|strip| sums.add(strip, strip.counts));
+        Self { reach, tensor: sums.tensor(), strips, strips_in_row }
     }
 
     /// How the window fits to a place in `next`, which lies in that picture.
@@ -209,52 +228,90 @@ impl Template {
         if columns.len() < side || rows.len() < side {
             return self.partial_mismatch(next, at, [columns, rows]);
         }
-        let ([x, y], [fx, fy]) = next.corner(at, self.reach);
-        let wide = self.stride / LANES;
-        let [mut above, mut below]: [Row; 2] = Default::default();
-        next.between([x, y], fx, &mut above[..wide]);
-        let [mut across, mut down, mut size] = [[0.0f32; LANES]; 3];
-        for j in 0..side {
-            next.between([x, y + j + 1], fx, &mut below[..wide]);
-            let range = j * self.stride..(j + 1) * self.stride;
-            let [values, gx, gy, counts] = [&self.values, &self.across, &self.down, &self.counts]
-                .map(|part| part[range.clone()].as_chunks::<LANES>().0);
-            let windows = values.iter().zip(counts).zip(gx.iter().zip(gy));
-            for ((a, b), ((value, count), (gx, gy))) in above.iter().zip(&below).zip(windows) {
-                for i in 0..LANES {
-                    let off = value[i] - (a[i] + (b[i] - a[i]) * fy);
-                    across[i] += off * gx[i];
-                    down[i] += off * gy[i];
-                    size[i] += off.abs() * count[i];
-                }
-            }
-            std::mem::swap(&mut above, &mut below);
-        }
-        let mean = |sums: [f32; LANES]| sums.iter().sum::<f32>() / self.tensor.pixels;
-        Mismatch { tensor: self.tensor, vector: [mean(across), mean(down)], residual: mean(size) }
+        let mut differences = Differences::default();
+        self.lay(next, at, rows, |strip, off, _| differences.add(strip, off, strip.counts));
+        differences.mismatch(self.tensor)
     }
 
     /// The same where only some `columns` and `rows` of the window lie in `next`.
+    #[inline(always)]
     fn partial_mismatch(&self, next: &Level, at: [f32; 2], [columns, rows]: [Range<usize>; 2]) -> Mismatch {
+        let mut is_in = Row::default();
+        is_in.as_flattened_mut()[columns].fill(1.0);
+        let (mut sums, mut differences) = (Sums::default(), Differences::default());
+        self.lay(next, at, rows, |strip, off, k| {
+            let counts = std::array::from_fn(|i| is_in[k][i] * strip.counts[i]);
+            sums.add(strip, counts);
+            differences.add(strip, off, counts);
+        });
+        differences.mismatch(sums.tensor())
+    }
+
+    /// Lays `rows` of the window at a place in `next`, and tells of each strip how much more it has there, and which one of
+    /// its row it is.
+    #[inline(always)]
+    fn lay(&self, next: &Level, at: [f32; 2], rows: Range<usize>, mut tell: impl FnMut(&Strip, Lanes, usize)) {
         let ([x, y], [fx, fy]) = next.corner(at, self.reach);
-        let wide = self.stride / LANES;
         let [mut above, mut below]: [Row; 2] = Default::default();
-        let ([mut xx, mut xy, mut yy, mut pixels], [mut across, mut down, mut size]) = ([0.0; 4], [0.0; 3]);
+        next.between([x, y + rows.start], fx, &mut above[..self.strips_in_row]);
         for j in rows {
-            next.between([x, y + j], fx, &mut above[..wide]);
-            next.between([x, y + j + 1], fx, &mut below[..wide]);
-            let (above, below) = (above.as_flattened(), below.as_flattened());
-            for i in columns.clone() {
-                let k = j * self.stride + i;
-                let (gx, gy, count) = (self.across[k], self.down[k], self.counts[k]);
-                let off = self.values[k] - (above[i] + (below[i] - above[i]) * fy);
-                (xx, xy, yy, pixels) = (xx + gx * gx, xy + gx * gy, yy + gy * gy, pixels + count);
-                (across, down, size) = (across + off * gx, down + off * gy, size + off.abs() * count);
+            next.between([x, y + j + 1], fx, &mut below[..self.strips_in_row]);
+            let strips = self.strips[j * self.strips_in_row..][..self.strips_in_row].iter();
+            for (k, (strip, (a, b))) in strips.zip(above.iter().zip(&below)).enumerate() {
+                tell(strip, strip.off([a, b], fy), k);
             }
+            std::mem::swap(&mut above, &mut below);
         }
+    }
+}
+
+/// The sums over a window of Iₓ², Iₓ I_y and I_y², and how many pixels count.
+#[derive(Default)]
+struct Sums([Lanes; 4]);
+
+impl Sums {
+    /// Adds those pixels that `counts`, all of which count in the strip as well.
+    #[inline(always)]
+    fn add(&mut self, Strip { across, down, .. }: &Strip, counts: Lanes) {
+        let Self([xx, xy, yy, pixels]) = self;
+        for i in 0..LANES {
+            let [gx, gy] = [across[i], down[i]].map(|gradient| gradient * counts[i]);
+            xx[i] += gx * gx;
+            xy[i] += gx * gy;
+            yy[i] += gy * gy;
+            pixels[i] += counts[i];
+        }
+    }
+
+    /// The means.
+    fn tensor(&self) -> Tensor {
+        let [xx, xy, yy, pixels] = self.0.map(|sums| sums.iter().sum::<f32>());
         let mean = |sum: f32| sum / pixels.max(1.0);
-        let tensor = tensor([xx, xy, yy], pixels);
-        Mismatch { tensor, vector: [mean(across), mean(down)], residual: mean(size) }
+        Tensor { xx: mean(xx), xy: mean(xy), yy: mean(yy), pixels, ..Tensor::default() }
+    }
+}
+
+/// The sums over a window of δI Iₓ, δI I_y and |δI|.
+#[derive(Default)]
+struct Differences([Lanes; 3]);
+
+impl Differences {
+    /// Adds those pixels that `counts`, all of which count in the strip as well.
+    #[inline(always)]
+    fn add(&mut self, strip: &Strip, off: Lanes, counts: Lanes) {
+        let Self([across, down, size]) = self;
+        for i in 0..LANES {
+            let off = off[i] * counts[i];
+            across[i] += off * strip.across[i];
+            down[i] += off * strip.down[i];
+            size[i] += off.abs();
+        }
+    }
+
+    /// The means over the pixels of a tensor.
+    fn mismatch(&self, tensor: Tensor) -> Mismatch {
+        let [x, y, residual] = self.0.map(|sums| sums.iter().sum::<f32>() / tensor.pixels.max(1.0));
+        Mismatch { tensor, vector: [x, y], residual }
     }
 }
 
@@ -264,22 +321,6 @@ impl Mismatch {
         let [x, y] = self.vector;
         Tensor { xt: -x, yt: -y, ..self.tensor }.solution()
     }
-}
-
-/// The tensor of a window from the sums of Iₓ², Iₓ I_y and I_y² over so many pixels.
-fn tensor([xx, xy, yy]: [f32; 3], pixels: f32) -> Tensor {
-    let mean = |sum: f32| sum / pixels.max(1.0);
-    Tensor { xx: mean(xx), xy: mean(xy), yy: mean(yy), pixels, ..Tensor::default() }
-}
-
-/// The sum of the products of two windows.
-#[inline(always)]
-fn dot(a: &[f32], b: &[f32]) -> f32 {
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0) {
-        (0..LANES).for_each(|i| sums[i] += a[i] * b[i]);
-    }
-    sums.iter().sum()
 }
 
 /// 1 if a coordinate lies a px or more inside a picture of that extent, else 0.
