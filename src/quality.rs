@@ -1,11 +1,14 @@
 //! How good an estimate is, for the command line and for the window.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use motionscope_core::metrics::{self, FlowError};
+use motionscope_core::objects::score::{self, Scores};
 use motionscope_core::scene::{Distribution, Fact};
 use motionscope_core::{
-    BlockField, Clip, Coding, Error, Flow, Gray, Grid, Output, PointField, Status, TrackField, Truth,
+    BlockField, Clip, Coding, Error, Flow, Gray, Grid, Life, ObjectField, ObjectFrame, Output, PointField, Status,
+    TrackField, Truth,
 };
 use serde::Serialize;
 
@@ -22,6 +25,9 @@ pub struct Quality {
     /// What became of the features, where there are such.
     #[serde(flatten)]
     pub features: Option<Features>,
+    /// What was found of objects, where there are such.
+    #[serde(flatten)]
+    pub objects: Option<Objects>,
     /// Errors against the true flow, where it is known.
     #[serde(flatten)]
     pub truth: Option<AgainstTruth>,
@@ -74,6 +80,75 @@ impl Features {
     }
 }
 
+/// What was found of objects.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Objects {
+    /// Frames that were looked at.
+    pub frames: usize,
+    /// Detections, counted in each frame.
+    pub detections: usize,
+    /// Objects that were believed in, each counted once.
+    pub objects: usize,
+    /// How good the tracks are, where the true ones are known.
+    #[serde(flatten)]
+    pub scores: Option<TrackScores>,
+}
+
+/// Tracks beside the true ones.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TrackScores {
+    /// Multiple object tracking accuracy.
+    pub mota: f64,
+    /// Multiple object tracking precision, as mean intersection over union.
+    pub motp: f64,
+    /// F₁ of identities.
+    pub idf1: f64,
+    /// Higher order tracking accuracy.
+    pub hota: f64,
+    /// Changes of identity.
+    pub switches: usize,
+    /// Share of what was told that is true.
+    pub precision: f64,
+    /// Share of the true objects that were found.
+    pub recall: f64,
+    /// True objects, counted in each frame.
+    pub true_objects: usize,
+}
+
+impl Objects {
+    fn of(field: &ObjectField, truth: Option<&dyn Truth>) -> Result<Self, Error> {
+        let confirmed = |frame: &Arc<ObjectFrame>| {
+            let believed = frame.objects.iter().filter(|object| object.life == Life::Confirmed);
+            believed.map(|object| object.id).collect::<Vec<_>>()
+        };
+        let ids: BTreeSet<u32> = field.frames.iter().flat_map(confirmed).collect();
+        // Where nobody tracks there is nothing to score.
+        let scores = match truth.filter(|_| !ids.is_empty()) {
+            Some(truth) => score::scores(field, truth)?,
+            None => None,
+        };
+        Ok(Self {
+            frames: field.frames.len(),
+            detections: field.frames.iter().map(|frame| frame.detections.len()).sum(),
+            objects: ids.len(),
+            scores: scores.map(TrackScores::of),
+        })
+    }
+
+    /// The same in words.
+    pub fn text(&self) -> String {
+        let [objects, detections, frames] = [self.objects, self.detections, self.frames].map(grouped);
+        format!("{objects}, from {detections} detections in {frames} frames")
+    }
+}
+
+impl TrackScores {
+    fn of(scores: Scores) -> Self {
+        let Scores { truths, switches, mota, motp, idf1, precision, recall, hota, .. } = scores;
+        Self { mota, motp, idf1, hota, switches, precision, recall, true_objects: truths }
+    }
+}
+
 /// Errors over the pixels whose true motion is known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AgainstTruth {
@@ -102,6 +177,7 @@ impl AgainstTruth {
     fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Option<(Self, Distribution)>, Error> {
         let Some(truth) = clip.truth() else { return Ok(None) };
         let (flow, truth) = match output {
+            Output::Objects(_) => return Ok(None),
             Output::Tracks(field) => displacements(field, &**truth)?,
             _ => match truth.flow(frame)? {
                 Some(truth) => (output.flow(), truth),
@@ -163,6 +239,7 @@ impl Quality {
     /// If a frame cannot be read.
     pub fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Self, Error> {
         let [current, next] = clip.pair(frame)?;
+        let objects = output.objects().map(|field| Objects::of(field, clip.truth().map(|truth| &**truth)));
         let prediction = output.prediction(next.luma());
         let prediction = prediction.map(|picture| Prediction::of(output, current.luma(), &picture)).transpose()?;
         let (against, truth_error) = match AgainstTruth::of(clip, frame, output) {
@@ -174,6 +251,7 @@ impl Quality {
             candidates: output.blocks().map(BlockField::candidates),
             prediction,
             features: output.points().map(Features::of).or(output.tracks().map(Features::of_tracks)),
+            objects: objects.transpose()?,
             truth,
             errors,
             truth_error,
@@ -186,6 +264,16 @@ impl Quality {
         let mut facts = Vec::new();
         facts.extend(self.candidates.map(|count| fact("Candidates", grouped(count as usize))));
         facts.extend(self.features.map(|features| fact("Features", features.text())));
+        if let Some(objects) = self.objects {
+            facts.push(fact("Objects", objects.text()));
+            if let Some(TrackScores { mota, idf1, hota, switches, precision, recall, .. }) = objects.scores {
+                facts.push(fact("MOTA", format!("{mota:.3}")));
+                facts.push(fact("IDF1", format!("{idf1:.3}")));
+                facts.push(fact("HOTA", format!("{hota:.3}")));
+                facts.push(fact("Switches", grouped(switches)));
+                facts.push(fact("Precision, recall", format!("{:.1} %, {:.1} %", 100.0 * precision, 100.0 * recall)));
+            }
+        }
         if let Some(prediction) = self.prediction {
             let sent = if prediction.vector_bits.is_some() { "Residual + vectors" } else { "Residual" };
             facts.extend([fact("Prediction", prediction.psnr()), fact(sent, prediction.coding())]);

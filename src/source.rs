@@ -73,10 +73,11 @@ impl Source {
             Self::File(path) => media::open(path, options),
             Self::Synth { id, difficulty } => {
                 let clip = synth::make(id, difficulty)?;
-                match &options.truth {
-                    Some(truth) => media::with_truth(clip, truth),
-                    None => Ok(clip),
-                }
+                let clip = match &options.truth {
+                    Some(truth) => media::with_truth(clip, truth)?,
+                    None => clip,
+                };
+                media::with_detections(clip, options)
             }
         }
     }

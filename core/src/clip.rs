@@ -233,6 +233,24 @@ impl Clip {
         Ok(Self::new(info, Arc::new(InMemory(frames.into_iter().map(Arc::new).collect()))))
     }
 
+    /// A clip of empty pictures, for what is known without any: detections.
+    ///
+    /// # Panics
+    /// If the pictures have no pixels.
+    pub fn blank(name: impl Into<String>, (width, height): (usize, usize), frames: usize) -> Self {
+        let info = ClipInfo {
+            name: name.into(),
+            width,
+            height,
+            frames: Some(frames),
+            fps: None,
+            container: "detections".into(),
+            codec: "none".into(),
+            warnings: Vec::new(),
+        };
+        Self::new(info, Arc::new(Blank(Arc::new(Frame::gray(Grid::new(width, height, PAPER))))))
+    }
+
     /// The same clip with `truth` beside it.
     pub fn with_truth(mut self, truth: Arc<dyn Truth>) -> Self {
         self.truth = Some(truth);
@@ -348,6 +366,22 @@ impl Clip {
         let [first, second] = self.pair(t)?;
         let info = ClipInfo { frames: Some(2), ..ClipInfo::clone(&self.info) };
         Ok(Self::new(info, Arc::new(InMemory(vec![second, first]))).until(self.stop.clone()))
+    }
+}
+
+/// The gray of pictures that there are none of.
+const PAPER: u8 = 48;
+
+/// One picture for all frames.
+struct Blank(Arc<Frame>);
+
+impl FrameSource for Blank {
+    fn frame(&self, _index: usize, _stop: &Stop) -> Result<Arc<Frame>, Error> {
+        Ok(Arc::clone(&self.0))
+    }
+
+    fn cached(&self, _index: usize) -> Option<Arc<Frame>> {
+        Some(Arc::clone(&self.0))
     }
 }
 

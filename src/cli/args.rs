@@ -94,6 +94,8 @@ Examples:
   motionscope run synth:pillar --estimator hierarchical --step 15.9 --level 2 --overlay coarse.png
   motionscope run frame10.png --estimator horn-schunck --layer error --legend --overlay error.png
   motionscope run synth:pillar --estimator lucas-kanade --layer consistency --json
+  motionscope run hall.mp4 --estimator mixture-of-gaussians --frames 0..99 --masks masks
+  motionscope run --detections det.txt --truth gt.txt --estimator kalman-tracker --tracks tracks.txt --json
   motionscope run lesson.motionscope --overlay lesson.png --scale 4")]
     Run(RunArgs),
     /// Writes pictures of a range of steps.
@@ -154,8 +156,9 @@ pub struct CompareArgs {
 /// What is estimated.
 #[derive(Group)]
 pub struct TaskArgs {
-    /// The clip or session.
-    pub clip: OsString,
+    /// The clip or session; may be left out where --detections are given.
+    #[arg(required_unless_present = "detections")]
+    pub clip: Option<OsString>,
     /// The estimator's id; `motionscope list` names them. A session brings its own.
     #[arg(long, value_name = "ID")]
     pub estimator: Option<String>,
@@ -174,6 +177,12 @@ pub struct TaskArgs {
     /// Truth given by hand; otherwise it is looked for beside the clip.
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
+    /// What someone detected in the clip: MOTChallenge rows, as det.txt.
+    #[arg(long, value_name = "FILE.txt")]
+    pub detections: Option<PathBuf>,
+    /// First and last frame of a run through the clip, from 0, in the place of --frame and --set frames.
+    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with = "frame")]
+    pub frames: Option<(usize, usize)>,
 }
 
 /// How a picture looks.
@@ -241,6 +250,12 @@ pub struct RunArgs {
     /// Writes the vectors as CSV; `-` is standard output.
     #[arg(long, value_name = "FILE.csv")]
     pub table: Option<PathBuf>,
+    /// Writes the objects that were tracked as MOTChallenge rows; `-` is standard output.
+    #[arg(long, value_name = "FILE.txt")]
+    pub tracks: Option<PathBuf>,
+    /// Folder for a mask of each frame as PNG, white where something moves.
+    #[arg(long, value_name = "DIR")]
+    pub masks: Option<PathBuf>,
     /// Prints one JSON object.
     #[arg(long)]
     pub json: bool,
@@ -311,6 +326,17 @@ fn pace(id: &str) -> Result<Pace, String> {
 
 fn cursor(text: &str) -> Result<Cursor, String> {
     text.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn frames(text: &str) -> Result<(usize, usize), String> {
+    let told = || format!("a range of frames is written A..B, as in 0..99, and not {text}");
+    let (first, last) = text.split_once("..").ok_or_else(told)?;
+    let number = |text: &str| text.trim().parse::<usize>().map_err(|_| told());
+    let (first, last) = (number(first)?, number(last)?);
+    if last <= first {
+        return Err(format!("a range of frames has two at least and runs forwards, and {text} does not"));
+    }
+    Ok((first, last))
 }
 
 fn steps(text: &str) -> Result<(Cursor, Cursor), String> {

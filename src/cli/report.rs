@@ -9,7 +9,7 @@ use serde_json::Map;
 use super::list::value;
 use super::task::Task;
 use crate::motion::Check;
-use crate::quality::{AgainstTruth, Quality};
+use crate::quality::{AgainstTruth, Quality, TrackScores};
 
 /// One run in numbers.
 #[derive(Serialize)]
@@ -88,7 +88,11 @@ impl Report {
             estimator: task.estimator.info().id,
             params: task.estimator.values().into_iter().map(|(name, v)| (name.into(), value(v))).collect(),
             frame: task.frame,
-            last_frame: output.tracks().map_or(task.frame + 1, |tracks| tracks.last),
+            last_frame: match output {
+                Output::Tracks(tracks) => tracks.last,
+                Output::Objects(field) => field.first + field.frames.len().saturating_sub(1),
+                _ => task.frame + 1,
+            },
             units: extent.units,
             events: extent.events,
             threads,
@@ -111,6 +115,19 @@ impl Report {
         if let Some(features) = metrics.features {
             text += &format!("features    {}\n", features.text());
         }
+        if let Some(objects) = metrics.objects {
+            text += &format!("objects     {}\n", objects.text());
+            if let Some(TrackScores { mota, motp, idf1, hota, switches, precision, recall, true_objects }) =
+                objects.scores
+            {
+                text += &format!(
+                    "scores      MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches\n\
+                     found       precision {:.1} %, recall {:.1} % of {true_objects} true objects, at IoU 0.5\n",
+                    100.0 * precision,
+                    100.0 * recall
+                );
+            }
+        }
         if let Some(prediction) = metrics.prediction {
             let sent = if prediction.vector_bits.is_some() { "residual + vectors" } else { "residual" };
             text += &format!("prediction  {}\n", prediction.psnr());
@@ -127,6 +144,7 @@ impl Report {
                 )
             }
             // Nothing was said of motion.
+            None if metrics.objects.is_some() => String::new(),
             None if metrics.features.is_some_and(|features| features.tracked.is_none()) => String::new(),
             None if metrics.truth_error.is_some() => "error       unknown: the true flow cannot be read\n".into(),
             None => "error       unknown: there is no true flow for this frame\n".into(),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use motionscope_core::{Consistency, Error, Levels, Move, Output, Threads};
+use motionscope_core::{Consistency, Error, Levels, Move, ObjectField, Output, Threads};
 
 use super::args::RunArgs;
 use super::report::{Report, Timing, to_json};
@@ -56,6 +56,12 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     if let Some(path) = &args.table {
         files.push((path, export::csv(&output).into_bytes()));
     }
+    if let Some(path) = &args.tracks {
+        files.push((path, export::tracks(objects(&output, &task)?).into_bytes()));
+    }
+    if let Some(folder) = &args.masks {
+        export::masks(folder, objects(&output, &task)?)?;
+    }
     let is_piped = files.iter().any(|(path, _)| *path == Path::new("-"));
     files.into_iter().try_for_each(|(path, bytes)| export::save(path, &bytes))?;
     match (args.json, is_piped) {
@@ -76,7 +82,7 @@ struct Outputs<'a> {
 
 impl<'a> Outputs<'a> {
     fn new(args: &'a RunArgs) -> Result<Self, Error> {
-        let files = [&args.overlay, &args.flow, &args.table];
+        let files = [&args.overlay, &args.flow, &args.table, &args.tracks];
         let pipes = files.into_iter().flatten().filter(|path| path.as_path() == Path::new("-")).count();
         if pipes + usize::from(args.json) > 1 {
             return Err(Error::new("only one result fits into standard output; give the others a file"));
@@ -90,6 +96,12 @@ impl<'a> Outputs<'a> {
             flow: args.flow.as_ref().map(|path| FlowFormat::of(path).map(|format| (path, format))).transpose()?,
         })
     }
+}
+
+/// The objects of a run.
+fn objects<'a>(output: &'a Output, task: &Task) -> Result<&'a ObjectField, Error> {
+    let id = task.estimator.info().id;
+    output.objects().ok_or_else(|| Error::new(format!("{id} looks for no objects; leave --tracks and --masks away")))
 }
 
 fn is_csv(path: &Path) -> bool {

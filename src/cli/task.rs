@@ -35,7 +35,13 @@ impl Task {
     /// # Errors
     /// If anything that is named does not exist or cannot be opened.
     pub fn open(args: &TaskArgs) -> Result<Self, Error> {
-        let Named { source, truth, session } = Named::find(&args.clip, args.truth.clone())?;
+        // Detections by themselves are a clip of empty pictures.
+        let (clip, detections) = match (&args.clip, &args.detections) {
+            (Some(clip), detections) => (clip.clone(), detections.clone()),
+            (None, Some(detections)) => (detections.clone().into_os_string(), None),
+            (None, None) => return Err(Error::new("what clip? Name one, or give --detections FILE")),
+        };
+        let Named { source, truth, session } = Named::find(&clip, args.truth.clone())?;
         let missing = || Error::new("which estimator? Give --estimator ID; `motionscope list` names them");
         let chosen = args.estimator.as_deref().map(estimator).transpose()?;
         let (estimator, mut company, frame, cursor, look) = match session {
@@ -57,9 +63,16 @@ impl Task {
         }
         company.pace = pace;
         let (name, look, truth_by_hand) = (source.to_string(), look.over(Look::default()), truth.is_some());
-        let clip = source.open(&Open { truth, ..Open::default() })?;
+        let clip = source.open(&Open { truth, detections, ..Open::default() })?;
         let mut task = Self { name, clip, estimator, company, frame, truth_by_hand, cursor, look };
         task.frame = args.frame.unwrap_or(task.frame);
+        if let Some((first, last)) = args.frames {
+            let info = task.estimator.info();
+            task.frame = first;
+            task.estimator.set("frames", &(last - first + 1).to_string()).map_err(|_| {
+                Error::new(format!("{} works on one pair of frames; give --frame in the place of --frames", info.id))
+            })?;
+        }
         for setting in &args.set {
             task.company.set(&mut *task.estimator, setting)?;
         }

@@ -6,6 +6,7 @@
 mod animation;
 mod cache;
 mod contain;
+mod detections;
 pub mod export;
 mod foreign;
 mod info;
@@ -48,13 +49,15 @@ pub struct Open {
     pub ffmpeg: bool,
     /// Truth given by hand; otherwise it is looked for beside the clip.
     pub truth: Option<PathBuf>,
+    /// What someone detected in it, as MOTChallenge rows.
+    pub detections: Option<PathBuf>,
     /// Where long work tells how far it is.
     pub progress: Option<Arc<dyn Progress>>,
 }
 
 impl Default for Open {
     fn default() -> Self {
-        Self { cache_bytes: 512 << 20, count: false, ffmpeg: true, truth: None, progress: None }
+        Self { cache_bytes: 512 << 20, count: false, ffmpeg: true, truth: None, detections: None, progress: None }
     }
 }
 
@@ -133,6 +136,13 @@ pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Error> {
 /// # Errors
 /// One sentence that names the file, tells what is wrong and what to do.
 pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
+    if detections::is(path) {
+        let clip = detections::open(path)?;
+        return match &options.truth {
+            Some(truth) => with_truth(clip, truth),
+            None => Ok(clip),
+        };
+    }
     let mut source = contain::contain(|| open_source(path, options))
         .unwrap_or_else(|panic| Err(Error::new(format!("it is damaged in a way that cannot be read ({panic})"))))
         .map_err(|error| about(path, &error))?;
@@ -141,10 +151,22 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
     })?;
     let info = source.info.clone();
     let clip = Clip::new(info, Arc::new(cache::Lazy::new(source, options.cache_bytes)));
-    Ok(match truth {
+    let clip = match truth {
         Some(truth) => clip.with_truth(truth),
         None => clip,
-    })
+    };
+    with_detections(clip, options)
+}
+
+/// The same clip with the detections that `options` name, if they do.
+///
+/// # Errors
+/// One sentence if they cannot be read.
+pub fn with_detections(clip: Clip, options: &Open) -> Result<Clip, Error> {
+    match &options.detections {
+        Some(path) => Ok(clip.with_detections(detections::read(path)?)),
+        None => Ok(clip),
+    }
 }
 
 /// The same clip with the truth at `path` in place of its own.

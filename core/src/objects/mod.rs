@@ -2,6 +2,7 @@
 
 pub mod assignment;
 mod mask;
+pub mod score;
 pub mod source;
 mod span;
 

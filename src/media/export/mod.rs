@@ -17,7 +17,7 @@ pub use flo::flo;
 pub use kitti::{Kitti, kitti};
 pub use mot::mot;
 pub use npy::npy;
-pub use objects::tracks;
+pub use objects::{masks, tracks};
 pub use picture::{Pixels, png};
 pub use save::save;
 pub use table::{Cell, Table};

@@ -1,6 +1,8 @@
 //! Detections and tracked objects as tables and as MOTChallenge rows.
 
-use motionscope_core::{Bounds, Detection, Life, Object, ObjectField};
+use std::path::Path;
+
+use motionscope_core::{Bounds, Detection, Error, Grid, Life, Object, ObjectField};
 
 use super::{Cell, Table};
 
@@ -95,6 +97,26 @@ pub fn tracks(field: &ObjectField) -> String {
     let frames = field.frames.iter().enumerate();
     let rows = frames.flat_map(|(i, frame)| frame.objects.iter().filter(seen).map(move |o| row(field.first + i, o)));
     rows.collect()
+}
+
+/// Writes the mask of each frame that has one into `folder`, which is made if there is none: `mask_0007.png`, white where
+/// something was found.
+///
+/// # Errors
+/// If there are no masks, or one cannot be written.
+pub fn masks(folder: &Path, field: &ObjectField) -> Result<(), Error> {
+    if field.frames.iter().all(|frame| frame.mask.is_none()) {
+        return Err(Error::new("no pixels were told apart, so there are no masks; choose a background model"));
+    }
+    let made = std::fs::create_dir_all(folder);
+    made.map_err(|error| Error::new(format!("{} cannot be made: {error}", folder.display())))?;
+    for (i, mask) in field.frames.iter().enumerate().filter_map(|(i, frame)| Some((i, frame.mask.as_ref()?))) {
+        let (width, height) = mask.size();
+        let pixels = Grid::from_fn(width, height, |x, y| if mask.get(x, y) { 255 } else { 0 });
+        let bytes = super::png(width, height, super::Pixels::Gray(pixels.cells()))?;
+        super::save(&folder.join(format!("mask_{:04}.png", field.first + i)), &bytes)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

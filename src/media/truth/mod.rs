@@ -2,7 +2,7 @@
 
 mod field;
 mod find;
-mod mot;
+pub(super) mod mot;
 mod subject;
 
 use std::collections::{BTreeMap, VecDeque};

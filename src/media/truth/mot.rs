@@ -1,4 +1,4 @@
-//! MOTChallenge's rows of tracked objects.
+//! MOTChallenge's rows of objects, tracked or detected.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -13,6 +13,22 @@ use crate::media::cannot_read;
 /// More than any sequence of the benchmark by a factor of ten.
 const MOST_BYTES: u64 = 256 << 20;
 
+/// One row of a table.
+pub(crate) struct Row {
+    /// The frame, counted from 0.
+    pub frame: usize,
+    /// The identity; `None` for a detection, which has none.
+    pub id: Option<u32>,
+    /// Left and top edge in px, that of the first pixel at −0.5.
+    pub min: [f32; 2],
+    /// Width and height in px.
+    pub size: [f32; 2],
+    /// How sure the detector is; in a truth 0 for what does not count.
+    pub confidence: f32,
+    /// Share that can be seen, 0 to 1.
+    visibility: f32,
+}
+
 /// The objects of each frame in the `gt.txt` at `path`, by identity; frames counted from 0.
 ///
 /// Rows that the benchmark does not count (confidence 0) are left out.
@@ -20,21 +36,45 @@ const MOST_BYTES: u64 = 256 << 20;
 /// # Errors
 /// A sentence that names the line if a row cannot be understood.
 pub fn read(path: &Path) -> Result<BTreeMap<usize, Vec<ObjectBox>>, Error> {
+    objects(&text(path)?).map_err(|why| file_error(path, why))
+}
+
+/// All rows of the table at `path`, in its order.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn rows(path: &Path) -> Result<Vec<Row>, Error> {
+    parse(&text(path)?).map_err(|why| file_error(path, why))
+}
+
+/// Whether a line is a row of such a table.
+pub(crate) fn is_row(line: &str) -> bool {
+    row(line).is_ok()
+}
+
+fn text(path: &Path) -> Result<String, Error> {
     let mut text = String::new();
     let file = File::open(path).map_err(|e| file_error(path, cannot_read(&e)))?;
     let read = file.take(MOST_BYTES).read_to_string(&mut text).map_err(|e| file_error(path, cannot_read(&e)))?;
     if read as u64 == MOST_BYTES {
         return Err(file_error(path, "it is too large for a table of tracks"));
     }
-    parse(&text).map_err(|why| file_error(path, why))
+    Ok(text)
 }
 
-fn parse(text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, String> {
+fn parse(text: &str) -> Result<Vec<Row>, String> {
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let rows = lines.map(|(i, line)| row(line).map_err(|why| format!("line {}: {why}", i + 1)));
+    rows.collect()
+}
+
+fn objects(text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, String> {
     let mut frames: BTreeMap<usize, Vec<ObjectBox>> = BTreeMap::new();
-    for (i, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        if let Some((frame, object)) = row(line).map_err(|why| format!("line {}: {why}", i + 1))? {
-            frames.entry(frame).or_default().push(object);
-        }
+    for (i, row) in parse(text)?.into_iter().enumerate().filter(|(_, row)| row.confidence != 0.0) {
+        let Row { frame, id, min: [x, y], size: [width, height], visibility, .. } = row;
+        let id =
+            id.ok_or_else(|| format!("line {}: identity -1 is a detection, not a track; give the gt.txt", i + 1))?;
+        frames.entry(frame).or_default().push(ObjectBox { id, x, y, width, height, visibility });
     }
     if frames.is_empty() {
         return Err("it holds no objects; rows are frame, id, left, top, width, height, confidence …".into());
@@ -45,8 +85,7 @@ fn parse(text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, String> {
     Ok(frames)
 }
 
-/// One row: its frame counted from 0, and the object, unless the row does not count.
-fn row(line: &str) -> Result<Option<(usize, ObjectBox)>, String> {
+fn row(line: &str) -> Result<Row, String> {
     let cells = line.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
     let &[frame, id, left, top, width, height, ref rest @ ..] = cells.as_slice() else {
         return Err(format!(
@@ -54,22 +93,17 @@ fn row(line: &str) -> Result<Option<(usize, ObjectBox)>, String> {
             cells.len()
         ));
     };
-    if rest.first() == Some(&0.0) {
-        return Ok(None);
-    }
-    if id < 0.0 {
-        return Err("identity -1 is a detection, not a track; give the gt.txt".into());
-    }
     let frame = whole("frame", frame, 1.0)? as usize - 1;
-    let id = whole("identity", id, 0.0)?;
+    let id = if id == -1.0 { None } else { Some(whole("identity", id, 0.0)?) };
     if width <= 0.0 || height <= 0.0 {
         return Err(format!("a box of {width}×{height} px has no area"));
     }
     // Nine columns end in the visibility; the older ten end in a place in the world.
     let visibility = if let &[_, _, visibility] = rest { visibility.clamp(0.0, 1.0) as f32 } else { 1.0 };
+    let confidence = rest.first().map_or(1.0, |&confidence| confidence as f32);
     // The left edge of our first pixel lies at −0.5, that of theirs at 1.
-    let (x, y) = ((left - 1.5) as f32, (top - 1.5) as f32);
-    Ok(Some((frame, ObjectBox { id, x, y, width: width as f32, height: height as f32, visibility })))
+    let min = [(left - 1.5) as f32, (top - 1.5) as f32];
+    Ok(Row { frame, id, min, size: [width as f32, height as f32], confidence, visibility })
 }
 
 fn number(cell: &str) -> Result<f64, String> {
@@ -95,7 +129,7 @@ mod tests {
     #[test]
     fn both_generations_are_read() {
         let frames =
-            parse("1,2,399,182,121,229,1,-1,-1,-1\n1,1,1,1,4,4,1\n\n2,1,2,1,4,4,1,1,0.25\n2,9,1,1,1,1,0,1,1\n");
+            objects("1,2,399,182,121,229,1,-1,-1,-1\n1,1,1,1,4,4,1\n\n2,1,2,1,4,4,1,1,0.25\n2,9,1,1,1,1,0,1,1\n");
         let frames = frames.unwrap();
         let ids = |t| frames[&t].iter().map(|o: &ObjectBox| o.id).collect::<Vec<_>>();
         assert_eq!((ids(0), ids(1)), (vec![1, 2], vec![1]));
@@ -106,7 +140,7 @@ mod tests {
 
     #[test]
     fn the_line_is_named() {
-        let told = |row| parse(&format!("1,1,1,1,4,4,1\n{row}\n")).unwrap_err();
+        let told = |row| objects(&format!("1,1,1,1,4,4,1\n{row}\n")).unwrap_err();
         for (row, why) in [
             ("1,1,1,1,4", "5 values"),
             ("0,1,1,1,4,4", "frame 0"),
@@ -119,7 +153,7 @@ mod tests {
         ] {
             assert!(told(row).starts_with("line 2: ") && told(row).contains(why), "{row}: {}", told(row));
         }
-        assert!(parse("").is_err());
+        assert!(objects("").is_err());
     }
 
     proptest! {
@@ -136,12 +170,12 @@ mod tests {
             };
             let mut frames = vec![vec![]; t];
             frames.push(vec![object]);
-            prop_assert_eq!(parse(&export::mot(&frames)).unwrap(), BTreeMap::from([(t, vec![object])]));
+            prop_assert_eq!(objects(&export::mot(&frames)).unwrap(), BTreeMap::from([(t, vec![object])]));
         }
 
         #[test]
         fn anything_is_read_or_told(text in "[0-9,.e\\-\n ]{0,40}") {
-            let _ = parse(&text);
+            let _ = objects(&text);
         }
     }
 }

@@ -1,0 +1,91 @@
+//! What someone detected: MOTChallenge's rows, beside a clip or by themselves.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use motionscope_core::{Bounds, Clip, Detection, Error};
+
+use super::names::{extension, file_name};
+use super::truth::mot;
+use super::{about, check_size};
+
+/// What lies around boxes where there are no pictures, in px.
+const MARGIN_PX: f32 = 16.0;
+/// So many frames are believed of a table of detections.
+const MOST_FRAMES: usize = 1_000_000;
+
+/// What was detected in each frame, from frame 0 on, by the `det.txt` at `path`.
+///
+/// # Errors
+/// A sentence that names the line if a row cannot be understood.
+pub fn read(path: &Path) -> Result<Vec<Vec<Detection>>, Error> {
+    let rows = mot::rows(path)?;
+    let last = rows.iter().map(|row| row.frame).max().unwrap_or(0);
+    if last >= MOST_FRAMES {
+        return Err(about(path, &Error::new(format!("frame {} is beyond all that can be shown", last + 1))));
+    }
+    let mut frames = vec![Vec::new(); last + 1];
+    for row in rows {
+        let bounds = Bounds { min: row.min, max: [row.min[0] + row.size[0], row.min[1] + row.size[1]] };
+        frames[row.frame].push(Detection { bounds, center: bounds.center(), score: row.confidence, blob: None });
+    }
+    Ok(frames)
+}
+
+/// Whether the file at `path` is a table of detections by its name and its first line.
+pub fn is(path: &Path) -> bool {
+    let is_text = matches!(extension(path).as_str(), "txt" | "csv");
+    let mut line = String::new();
+    let first = || BufReader::new(File::open(path).ok()?.take(4096)).read_line(&mut line).ok();
+    is_text && first().is_some() && mot::is_row(line.trim_end())
+}
+
+/// A clip of empty pictures, just large enough, with the detections at `path`.
+///
+/// # Errors
+/// As [`read`].
+pub fn open(path: &Path) -> Result<Clip, Error> {
+    let frames = read(path)?;
+    let reach = frames
+        .iter()
+        .flatten()
+        .fold([1.0_f32; 2], |reach, found| [0, 1].map(|i| reach[i].max(found.bounds.max[i] + MARGIN_PX)));
+    let [width, height] = reach.map(|side| side.ceil().min(1e6) as usize);
+    check_size(width, height).map_err(|error| about(path, &error))?;
+    let clip = Clip::blank(file_name(path), (width, height), frames.len().max(2));
+    Ok(clip.with_detections(frames))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    fn opened(text: &str) -> Result<Clip, Error> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("det.txt");
+        fs::write(&path, text).unwrap();
+        assert!(is(&path) || open(&path).is_err());
+        super::super::open(&path, &super::super::Open::default())
+    }
+
+    #[test]
+    fn detections_are_a_clip_of_their_own() {
+        let clip = opened("1,-1,11,21,40,80,0.9,-1,-1,-1\n3,-1,51.5,21,40,80,0.4,-1,-1,-1\n").unwrap();
+        assert_eq!((clip.size(), clip.info().frames), ((106, 116), Some(3)));
+        let found = clip.detections(2).unwrap()[0];
+        assert_eq!((found.bounds.min, found.bounds.size(), found.score), ([50.0, 19.5], [40.0, 80.0], 0.4));
+        assert_eq!(clip.detections(1).map(<[_]>::len), Some(0));
+        assert!(clip.pair(1).is_ok());
+    }
+
+    #[test]
+    fn the_line_is_named() {
+        let told = opened("1,-1,11,21,40,80,0.9\n2,-1,1,1,-4,80,1\n").unwrap_err().to_string();
+        assert!(told.contains("det.txt") && told.contains("line 2"), "{told}");
+        let told = opened("1,-1,1,1,4,4,1\n1,-1,1,1,900000,80,1\n").unwrap_err().to_string();
+        assert!(told.contains("px"), "{told}");
+    }
+}
