@@ -6,6 +6,10 @@ use crate::block_matching::{
 };
 use crate::features::Corners;
 use crate::interest_points::{Harris, ShiTomasi};
+use crate::moving_objects::{
+    ConnectedComponents, FrameDifference, MedianBackground, MixtureOfGaussians, RunningAverage, SingleGaussian,
+    Subtraction,
+};
 use crate::optical_flow::{Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PyramidalLucasKanade, TvL1};
 use crate::variational::Variational;
 use crate::{AnyEstimator, Error};
@@ -34,6 +38,12 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(Farneback::default()),
         Box::new(Corners::<Harris>::default()),
         Box::new(Corners::<ShiTomasi>::default()),
+        Box::new(Subtraction::<FrameDifference>::default()),
+        Box::new(Subtraction::<RunningAverage>::default()),
+        Box::new(Subtraction::<MedianBackground>::default()),
+        Box::new(Subtraction::<SingleGaussian>::default()),
+        Box::new(Subtraction::<MixtureOfGaussians>::default()),
+        Box::new(ConnectedComponents::default()),
     ]
 }
 

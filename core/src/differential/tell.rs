@@ -191,7 +191,7 @@ pub fn around<T: Copy + Into<f32>>(grid: &Grid<T>, place: (usize, usize), radius
 }
 
 /// As [`around`], of values that `of` gives for the pixels of a picture of a `size`.
-fn around_with(
+pub fn around_with(
     (width, height): (usize, usize),
     (x, y): (usize, usize),
     radius: usize,

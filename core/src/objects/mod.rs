@@ -1,14 +1,18 @@
 //! What moving objects are told with, from pixels that differ to objects with a past: masks, detections, objects.
 
 pub mod assignment;
+mod components;
 mod mask;
+mod morphology;
 pub mod score;
 pub mod source;
 mod span;
 
 use std::sync::Arc;
 
+pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
 pub use mask::Mask;
+pub use morphology::MAX_RADIUS_PX;
 pub use span::Span;
 
 use crate::ObjectBox;

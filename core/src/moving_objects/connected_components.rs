@@ -1,0 +1,221 @@
+//! Connected components, row by row: labels that grow, and labels that meet.
+
+mod tell;
+
+use std::sync::Arc;
+
+use crate::estimator::Mapped;
+use crate::objects::{LabelEvent, Labelling, Span};
+use crate::scene::{Chart, Step};
+use crate::subtraction::{HasSettings, cleaned, sifted, subtraction_params};
+use crate::{
+    Clip, Detection, Error, Estimator, Frame, Grid, Info, Mask, ObjectField, ObjectFrame, Observer, Output, Progress,
+    Promise, Rung, Scene, Seen, Threads, choices,
+};
+
+use super::FrameDifference;
+
+choices! {
+    /// Which pixels are labelled.
+    pub enum Pixels {
+        /// Those that differ from the frame before; in the first frame, from the one after it.
+        Moving = "moving" "Moving",
+        /// Those that are brighter than the threshold.
+        Bright = "bright" "Bright",
+        /// Those that are darker than the threshold.
+        Dark = "dark" "Dark",
+    }
+}
+
+subtraction_params! {
+    /// Connected components of each frame.
+    pub struct ConnectedComponents {
+        /// Which pixels are labelled.
+        pixels: Pixels = Pixels::Moving;
+        /// By how much they differ, or how bright or dark they are, in gray levels.
+        threshold: usize = 8, 0..=255;
+    }
+    open: 0, close: 4
+}
+
+/// What a run reads and writes.
+#[derive(Clone)]
+pub struct State {
+    span: Span,
+    /// The frame at work.
+    frame: usize,
+    /// The row that comes next; after the last one the labels become final.
+    row: usize,
+    picture: (usize, usize),
+    labelling: Arc<Labelling>,
+    frames: Arc<Vec<Arc<ObjectFrame>>>,
+    pixels: Arc<Vec<u32>>,
+    /// What is made again where it is missing.
+    given: Option<Arc<Given>>,
+}
+
+/// A frame and its pixels that are labelled.
+pub struct Given {
+    frame: Arc<Frame>,
+    mask: Mask,
+}
+
+/// What happens inside a unit.
+#[derive(Clone)]
+pub enum Event {
+    /// A row begins.
+    Row(Arc<Given>),
+    /// A run of it.
+    Run(LabelEvent),
+    /// The labels are final: which component each pixel belongs to, and how many there are.
+    Final(Arc<Given>, Arc<Grid<u32>>, u32),
+    /// The components that are large enough, and the others.
+    Kept(Arc<Given>, Arc<[Vec<Detection>; 2]>),
+}
+
+impl ConnectedComponents {
+    fn given(&self, clip: &Clip, state: &mut State) -> Result<Arc<Given>, Error> {
+        if let Some(given) = &state.given {
+            return Ok(Arc::clone(given));
+        }
+        let frame = clip.frame(state.frame)?;
+        let (width, height) = frame.size();
+        let mask = match self.pixels {
+            Pixels::Moving => {
+                let other = if state.frame > state.span.first { state.frame - 1 } else { state.frame + 1 };
+                let difference = FrameDifference { threshold: self.threshold, ..FrameDifference::default() };
+                difference.differs(&[clip.frame(other)?], &frame, &Threads::single())
+            }
+            Pixels::Bright => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) > self.threshold),
+            Pixels::Dark => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) < self.threshold),
+        };
+        let given = Arc::new(Given { frame, mask: cleaned(self.settings(), mask, &mut ()) });
+        state.given = Some(Arc::clone(&given));
+        Ok(given)
+    }
+
+    /// Measures the components, and goes on to the next frame.
+    fn finish(
+        &self,
+        clip: &Clip,
+        state: &mut State,
+        given: &Arc<Given>,
+        observer: &mut impl Observer<Event>,
+    ) -> Progress {
+        let finals = state.labelling.finals();
+        observer.see(|| {
+            let labels = finals.grid(&state.labelling, state.picture);
+            Event::Final(Arc::clone(given), Arc::new(labels), finals.count)
+        });
+        let [kept, dropped] = sifted(self.settings(), finals.detections(&state.labelling, given.frame.luma()));
+        observer.see(|| Event::Kept(Arc::clone(given), Arc::new([kept.clone(), dropped])));
+        let found = ObjectFrame { mask: Some(given.mask.clone()), detections: kept, objects: Vec::new() };
+        Arc::make_mut(&mut state.pixels).push(given.mask.count() as u32);
+        Arc::make_mut(&mut state.frames).push(Arc::new(found));
+        (state.frame, state.row, state.given) = (state.frame + 1, 0, None);
+        state.labelling = Arc::new(Labelling::new(self.connectivity));
+        if state.span.is_over(clip, state.frame) { Progress::Done } else { Progress::More }
+    }
+}
+
+impl Estimator for ConnectedComponents {
+    const INFO: Info = Info {
+        id: "connected-components",
+        name: "Connected components",
+        family: "Moving objects",
+        summary: "Gives pixels that touch a common label, row by row, and keeps a book of the labels that have met.",
+        source: "A. Rosenfeld and J. L. Pfaltz, Sequential operations in digital picture processing, J. ACM 1966; by runs: L. He, \
+                 Y. Chao and K. Suzuki, A run-based two-scan labeling algorithm, IEEE Trans. Image Processing 2008",
+        pseudocode: &[
+            "for each row of the mask",
+            "  for each run of pixels that are set",
+            "    if no run of the row above touches it: a new label",
+            "    else take the root of the label of the first that does",
+            "    for each other run that touches it",
+            "      if its root is another one: hang the larger root below the smaller one",
+            "label each run by its root, in raster order",
+            "measure area, box, centroid and moments; keep those of min-area px or more",
+        ],
+        rungs: &["clip", "frame", "row", "run"],
+        frames: 2,
+    };
+    const PROMISE: Promise = Promise::Objects;
+    const CHARTS: &'static [Chart] = &[Chart::Series];
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        Ok(State {
+            span: Span::new(clip, frame, self.frames)?,
+            frame,
+            row: 0,
+            picture: clip.size(),
+            labelling: Arc::new(Labelling::new(self.connectivity)),
+            frames: Arc::default(),
+            pixels: Arc::default(),
+            given: None,
+        })
+    }
+
+    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let given = self.given(clip, state)?;
+        if state.row == state.picture.1 {
+            return Ok(self.finish(clip, state, &given, observer));
+        }
+        observer.see(|| Event::Row(Arc::clone(&given)));
+        let labelling = Arc::make_mut(&mut state.labelling);
+        labelling.row(&given.mask, state.row, &mut Mapped { observer, map: Event::Run });
+        state.row += 1;
+        Ok(Progress::More)
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        state.span.frames().map(|frames| frames * (state.picture.1 + 1))
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        vec![
+            Rung { index: 0, of: Some(1) },
+            Rung { index: state.frame - state.span.first, of: state.span.frames() },
+            Rung { index: state.row, of: Some(state.picture.1 + 1) },
+        ]
+    }
+
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        let y = point[1] + 0.5;
+        let row = (0.0..state.picture.1 as f32).contains(&y).then_some(y as usize)?;
+        Some((state.frame - state.span.first) * (state.picture.1 + 1) + row)
+    }
+
+    fn at_frame(&self, state: &State) -> Option<usize> {
+        Some(state.frame)
+    }
+
+    fn at_rest(&self, state: &State) -> State {
+        State { given: None, ..state.clone() }
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let last = state.frames.last().map_or(0, |frame| frame.bytes());
+        let lists = size_of_val(&state.frames[..]) + size_of_val(&state.pixels[..]);
+        size_of::<State>() + state.labelling.bytes() + lists + last
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let earlier = state.frames.split_last().map_or(&[][..], |(_, earlier)| earlier);
+        self.state_bytes(state) + earlier.iter().map(|frame| frame.bytes()).sum::<usize>()
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        let frames = Vec::clone(&state.frames);
+        Output::Objects(ObjectField { picture: state.picture, first: state.span.first, frames })
+    }
+}

@@ -1,0 +1,109 @@
+//! Mixture of Gaussians: a pixel may have several looks, and those that it has mostly are the background.
+
+mod model;
+mod tell;
+
+use std::sync::Arc;
+
+use crate::scene::Chart;
+use crate::subtraction::{Background, Explanation, Found, subtraction_params, subtraction_pseudocode};
+use crate::{Frame, Info, Threads};
+
+pub use model::{Mixture, Mode};
+
+subtraction_params! {
+    /// A mixture of normal distributions for each pixel, in colour where the frames have it.
+    pub struct MixtureOfGaussians {
+        /// At most so many distributions, or modes, for each pixel; as many as it needs.
+        modes: usize = 5, 1..=8;
+        /// How much a frame counts: the larger, the sooner something that stands still becomes background.
+        rate: f32 = 0.005, 0.0..=1.0;
+        /// A pixel belongs to a mode if it is not farther from it than so many standard deviations.
+        threshold: f32 = 4.0, 0.5..=20.0, "σ";
+        /// The heaviest modes that together have this share of the weight are the background.
+        background: f32 = 0.9, 0.0..=1.0;
+        /// How much evidence a mode needs to last, as a share of the data: without it its weight falls to nothing; 0 keeps all modes, as Stauffer and Grimson did.
+        prune: f32 = 0.05, 0.0..=0.5;
+        /// Standard deviation of a new mode, in gray levels.
+        first_sigma: f32 = 4.0, 0.5..=50.0;
+        /// No standard deviation becomes less than this, in gray levels.
+        min_sigma: f32 = 2.0, 0.5..=50.0;
+        /// Take shadows off the foreground: what has a background's colour, but is darker. Gray pictures do not tell.
+        shadows: bool = true;
+        /// A shadow leaves at least this share of the light.
+        darkest: f32 = 0.5, 0.05..=1.0;
+    }
+    open: 1, close: 2
+}
+
+/// No standard deviation becomes more than so many times that of a new mode.
+const MAX_SIGMAS: f32 = 2.25;
+
+impl Background for MixtureOfGaussians {
+    const INFO: Info = Info {
+        id: "mixture-of-gaussians",
+        name: "Mixture of Gaussians",
+        family: "Moving objects",
+        summary: "Gives each pixel several looks with their weights, so that leaves may wave and lamps may blink; the rare ones are objects.",
+        source: "C. Stauffer and W. E. L. Grimson, Adaptive background mixture models for real-time tracking, CVPR 1999; how many \
+                 modes: Z. Zivkovic, Improved adaptive Gaussian mixture model for background subtraction, ICPR 2004; shadows: \
+                 A. Prati, I. Mikić, M. Trivedi and R. Cucchiara, Detecting moving shadows, PAMI 2003",
+        pseudocode: subtraction_pseudocode!(
+            "one mode for each pixel: w ← 1, μ ← the first frame, σ ← first-sigma",
+            "  mode ← the heaviest with |I − μ| ≤ threshold · σ, if there is one",
+            "  foreground if there is none, or heavier modes have the share background already",
+            shadows: "  shadow if I ≈ a μ with darkest ≤ a ≤ 1 for a mode of the background",
+            update: "w ← w + rate (1 or 0 − w − prune); the mode's μ, σ² follow I by rate / w; none: a new mode"
+        ),
+        rungs: &["clip", "frame", "stage"],
+        frames: 2,
+    };
+    const SHOWN: &'static str = "|I − μ| / σ of the nearest mode of the background";
+    const TELLS_SHADOWS: bool = true;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
+    type Model = Mixture;
+
+    fn begin(&self, first: &Arc<Frame>) -> Mixture {
+        Mixture::new(self, first)
+    }
+
+    fn subtract(&self, model: &mut Mixture, frame: &Arc<Frame>, threads: &Threads) -> Found {
+        model.subtract(self, frame, threads)
+    }
+
+    fn expected(&self, model: &Mixture, place: (usize, usize)) -> f32 {
+        model.modes(place).first().map_or(0.0, Mode::gray)
+    }
+
+    fn difference(&self, model: &Mixture, frame: &Frame, place: (usize, usize)) -> f32 {
+        let pixel = model.pixel(frame, place);
+        let modes = model.modes(place);
+        let background = modes.iter().scan(0.0, |heavier, mode| {
+            let is_background = *heavier < self.background;
+            *heavier += mode.weight;
+            is_background.then(|| mode.distance(&pixel))
+        });
+        let nearest = background.fold(f32::INFINITY, f32::min);
+        if nearest.is_finite() { nearest } else { modes.first().map_or(0.0, |mode| mode.distance(&pixel)) }
+    }
+
+    fn explain(&self, models: [Option<&Mixture>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
+        self.explanation(models, frame, place)
+    }
+
+    fn rule(&self) -> String {
+        format!(
+            "fit none of the modes that make up {} % of the weight",
+            crate::differential::tell::number(100.0 * self.background)
+        )
+    }
+
+    fn update(&self) -> String {
+        "The mode that fits grows and follows the pixel, all others lose weight, and a look that is new begins a mode of its own"
+            .into()
+    }
+
+    fn model_bytes(&self, model: &Mixture) -> usize {
+        model.bytes()
+    }
+}

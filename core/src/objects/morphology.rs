@@ -1,0 +1,151 @@
+//! Opening and closing of masks with a square, 64 pixels at once.
+
+use super::Mask;
+
+/// The largest radius that there are shifts for.
+pub const MAX_RADIUS_PX: usize = 30;
+
+impl Mask {
+    /// The pixels of which one within `radius_px` px, along rows and columns alike, is set.
+    ///
+    /// # Panics
+    /// If the radius is larger than [`MAX_RADIUS_PX`].
+    #[must_use]
+    pub fn dilated(&self, radius_px: usize) -> Mask {
+        assert!(radius_px <= MAX_RADIUS_PX, "a radius of {radius_px} px");
+        let mut wide = self.clone();
+        let mut before = vec![0; self.row(0).len()];
+        for y in 0..self.height() {
+            spread(wide.row_mut(y), radius_px, &mut before);
+        }
+        wide.clear_beyond();
+        let mut out = Mask::new(self.width(), self.height());
+        for y in 0..self.height() {
+            let row = out.row_mut(y);
+            for near in y.saturating_sub(radius_px)..(y + radius_px + 1).min(self.height()) {
+                row.iter_mut().zip(wide.row(near)).for_each(|(word, near)| *word |= near);
+            }
+        }
+        out
+    }
+
+    /// The pixels of which all within `radius_px` px that lie in the picture are set.
+    ///
+    /// # Panics
+    /// If the radius is larger than [`MAX_RADIUS_PX`].
+    #[must_use]
+    pub fn eroded(&self, radius_px: usize) -> Mask {
+        self.inverted().dilated(radius_px).inverted()
+    }
+
+    /// All squares of (2 `radius_px` + 1)² px that fit into the pixels set: what is smaller goes.
+    ///
+    /// # Panics
+    /// If the radius is larger than [`MAX_RADIUS_PX`].
+    #[must_use]
+    pub fn opened(&self, radius_px: usize) -> Mask {
+        self.eroded(radius_px).dilated(radius_px)
+    }
+
+    /// The pixels set and all gaps into which no such square fits.
+    ///
+    /// # Panics
+    /// If the radius is larger than [`MAX_RADIUS_PX`].
+    #[must_use]
+    pub fn closed(&self, radius_px: usize) -> Mask {
+        self.dilated(radius_px).eroded(radius_px)
+    }
+
+    /// The pixels that are not set.
+    #[must_use]
+    pub fn inverted(&self) -> Mask {
+        let mut out = self.clone();
+        out.words_mut().0.iter_mut().for_each(|word| *word = !*word);
+        out.clear_beyond();
+        out
+    }
+
+    /// The pixels that are set here and not in `other`, which is as large.
+    #[must_use]
+    pub fn without(&self, other: &Mask) -> Mask {
+        let mut out = self.clone();
+        for y in 0..self.height() {
+            out.row_mut(y).iter_mut().zip(other.row(y)).for_each(|(word, other)| *word &= !other);
+        }
+        out
+    }
+
+    /// Clears the bits beyond the width.
+    fn clear_beyond(&mut self) {
+        let bits = self.width() % 64;
+        for y in (0..self.height()).filter(|_| bits > 0) {
+            if let Some(last) = self.row_mut(y).last_mut() {
+                *last &= (1 << bits) - 1;
+            }
+        }
+    }
+}
+
+/// Sets all within `radius` bits of one that is set. `before` has room for a row.
+fn spread(row: &mut [u64], radius: usize, before: &mut [u64]) {
+    let mut done = 0;
+    while done < radius {
+        // What reaches `done` leaves no gap when it is moved by one more, even where half of it was lost at the edge.
+        let step = (done + 1).min(radius - done);
+        before.copy_from_slice(row);
+        for (w, word) in row.iter_mut().enumerate() {
+            let (left, right) = (w.checked_sub(1).map_or(0, |w| before[w]), before.get(w + 1).copied().unwrap_or(0));
+            let up = before[w] << step | left >> (64 - step);
+            let down = before[w] >> step | right << (64 - step);
+            *word |= up | down;
+        }
+        done += step;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mask without any order.
+    fn scattered(width: usize, height: usize, share: u64) -> Mask {
+        Mask::from_fn(width, height, |x, y| {
+            let hash = (x as u64 * 0x9E37_79B9 ^ y as u64 * 0x85EB_CA6B).wrapping_mul(0x2545_F491_4F6C_DD1D);
+            (hash >> 33) % 100 < share
+        })
+    }
+
+    /// Whether `is` holds for any of the pixels within `radius` px that lie in the picture.
+    fn any_near(mask: &Mask, (x, y): (usize, usize), radius: usize, is: impl Fn(bool) -> bool) -> bool {
+        let span = |c: usize, extent: usize| c.saturating_sub(radius)..(c + radius + 1).min(extent);
+        span(y, mask.height()).any(|v| span(x, mask.width()).any(|u| is(mask.get(u, v))))
+    }
+
+    #[test]
+    fn a_pixel_becomes_a_square_of_any_radius() {
+        for (radius, x) in (0..=MAX_RADIUS_PX).flat_map(|radius| [0, 1, 63, 64, 129].map(|x| (radius, x))) {
+            let square = Mask::from_fn(130, 70, |u, v| (u, v) == (x, 35)).dilated(radius);
+            assert_eq!(square, Mask::from_fn(130, 70, |u, v| u.abs_diff(x).max(v.abs_diff(35)) <= radius));
+        }
+    }
+
+    #[test]
+    fn morphology_is_that_of_its_definition() {
+        for (width, height) in [(1, 1), (1, 40), (40, 1), (63, 9), (64, 8), (65, 20), (140, 11)] {
+            for (share, radius) in [(5, 0), (5, 1), (30, 2), (80, 3), (96, 7)] {
+                let mask = scattered(width, height, share);
+                let dilation =
+                    |m: &Mask| Mask::from_fn(width, height, |x, y| any_near(m, (x, y), radius, |is_set| is_set));
+                let erosion =
+                    |m: &Mask| Mask::from_fn(width, height, |x, y| !any_near(m, (x, y), radius, |is_set| !is_set));
+                assert_eq!(mask.dilated(radius), dilation(&mask));
+                assert_eq!(mask.eroded(radius), erosion(&mask));
+                let (opened, closed) = (mask.opened(radius), mask.closed(radius));
+                assert_eq!(opened, dilation(&erosion(&mask)));
+                assert_eq!(closed, erosion(&dilation(&mask)));
+                assert_eq!((opened.opened(radius), closed.closed(radius)), (opened.clone(), closed.clone()));
+                assert_eq!((opened.without(&mask).count(), mask.without(&closed).count()), (0, 0));
+            }
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! What all background subtractions share: a model of what each pixel looks like when nothing moves, and from the pixels
+//! that differ to blobs.
+
+mod declare;
+mod explanation;
+mod rows;
+mod tell;
+
+use std::sync::Arc;
+
+pub(crate) use declare::{HasSettings, Settings, subtraction_params, subtraction_pseudocode};
+pub(crate) use explanation::{Explanation, compared, fact, pixel};
+pub(crate) use rows::{Flags, by_rows};
+pub(crate) use tell::{Account, plots};
+
+use crate::objects::{Labelling, Span};
+use crate::scene::{Chart, Step};
+use crate::{
+    Clip, Detection, Error, Estimator, Explained, Frame, Gray, Grid, Info, Mask, ObjectField, ObjectFrame, Observer,
+    Output, Params, Progress, Promise, Rung, Scene, Seen, Spec, Threads, Value,
+};
+
+/// A model of the background.
+pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+    /// What there is to say about the detector.
+    const INFO: Info;
+    /// What the heat shows that tells how far pixels differ, for the legend.
+    const SHOWN: &'static str;
+    /// Whether it can tell shadows, which its pseudocode has a line for.
+    const TELLS_SHADOWS: bool = false;
+    /// What its steps have charts for.
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    /// What is known of the background.
+    type Model: Clone + Send + Sync + 'static;
+
+    /// What is known after the first frame.
+    fn begin(&self, first: &Arc<Frame>) -> Self::Model;
+
+    /// Decides which pixels of a frame do not belong to the background, and takes the frame into the model. What becomes
+    /// of a pixel depends on nothing but itself, so that rows may be spread over threads.
+    fn subtract(&self, model: &mut Self::Model, frame: &Arc<Frame>, threads: &Threads) -> Found;
+
+    /// The gray value that is expected of a pixel.
+    fn expected(&self, model: &Self::Model, place: (usize, usize)) -> f32;
+
+    /// How far a pixel is from what is expected, as [`Background::SHOWN`] says.
+    fn difference(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32;
+
+    /// How a pixel is decided by a model, and what the model has become, once that is known.
+    fn explain(&self, models: [Option<&Self::Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation;
+
+    /// What a pixel must do to count as foreground, to follow "pixels that".
+    fn rule(&self) -> String;
+
+    /// What happens to the model at the end of a frame.
+    fn update(&self) -> String;
+
+    /// Memory of a model, in bytes.
+    fn model_bytes(&self, model: &Self::Model) -> usize;
+}
+
+/// The pixels that do not look like the background.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// All of them.
+    pub mask: Mask,
+    /// Those that are shadows, where they are looked for.
+    pub shadows: Option<Mask>,
+}
+
+/// What moves before the background that `M` is a model of.
+#[derive(Clone, Debug, Default)]
+pub struct Subtraction<M>(pub M);
+
+impl<M: Background> Params for Subtraction<M> {
+    fn specs(&self) -> &'static [Spec] {
+        self.0.specs()
+    }
+
+    fn value(&self, index: usize) -> Value {
+        self.0.value(index)
+    }
+
+    fn set_value(&mut self, index: usize, value: Value) -> Result<(), Error> {
+        self.0.set_value(index, value)
+    }
+}
+
+/// What a run reads and writes.
+#[derive(Clone)]
+pub struct State<T> {
+    pub(crate) span: Span,
+    /// The frame that comes next.
+    pub(crate) frame: usize,
+    picture: (usize, usize),
+    /// The background; nothing is known before the first frame.
+    pub(crate) model: Option<Arc<T>>,
+    /// What the frames came to.
+    frames: Arc<Vec<Arc<ObjectFrame>>>,
+    /// How many pixels of each were foreground.
+    pub(crate) pixels: Arc<Vec<u32>>,
+}
+
+impl<T> State<T> {
+    /// What the frames came to.
+    pub(crate) fn frames(&self) -> &[Arc<ObjectFrame>] {
+        &self.frames
+    }
+
+    fn note(&mut self, found: ObjectFrame) {
+        Arc::make_mut(&mut self.pixels).push(found.mask.as_ref().map_or(0, |mask| mask.count() as u32));
+        Arc::make_mut(&mut self.frames).push(Arc::new(found));
+    }
+
+    fn go_on(&mut self, clip: &Clip) -> Progress {
+        self.frame += 1;
+        if self.span.is_over(clip, self.frame) { Progress::Done } else { Progress::More }
+    }
+}
+
+/// The stages that a frame goes through.
+#[derive(Clone)]
+pub enum Event {
+    /// The first frame has become the model.
+    Begun(Arc<Frame>),
+    /// How far each pixel of the frame is from what is expected.
+    Compared(Arc<Frame>, Arc<Grid<f32>>),
+    /// The pixels that are too far.
+    Decided(Arc<Mask>),
+    /// Those that remain, and the shadows.
+    Shadows(Arc<Mask>, Arc<Mask>),
+    /// The mask, opened.
+    Opened(Arc<Mask>),
+    /// The mask, closed.
+    Closed(Arc<Mask>),
+    /// The connected components, and how many there are.
+    Labelled(Arc<Grid<u32>>, u32),
+    /// Those that are large enough, and the others.
+    Kept(Arc<[Vec<Detection>; 2]>),
+    /// The model has taken in the frame.
+    Updated,
+}
+
+/// From a mask to blobs, as all do it.
+pub(crate) fn blobs(
+    settings: Settings,
+    mask: Mask,
+    picture: &Gray,
+    observer: &mut impl Observer<Event>,
+) -> ObjectFrame {
+    let mask = cleaned(settings, mask, observer);
+    let labelling = Labelling::of(&mask, settings.connectivity);
+    let finals = labelling.finals();
+    observer.see(|| Event::Labelled(Arc::new(finals.grid(&labelling, mask.size())), finals.count));
+    let [kept, dropped] = sifted(settings, finals.detections(&labelling, picture));
+    observer.see(|| Event::Kept(Arc::new([kept.clone(), dropped])));
+    ObjectFrame { mask: Some(mask), detections: kept, objects: Vec::new() }
+}
+
+/// The mask opened and closed.
+pub(crate) fn cleaned(settings: Settings, mut mask: Mask, observer: &mut impl Observer<Event>) -> Mask {
+    if settings.open > 0 {
+        mask = mask.opened(settings.open);
+        observer.see(|| Event::Opened(Arc::new(mask.clone())));
+    }
+    if settings.close > 0 {
+        mask = mask.closed(settings.close);
+        observer.see(|| Event::Closed(Arc::new(mask.clone())));
+    }
+    mask
+}
+
+/// The blobs that are large enough, and the others.
+pub(crate) fn sifted(settings: Settings, all: Vec<Detection>) -> [Vec<Detection>; 2] {
+    let is_large = |found: &Detection| found.blob.is_none_or(|blob| blob.area_px as usize >= settings.min_area);
+    let (kept, dropped) = all.into_iter().partition(is_large);
+    [kept, dropped]
+}
+
+impl<M: Background> Subtraction<M> {
+    /// Works on one frame.
+    fn work(
+        &self,
+        state: &mut State<M::Model>,
+        frame: Arc<Frame>,
+        threads: &Threads,
+        observer: &mut impl Observer<Event>,
+    ) {
+        let Some(model) = &mut state.model else {
+            state.model = Some(Arc::new(self.0.begin(&frame)));
+            observer.see(|| Event::Begun(frame));
+            let (width, height) = state.picture;
+            return state.note(ObjectFrame { mask: Some(Mask::new(width, height)), ..ObjectFrame::default() });
+        };
+        observer.see(|| {
+            let (width, height) = frame.size();
+            let difference = Grid::from_fn(width, height, |x, y| self.0.difference(model, &frame, (x, y)));
+            Event::Compared(Arc::clone(&frame), Arc::new(difference))
+        });
+        let Found { mut mask, shadows } = self.0.subtract(Arc::make_mut(model), &frame, threads);
+        observer.see(|| Event::Decided(Arc::new(mask.clone())));
+        if let Some(shadows) = shadows {
+            mask = mask.without(&shadows);
+            observer.see(|| Event::Shadows(Arc::new(mask.clone()), Arc::new(shadows)));
+        }
+        let found = blobs(self.0.settings(), mask, frame.luma(), observer);
+        observer.see(|| Event::Updated);
+        state.note(found);
+    }
+}
+
+impl<M: Background> Estimator for Subtraction<M> {
+    const INFO: Info = M::INFO;
+    const PROMISE: Promise = Promise::Objects;
+    const CHARTS: &'static [Chart] = M::CHARTS;
+    type State = State<M::Model>;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error> {
+        let span = Span::new(clip, frame, self.0.settings().frames)?;
+        let (frames, pixels) = (Arc::default(), Arc::default());
+        Ok(State { span, frame, picture: clip.size(), model: None, frames, pixels })
+    }
+
+    fn advance(
+        &self,
+        clip: &Clip,
+        state: &mut Self::State,
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
+        let frame = clip.frame(state.frame)?;
+        self.work(state, frame, &Threads::single(), observer);
+        Ok(state.go_on(clip))
+    }
+
+    fn units(&self, state: &Self::State) -> Option<usize> {
+        state.span.frames()
+    }
+
+    fn place(&self, state: &Self::State) -> Vec<Rung> {
+        let index = state.frame - state.span.first;
+        vec![Rung { index: 0, of: Some(1) }, Rung { index, of: state.span.frames() }]
+    }
+
+    fn explained(&self, state: &Self::State, point: [f32; 2]) -> Option<Explained> {
+        let [x, y] = point.map(|c| c + 0.5);
+        let (width, height) = state.picture;
+        ((0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y)).then_some(Explained::Always)
+    }
+
+    fn at_frame(&self, state: &Self::State) -> Option<usize> {
+        Some(state.frame)
+    }
+
+    fn state_bytes(&self, state: &Self::State) -> usize {
+        let model = state.model.as_ref().map_or(0, |model| self.0.model_bytes(model));
+        // What earlier frames came to is shared with the states before; the last frame's is counted here.
+        let last = state.frames.last().map_or(0, |frame| frame.bytes());
+        size_of::<Self::State>() + model + size_of_val(&state.frames[..]) + size_of_val(&state.pixels[..]) + last
+    }
+
+    fn memory_bytes(&self, state: &Self::State) -> usize {
+        let earlier = state.frames.split_last().map_or(&[][..], |(_, earlier)| earlier);
+        self.state_bytes(state) + earlier.iter().map(|frame| frame.bytes()).sum::<usize>()
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn output(&self, state: &Self::State) -> Output {
+        let frames = Vec::clone(&state.frames);
+        Output::Objects(ObjectField { picture: state.picture, first: state.span.first, frames })
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Self::State, Error> {
+        let mut state = self.start(clip, frame)?;
+        loop {
+            let frame = clip.frame(state.frame)?;
+            self.work(&mut state, frame, threads, &mut ());
+            if state.go_on(clip) == Progress::Done {
+                return Ok(state);
+            }
+        }
+    }
+}

@@ -1,0 +1,417 @@
+//! Models of the background against plain ones written from the papers' formulas, and against exact truth.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::set;
+use motionscope_core::{
+    AnyEstimator, Bounds, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Mask, Move, ObjectField, Promise,
+    Stop, Threads, estimators, synth,
+};
+
+/// A number that tells a place and a frame from all others.
+fn hash(x: usize, y: usize, t: usize) -> u64 {
+    let mixed = (x as u64 * 0x9E37_79B9) ^ (y as u64 * 0x85EB_CA6B) ^ (t as u64 * 0xC2B2_AE35);
+    mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33
+}
+
+/// Noise, about normal with a standard deviation of 2.
+fn noise(x: usize, y: usize, t: usize) -> f64 {
+    (0..6).map(|k| (hash(x, y, 7 * t + k) % 1000) as f64 / 1000.0 - 0.5).sum::<f64>() * 2.0 * 2f64.sqrt()
+}
+
+/// A colour before which a disc moves and a lamp blinks, with noise.
+fn color(x: usize, y: usize, t: usize) -> [u8; 3] {
+    let (dx, dy) = (x as f64 - 8.0 - 1.5 * t as f64, y as f64 - 11.0);
+    let base = [60.0 + x as f64, 90.0 + 2.0 * y as f64, 120.0 - x as f64];
+    let pixel = if dx.hypot(dy) < 6.0 {
+        [200.0, 60.0 + 5.0 * dy, 40.0]
+    } else if (dx + 9.0).abs() < 4.0 && dy.abs() < 6.0 {
+        // A shadow follows it.
+        base.map(|c| 0.7 * c)
+    } else if y < 4 && x > 50 && (t / 3) % 2 == 1 {
+        [220.0, 220.0, 120.0]
+    } else {
+        base
+    };
+    [0, 1, 2].map(|c| (pixel[c] + noise(x, y, 3 * t + c)).round().clamp(0.0, 255.0) as u8)
+}
+
+const SIZE: (usize, usize) = (75, 23);
+
+fn colorful(frames: usize) -> Clip {
+    let frame = |t| Frame::rgb(Grid::from_fn(SIZE.0, SIZE.1, |x, y| color(x, y, t)));
+    Clip::from_frames("colourful", (0..frames).map(frame).collect()).expect("frames of one size")
+}
+
+fn in_gray(clip: &Clip, frames: usize) -> Clip {
+    let frame = |t| Frame::gray(clip.frame(t).expect("a frame").luma().clone());
+    Clip::from_frames("gray", (0..frames).map(frame).collect()).expect("frames of one size")
+}
+
+/// The estimator with what it decides left as it is.
+fn raw(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
+    set(id, &[&[("open", "0"), ("close", "0"), ("min-area", "1")], settings].concat())
+}
+
+fn objects(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
+    let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
+    output.objects().expect("objects").clone()
+}
+
+/// The masks of all frames but the first.
+fn masks(estimator: &dyn AnyEstimator, clip: &Clip) -> Vec<Mask> {
+    objects(estimator, clip).frames.iter().skip(1).map(|frame| frame.mask.clone().expect("a mask")).collect()
+}
+
+/// The masks that a plain model of a pixel gives, which is made of its values in the first frame.
+fn plain<S>(
+    clip: &Clip,
+    frames: usize,
+    begin: impl Fn(&[f64]) -> S,
+    mut is_foreground: impl FnMut(&mut S, &[f64]) -> bool,
+) -> Vec<Mask> {
+    let values = |frame: &Frame, place: (usize, usize)| match frame.color() {
+        Some(color) => color[place].map(f64::from).to_vec(),
+        None => vec![f64::from(frame.luma()[place])],
+    };
+    let first = clip.frame(0).expect("a frame");
+    let mut model = Grid::from_fn(SIZE.0, SIZE.1, |x, y| begin(&values(&first, (x, y))));
+    (1..frames)
+        .map(|t| {
+            let frame = clip.frame(t).expect("a frame");
+            Mask::from_fn(SIZE.0, SIZE.1, |x, y| is_foreground(&mut model[(x, y)], &values(&frame, (x, y))))
+        })
+        .collect()
+}
+
+/// How many pixels differ, and how many are set in the second.
+fn differing(found: &[Mask], expected: &[Mask]) -> (usize, usize) {
+    assert_eq!(found.len(), expected.len());
+    let off = found.iter().zip(expected).map(|(a, b)| a.without(b).count() + b.without(a).count()).sum();
+    (off, expected.iter().map(Mask::count).sum())
+}
+
+#[test]
+fn models_of_gray_values_decide_as_their_papers_say() {
+    const FRAMES: usize = 30;
+    let clip = in_gray(&colorful(FRAMES), FRAMES);
+    let same = |id: &str, settings: &[(&str, &str)], expected: Vec<Mask>| {
+        let (off, set) = differing(&masks(&*raw(id, settings), &clip), &expected);
+        assert!(off == 0 && set > 500, "{id} {settings:?}: {off} of {set} pixels differ");
+    };
+    let off = |a: f64, b: f64| (a - b).abs();
+    let two = plain(&clip, FRAMES, |i| i[0], |b, i| off(std::mem::replace(b, i[0]), i[0]) > 12.0);
+    same("frame-difference", &[("threshold", "12")], two);
+    let three = plain(
+        &clip,
+        FRAMES,
+        |i| [i[0]; 2],
+        |b, i| {
+            let is_foreground = b.iter().all(|b| off(*b, i[0]) > 12.0);
+            *b = [i[0], b[0]];
+            is_foreground
+        },
+    );
+    same("frame-difference", &[("threshold", "12"), ("compared", "3")], three);
+    for (selective, name) in [(false, "off"), (true, "on")] {
+        let average = plain(
+            &clip,
+            FRAMES,
+            |i| i[0],
+            |b, i| {
+                let is_foreground = off(i[0], *b) > 20.3;
+                if !(selective && is_foreground) {
+                    *b = 0.95 * *b + 0.05 * i[0];
+                }
+                is_foreground
+            },
+        );
+        let settings = [("threshold", "20.3"), ("rate", "0.05"), ("selective", name)];
+        same("running-average", &settings, average);
+        let gaussian = plain(
+            &clip,
+            FRAMES,
+            |i| (i[0], 25.0f64),
+            |(mean, variance), i| {
+                let is_foreground = off(i[0], *mean) / variance.sqrt() > 3.3;
+                if !(selective && is_foreground) {
+                    let deviation = i[0] - *mean;
+                    *mean = 0.95 * *mean + 0.05 * i[0];
+                    *variance = (0.95 * *variance + 0.05 * deviation * deviation).max(2.25);
+                }
+                is_foreground
+            },
+        );
+        let settings = [("threshold", "3.3"), ("rate", "0.05"), ("first-sigma", "5"), ("min-sigma", "1.5")];
+        same("single-gaussian", &[&settings[..], &[("selective", name)]].concat(), gaussian);
+    }
+    for step in [1, 4] {
+        let median = plain(
+            &clip,
+            FRAMES,
+            |i| i[0],
+            |b, i| {
+                let is_foreground = off(i[0], *b) > 20.0;
+                *b += (i[0] - *b).clamp(-f64::from(step), f64::from(step));
+                is_foreground
+            },
+        );
+        same("median-background", &[("threshold", "20"), ("step", &step.to_string())], median);
+    }
+}
+
+/// A mode of the plain mixture.
+#[derive(Clone)]
+struct Mode {
+    weight: f64,
+    mean: Vec<f64>,
+    variance: f64,
+}
+
+/// The parameters of the plain mixture.
+struct Plain {
+    rate: f64,
+    prune: f64,
+    threshold: f64,
+    background: f64,
+    most: usize,
+    darkest: Option<f64>,
+}
+
+impl Plain {
+    /// Zivkovic 2004, (4) to (9), with the modes in order of weight; a new mode takes `rate` of the weight.
+    fn is_foreground(&self, modes: &mut Vec<Mode>, pixel: &[f64]) -> bool {
+        let square = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+        let limit = |mode: &Mode| self.threshold * self.threshold * mode.variance;
+        let mut sum = 0.0;
+        let background = modes.iter().take_while(|mode| {
+            let is_one = sum < self.background;
+            sum += mode.weight;
+            is_one
+        });
+        let background = background.count();
+        let fits = modes.iter().position(|mode| square(pixel, &mode.mean) <= limit(mode));
+        let is_foreground = fits.is_none_or(|fits| fits >= background);
+        let is_shadow = self.darkest.is_some_and(|darkest| {
+            modes[..background].iter().any(|mode| {
+                let light = pixel.iter().zip(&mode.mean).map(|(a, b)| a * b).sum::<f64>()
+                    / mode.mean.iter().map(|b| b * b).sum::<f64>();
+                let darker: Vec<_> = mode.mean.iter().map(|mean| light * mean).collect();
+                (darkest..=1.0).contains(&light) && square(pixel, &darker) <= limit(mode) * light * light
+            })
+        });
+        for (index, mode) in modes.iter_mut().enumerate() {
+            let ownership = if fits == Some(index) { 1.0 } else { 0.0 };
+            mode.weight += self.rate * (ownership - mode.weight) - self.rate * self.prune;
+            if fits == Some(index) {
+                let (step, off) = (self.rate / mode.weight, square(pixel, &mode.mean));
+                mode.mean.iter_mut().zip(pixel).for_each(|(mean, pixel)| *mean += step * (pixel - *mean));
+                mode.variance = (mode.variance + step * (off - mode.variance)).clamp(4.0, 81.0);
+            }
+        }
+        modes.retain(|mode| mode.weight > 0.0);
+        if fits.is_none() {
+            modes.truncate(self.most - 1);
+        }
+        let total: f64 = modes.iter().map(|mode| mode.weight).sum();
+        let left = if fits.is_none() { 1.0 - self.rate } else { 1.0 };
+        modes.iter_mut().for_each(|mode| mode.weight *= left / total);
+        if fits.is_none() {
+            let weight = if modes.is_empty() { 1.0 } else { self.rate };
+            modes.push(Mode { weight, mean: pixel.to_vec(), variance: 16.0 });
+        }
+        modes.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        is_foreground && !is_shadow
+    }
+}
+
+#[test]
+fn the_mixture_decides_as_its_papers_say() {
+    const FRAMES: usize = 60;
+    let clip = colorful(FRAMES);
+    for (clip, is_color) in [(&clip, true), (&in_gray(&clip, FRAMES), false)] {
+        for (most, prune, shadows) in [(5, 0.05, true), (3, 0.0, false), (2, 0.01, true), (1, 0.05, false)] {
+            let darkest = (shadows && is_color).then_some(0.5);
+            let plain_one = Plain { rate: 0.02, prune, threshold: 3.1, background: 0.7, most, darkest };
+            let begin = |i: &[f64]| vec![Mode { weight: 1.0, mean: i.to_vec(), variance: 16.0 }];
+            let expected = plain(clip, FRAMES, begin, |modes, i| plain_one.is_foreground(modes, i));
+            let settings = [
+                ("rate", "0.02"),
+                ("prune", &prune.to_string()),
+                ("threshold", "3.1"),
+                ("background", "0.7"),
+                ("modes", &most.to_string()),
+                ("shadows", if shadows { "on" } else { "off" }),
+            ];
+            let found = masks(&*raw("mixture-of-gaussians", &settings), clip);
+            let (off, set) = differing(&found, &expected);
+            // In single precision a few of these 100,000 may fall on the other side.
+            assert!(off <= 10 && set > 500, "{most} modes, colour: {is_color}: {off} of {set} pixels differ");
+        }
+    }
+}
+
+/// All that find objects by a model of the background.
+fn subtractions() -> Vec<Box<dyn AnyEstimator>> {
+    let all = estimators().into_iter().filter(|e| e.promise() == Promise::Objects && e.get("open").is_ok());
+    all.filter(|estimator| estimator.info().rungs.last() == Some(&"stage")).collect()
+}
+
+#[test]
+fn what_is_told_of_a_pixel_is_what_was_decided() {
+    const FRAMES: usize = 20;
+    let colorful = colorful(FRAMES);
+    for clip in [in_gray(&colorful, FRAMES), colorful] {
+        for estimator in subtractions() {
+            let id = estimator.info().id;
+            let shadows = if id == "mixture-of-gaussians" { &[("shadows", "off")][..] } else { &[] };
+            let estimator = raw(id, shadows);
+            let mask = masks(&*estimator, &clip).pop().expect("a mask");
+            let mut walk = estimator.walk(&clip, 0).expect("a run");
+            walk.jump(Move::To(Cursor { unit: FRAMES - 1, event: 2 }));
+            let mut told = [0, 0];
+            for (x, y) in (0..SIZE.1).step_by(2).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
+                let sentence = walk.step(Some([x as f32, y as f32])).sentence.plain();
+                let [is_front, is_back] = ["foreground", "background."].map(|word| sentence.contains(word));
+                assert!(mask.get(x, y) == is_front && is_front != is_back, "{id} at {x}, {y}: {sentence}");
+                told[usize::from(is_front)] += 1;
+            }
+            assert!(told.iter().all(|count| *count > 10), "{id}: {told:?}");
+        }
+    }
+}
+
+#[test]
+fn threads_change_nothing() {
+    let clip = colorful(25);
+    for estimator in estimators().into_iter().filter(|e| e.promise() == Promise::Objects) {
+        let alone = estimator.run(&clip, 0, &Threads::single()).expect("a run");
+        for threads in [2, 3] {
+            let together = estimator.run(&clip, 0, &Threads::new(threads).expect("threads")).expect("a run");
+            assert!(alone == together, "{} on {threads} threads", estimator.info().id);
+        }
+    }
+}
+
+#[test]
+fn a_shadow_is_taken_off_and_a_dark_object_is_not() {
+    let frame = |t: usize| {
+        Frame::rgb(Grid::from_fn(80, 60, |x, y| {
+            let base = [120.0 + x as f64, 160.0, 90.0 + y as f64];
+            let pixel = match (t > 3, (x, y)) {
+                (true, (10..30, 20..40)) => base.map(|c| 0.65 * c),
+                (true, (45..65, 20..40)) => [30.0, 40.0, 140.0],
+                _ => base,
+            };
+            [0, 1, 2].map(|c| (pixel[c] + noise(x, y, 3 * t + c) / 2.0).round() as u8)
+        }))
+    };
+    let clip = Clip::from_frames("shadow", (0..6).map(frame).collect()).expect("frames of one size");
+    let boxes = |shadows| {
+        let field = objects(&*set("mixture-of-gaussians", &[("shadows", shadows)]), &clip);
+        field.frames.last().expect("a frame").detections.iter().map(|found| found.bounds).collect::<Vec<_>>()
+    };
+    let square = |x: f32| Bounds { min: [x - 0.5, 19.5], max: [x + 19.5, 39.5] };
+    assert_eq!((boxes("on"), boxes("off")), (vec![square(45.0)], vec![square(10.0), square(45.0)]));
+    // Gray values do not tell a shadow from something dark.
+    let gray = in_gray(&clip, 6);
+    let field = objects(&*set("mixture-of-gaussians", &[]), &gray);
+    assert_eq!(field.frames.last().expect("a frame").detections.len(), 2);
+}
+
+#[test]
+fn cars_are_found_where_they_are() {
+    let scene = synth::scene("traffic").expect("a scene");
+    let clip = scene.clip(&scene.difficulty()).expect("a clip");
+    let cars = |t| clip.truth().expect("truth").objects(t).expect("readable").expect("known");
+    let apart = |a: &Bounds, b: &Bounds| (0..2).any(|i| a.max[i] + 6.0 < b.min[i] || b.max[i] + 6.0 < a.min[i]);
+    for estimator in subtractions() {
+        let field = objects(&*estimator, &clip);
+        let (mut found, mut all) = (0, 0);
+        for (t, frame) in field.frames.iter().enumerate().skip(5) {
+            let truth = cars(t);
+            let places: Vec<_> = truth.iter().map(Bounds::from).collect();
+            // Where a car stood in the first frame, its ghost is left.
+            let ghosts: Vec<_> = cars(0).iter().map(Bounds::from).collect();
+            for (i, place) in places.iter().enumerate().filter(|(i, _)| truth[*i].visibility > 0.95) {
+                let mut others = places.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other);
+                if others.any(|other| !apart(place, other)) || ghosts.iter().any(|ghost| !apart(place, ghost)) {
+                    continue;
+                }
+                let best = frame.detections.iter().map(|d| d.bounds.iou(place)).fold(0.0, f32::max);
+                found += usize::from(best >= 0.5);
+                all += 1;
+            }
+        }
+        assert!(all > 10 && 10 * found >= 9 * all, "{}: {found} of {all} cars", estimator.info().id);
+    }
+}
+
+#[test]
+fn what_a_stage_does_can_be_seen() {
+    let clip = colorful(12);
+    let estimator = set("mixture-of-gaussians", &[("min-area", "20")]);
+    let mut walk = estimator.walk(&clip, 0).expect("a run");
+    walk.jump(Move::To(Cursor { unit: 11, event: usize::MAX }));
+    assert_eq!(walk.events(), 8);
+    let lines: Vec<_> = (1..=8)
+        .map(|event| {
+            walk.jump(Move::To(Cursor { unit: 11, event }));
+            walk.step(None).line
+        })
+        .collect();
+    assert_eq!(lines, [2, 3, 4, 5, 6, 7, 8, 9]);
+    assert_eq!(walk.at_frame(), 11);
+}
+
+/// A clip of which a frame is damaged.
+struct Broken(Clip, usize);
+
+impl FrameSource for Broken {
+    fn frame(&self, index: usize, _: &Stop) -> Result<Arc<Frame>, Error> {
+        if index == self.1 { Err(Error::new("frame 7 is damaged")) } else { self.0.frame(index) }
+    }
+
+    fn cached(&self, index: usize) -> Option<Arc<Frame>> {
+        self.0.cached(index).filter(|_| index != self.1)
+    }
+}
+
+#[test]
+fn a_damaged_frame_ends_the_run_and_what_was_done_stays() {
+    let clip = colorful(12);
+    let info = clip.info().clone();
+    let broken = Clip::new(info.clone(), Arc::new(Broken(clip.clone(), 7)));
+    // Where nobody knows how many frames there are, the clip ends where none comes.
+    let endless = Clip::new(ClipInfo { frames: None, ..info }, Arc::new(Broken(clip, 7)));
+    for estimator in estimators().into_iter().filter(|e| e.promise() == Promise::Objects) {
+        let id = estimator.info().id;
+        let error = estimator.run(&broken, 0, &Threads::single()).expect_err("a damaged frame").to_string();
+        assert!(error.contains("damaged"), "{id}: {error}");
+        let mut walk = estimator.walk(&broken, 0).expect("a run");
+        walk.jump(Move::End);
+        assert!(walk.failure().is_some(), "{id}");
+        assert_eq!(walk.output().objects().expect("objects").frames.len(), 7, "{id}");
+        assert_eq!(objects(&*estimator, &endless).frames.len(), 7, "{id}");
+    }
+}
+
+#[test]
+fn connected_components_label_what_is_bright() {
+    let frame = |_| {
+        Frame::gray(Grid::from_fn(40, 30, |x, y| match (x, y) {
+            (3..9, 4..20) | (9..20, 16..20) | (30..36, 2..28) => 200,
+            _ => 20,
+        }))
+    };
+    let clip = Clip::from_frames("bright", (0..2).map(frame).collect()).expect("frames of one size");
+    let settings = [("pixels", "bright"), ("threshold", "100"), ("close", "0")];
+    let field = objects(&*set("connected-components", &settings), &clip);
+    let found: Vec<_> =
+        field.frames[0].detections.iter().map(|d| (d.bounds, d.blob.expect("a shape").area_px)).collect();
+    let bounds = |min: [f32; 2], max: [f32; 2]| Bounds { min: min.map(|c| c - 0.5), max: max.map(|c| c - 0.5) };
+    let expected = [(bounds([30.0, 2.0], [36.0, 28.0]), 156), (bounds([3.0, 4.0], [20.0, 20.0]), 140)];
+    assert_eq!(found, expected);
+}
