@@ -11,6 +11,7 @@ use crate::moving_objects::{
     Subtraction,
 };
 use crate::optical_flow::{Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PyramidalLucasKanade, TvL1};
+use crate::tracking::{KalmanFilter, KalmanTracker};
 use crate::variational::Variational;
 use crate::{AnyEstimator, Error};
 
@@ -44,6 +45,8 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(Subtraction::<SingleGaussian>::default()),
         Box::new(Subtraction::<MixtureOfGaussians>::default()),
         Box::new(ConnectedComponents::default()),
+        Box::new(KalmanFilter::default()),
+        Box::new(KalmanTracker::default()),
     ]
 }
 

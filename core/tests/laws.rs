@@ -555,7 +555,7 @@ fn who_tells_a_confidence_declares_it() {
         let walk = estimator.walk(&clip, 0).unwrap();
         match told {
             Output::Dense(field) => assert_eq!(field.confidence.is_some(), walk.tells_confidence()),
-            Output::Blocks(_) => assert!(!walk.tells_confidence()),
+            Output::Blocks(_) | Output::Objects(_) => assert!(!walk.tells_confidence()),
             // Where it is asked for features alone, a method of dense fields may have some to tell otherwise.
             Output::Points(_) | Output::Tracks(_) => {}
         }

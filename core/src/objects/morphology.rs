@@ -110,7 +110,7 @@ mod tests {
     /// A mask without any order.
     fn scattered(width: usize, height: usize, share: u64) -> Mask {
         Mask::from_fn(width, height, |x, y| {
-            let hash = (x as u64 * 0x9E37_79B9 ^ y as u64 * 0x85EB_CA6B).wrapping_mul(0x2545_F491_4F6C_DD1D);
+            let hash = ((x as u64 * 0x9E37_79B9) ^ (y as u64 * 0x85EB_CA6B)).wrapping_mul(0x2545_F491_4F6C_DD1D);
             (hash >> 33) % 100 < share
         })
     }

@@ -1,33 +1,59 @@
 //! What is seen of objects in a frame, whoever detects them.
 
-use super::{Bounds, Detection};
+use std::sync::Arc;
+
+use super::{Bounds, Connectivity, Detection, Span};
+use crate::subtraction::{Settings, blobs};
 use crate::synth::random::{gaussian, hash};
-use crate::{Clip, Error, ObjectBox, choices};
+use crate::{Clip, Error, Frame, Gray, Grid, Mask, ObjectBox, choices};
 
 choices! {
     /// Who detects the objects.
     pub enum Source {
-        /// The detections beside the clip, or else its truth.
+        /// The detections beside the clip, or else its truth, or else whatever moves.
         Auto = "auto" "Whatever there is",
         /// The detections beside the clip.
         Detections = "detections" "Detections",
         /// The true boxes, measured with noise; what is hidden is not seen.
         Truth = "truth" "Truth with noise",
+        /// Regions that differ from the median of frames from all over the run.
+        Moving = "moving" "What moves",
     }
 }
 
 /// An object of which less can be seen is not detected.
 const LEAST_VISIBLE: f32 = 0.25;
+/// So many frames are the background the median of.
+const SAMPLES: usize = 9;
+/// Frames of a clip of unknown length that these are taken from.
+const REACH: usize = 60;
+/// A pixel that differs from the background by more gray levels moves.
+const THRESHOLD: u8 = 25;
+/// From the pixels that move to blobs.
+const BLOBS: Settings = Settings { open: 1, close: 2, min_area: 30, connectivity: Connectivity::Eight, frames: 0 };
 
-/// Someone who detects objects in frames, the same ones however often they are asked.
+/// How the truth is measured where it takes the place of a detector.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Detector {
-    /// Who they are; never [`Source::Auto`].
-    pub source: Source,
+pub struct Noise {
     /// Standard deviation in px of what is added to a true place along each axis.
-    pub noise_px: f64,
+    pub deviation_px: f64,
     /// What that depends on.
     pub seed: u64,
+}
+
+/// Someone who detects objects in frames, the same ones however often they are asked.
+#[derive(Clone, Debug)]
+pub struct Detector {
+    eye: Eye,
+    noise: Noise,
+}
+
+#[derive(Clone, Debug)]
+enum Eye {
+    Detections,
+    Truth,
+    /// What looks like when nothing moves.
+    Moving(Arc<Gray>),
 }
 
 /// The centre of an object.
@@ -35,64 +61,99 @@ pub fn center(object: &ObjectBox) -> [f64; 2] {
     [object.x + object.width / 2.0, object.y + object.height / 2.0].map(f64::from)
 }
 
-impl Source {
-    /// Who is meant for `clip` by that.
+impl Detector {
+    /// Who detects objects in the frames `span` of a clip, if `source` is wanted.
     ///
     /// # Errors
-    /// If the clip has none of what is wanted.
-    pub fn of(self, clip: &Clip, frame: usize) -> Result<Self, Error> {
-        let has_detections = clip.detections(frame).is_some();
+    /// If the clip has none of what is wanted, or a frame is damaged.
+    pub fn new(source: Source, clip: &Clip, span: &Span, noise: Noise) -> Result<Self, Error> {
+        let has_detections = clip.detections(span.first).is_some();
         let has_truth = match clip.truth() {
-            Some(truth) => truth.objects(frame)?.is_some(),
+            Some(truth) => truth.objects(span.first)?.is_some(),
             None => false,
         };
         let lacks = |what: &str| {
-            Err(Error::new(format!(
-                "{} has no {what}; choose another source, or a clip that has some",
-                clip.info().name
-            )))
+            let name = &clip.info().name;
+            Err(Error::new(format!("{name} has no {what}; choose another source, or a clip that has some")))
         };
-        match self {
-            Self::Auto if has_detections => Ok(Self::Detections),
-            Self::Auto if has_truth => Ok(Self::Truth),
-            Self::Auto => lacks("detections and no true objects"),
-            Self::Detections if !has_detections => lacks("detections"),
-            Self::Truth if !has_truth => lacks("true objects"),
-            other => Ok(other),
-        }
+        let eye = match source {
+            Source::Detections if !has_detections => return lacks("detections"),
+            Source::Truth if !has_truth => return lacks("true objects"),
+            Source::Detections => Eye::Detections,
+            Source::Auto if has_detections => Eye::Detections,
+            Source::Truth => Eye::Truth,
+            Source::Auto if has_truth => Eye::Truth,
+            Source::Auto | Source::Moving => Eye::Moving(Arc::new(background(clip, span)?)),
+        };
+        Ok(Self { eye, noise })
     }
-}
 
-impl Detector {
-    /// What is detected in frame `t`, in the order in which it was given.
+    /// What is detected in frame `t`, in a fixed order.
     ///
     /// # Errors
-    /// If the truth cannot be read.
+    /// If the frame or the truth cannot be read.
     pub fn look(&self, clip: &Clip, t: usize) -> Result<Vec<Detection>, Error> {
-        match (self.source, clip.truth()) {
-            (Source::Truth, Some(truth)) => {
-                let objects = truth.objects(t)?.unwrap_or_default();
+        match &self.eye {
+            Eye::Detections => Ok(clip.detections(t).unwrap_or_default().to_vec()),
+            Eye::Truth => {
+                let objects = clip.truth().map(|truth| truth.objects(t)).transpose()?.flatten().unwrap_or_default();
                 let seen = objects.iter().filter(|object| object.visibility >= LEAST_VISIBLE);
                 Ok(seen.map(|object| self.measured(object, t)).collect())
             }
-            _ => Ok(clip.detections(t).unwrap_or_default().to_vec()),
+            Eye::Moving(background) => Ok(moving(background, &*clip.frame(t)?)),
         }
     }
 
     /// Four more numbers of chance for an object in a frame, of mean 0 and standard deviation 1.
     pub fn chances(&self, id: u32, t: usize) -> [f64; 4] {
-        let of_object = hash(self.seed, u64::from(id), t as u64);
+        let of_object = hash(self.noise.seed, u64::from(id), t as u64);
         [2, 3, 4, 5].map(|stream| gaussian(hash(of_object, stream, 0)))
     }
 
+    /// Memory that it takes, in bytes; its copies share it.
+    pub fn bytes(&self) -> usize {
+        match &self.eye {
+            Eye::Moving(background) => background.cells().len(),
+            Eye::Detections | Eye::Truth => 0,
+        }
+    }
+
     fn measured(&self, object: &ObjectBox, t: usize) -> Detection {
-        let of_object = hash(self.seed, u64::from(object.id), t as u64);
-        let off = [0, 1].map(|axis| self.noise_px * gaussian(hash(of_object, axis, 0)));
+        let of_object = hash(self.noise.seed, u64::from(object.id), t as u64);
+        let off = [0, 1].map(|axis| self.noise.deviation_px * gaussian(hash(of_object, axis, 0)));
         let place = center(object);
         let center = [0, 1].map(|i| (place[i] + off[i]) as f32);
         let bounds = Bounds::around(center, [object.width, object.height]);
         Detection { bounds, center, score: object.visibility, blob: None }
     }
+}
+
+/// The median of frames that lie evenly in `span` (B. P. L. Lo and S. A. Velastin, Automatic congestion detection system for
+/// underground platforms, 2001): what moves is seen at a place in less than half of them.
+fn background(clip: &Clip, span: &Span) -> Result<Gray, Error> {
+    let count = span.frames().unwrap_or(REACH);
+    let samples = count.min(SAMPLES);
+    let mut frames = Vec::new();
+    for i in 0..samples {
+        // A clip of unknown length may be shorter.
+        match clip.frame(span.first + i * (count - 1) / (samples - 1).max(1)) {
+            Ok(frame) => frames.push(frame),
+            Err(error) if span.frames().is_some() || frames.is_empty() => return Err(error),
+            Err(_) => break,
+        }
+    }
+    let (width, height) = clip.size();
+    Ok(Grid::from_fn(width, height, |x, y| {
+        let mut values: Vec<u8> = frames.iter().map(|frame| frame.luma()[(x, y)]).collect();
+        let middle = values.len() / 2;
+        *values.select_nth_unstable(middle).1
+    }))
+}
+
+fn moving(background: &Gray, frame: &Frame) -> Vec<Detection> {
+    let (picture, (width, height)) = (frame.luma(), background.size());
+    let is_off = |x: usize, y: usize| picture[(x, y)].abs_diff(background[(x, y)]) > THRESHOLD;
+    blobs(BLOBS, Mask::from_fn(width, height, is_off), picture, &mut ()).detections
 }
 
 /// The true place of the object that is called `id` in frame `t`.

@@ -5,7 +5,7 @@ mod tell;
 use std::sync::Arc;
 
 use crate::kalman::{Acceleration, Filter, Measurement, Model, Turn, Velocity, chi_square};
-use crate::objects::source::{Detector, Source, center, truth_of};
+use crate::objects::source::{Detector, Noise, Source, center, truth_of};
 use crate::objects::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame, Span};
 use crate::scene::Chart;
 use crate::{
@@ -74,7 +74,7 @@ params! {
         measurement_noise: f32 = 2.0, 0.01..=100.0, "px";
         /// Who detects the object.
         source: Source = Source::Auto;
-        /// Which object is followed, in the order in which they stand in the first frame that shows any; detections are ranked by their score.
+        /// Which object is followed, in the order in which they stand in the first frame that shows any; detections are ranked by their score and their size.
         object: usize = 1, 1..=1000;
         /// Standard deviation of the noise that a true place is measured with.
         added_noise: f32 = 2.0, 0.0..=100.0, "px";
@@ -245,7 +245,8 @@ impl KalmanFilter {
     fn begin_with<'a>(&self, detections: &'a [Detection]) -> Option<&'a Detection> {
         let mut ranked: Vec<&Detection> = detections.iter().collect();
         // Of a stable order: those of one score keep theirs.
-        ranked.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let rank = |found: &Detection| (found.score, found.bounds.area());
+        ranked.sort_by(|a, b| rank(b).partial_cmp(&rank(a)).unwrap_or(std::cmp::Ordering::Equal));
         ranked.get(self.object - 1).or(ranked.last()).copied()
     }
 
@@ -431,14 +432,14 @@ impl Estimator for KalmanFilter {
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let span = Span::new(clip, frame, self.frames)?;
-        let source = self.source.of(clip, frame)?;
         if self.sensors != Sensors::One && clip.truth().is_none_or(|truth| !truth.kinds().contains(&"objects")) {
             return Err(Error::new(format!(
                 "a second sensor measures the truth with noise, and {} has no true objects; set sensors to one",
                 clip.info().name
             )));
         }
-        let detector = Detector { source, noise_px: f64::from(self.added_noise), seed: u64::from(self.seed) };
+        let noise = Noise { deviation_px: f64::from(self.added_noise), seed: u64::from(self.seed) };
+        let detector = Detector::new(self.source, clip, &span, noise)?;
         Ok(State {
             span,
             detector,
@@ -485,7 +486,7 @@ impl Estimator for KalmanFilter {
 
     fn state_bytes(&self, state: &State) -> usize {
         let of_moment = |moment: &Arc<Moment>| size_of::<Moment>() + size_of_val(&moment.detections[..]);
-        size_of::<State>() + state.moments.iter().map(of_moment).sum::<usize>()
+        size_of::<State>() + state.detector.bytes() + state.moments.iter().map(of_moment).sum::<usize>()
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {

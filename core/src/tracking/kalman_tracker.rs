@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::kalman::{Acceleration, Filter, Measurement, Model, Velocity, chi_square};
 use crate::objects::assignment::{least_cost, nearest_first};
-use crate::objects::source::{Detector, Source};
+use crate::objects::source::{Detector, Noise, Source};
 use crate::objects::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame, Span};
 use crate::scene::Chart;
 use crate::{
@@ -298,8 +298,8 @@ impl Estimator for KalmanTracker {
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let span = Span::new(clip, frame, self.frames)?;
-        let source = self.source.of(clip, frame)?;
-        let detector = Detector { source, noise_px: f64::from(self.added_noise), seed: u64::from(self.seed) };
+        let noise = Noise { deviation_px: f64::from(self.added_noise), seed: u64::from(self.seed) };
+        let detector = Detector::new(self.source, clip, &span, noise)?;
         let picture = clip.size();
         Ok(State { span, detector, tracks: Vec::new(), begun: 0, frames: Vec::new(), picture })
     }
@@ -341,7 +341,7 @@ impl Estimator for KalmanTracker {
 
     fn state_bytes(&self, state: &State) -> usize {
         let frames: usize = state.frames.iter().map(|frame| frame.bytes()).sum();
-        size_of::<State>() + frames + size_of_val(&state.tracks[..])
+        size_of::<State>() + state.detector.bytes() + frames + size_of_val(&state.tracks[..])
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
