@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 pub(crate) use declare::{HasSettings, Settings, subtraction_params, subtraction_pseudocode};
 pub(crate) use explanation::{Explanation, compared, fact, pixel};
-pub(crate) use rows::{Flags, bits, by_rows};
+pub(crate) use rows::{Flags, by_rows};
 pub(crate) use tell::{Account, plots};
 
 use crate::objects::{Labelling, Span};

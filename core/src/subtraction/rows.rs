@@ -34,15 +34,10 @@ impl Flags {
     #[inline(always)]
     pub fn word(&self) -> u64 {
         let (eights, _) = self.0.as_chunks::<8>();
+        // The product brings the lowest bit of each byte into the highest byte, the first one lowest.
+        let bits = |eight: &[u8; 8]| u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
         eights.iter().enumerate().fold(0, |word, (i, eight)| word | bits(eight) << (8 * i))
     }
-}
-
-/// Eight flags of 0 or 1 as bits.
-#[inline(always)]
-pub fn bits(eight: &[u8; 8]) -> u64 {
-    // The product brings the lowest bit of each byte into the highest byte, the first one lowest.
-    u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! have one or two, so that most of the memory is never touched.
 
 use super::{MAX_SIGMAS, MixtureOfGaussians};
-use crate::subtraction::{Found, bits};
+use crate::subtraction::Found;
 use crate::wide::{LANES, widest};
 use crate::{Frame, Mask, Threads};
 
@@ -257,13 +257,11 @@ impl<const C: usize> Group<'_, C> {
     fn take_in(&mut self) -> (u16, u16) {
         let matches = self.matches();
         let heavier = self.heavier(&matches.weights, &matches.modes);
-        let mut flags = [0; LANES];
-        for lane in 0..LANES {
-            let is_background = (matches.weights[lane] > 0.0) & (heavier[lane] < self.rates.background);
-            flags[lane] = u8::from(!is_background);
+        let mut foreground = 0;
+        for (lane, (weight, heavier)) in matches.weights.iter().zip(&heavier).enumerate() {
+            let is_background = (*weight > 0.0) & (*heavier < self.rates.background);
+            foreground |= u16::from(!is_background) << lane;
         }
-        let (eights, _) = flags.as_chunks();
-        let foreground = (bits(&eights[0]) | bits(&eights[1]) << 8) as u16;
         let shadows = match self.rates.darkest {
             Some(darkest) if foreground != 0 => self.shadows(foreground, darkest),
             _ => 0,
@@ -284,18 +282,11 @@ impl<const C: usize> Group<'_, C> {
         self.cells[mode * part..][..part].as_chunks_mut::<LANES>().0
     }
 
-    /// The weights, variances and means of a mode.
-    #[inline(always)]
-    fn planes(&self, index: usize) -> ([f32; LANES], [f32; LANES], [[f32; LANES]; C]) {
-        let mode = self.mode(index);
-        (mode[0], mode[1], std::array::from_fn(|channel| mode[2 + channel]))
-    }
-
     /// |I − μ|² of a mode.
     #[inline(always)]
-    fn squares(&self, means: &[[f32; LANES]; C]) -> [f32; LANES] {
+    fn squares(&self, mode: &[[f32; LANES]]) -> [f32; LANES] {
         let mut squares = [0.0; LANES];
-        for (pixels, means) in self.pixels.iter().zip(means) {
+        for (pixels, means) in self.pixels.iter().zip(&mode[2..2 + C]) {
             for lane in 0..LANES {
                 let off = pixels[lane] - means[lane];
                 squares[lane] += off * off;
@@ -309,12 +300,12 @@ impl<const C: usize> Group<'_, C> {
     fn matches(&self) -> Matches {
         let mut found = Matches { weights: [0.0; LANES], modes: [-1.0; LANES] };
         for index in 0..self.count {
-            let (weights, variances, means) = self.planes(index);
-            let squares = self.squares(&means);
+            let mode = self.mode(index);
+            let squares = self.squares(mode);
             for lane in 0..LANES {
-                let fits = squares[lane] <= self.rates.limit * variances[lane];
-                let is_better = fits & (weights[lane] > found.weights[lane]);
-                found.weights[lane] = if is_better { weights[lane] } else { found.weights[lane] };
+                let (weight, variance) = (mode[0][lane], mode[1][lane]);
+                let is_better = (squares[lane] <= self.rates.limit * variance) & (weight > found.weights[lane]);
+                found.weights[lane] = if is_better { weight } else { found.weights[lane] };
                 found.modes[lane] = if is_better { index as f32 } else { found.modes[lane] };
             }
         }
@@ -326,11 +317,11 @@ impl<const C: usize> Group<'_, C> {
     fn heavier(&self, weights: &[f32; LANES], modes: &[f32; LANES]) -> [f32; LANES] {
         let mut sum = [0.0; LANES];
         for index in 0..self.count {
-            let others = self.mode(index)[0];
+            let mode = self.mode(index);
             for lane in 0..LANES {
-                let is_before =
-                    (others[lane] > weights[lane]) | ((others[lane] == weights[lane]) & ((index as f32) < modes[lane]));
-                sum[lane] += if is_before { others[lane] } else { 0.0 };
+                let weight = mode[0][lane];
+                let is_before = (weight > weights[lane]) | ((weight == weights[lane]) & ((index as f32) < modes[lane]));
+                sum[lane] += if is_before { weight } else { 0.0 };
             }
         }
         sum
@@ -359,31 +350,30 @@ impl<const C: usize> Group<'_, C> {
         let Rates { rate, lost, least, largest, .. } = *self.rates;
         let mut total = [0.0f32; LANES];
         for index in 0..self.count {
-            let (mut weights, mut variances, mut means) = self.planes(index);
-            let squares = self.squares(&means);
+            let squares = self.squares(self.mode(index));
+            let pixels = self.pixels;
+            let mode = self.mode_mut(index);
             let mut steps = [0.0; LANES];
             for lane in 0..LANES {
                 let is_match = matches.modes[lane] == index as f32;
-                let weight = weights[lane] + rate * (if is_match { 1.0 } else { 0.0 } - weights[lane]) - lost;
+                let weight = mode[0][lane];
+                let weight = weight + rate * (if is_match { 1.0 } else { 0.0 } - weight) - lost;
                 // One that has had no evidence for too long is gone.
-                let weight = if (weight > 0.0) & (weights[lane] > 0.0) { weight } else { 0.0 };
+                let weight = if (weight > 0.0) & (mode[0][lane] > 0.0) { weight } else { 0.0 };
                 let step = rate / weight;
                 steps[lane] = if is_match & (weight > 0.0) { step } else { 0.0 };
-                weights[lane] = weight;
+                mode[0][lane] = weight;
                 total[lane] += weight;
-                let variance = variances[lane] + steps[lane] * (squares[lane] - variances[lane]);
+                let variance = mode[1][lane] + steps[lane] * (squares[lane] - mode[1][lane]);
                 let variance = if variance > least { variance } else { least };
                 let variance = if variance < largest { variance } else { largest };
-                variances[lane] = if is_match { variance } else { variances[lane] };
+                mode[1][lane] = if is_match { variance } else { mode[1][lane] };
             }
-            for (means, pixels) in means.iter_mut().zip(&self.pixels) {
+            for (means, pixels) in mode[2..2 + C].iter_mut().zip(&pixels) {
                 for lane in 0..LANES {
                     means[lane] += steps[lane] * (pixels[lane] - means[lane]);
                 }
             }
-            let mode = self.mode_mut(index);
-            (mode[0], mode[1]) = (weights, variances);
-            mode[2..2 + C].copy_from_slice(&means);
         }
         self.normalise(matches, &total);
         if rate > 0.0 {
@@ -400,14 +390,13 @@ impl<const C: usize> Group<'_, C> {
         }
         let mut count = 0;
         for index in 0..self.count {
-            let mut weights = self.mode(index)[0];
-            let mut is_used = false;
+            let weights = &mut self.mode_mut(index)[0];
+            let mut most = 0.0f32;
             for lane in 0..LANES {
                 weights[lane] *= scale[lane];
-                is_used |= weights[lane] > 0.0;
+                most = if weights[lane] > most { weights[lane] } else { most };
             }
-            self.mode_mut(index)[0] = weights;
-            count = if is_used { index + 1 } else { count };
+            count = if most > 0.0 { index + 1 } else { count };
         }
         self.count = count;
     }
