@@ -549,3 +549,86 @@ fn a_run_through_several_frames_tells_its_tracks() {
     };
     assert_ne!(picture("1"), picture("200"));
 }
+
+/// Two objects that cross, each detected in every frame but the fourth, and their truth.
+fn crossing(folder: &Path) {
+    let (mut found, mut known) = (String::new(), String::new());
+    for t in 1..=12 {
+        for (id, x) in [(1, 20 + 6 * t), (2, 140 - 6 * t)] {
+            let y = 20 + 40 * (id - 1);
+            known += &format!("{t},{id},{x},{y},20,40,1,1,1\n");
+            if t != 4 {
+                found += &format!("{t},-1,{},{y},20,40,0.9,-1,-1,-1\n", x + t % 2);
+            }
+        }
+    }
+    fs::write(folder.join("det.txt"), found).unwrap();
+    fs::write(folder.join("gt.txt"), known).unwrap();
+}
+
+#[test]
+fn objects_are_tracked_from_detections_alone_and_scored() {
+    let folder = tempfile::tempdir().unwrap();
+    crossing(folder.path());
+    let line =
+        "run --detections det.txt --truth gt.txt --estimator kalman-tracker --tracks out.txt --table out.csv --json";
+    let told = json(folder.path(), line);
+    let metrics = &told["metrics"];
+    assert_eq!(
+        (&metrics["objects"], &metrics["switches"], &metrics["true_objects"]),
+        (&2.into(), &0.into(), &24.into())
+    );
+    assert!(metrics["mota"].as_f64().unwrap() > 0.95 && metrics["idf1"].as_f64().unwrap() > 0.95, "{metrics}");
+    assert!(metrics["epe_px"].is_null() && told["last_frame"] == 11);
+    let rows = fs::read_to_string(folder.path().join("out.txt")).unwrap();
+    assert!(rows.starts_with("1,1,") && rows.lines().all(|row| row.ends_with(",1,-1,-1,-1")), "{rows}");
+    let table = fs::read_to_string(folder.path().join("out.csv")).unwrap();
+    assert!(table.starts_with("frame,id,x_px,y_px,u_px,v_px,") && table.contains(",confirmed,"), "{table}");
+    let text = stdout(folder.path(), "run det.txt --truth gt.txt --estimator kalman-tracker");
+    assert!(text.contains("scores      MOTA ") && text.contains("0 switches"), "{text}");
+    let part = json(folder.path(), "run det.txt --estimator kalman-filter --frames 2..7 --json");
+    assert_eq!((&part["frame"], &part["last_frame"], &part["metrics"]["objects"]), (&2.into(), &7.into(), &1.into()));
+}
+
+#[test]
+fn masks_are_written_one_for_each_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let clip = "synth:traffic,width=160,height=120,frames=6";
+    let line = format!("run {clip} --estimator frame-difference --frames 1..4 --masks masks --table blobs.csv --json");
+    let told = json(folder.path(), &line);
+    assert_eq!(told["metrics"]["frames"], 4);
+    let mut names: Vec<_> = fs::read_dir(folder.path().join("masks"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["mask_0001.png", "mask_0002.png", "mask_0003.png", "mask_0004.png"]);
+    let mask = open(&folder.path().join("masks/mask_0003.png"), &Open::default()).unwrap();
+    assert_eq!(mask.size(), (160, 120));
+    assert!(mask.frame(0).unwrap().luma().cells().iter().all(|gray| [0, 255].contains(gray)));
+    let table = fs::read_to_string(folder.path().join("blobs.csv")).unwrap();
+    assert!(table.starts_with("frame,x_px,y_px,left_px,"), "{table}");
+}
+
+#[test]
+fn what_is_wrong_with_detections_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    crossing(folder.path());
+    fs::write(folder.path().join("bad.txt"), "1,-1,10,10,20,40,0.9\n2,-1,10,10,x,40,0.9\n").unwrap();
+    for (line, told) in [
+        ("run --detections bad.txt --estimator kalman-tracker", "line 2"),
+        ("run --detections none.txt --estimator kalman-tracker", "none.txt"),
+        ("run --estimator kalman-tracker", "required"),
+        ("run det.txt --estimator full-search --frames 0..3", "--frame "),
+        ("run det.txt --estimator full-search --tracks a.txt", "no objects"),
+        ("run det.txt --estimator kalman-tracker --masks m", "no masks"),
+        ("run det.txt --estimator kalman-tracker --set source=truth", "no true objects"),
+        ("run det.txt --estimator kalman-filter --set sensors=two-positions", "no true objects"),
+        ("run det.txt --estimator kalman-tracker --frames 5..5", "forwards"),
+    ] {
+        let output = motionscope(folder.path(), line);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && error.contains(told), "{line}: {error}");
+    }
+    assert!(!folder.path().join("a.txt").exists());
+}

@@ -251,7 +251,7 @@ mod tests {
             let figures = Figures::of(&*estimator, &output, (&clip, 0), &threads).expect("figures");
             let id = estimator.info().id;
             for kept in [figures.kept_in_noise, figures.kept_in_light] {
-                let is_sparse = output.points().is_some() || output.tracks().is_some();
+                let is_sparse = !matches!(output, Output::Blocks(_) | Output::Dense(_));
                 assert_eq!(kept.is_none(), is_sparse, "{id}");
                 assert!(kept.is_none_or(|kept| (0.0..=1.0).contains(&kept)), "{id}");
             }

@@ -2,11 +2,13 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::waves;
 use motionscope_core::params::{Kind, Value};
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Explained, Frame, Grid, Move, Output, Promise, Scene, Step, Stop, Threads,
-    Walk, Way, estimators,
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Explained, Flow, Frame, Grid, Move, ObjectBox, Output,
+    Promise, Scene, Step, Stop, Threads, Truth, Walk, Way, estimators,
 };
 use proptest::prelude::*;
 
@@ -42,7 +44,41 @@ fn moving_texture(
     frames: i64,
 ) -> Clip {
     let frame = |t: i64| Frame::gray(Grid::from_fn(width, height, |x, y| texture(x as i64 - u * t, y as i64 - v * t)));
-    Clip::from_frames("moving", (0..frames).map(frame).collect()).expect("frames of one size")
+    let clip = Clip::from_frames("moving", (0..frames).map(frame).collect()).expect("frames of one size");
+    // Two objects that move with it, which someone has detected a little off their place.
+    let [u, v] = [u, v].map(|c| c as f32);
+    let object = |id: u32, t: f32| ObjectBox {
+        id,
+        x: 4.0 + 12.0 * id as f32 + u * t,
+        y: 6.0 + v * t,
+        width: 9.0,
+        height: 11.0,
+        visibility: 1.0,
+    };
+    let objects: Vec<Vec<ObjectBox>> = (0..frames).map(|t| vec![object(1, t as f32), object(2, t as f32)]).collect();
+    let detected = |object: &ObjectBox| {
+        let bounds = Bounds::from(&ObjectBox { x: object.x + 0.5, y: object.y - 0.25, ..*object });
+        Detection { bounds, center: bounds.center(), score: 0.9, blob: None }
+    };
+    let detections = objects.iter().map(|objects| objects.iter().map(detected).collect()).collect();
+    clip.with_detections(detections).with_truth(Arc::new(Objects(objects)))
+}
+
+/// A truth that knows objects alone.
+struct Objects(Vec<Vec<ObjectBox>>);
+
+impl Truth for Objects {
+    fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
+        Ok(None)
+    }
+
+    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
+        Ok(self.0.get(t).cloned())
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        vec!["objects"]
+    }
 }
 
 /// Frames in which everything moves by `(u, v)` px/frame.

@@ -5,7 +5,7 @@ use eframe::egui::{
 };
 use lucide_icons::Icon;
 use motionscope_core::params::{Choice, Kind, Spec};
-use motionscope_core::{Value, estimators};
+use motionscope_core::{Info, Value, estimators};
 
 use super::action::{Action, Actions};
 use super::model::document::{Document, Owner};
@@ -62,18 +62,37 @@ fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     ui.add_space(4.0);
 }
 
-/// Every estimator under its family, to choose from.
+/// Every estimator under its family, to choose from, in two columns about as long.
 pub fn estimators_by_family(ui: &mut Ui, now: &str, actions: &mut Actions) {
-    let mut family = "";
-    for estimator in estimators() {
-        let info = estimator.info();
-        if info.family != family {
-            if !family.is_empty() {
-                ui.add_space(4.0);
-            }
-            family = info.family;
-            widgets::heading(ui, family);
+    let all: Vec<&'static Info> = estimators().iter().map(|estimator| estimator.info()).collect();
+    let families: Vec<&[&Info]> = all.chunk_by(|a, b| a.family == b.family).collect();
+    let half = (all.len() + families.len()).div_ceil(2);
+    let mut rows = 0;
+    let left = families.iter().take_while(|family| {
+        let is_left = rows < half;
+        rows += family.len() + 1;
+        is_left
+    });
+    let (left, right) = families.split_at(left.count());
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 16.0;
+        for column in [left, right] {
+            ui.vertical(|ui| {
+                for (i, family) in column.iter().enumerate() {
+                    if i > 0 {
+                        ui.add_space(4.0);
+                    }
+                    of_family(ui, family, now, actions);
+                }
+            });
         }
+    });
+}
+
+/// The estimators of a family below its name.
+fn of_family(ui: &mut Ui, family: &[&'static Info], now: &str, actions: &mut Actions) {
+    widgets::heading(ui, family.first().map_or("", |info| info.family));
+    for info in family {
         if ui.selectable_label(info.id == now, info.name).on_hover_text(info.summary).clicked() {
             actions.ask(Action::Choose(info.id));
             ui.close();

@@ -103,15 +103,12 @@ impl Clear {
         let mut found_as: BTreeMap<u32, u32> = BTreeMap::new();
         for (truth, told) in frames {
             let overlaps = overlaps(truth, told);
-            let mut pairs: Vec<Option<usize>> = truth
-                .iter()
-                .enumerate()
-                .map(|(y, (id, _))| {
-                    let x = told.iter().position(|(other, _)| found_as.get(id) == Some(other))?;
-                    (overlaps[(x, y)] >= FOUND).then_some(x)
-                })
-                .collect();
-            let taken: BTreeSet<usize> = pairs.iter().flatten().copied().collect();
+            let (mut pairs, mut taken) = (vec![None; truth.len()], BTreeSet::new());
+            for (y, (id, _)) in truth.iter().enumerate() {
+                // Two may have been found as the same one before: the first of them has it.
+                let same = told.iter().position(|(other, _)| found_as.get(id) == Some(other));
+                pairs[y] = same.filter(|&x| overlaps[(x, y)] >= FOUND && taken.insert(x));
+            }
             let free = Grid::from_fn(told.len(), truth.len(), |x, y| {
                 let is_free = pairs[y].is_none() && !taken.contains(&x) && overlaps[(x, y)] >= FOUND;
                 if is_free { 1.0 - overlaps[(x, y)] } else { f64::INFINITY }
@@ -250,6 +247,17 @@ mod tests {
         assert_eq!(scores.idf1, 0.5, "half of all frames belong to the better half");
         // DetA is 1; each half is associated to 5 of 10: AssA is ½.
         assert!((scores.hota - 0.5_f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn nobody_is_found_twice_as_the_same() {
+        // Each true object was found as 9 once; then both stand where 9 is.
+        let frames = vec![
+            (vec![at(1, 0.0)], vec![at(9, 0.0)]),
+            (vec![at(2, 0.0)], vec![at(9, 0.0)]),
+            (vec![at(1, 0.0), at(2, 1.0)], vec![at(9, 0.0)]),
+        ];
+        assert_eq!(Scores::of(&frames).matches, 3);
     }
 
     #[test]

@@ -279,7 +279,7 @@ impl Estimator for KalmanTracker {
         pseudocode: &[
             "for each frame t",
             "  detect objects",
-            "  predict every track: x ← F x, P ← F P Fᵀ + Q",
+            "  predict every track: x ← F x, P ← F P F^T + Q",
             "  cost of each pair: Mahalanobis distance, overlap, or both; ∞ outside the gate",
             "  choose pairs of tracks and detections",
             "  for each pair: update the track",

@@ -47,9 +47,9 @@ pub(crate) fn rows(path: &Path) -> Result<Vec<Row>, Error> {
     parse(&text(path)?).map_err(|why| file_error(path, why))
 }
 
-/// Whether a line is a row of such a table.
-pub(crate) fn is_row(line: &str) -> bool {
-    row(line).is_ok()
+/// Whether a line is a row of such a table that tells of a detection, which has no identity.
+pub(crate) fn is_detection(line: &str) -> bool {
+    row(line).is_ok_and(|row| row.id.is_none())
 }
 
 fn text(path: &Path) -> Result<String, Error> {

@@ -146,7 +146,8 @@ impl KalmanTracker {
         }
         let mut readouts = vec![Readout::Facts(facts)];
         if let Some((costs, pair)) = costs_of(seen) {
-            readouts.push(Readout::Matrices(self.tables(costs, pair)));
+            let tables = self.tables(costs, pair);
+            readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         }
         readouts.extend(series(seen));
         readouts
