@@ -5,7 +5,7 @@ use std::path::Path;
 
 use motionscope_core::params::Kind;
 use motionscope_core::scene::{Readout, Sentence};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Levels, Move, Scene, Spec, Step, Value, Walk, Way};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Levels, Move, Promise, Scene, Spec, Step, Value, Walk, Way};
 
 use crate::company::Company;
 use crate::media::{Progress, export};
@@ -184,8 +184,9 @@ impl Moment<'_> {
 
     /// The picture of this step, with the marks that `scale` pixels for each pixel of the clip have room for.
     fn plate(&self, look: &Look, scale: u32) -> Plate {
-        // A finished field says all in one picture; a search needs both.
-        let fitting = if self.at_end { View::Current } else { View::SideBySide };
+        // A finished field says all in one picture, and so does who looks at single frames; a search needs both.
+        let looks_at_one = self.estimator.promise() == Promise::Objects;
+        let fitting = if self.at_end || looks_at_one { View::Current } else { View::SideBySide };
         let heat = self.step.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface.title.to_string()),
             _ => None,
