@@ -562,8 +562,8 @@ fn crossing(folder: &Path) {
             }
         }
     }
-    fs::write(folder.join("det.txt"), found).unwrap();
-    fs::write(folder.join("gt.txt"), known).unwrap();
+    fs::write(folder.join("det.txt"), found).expect("it is written");
+    fs::write(folder.join("gt.txt"), known).expect("it is written");
 }
 
 #[test]

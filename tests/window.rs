@@ -8,6 +8,8 @@ mod levels;
 mod lockstep;
 #[path = "window/motion.rs"]
 mod motion;
+#[path = "window/objects.rs"]
+mod objects;
 #[path = "window/parameters.rs"]
 mod parameters;
 #[path = "window/pixels.rs"]

@@ -1,0 +1,54 @@
+//! Estimators of single frames: what moves, and objects that are followed.
+
+use super::*;
+
+/// A window on an estimator at a step of a small clip with cars.
+fn window(estimator: &str, step: &str) -> Window {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("one.motionscope");
+    let clip = "synth:traffic,width=160,height=120,frames=8";
+    let lines = format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"{estimator}\"\nstep = \"{step}\"\n");
+    fs::write(&path, lines).expect("it is written");
+    Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) })
+}
+
+/// How many pictures stand on the stage.
+fn pictures(window: &Window) -> usize {
+    let images = window.harness.query_all_by_role(Role::Image);
+    let is_picture = |label: String| label.starts_with("Stage: Frame t");
+    images.filter(|node| node.accesskit_node().label().is_some_and(is_picture)).count()
+}
+
+fn choose(window: &mut Window, name: &str) {
+    let now = window.app().document().estimator().info().name;
+    window.click(&format!("Estimator: {now}"));
+    window.click(name);
+}
+
+#[test]
+fn what_looks_at_single_frames_is_seen_by_itself() {
+    let mut window = window("full-search", "3.2");
+    assert_eq!(pictures(&window), 2);
+    choose(&mut window, "Mixture of Gaussians");
+    assert_eq!(pictures(&window), 1, "a frame by itself");
+    choose(&mut window, "Diamond search");
+    assert_eq!(pictures(&window), 2, "a pair again");
+}
+
+#[test]
+fn the_last_frame_of_a_clip_is_reached_and_shown() {
+    let mut window = window("kalman-tracker", "2.1");
+    window.key(Key::End);
+    assert!(window.shown().at_end);
+    assert_eq!(window.shown().frame, 7);
+    assert!(window.harness.query_by_label("frame 7").is_some(), "the header names one frame");
+}
+
+#[test]
+fn the_matrices_of_a_filter_stand_in_numbers() {
+    // Predicted, looked, gated, updated.
+    let window = window("kalman-filter", "3.4");
+    for part in ["its covariance: ", "gain: ", "innovation: "] {
+        assert!(window.harness.query_all_by_label_contains(part).next().is_some(), "{part} is not there");
+    }
+}
