@@ -95,7 +95,7 @@ params! {
         /// The filter gives the object up after so many frames in a row without a measurement, and begins anew.
         patience: usize = 30, 1..=1000;
         /// How fast the object may be at first.
-        first_speed: f32 = 10.0, 0.1..=500.0, "px/frame";
+        first_speed: f32 = 30.0, 0.1..=500.0, "px/frame";
         /// How much of what may be an ellipse holds.
         confidence: Confidence = Confidence::NinetyFive;
         /// Walk back at the end, so that each frame knows what came later.

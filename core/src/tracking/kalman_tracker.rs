@@ -64,7 +64,7 @@ params! {
         /// Standard deviation of what disturbs the motion in a frame, as a share of the height of the object.
         process_noise: f32 = 0.02, 0.0..=2.0;
         /// Standard deviation of a measured place along each axis, as a share of the height of the object.
-        measurement_noise: f32 = 0.05, 0.001..=2.0;
+        measurement_noise: f32 = 0.1, 0.001..=2.0;
         /// How pairs of objects and detections are chosen.
         association: Association = Association::Assignment;
         /// What a pair costs.
