@@ -41,6 +41,7 @@ mod timeline;
 pub mod tracking;
 mod variational;
 mod wide;
+mod words;
 
 pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use coding::Coding;

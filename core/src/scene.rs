@@ -445,6 +445,13 @@ pub struct Fact {
     pub role: Option<Role>,
 }
 
+impl Fact {
+    /// A number with its label, and its role if it has one.
+    pub fn new(label: &'static str, value: impl Into<String>, role: Option<Role>) -> Self {
+        Self { label, value: value.into(), role }
+    }
+}
+
 /// A small picture whose pixels are numbers worth reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {

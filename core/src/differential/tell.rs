@@ -3,34 +3,7 @@
 use super::{Derivatives, Linear, Sampling};
 use crate::Grid;
 use crate::scene::{Constraint, Fact, Math, Role, Tile};
-
-/// A real number as a person reads it: a true minus sign, and about three digits that count.
-pub fn number(v: f32) -> String {
-    let size = v.abs();
-    let decimals = match size {
-        _ if size >= 100.0 => 0,
-        _ if size >= 10.0 => 1,
-        _ if size >= 1.0 || size == 0.0 => 2,
-        _ if size >= 0.1 => 3,
-        _ if size >= 0.01 => 4,
-        _ => 5,
-    };
-    let digits = format!("{size:.decimals$}");
-    let is_negative = v < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b));
-    if is_negative { format!("−{digits}") } else { digits }
-}
-
-/// A displacement as a person reads it.
-pub fn vector([u, v]: [f32; 2]) -> String {
-    // A space at which no line is broken.
-    format!("({},\u{a0}{})", number(u), number(v))
-}
-
-/// `+ 3.1` or `− 3.1`.
-pub fn plus(v: f32) -> String {
-    let number = number(v);
-    number.strip_prefix('−').map_or_else(|| format!("+ {number}"), |size| format!("− {size}"))
-}
+use crate::words::{factor, number, plus};
 
 /// Iₓ, I_y or Iₜ.
 pub fn derivative(along: &'static str) -> Math {
@@ -156,12 +129,6 @@ impl Linear {
     }
 }
 
-/// A number as it stands behind a sign.
-pub fn factor(v: f32) -> String {
-    let number = number(v);
-    if number.starts_with('−') { format!("({number})") } else { number }
-}
-
 fn derivatives_fact(derivatives: [f32; 3]) -> Fact {
     let [x, y, t] = derivatives.map(number);
     let is_known = derivatives.iter().all(|d| d.is_finite());
@@ -208,13 +175,6 @@ pub fn around_with(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_are_short_and_have_a_true_sign() {
-        let told = [0.0, -1e-7, -0.00123, 0.01234, 0.1234, -3.456, 12.34, -255.0].map(number);
-        assert_eq!(told, ["0.00", "0.00000", "−0.00123", "0.0123", "0.123", "−3.46", "12.3", "−255"]);
-        assert_eq!((plus(-2.0), plus(0.5)), ("− 2.00".into(), "+ 0.500".into()));
-    }
 
     #[test]
     fn the_plane_holds_its_points() {

@@ -4,6 +4,7 @@ use super::follow::{Event, Follow};
 use super::tracker::{Level, Mismatch};
 use crate::differential::{Tensor, tell};
 use crate::scene::{Fact, Math, Picture, Readout, Sentence, Shape, Tile};
+use crate::words;
 use crate::{Grid, Role, Scene, Status};
 
 /// What has happened to a point on a level by now.
@@ -31,7 +32,7 @@ fn px(uv: [f32; 2]) -> String {
 /// A displacement in px of a level.
 fn in_px(uv: [f32; 2], level: usize) -> String {
     let of = if level == 0 { String::new() } else { format!(" of level {level}") };
-    format!("{} px{of}", tell::vector(uv))
+    format!("{} px{of}", words::vector(uv))
 }
 
 fn after(from: [f32; 2], update: [f32; 2]) -> [f32; 2] {
@@ -111,7 +112,7 @@ impl Account<'_> {
         match self.events.last() {
             None => said,
             Some(Event::Window(tensor)) => {
-                let [large, small] = tensor.eigenvalues().map(tell::number);
+                let [large, small] = tensor.eigenvalues().map(words::number);
                 let told = format!(
                     " on level {}, {width}×{height} px: the tensor of its window has the eigenvalues {large} and {small}. It \
                      begins at ",
@@ -124,10 +125,10 @@ impl Account<'_> {
                 let end = if is_last { ", less than epsilon: that was the last" } else { "" };
                 Sentence::default()
                     .text("At ")
-                    .ink(Role::Candidate, tell::vector(*from))
+                    .ink(Role::Candidate, words::vector(*from))
                     .text(format!(
                         " the windows differ by {} gray levels on average. The mismatch says to move by {}{end}: now ",
-                        tell::number(mismatch.residual),
+                        words::number(mismatch.residual),
                         self.px(*update)
                     ))
                     .ink(Role::Candidate, self.px(after(*from, *update)))
@@ -148,7 +149,7 @@ impl Account<'_> {
             }
             Some(Event::End(displacement, Ok(residual))) => {
                 let differs =
-                    format!(": its window differs by {} gray levels on average there.", tell::number(*residual));
+                    format!(": its window differs by {} gray levels on average there.", words::number(*residual));
                 said.text(" moves by ").ink(Role::Result, px(*displacement)).text(differs)
             }
             Some(Event::End(_, Err(status))) => said.text(" is ").ink(Role::Rejected, "lost").text(why(*status)),
@@ -163,12 +164,12 @@ impl Account<'_> {
             fact("Guess", self.px(self.guess), Some(Role::Predicted)),
         ];
         if let Some(tensor) = self.tensor() {
-            let [large, small] = tensor.eigenvalues().map(tell::number);
+            let [large, small] = tensor.eigenvalues().map(words::number);
             facts.push(fact("Eigenvalues", format!("{large} and {small}"), None));
         }
         if let Some((mismatch, update)) = self.last() {
             facts.push(fact("Update", self.px(update), Some(Role::Candidate)));
-            facts.push(fact("Residual", format!("{} gray levels before it", tell::number(mismatch.residual)), None));
+            facts.push(fact("Residual", format!("{} gray levels before it", words::number(mismatch.residual)), None));
         }
         let role = if self.level == 0 { Role::Result } else { Role::Best };
         facts.push(fact("Displacement", self.px(self.displacement()), Some(role)));
@@ -239,22 +240,22 @@ fn equation(window: &Tensor, last: Option<(Mismatch, [f32; 2])>) -> Vec<Math> {
     ]);
     let row = |a: f32, b: f32, right: Option<f32>| {
         Math::Row(vec![
-            Math::ink(Role::Reference, tell::number(a)),
+            Math::ink(Role::Reference, words::number(a)),
             Math::text(" "),
             eta("u"),
             Math::text(" "),
-            Math::ink(Role::Reference, tell::plus(b)),
+            Math::ink(Role::Reference, words::plus(b)),
             Math::text(" "),
             eta("v"),
             Math::text(" = "),
-            Math::ink(Role::Candidate, right.map_or_else(|| "?".into(), tell::number)),
+            Math::ink(Role::Candidate, right.map_or_else(|| "?".into(), words::number)),
         ])
     };
     let vector = last.map(|(mismatch, _)| mismatch.vector);
     let mut lines =
         vec![symbols, row(tensor.xx, tensor.xy, vector.map(|b| b[0])), row(tensor.xy, tensor.yy, vector.map(|b| b[1]))];
     lines.extend(last.map(|(_, update)| {
-        Math::Row(vec![Math::Var("η"), Math::text(" = "), Math::ink(Role::Result, tell::vector(update))])
+        Math::Row(vec![Math::Var("η"), Math::text(" = "), Math::ink(Role::Result, words::vector(update))])
     }));
     lines
 }

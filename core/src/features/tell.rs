@@ -4,13 +4,8 @@ use super::corners::{Corners, Event, Measure, Stage, State};
 use super::select::{Peaks, Settings};
 use crate::differential::{Tensor, tell};
 use crate::scene::{Fact, Math, Picture, Readout, Sentence, Shape, Step, Tile};
+use crate::words::{self, pixel};
 use crate::{Grid, Role, Scene, Seen};
-
-/// A place as a person reads it.
-fn pixel((x, y): (usize, usize)) -> String {
-    // A space at which no line is broken.
-    format!("({x},\u{a0}{y})")
-}
 
 fn point((x, y): (usize, usize)) -> [f32; 2] {
     [x as f32, y as f32]
@@ -87,17 +82,17 @@ impl<M: Measure> Corners<M> {
                     true => "at the border, neighbours are missing".to_owned(),
                     false => format!(
                         "each response is below {}, which is {} % of the largest",
-                        tell::number(peaks.limit),
-                        tell::number(100.0 * threshold)
+                        words::number(peaks.limit),
+                        words::number(100.0 * threshold)
                     ),
                 }
             )),
             Event::Row => said.text(format!(
                 "The largest response is {}. Pixels of row {} that reach {} % of it, {}: {}. Each is a corner only if it is a peak.",
-                tell::number(state.largest),
+                words::number(state.largest),
                 state.row,
-                tell::number(100.0 * threshold),
-                tell::number(peaks.limit),
+                words::number(100.0 * threshold),
+                words::number(peaks.limit),
                 peaks.over(state.row).count()
             )),
             Event::Over(place, by) => over(&peaks, place, by),
@@ -115,7 +110,7 @@ impl<M: Measure> Corners<M> {
     fn chosen(&self, seen: &Seen<Self>, peak: u32, near: Option<u32>) -> Sentence {
         let state = seen.before;
         let response = |peak: u32| state.map[state.place(peak)];
-        let with = format!(" with {}", tell::number(response(peak)));
+        let with = format!(" with {}", words::number(response(peak)));
         let said = Sentence::default().text("Peak ");
         let Some(near) = near else {
             let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
@@ -131,17 +126,17 @@ impl<M: Measure> Corners<M> {
     fn readouts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Readout> {
         let (state, Looked { place, tensor, response, .. }) = (seen.before, looked);
         let fact = |label, value: String, role| Fact { label, value, role };
-        let [large, small] = tensor.eigenvalues().map(tell::number);
+        let [large, small] = tensor.eigenvalues().map(words::number);
         let Tensor { xx, xy, yy, .. } = *tensor;
-        let [a, b, c] = [xx, xy, yy].map(tell::number);
+        let [a, b, c] = [xx, xy, yy].map(words::number);
         let mut facts = vec![
             fact("Pixel", pixel(*place), Some(Role::Reference)),
             fact("Tensor, Σ w = 1", format!("Iₓ² {a}, Iₓ I_y {b}, I_y² {c}"), None),
             fact("Eigenvalues", format!("{large} and {small}"), None),
-            fact("Response", tell::number(*response), Some(Role::Result)),
+            fact("Response", words::number(*response), Some(Role::Result)),
         ];
         if state.stage != Stage::Response {
-            facts.push(fact("Threshold", tell::number(self.peaks(state).limit), None));
+            facts.push(fact("Threshold", words::number(self.peaks(state).limit), None));
             facts.push(fact("Verdict", self.verdict(seen, looked), None));
         }
         let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range };
@@ -272,19 +267,19 @@ impl State {
 
 /// How much of a corner a pixel is.
 fn responds(looked: &Looked) -> Sentence {
-    let [large, small] = looked.tensor.eigenvalues().map(tell::number);
+    let [large, small] = looked.tensor.eigenvalues().map(words::number);
     Sentence::default()
         .ink(Role::Reference, format!("Pixel {}", pixel(looked.place)))
         .text(format!(" has a tensor with eigenvalues {large} and {small}. Its response is "))
-        .ink(Role::Result, tell::number(looked.response))
+        .ink(Role::Result, words::number(looked.response))
         .text(".")
 }
 
 /// What becomes of a pixel over the threshold, which `by` suppresses, if there is such a neighbour.
 fn over(peaks: &Peaks<'_>, place: (usize, usize), by: Option<(usize, usize)>) -> Sentence {
-    let (said, response) = (Sentence::default(), |place| tell::number(peaks.map[place]));
+    let (said, response) = (Sentence::default(), |place| words::number(peaks.map[place]));
     let Some(by) = by else {
-        let limit = tell::number(peaks.limit);
+        let limit = words::number(peaks.limit);
         return said.ink(Role::Best, format!("Pixel {}", pixel(place))).text(format!(
             " has {}, over the threshold of {limit}, and no neighbour is stronger: a peak.",
             response(place)

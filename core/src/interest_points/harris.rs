@@ -1,8 +1,9 @@
 //! Harris and Stephens' corner detector.
 
-use crate::differential::{Tensor, tell};
+use crate::differential::Tensor;
 use crate::features::{Corners, Measure, corner_params, corner_pseudocode};
 use crate::scene::Math;
+use crate::words;
 use crate::{Gray, Grid, Info, Role, Threads};
 
 corner_params! {
@@ -57,11 +58,11 @@ impl Measure for Harris {
         ]);
         let numbers = Math::Row(vec![
             Math::text(" = "),
-            Math::ink(Role::Reference, tell::number(xx * yy - xy * xy)),
+            Math::ink(Role::Reference, words::number(xx * yy - xy * xy)),
             Math::text(format!(" − {} · ", self.k)),
-            Math::power(Math::ink(Role::Reference, tell::number(xx + yy)), Math::text("2")),
+            Math::power(Math::ink(Role::Reference, words::number(xx + yy)), Math::text("2")),
             Math::text(" = "),
-            Math::ink(Role::Result, tell::number(self.response([xx, xy, yy]))),
+            Math::ink(Role::Result, words::number(self.response([xx, xy, yy]))),
         ]);
         [symbols, numbers]
     }

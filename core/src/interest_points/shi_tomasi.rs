@@ -1,8 +1,9 @@
 //! Shi and Tomasi's good features to track.
 
-use crate::differential::{Tensor, tell};
+use crate::differential::Tensor;
 use crate::features::{Measure, corner_params, corner_pseudocode};
 use crate::scene::Math;
+use crate::words;
 use crate::{Info, Role};
 
 corner_params! {
@@ -48,13 +49,13 @@ impl Measure for ShiTomasi {
         let half = (xx + yy) / 2.0;
         let numbers = Math::Row(vec![
             Math::text(" = "),
-            Math::ink(Role::Reference, tell::number(half)),
+            Math::ink(Role::Reference, words::number(half)),
             Math::text(" − √("),
-            Math::power(Math::ink(Role::Reference, tell::number(half)), Math::text("2")),
+            Math::power(Math::ink(Role::Reference, words::number(half)), Math::text("2")),
             Math::text(" − "),
-            Math::ink(Role::Reference, tell::number(xx * yy - xy * xy)),
+            Math::ink(Role::Reference, words::number(xx * yy - xy * xy)),
             Math::text(") = "),
-            Math::ink(Role::Result, tell::number(self.response([xx, xy, yy]))),
+            Math::ink(Role::Result, words::number(self.response([xx, xy, yy]))),
         ]);
         [symbols, numbers]
     }

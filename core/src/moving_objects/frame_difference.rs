@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::differential::tell;
-use crate::scene::Math;
-use crate::subtraction::{
-    Background, Explanation, Flags, Found, compared, fact, subtraction_params, subtraction_pseudocode,
-};
+use crate::scene::{Fact, Math};
+use crate::subtraction::{Background, Explanation, Flags, Found, compared, subtraction_params, subtraction_pseudocode};
 use crate::wide::wide;
+use crate::words;
 use crate::{Frame, Info, Mask, Role, Threads, choices};
 
 choices! {
@@ -107,8 +105,8 @@ impl Background for FrameDifference {
         let nearest = before.iter().map(of).reduce(|a, b| if (b - value).abs() < (a - value).abs() { b } else { a });
         let mut explanation = compared(value, (nearest.unwrap_or(value), "B"), self.threshold as f32);
         if let [last, earlier] = &before[..] {
-            let [last, earlier] = [last, earlier].map(|frame| tell::number(of(frame)));
-            explanation.facts.push(fact(
+            let [last, earlier] = [last, earlier].map(|frame| words::number(of(frame)));
+            explanation.facts.push(Fact::new(
                 "In the two frames before",
                 format!("{last} and {earlier}"),
                 Some(Role::Predicted),

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::differential::tell;
+use crate::scene::Fact;
 use crate::subtraction::{
-    Background, Explanation, Flags, Found, by_rows, compared, fact, subtraction_params, subtraction_pseudocode,
+    Background, Explanation, Flags, Found, by_rows, compared, subtraction_params, subtraction_pseudocode,
 };
 use crate::wide::wide;
+use crate::words;
 use crate::{Frame, Gray, Info, Role, Threads};
 
 subtraction_params! {
@@ -79,7 +80,8 @@ impl Background for MedianBackground {
         let Some(before) = before else { return Explanation::default() };
         let value = f32::from(frame.luma()[place]);
         let mut explanation = compared(value, (f32::from(before[place]), "B"), self.threshold as f32);
-        let now = after.map(|model| fact("Background now", tell::number(model[place].into()), Some(Role::Estimate)));
+        let now =
+            after.map(|model| Fact::new("Background now", words::number(model[place].into()), Some(Role::Estimate)));
         explanation.facts.extend(now);
         explanation
     }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use crate::scene::Chart;
 use crate::subtraction::{Background, Explanation, Found, subtraction_params, subtraction_pseudocode};
+use crate::words;
 use crate::{Frame, Info, Threads};
 
 pub use model::{Mixture, Mode};
@@ -92,10 +93,7 @@ impl Background for MixtureOfGaussians {
     }
 
     fn rule(&self) -> String {
-        format!(
-            "fit none of the modes that make up {} % of the weight",
-            crate::differential::tell::number(100.0 * self.background)
-        )
+        format!("fit none of the modes that make up {} % of the weight", words::number(100.0 * self.background))
     }
 
     fn update(&self) -> String {

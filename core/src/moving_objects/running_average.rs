@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::differential::tell;
+use crate::scene::Fact;
 use crate::subtraction::{
-    Background, Explanation, Flags, Found, by_rows, compared, fact, subtraction_params, subtraction_pseudocode,
+    Background, Explanation, Flags, Found, by_rows, compared, subtraction_params, subtraction_pseudocode,
 };
 use crate::wide::wide;
+use crate::words;
 use crate::{Frame, Grid, Info, Role, Threads};
 
 subtraction_params! {
@@ -80,7 +81,7 @@ impl Background for RunningAverage {
         let Some(before) = before else { return Explanation::default() };
         let value = f32::from(frame.luma()[place]);
         let mut explanation = compared(value, (before[place], "B"), self.threshold);
-        let now = after.map(|model| fact("Background now", tell::number(model[place]), Some(Role::Estimate)));
+        let now = after.map(|model| Fact::new("Background now", words::number(model[place]), Some(Role::Estimate)));
         explanation.facts.extend(now);
         explanation
     }
@@ -90,7 +91,7 @@ impl Background for RunningAverage {
     }
 
     fn update(&self) -> String {
-        let share = tell::number(100.0 * self.rate);
+        let share = words::number(100.0 * self.rate);
         let only = if self.selective { ", where it looks like it" } else { "" };
         format!("The background moves {share} % of the way to this frame{only}")
     }

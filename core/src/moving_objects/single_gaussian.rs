@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::differential::tell;
-use crate::scene::{Math, Sentence};
-use crate::subtraction::{
-    Background, Explanation, Flags, Found, by_rows, fact, subtraction_params, subtraction_pseudocode,
-};
+use crate::scene::{Fact, Math, Sentence};
+use crate::subtraction::{Background, Explanation, Flags, Found, by_rows, subtraction_params, subtraction_pseudocode};
 use crate::wide::wide;
+use crate::words;
 use crate::{Frame, Grid, Info, Role, Threads};
 
 subtraction_params! {
@@ -107,19 +105,19 @@ impl Background for SingleGaussian {
         let value = f32::from(frame.luma()[place]);
         let (off, is_foreground) = (value - mean, (value - mean) * (value - mean) > self.threshold.powi(2) * variance);
         let role = if is_foreground { Role::Result } else { Role::Rejected };
-        let distance = tell::number(off.abs() / variance.sqrt());
-        let [shown, mu, sigma, limit] = [value, mean, variance.sqrt(), self.threshold].map(tell::number);
+        let distance = words::number(off.abs() / variance.sqrt());
+        let [shown, mu, sigma, limit] = [value, mean, variance.sqrt(), self.threshold].map(words::number);
         let mut facts = vec![
-            fact("Gray", shown.clone(), Some(Role::Measured)),
-            fact("Mean μ", mu.clone(), Some(Role::Predicted)),
-            fact("Standard deviation σ", sigma.clone(), Some(Role::Predicted)),
-            fact("Distance", format!("{distance} σ"), Some(role)),
-            fact("Threshold", format!("{limit} σ"), None),
+            Fact::new("Gray", shown.clone(), Some(Role::Measured)),
+            Fact::new("Mean μ", mu.clone(), Some(Role::Predicted)),
+            Fact::new("Standard deviation σ", sigma.clone(), Some(Role::Predicted)),
+            Fact::new("Distance", format!("{distance} σ"), Some(role)),
+            Fact::new("Threshold", format!("{limit} σ"), None),
         ];
         facts.extend(after.map(|model| {
             let Gaussian { mean, variance } = model[place];
-            let now = format!("{} ± {}", tell::number(mean), tell::number(variance.sqrt()));
-            fact("Background now", now, Some(Role::Estimate))
+            let now = format!("{} ± {}", words::number(mean), words::number(variance.sqrt()));
+            Fact::new("Background now", now, Some(Role::Estimate))
         }));
         let size = |inner: Vec<Math>| Math::Abs(Box::new(Math::Row(inner)));
         let symbols = Math::Frac(
@@ -166,7 +164,7 @@ impl Background for SingleGaussian {
     }
 
     fn update(&self) -> String {
-        let share = tell::number(100.0 * self.rate);
+        let share = words::number(100.0 * self.rate);
         let only = if self.selective { ", where it looks like them" } else { "" };
         format!("Means and variances move {share} % of the way to this frame{only}")
     }

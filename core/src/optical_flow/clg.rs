@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use crate::differential::{Field, Linear, filter, relax, tell};
 use crate::scene::{Constraint, Fact, Math, Sentence};
 use crate::variational::{Local, Looked, Model, MotionTensor, Solver, Told, Warp, variational_params};
+use crate::words;
 use crate::{Info, Promise, Role, Threads};
 
 variational_params! {
@@ -94,7 +95,7 @@ impl Model for Clg {
             points.pop();
         }
         let update = solution(tensor, self.alpha * self.alpha, mean);
-        let [xx, xy, yy, xt, yt] = about_zero(tensor, looked.start().unwrap_or_default()).map(tell::number);
+        let [xx, xy, yy, xt, yt] = about_zero(tensor, looked.start().unwrap_or_default()).map(words::number);
         Told {
             sentence: if step == AVERAGED { looked.averaged(mean) } else { self.updated(looked, update) },
             facts: vec![
@@ -115,7 +116,7 @@ impl Clg {
 
     fn updated(&self, looked: &Looked<Self>, update: [f32; 2]) -> Sentence {
         let window = if self.rho > 0.0 {
-            format!("The constraints within about {} px of ", tell::number(2.0 * self.rho))
+            format!("The constraints within about {} px of ", words::number(2.0 * self.rho))
         } else {
             "The constraint of ".into()
         };
@@ -141,7 +142,7 @@ impl Clg {
         lines.push(numbers([xx + weight, xy], weight, mean[0], xt));
         lines.push(numbers([xy, yy + weight], weight, mean[1], yt));
         let named = if beyond.is_some() { "(u, v) of GS = " } else { "(u, v) = " };
-        lines.push(Math::Row(vec![Math::text(named), Math::ink(Role::Result, tell::vector(update))]));
+        lines.push(Math::Row(vec![Math::text(named), Math::ink(Role::Result, words::vector(update))]));
         lines.extend(beyond.into_iter().flat_map(|relaxation| looked.relaxed(update, relaxation)));
         lines
     }
@@ -190,7 +191,7 @@ fn part(along: &'static str) -> Math {
 /// What stands for T_xt and T_yt where frame t + 1 was brought back by `start`, in symbols and numbers.
 fn definitions(tensor: [f32; 6], start: [f32; 2]) -> [Math; 2] {
     let [xx, xy, yy, xt, yt] = about_zero(tensor, start);
-    let [u, v] = start.map(tell::factor);
+    let [u, v] = start.map(words::factor);
     let zero = |name| Math::indexed(Math::Var(name), Math::text("0"));
     let line = |[to, t, first, second]: [&'static str; 4], [total, a, b, rest]: [f32; 4]| {
         Math::Row(vec![
@@ -207,11 +208,11 @@ fn definitions(tensor: [f32; 6], start: [f32; 2]) -> [Math; 2] {
             zero("v"),
             Math::text(format!(
                 " = {} − {} · {u} − {} · {v} = ",
-                tell::number(total),
-                tell::factor(a),
-                tell::factor(b)
+                words::number(total),
+                words::factor(a),
+                words::factor(b)
             )),
-            Math::ink(Role::Reference, tell::number(rest)),
+            Math::ink(Role::Reference, words::number(rest)),
         ])
     };
     [line(["x", "xt", "xx", "xy"], [xt, xx, xy, tensor[3]]), line(["y", "yt", "xy", "yy"], [yt, xy, yy, tensor[4]])]
@@ -242,12 +243,12 @@ fn symbols(is_about: bool) -> [Math; 2] {
 /// One of them in numbers.
 fn numbers([a, b]: [f32; 2], weight: f32, mean: f32, t: f32) -> Math {
     Math::Row(vec![
-        Math::text(format!("{} ", tell::number(a))),
+        Math::text(format!("{} ", words::number(a))),
         Math::Var("u"),
-        Math::text(format!(" {} ", tell::plus(b))),
+        Math::text(format!(" {} ", words::plus(b))),
         Math::Var("v"),
-        Math::text(format!(" = {} · ", tell::number(weight))),
-        Math::ink(Role::Predicted, tell::factor(mean)),
-        Math::text(format!(" {}", tell::plus(-t))),
+        Math::text(format!(" = {} · ", words::number(weight))),
+        Math::ink(Role::Predicted, words::factor(mean)),
+        Math::text(format!(" {}", words::plus(-t))),
     ])
 }

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::differential::{Field, Multiscale, Weights, Window, field, relax, tell};
+use crate::differential::{Field, Multiscale, Weights, Window, field, relax};
 use crate::polynomial::{Agreed, Agreement, Applicability, Expander, Looked, Moved, Packed, Part};
 use crate::scene::{Chart, Fact, Readout, Sentence, Series};
+use crate::words;
 use crate::{
     Clip, Confidence, DenseField, Error, Estimator, Explained, Grid, Info, Observer, Output, Progress, Promise, Role,
     Rung, Scene, Seen, Step, Threads, params,
@@ -283,7 +284,7 @@ impl Farneback {
     fn facts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Fact> {
         let state = seen.before;
         let fact = |label, value, role| Fact { label, value, role };
-        let px = |uv: [f32; 2]| format!("{} {}", tell::vector(uv), looked.unit());
+        let px = |uv: [f32; 2]| format!("{} {}", words::vector(uv), looked.unit());
         let (width, height) = state.frames.size(looked.level);
         let of = state.frames.count() - 1;
         let (x, y) = looked.place;
@@ -294,7 +295,7 @@ impl Farneback {
             fact("Before", px(looked.from()), Some(Role::Best)),
         ];
         if looked.part == Part::Moved {
-            let off = tell::number(looked.off());
+            let off = words::number(looked.off());
             facts.push(fact("Displacement", px(looked.to()), Some(Role::Result)));
             facts.push(fact("Off by", format!("{off} gray levels per px (root mean square of A d − Δb)"), None));
         }

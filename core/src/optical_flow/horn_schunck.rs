@@ -3,6 +3,7 @@
 use crate::differential::{FLAT, Field, Linear, relax, tell};
 use crate::scene::{Math, Sentence};
 use crate::variational::{Looked, Model, Solver, Told, Warp, variational_params};
+use crate::words;
 use crate::{Info, Promise, Role, Threads};
 
 variational_params! {
@@ -122,7 +123,7 @@ impl Update {
                 .text(format!(" {why}: no constraint holds it. It takes the average, "));
             return looked.goes(said, self.to, beyond).text(".");
         }
-        let off = tell::number(self.off);
+        let off = words::number(self.off);
         if off.chars().all(|letter| "−0.".contains(letter)) {
             let said = said
                 .text("With the average, the constraint of ")
@@ -163,16 +164,16 @@ impl Update {
 
     fn numbers(&self, gradient: f32, mean: f32, to: f32) -> Math {
         let share =
-            Math::Frac(Box::new(Math::text(tell::number(self.off))), Box::new(Math::text(tell::number(self.weight))));
+            Math::Frac(Box::new(Math::text(words::number(self.off))), Box::new(Math::text(words::number(self.weight))));
         Math::Row(vec![
             Math::text("= "),
-            Math::ink(Role::Predicted, tell::number(mean)),
+            Math::ink(Role::Predicted, words::number(mean)),
             Math::text(" − "),
-            Math::ink(Role::Reference, tell::factor(gradient)),
+            Math::ink(Role::Reference, words::factor(gradient)),
             Math::text(" · "),
             share,
             Math::text(" = "),
-            Math::ink(Role::Result, tell::number(to)),
+            Math::ink(Role::Result, words::number(to)),
         ])
     }
 }

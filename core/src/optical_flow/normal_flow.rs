@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use crate::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
 use crate::scene::{Chart, Fact, Math, Picture, Plane, Readout, Sentence, Shape};
+use crate::words;
 use crate::{
     Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Progress,
     Promise, Role, Rung, Scene, Seen, Step, Threads, params,
@@ -212,21 +213,21 @@ fn pixel(seen: &Seen<NormalFlow>) -> Option<(usize, usize)> {
 impl NormalFlow {
     fn sentence(&self, (x, y): (usize, usize), [a, b, c]: [f32; 3], found: [f32; 2]) -> Sentence {
         let said = Sentence::default().ink(Role::Reference, format!("Pixel ({x}, {y})"));
-        let size = tell::number(a.hypot(b));
+        let size = words::number(a.hypot(b));
         if !found[0].is_finite() {
             let why = match a.hypot(b) < self.threshold {
-                true => format!("below the threshold of {}", tell::number(self.threshold)),
+                true => format!("below the threshold of {}", words::number(self.threshold)),
                 false => "which is but rounding".into(),
             };
             return said.text(format!(" has a gradient of {size} gray levels per px, {why}: it says nothing."));
         }
-        let change = match tell::number(c.abs()) {
+        let change = match words::number(c.abs()) {
             none if none.chars().all(|digit| "0.".contains(digit)) => "stays as bright from frame to frame".to_owned(),
             by => format!("grows {} by {by} per frame", if c > 0.0 { "brighter" } else { "darker" }),
         };
         said.text(format!(" is brighter by {size} gray levels for each px along its gradient, and {change}"))
             .text(": the pattern moves by ")
-        .ink(Role::Result, format!("{} px", tell::vector(found)))
+        .ink(Role::Result, format!("{} px", words::vector(found)))
         .text(" across the edge. How far it moves along the edge cannot be seen through one pixel (aperture problem).")
     }
 
@@ -238,12 +239,12 @@ impl NormalFlow {
         let mut facts = vec![
             fact("Pixel", format!("({}, {})", pixel.0, pixel.1), Some(Role::Reference)),
             derivatives.fact(pixel),
-            fact("Gradient", format!("{} gray levels per px", tell::number(factors[0].hypot(factors[1]))), None),
+            fact("Gradient", format!("{} gray levels per px", words::number(factors[0].hypot(factors[1]))), None),
         ];
         if is_known {
-            facts.push(fact("Normal flow", format!("{} px", tell::vector(found)), Some(Role::Result)));
+            facts.push(fact("Normal flow", format!("{} px", words::vector(found)), Some(Role::Result)));
         }
-        facts.extend(truth.map(|truth| fact("Truth", format!("{} px", tell::vector(truth)), Some(Role::Truth))));
+        facts.extend(truth.map(|truth| fact("Truth", format!("{} px", words::vector(truth)), Some(Role::Truth))));
         let mut equation = tell::constraint_equation(factors, Role::Reference).to_vec();
         if is_known {
             equation.push(nearest_equation(found));
@@ -282,6 +283,6 @@ fn nearest_equation(found: [f32; 2]) -> Math {
         Math::text(") = − "),
         Math::Frac(Box::new(top), Box::new(bottom)),
         Math::text(" = "),
-        Math::ink(Role::Result, tell::vector(found)),
+        Math::ink(Role::Result, words::vector(found)),
     ])
 }

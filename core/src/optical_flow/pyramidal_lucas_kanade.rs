@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::differential::{field, tell, truth};
+use crate::differential::{field, truth};
 use crate::estimator::Mapped;
 use crate::features::follow::{self, Follow, Followed};
 use crate::features::tracker::Level;
@@ -10,6 +10,7 @@ use crate::features::{Account, Trace, detect};
 use crate::interest_points::ShiTomasi;
 use crate::pyramid::halvings;
 use crate::scene::{Arrow, Chart, Fact, Picture, Readout, Sentence, Shape};
+use crate::words;
 use crate::{
     Clip, Confidence, DenseField, Error, Estimator, Feature, Flow, Frame, Grid, Info, Levels, Observer, Output,
     PointField, Progress, Promise, Role, Rung, Scene, Seen, Stack, Status, Step, Threads, choices, params,
@@ -446,13 +447,13 @@ impl PyramidalLucasKanade {
         let mut facts = vec![match self.points {
             Points::Dense => fact("Pixel", format!("({}, {})", point[0], point[1]), Some(Role::Reference)),
             _ => {
-                let place = format!("{} of {count} at {}", looked.index + 1, tell::vector(point));
+                let place = format!("{} of {count} at {}", looked.index + 1, words::vector(point));
                 fact("Point", place, Some(Role::Reference))
             }
         }];
         facts.extend(account.facts());
         let truth = fixed.truth.as_ref().and_then(|truth| truth.at(point[0] as usize, point[1] as usize));
-        facts.extend(truth.map(|truth| fact("Truth", format!("{} px", tell::vector(truth)), Some(Role::Truth))));
+        facts.extend(truth.map(|truth| fact("Truth", format!("{} px", words::vector(truth)), Some(Role::Truth))));
         let stack = Stack { levels: fixed.shown(looked.trace.level()), floors: looked.trace.floors() };
         [vec![Readout::Facts(facts)], account.readouts(), vec![Readout::Stack(stack)]].concat()
     }

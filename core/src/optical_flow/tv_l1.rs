@@ -3,6 +3,7 @@
 use crate::differential::{Linear, tell};
 use crate::scene::{Fact, Math, Sentence};
 use crate::variational::{Dual, Looked, Model, Told, Warp, primal_dual, variational_params};
+use crate::words;
 use crate::{Info, Promise, Role, Threads};
 
 variational_params! {
@@ -131,10 +132,10 @@ impl Pixel {
 
     fn sentence(&self, model: &TvL1, step: usize, looked: &Looked<TvL1>) -> Sentence {
         let said = Sentence::default();
-        let off = tell::number(self.off);
+        let off = words::number(self.off);
         match step {
             FITTED => {
-                let most = tell::number(model.weights().most);
+                let most = words::number(model.weights().most);
                 let said = said.text("At ").ink(Role::Reference, looked.pixel());
                 let why = if !looked.is_known() {
                     " nothing is known: it has left the picture. The pixel stays at ".to_owned()
@@ -144,14 +145,14 @@ impl Pixel {
                     format!(
                         " the constraint is off by {off} gray levels. {} times the gradient makes it hold, and that is no \
                          more than λ θ = {most}: the pixel goes all the way to the line, to ",
-                        tell::number(self.step.abs())
+                        words::number(self.step.abs())
                     )
                 } else {
                     format!(
                         " the constraint is off by {off} gray levels, {}. {} times the gradient would make it hold, but \
                          the pixel goes only λ θ = {most} times: what is far off has no more say. It goes to ",
                         if self.off > 0.0 { "too bright" } else { "too dark" },
-                        tell::number(self.whole.abs())
+                        words::number(self.whole.abs())
                     )
                 };
                 said.text(why).ink(Role::Predicted, looked.px(self.fitted)).text(".")
@@ -161,13 +162,13 @@ impl Pixel {
                 .ink(Role::Reference, looked.pixel())
                 .text(format!(
                     " is pulled towards its neighbours by θ times the divergence {} of p, to ",
-                    tell::vector(self.divergence)
+                    words::vector(self.divergence)
                 ))
                 .ink(Role::Result, looked.px(looked.to()))
                 .text(": p points to where the field grows, and is never longer than 1, so that no jump pulls harder than another."),
             _ => {
-                let [u, v] = self.gradients.map(|g| tell::number(g[0].hypot(g[1])));
-                let [long_u, long_v] = self.p[1].map(|p| tell::number(p[0].hypot(p[1])));
+                let [u, v] = self.gradients.map(|g| words::number(g[0].hypot(g[1])));
+                let [long_u, long_v] = self.p[1].map(|p| words::number(p[0].hypot(p[1])));
                 said.text("Now the field differs at ").ink(Role::Reference, looked.pixel()).text(format!(
                     " by {u} (u) and {v} (v) {} from its neighbours to the right and below. p turns towards that, and is \
                      {long_u} and {long_v} long: near 1 there is a jump, or a slope that stays.",
@@ -185,9 +186,9 @@ impl Pixel {
             step if step > 0.0 => "too bright: as far as λ θ allows",
             _ => "too dark: as far as λ θ allows",
         };
-        let [u, v] = self.p[usize::from(step > SMOOTHED)].map(tell::vector);
+        let [u, v] = self.p[usize::from(step > SMOOTHED)].map(words::vector);
         vec![
-            fact("ρ", format!("{} gray levels; {case}", tell::number(self.off)), None),
+            fact("ρ", format!("{} gray levels; {case}", words::number(self.off)), None),
             fact("p of u, of v", format!("{u}, {v}"), None),
         ]
     }
@@ -228,14 +229,14 @@ impl Pixel {
             Math::Var("v"),
             Math::text(" + "),
             looked.rest(),
-            Math::text(format!(" = {}", tell::number(self.off))),
+            Math::text(format!(" = {}", words::number(self.off))),
         ]);
         let step = Math::Row(vec![
             Math::Var("s"),
             Math::text(" = "),
             share,
-            Math::text(format!(" within ±{} = ", tell::number(model.weights().most))),
-            Math::text(tell::number(self.step)),
+            Math::text(format!(" within ±{} = ", words::number(model.weights().most))),
+            Math::text(words::number(self.step)),
         ]);
         let line = |name: &'static str, from: f32, along: &'static str, gradient: f32, to: f32| {
             Math::Row(vec![
@@ -247,11 +248,11 @@ impl Pixel {
                 Math::text(" "),
                 tell::derivative(along),
                 Math::text(" = "),
-                Math::ink(Role::Best, tell::number(from)),
-                Math::text(format!(" − {} · ", tell::factor(self.step))),
-                Math::ink(Role::Reference, tell::number(gradient)),
+                Math::ink(Role::Best, words::number(from)),
+                Math::text(format!(" − {} · ", words::factor(self.step))),
+                Math::ink(Role::Reference, words::number(gradient)),
                 Math::text(" = "),
-                Math::ink(Role::Predicted, tell::number(to)),
+                Math::ink(Role::Predicted, words::number(to)),
             ])
         };
         let lines = [line("u", u, "x", a, self.fitted[0]), line("v", v, "y", b, self.fitted[1])];
@@ -270,9 +271,9 @@ fn smoothing(model: &TvL1, (name, p): (&'static str, &'static str), (fitted, div
         Math::text(" div "),
         Math::Var(p),
         Math::text(" = "),
-        Math::ink(Role::Predicted, tell::number(fitted)),
-        Math::text(format!(" + {} · {} = ", tell::number(model.theta), tell::factor(div))),
-        Math::ink(Role::Result, tell::number(to)),
+        Math::ink(Role::Predicted, words::number(fitted)),
+        Math::text(format!(" + {} · {} = ", words::number(model.theta), words::factor(div))),
+        Math::ink(Role::Result, words::number(to)),
     ])]
 }
 
@@ -286,9 +287,9 @@ fn turning(
     let gradient_of = || Math::Row(vec![Math::text("∇"), Math::Var(name)]);
     let top = vec![Math::Var(p), Math::text(" + "), rate(), Math::text(" "), gradient_of()];
     let bottom = vec![Math::text("1 + "), rate(), Math::text(" "), Math::Abs(Box::new(gradient_of()))];
-    let times = tell::number(model.tau / model.theta);
-    let top_numbers = format!("{} + {times} · {}", tell::vector(from), tell::vector(gradient));
-    let bottom_numbers = format!("1 + {times} · {}", tell::number(gradient[0].hypot(gradient[1])));
+    let times = words::number(model.tau / model.theta);
+    let top_numbers = format!("{} + {times} · {}", words::vector(from), words::vector(gradient));
+    let bottom_numbers = format!("1 + {times} · {}", words::number(gradient[0].hypot(gradient[1])));
     [
         Math::Row(vec![
             Math::Var(p),
@@ -299,7 +300,7 @@ fn turning(
             Math::text("= "),
             Math::Frac(Box::new(Math::text(top_numbers)), Box::new(Math::text(bottom_numbers))),
             Math::text(" = "),
-            Math::text(tell::vector(to)),
+            Math::text(words::vector(to)),
         ]),
     ]
 }

@@ -4,6 +4,7 @@ use super::shift::in_effect;
 use super::{Agreement, Moved, Polynomial, Shift};
 use crate::differential::{Field, Multiscale, Tensor, tell};
 use crate::scene::{Constraint, Math, Picture, Plane, Readout, Sentence, Shape, Tile};
+use crate::words;
 use crate::{Grid, Role, Scene};
 
 /// The parts of an iteration.
@@ -110,7 +111,7 @@ impl Looked<'_> {
     /// What has happened, in words.
     pub fn sentence(&self) -> Sentence {
         let (said, pixel) = (Sentence::default(), self.pixel());
-        let px = |uv: [f32; 2]| format!("{} {}", tell::vector(uv), self.unit());
+        let px = |uv: [f32; 2]| format!("{} {}", words::vector(uv), self.unit());
         let outside = " leaves the picture by now: it says nothing.";
         match self.part {
             Part::Expanded => {
@@ -122,7 +123,7 @@ impl Looked<'_> {
                     self.level
                 ))
                 .ink(Role::Reference, pixel)
-                .text(format!(" has the gradient b₁ = {}.", tell::vector(polynomial.b)))
+                .text(format!(" has the gradient b₁ = {}.", words::vector(polynomial.b)))
             }
             Part::Compared => match (self.shift, self.whole()) {
                 (Some((shift, _)), Some(whole)) => said
@@ -133,14 +134,14 @@ impl Looked<'_> {
                     .text(format!(
                         ", so it is compared with the polynomial {} whole px away. What b has changed by, and that way, say \
                          A d = {}.",
-                        tell::vector(whole),
-                        tell::vector(shift.b)
+                        words::vector(whole),
+                        words::vector(shift.b)
                     )),
                 _ => said.ink(Role::Reference, pixel).text(outside),
             },
             Part::Averaged => {
-                let [large, small] = self.tensor.eigenvalues().map(tell::number);
-                let damping = tell::number(self.agreement.damping);
+                let [large, small] = self.tensor.eigenvalues().map(words::number);
+                let damping = words::number(self.agreement.damping);
                 said.text("One pixel says too little where the picture bends one way only. Over the window around ")
                     .ink(Role::Reference, pixel)
                     .text(format!(" the eigenvalues of the mean of A A are {large} and {small}, beside λ = {damping}."))
@@ -273,7 +274,7 @@ impl Looked<'_> {
         ]);
         let damping = in_effect(self.agreement.damping, [xx, yy]);
         let row = |[a, b]: [f32; 2], right: f32| {
-            linear_row([a, b].map(tell::number), Math::ink(Role::Candidate, tell::number(right)))
+            linear_row([a, b].map(words::number), Math::ink(Role::Candidate, words::number(right)))
         };
         let mut lines = vec![
             symbols,
@@ -281,7 +282,7 @@ impl Looked<'_> {
             row([xy, yy + damping], damping * from[1] - yt),
         ];
         if self.part == Part::Moved {
-            lines.push(Math::Row(vec![Math::Var("d"), Math::text(" = "), Math::ink(Role::Result, tell::vector(to))]));
+            lines.push(Math::Row(vec![Math::Var("d"), Math::text(" = "), Math::ink(Role::Result, words::vector(to))]));
         }
         lines
     }
@@ -331,9 +332,9 @@ fn expansion_equation(looked: &Looked) -> Vec<Math> {
         [" + ", " + ", " + ", " + 2 ", " + "],
     );
     let numbers = |Polynomial { c, b, a }: Polynomial, role, name: &'static str| {
-        let ink = |v: f32| Math::ink(role, tell::plus(v));
+        let ink = |v: f32| Math::ink(role, words::plus(v));
         let [xx, xy, yy] = a;
-        let first = Math::ink(role, tell::number(c));
+        let first = Math::ink(role, words::number(c));
         let row = polynomial(first, b.map(ink), [ink(xx), ink(2.0 * xy), ink(yy)], [" "; 5]);
         Math::Row(vec![Math::text(name), row])
     };
@@ -370,13 +371,13 @@ fn shift_equation(looked: &Looked) -> Vec<Math> {
     let come_about = Math::Row(vec![
         Math::text("Δ"),
         Math::Var("b"),
-        Math::text(format!(" = A {} − ½ (", tell::vector(whole))),
-        Math::ink(Role::Candidate, tell::vector(second.b)),
+        Math::text(format!(" = A {} − ½ (", words::vector(whole))),
+        Math::ink(Role::Candidate, words::vector(second.b)),
         Math::text(" − "),
-        Math::ink(Role::Reference, tell::vector(first.b)),
-        Math::text(format!(") = {}", tell::vector(b))),
+        Math::ink(Role::Reference, words::vector(first.b)),
+        Math::text(format!(") = {}", words::vector(b))),
     ]);
     let row =
-        |a: [f32; 2], right: f32| linear_row(a.map(tell::number), Math::ink(Role::Candidate, tell::number(right)));
+        |a: [f32; 2], right: f32| linear_row(a.map(words::number), Math::ink(Role::Candidate, words::number(right)));
     vec![symbols, come_about, row([xx, xy], b[0]), row([xy, yy], b[1])]
 }

@@ -1,8 +1,8 @@
 //! How a single pixel is decided, in words and numbers.
 
 use crate::Role;
-use crate::differential::tell;
 use crate::scene::{Fact, Math, Matrix, Sentence};
+use crate::words;
 
 /// How a pixel was decided.
 #[derive(Default)]
@@ -17,23 +17,12 @@ pub struct Explanation {
     pub verdict: Sentence,
 }
 
-/// A labelled number.
-pub fn fact(label: &'static str, value: impl Into<String>, role: Option<Role>) -> Fact {
-    Fact { label, value: value.into(), role }
-}
-
-/// A place as a person reads it.
-pub fn pixel((x, y): (usize, usize)) -> String {
-    // A space at which no line is broken.
-    format!("({x},\u{a0}{y})")
-}
-
 /// How a gray value is decided that may differ by `threshold` from the one that is expected, which `symbol` stands for.
 pub fn compared(value: f32, (expected, symbol): (f32, &'static str), threshold: f32) -> Explanation {
     let difference = (value - expected).abs();
     let is_foreground = difference > threshold;
     let role = if is_foreground { Role::Result } else { Role::Rejected };
-    let [shown, expectation, off, limit] = [value, expected, difference, threshold].map(tell::number);
+    let [shown, expectation, off, limit] = [value, expected, difference, threshold].map(words::number);
     let symbols = Math::Row(vec![
         Math::Abs(Box::new(Math::Row(vec![Math::Var("I"), Math::text(" − "), Math::Var(symbol)]))),
         Math::text(" > "),
@@ -51,10 +40,10 @@ pub fn compared(value: f32, (expected, symbol): (f32, &'static str), threshold: 
     ]);
     Explanation {
         facts: vec![
-            fact("Gray", shown.clone(), Some(Role::Measured)),
-            fact("Background", expectation.clone(), Some(Role::Predicted)),
-            fact("Difference", off.clone(), Some(role)),
-            fact("Threshold", limit.clone(), None),
+            Fact::new("Gray", shown.clone(), Some(Role::Measured)),
+            Fact::new("Background", expectation.clone(), Some(Role::Predicted)),
+            Fact::new("Difference", off.clone(), Some(role)),
+            Fact::new("Threshold", limit.clone(), None),
         ],
         equation: vec![symbols, numbers],
         matrices: Vec::new(),

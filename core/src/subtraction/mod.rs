@@ -9,7 +9,7 @@ mod tell;
 use std::sync::Arc;
 
 pub(crate) use declare::{HasSettings, Settings, subtraction_params, subtraction_pseudocode};
-pub(crate) use explanation::{Explanation, compared, fact, pixel};
+pub(crate) use explanation::{Explanation, compared};
 pub(crate) use rows::{Flags, by_rows};
 pub(crate) use tell::{Account, plots};
 

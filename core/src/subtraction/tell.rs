@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{Background, Event, Explanation, State, Subtraction, fact, pixel};
+use super::{Background, Event, Explanation, State, Subtraction};
 use crate::differential::tell;
 use crate::scene::{Fact, Picture, Readout, Sentence, Series, Shape, Step, Tile};
+use crate::words::pixel;
 use crate::{Detection, Frame, Mask, ObjectFrame, Role, Scene, Seen};
 
 /// How far tiles reach around the pixel that is explained, in px.
@@ -112,12 +113,16 @@ impl<'a> Account<'a> {
         let mut facts = Vec::new();
         for event in self.events {
             facts.extend(match event {
-                Event::Decided(mask) => Some(fact("Different", format!("{} px", mask.count()), Some(Role::Candidate))),
-                Event::Shadows(_, mask) => Some(fact("Shadows", format!("{} px", mask.count()), Some(Role::Rejected))),
-                Event::Opened(mask) => Some(fact("Opened", format!("{} px", mask.count()), None)),
-                Event::Closed(mask) => Some(fact("Closed", format!("{} px", mask.count()), None)),
-                Event::Labelled(_, count) => Some(fact("Components", count.to_string(), None)),
-                Event::Kept(blobs) => Some(fact("Blobs", blobs[0].len().to_string(), Some(Role::Result))),
+                Event::Decided(mask) => {
+                    Some(Fact::new("Different", format!("{} px", mask.count()), Some(Role::Candidate)))
+                }
+                Event::Shadows(_, mask) => {
+                    Some(Fact::new("Shadows", format!("{} px", mask.count()), Some(Role::Rejected)))
+                }
+                Event::Opened(mask) => Some(Fact::new("Opened", format!("{} px", mask.count()), None)),
+                Event::Closed(mask) => Some(Fact::new("Closed", format!("{} px", mask.count()), None)),
+                Event::Labelled(_, count) => Some(Fact::new("Components", count.to_string(), None)),
+                Event::Kept(blobs) => Some(Fact::new("Blobs", blobs[0].len().to_string(), Some(Role::Result))),
                 _ => None,
             });
         }
@@ -273,10 +278,10 @@ impl<M: Background> Subtraction<M> {
             return Vec::new();
         }
         let account = Account::new(seen.events);
-        let mut facts = vec![fact("Frame", state.frame.to_string(), None)];
+        let mut facts = vec![Fact::new("Frame", state.frame.to_string(), None)];
         let mut readouts = Vec::new();
         if let Some((place, explanation)) = self.explanation(seen) {
-            facts.push(fact("Pixel", pixel(place), Some(Role::Reference)));
+            facts.push(Fact::new("Pixel", pixel(place), Some(Role::Reference)));
             facts.extend(explanation.facts);
             readouts.extend(Some(explanation.equation).filter(|lines| !lines.is_empty()).map(Readout::Equation));
             readouts.extend(Some(explanation.matrices).filter(|all| !all.is_empty()).map(Readout::Matrices));

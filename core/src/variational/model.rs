@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::declare::HasSettings;
 use crate::differential::{Field, Linear, tell};
 use crate::scene::{Constraint, Fact, Math, Role, Sentence};
+use crate::words;
 use crate::{Info, Params, Promise, Threads};
 
 /// What iterations change: a field, and whatever else goes with it.
@@ -137,7 +138,7 @@ impl<M: Model> Looked<'_, M> {
 
     /// A displacement in px of the level as it is told.
     pub fn px(&self, uv: [f32; 2]) -> String {
-        format!("{} {}", tell::vector(uv), self.unit())
+        format!("{} {}", words::vector(uv), self.unit())
     }
 
     /// What displacements on the level are measured in.

@@ -1,8 +1,9 @@
 //! How the linear equations of a quadratic energy are solved.
 
 use super::model::{Looked, Model};
-use crate::differential::{Field, relax, tell};
+use crate::differential::{Field, relax};
 use crate::scene::{Math, Sentence};
+use crate::words;
 use crate::{Role, choices};
 
 choices! {
@@ -56,7 +57,7 @@ impl<M: Model<Unknowns = Field>> Looked<'_, M> {
         let to = self.px(self.to());
         let Some(relaxation) = beyond else { return said.ink(Role::Result, to) };
         said.ink(Role::Predicted, self.px(update))
-            .text(format!(". SOR goes {} times as far from where it was, ", tell::number(relaxation)))
+            .text(format!(". SOR goes {} times as far from where it was, ", words::number(relaxation)))
             .ink(Role::Best, self.px(self.from()))
             .text(", to ")
             .ink(Role::Result, to)
@@ -78,13 +79,13 @@ impl<M: Model<Unknowns = Field>> Looked<'_, M> {
                 Math::text(" − "),
                 indexed("before"),
                 Math::text(") = "),
-                Math::ink(Role::Best, tell::number(from[i])),
-                Math::text(format!(" + {} · (", tell::number(relaxation))),
-                Math::ink(Role::Predicted, tell::number(update[i])),
+                Math::ink(Role::Best, words::number(from[i])),
+                Math::text(format!(" + {} · (", words::number(relaxation))),
+                Math::ink(Role::Predicted, words::number(update[i])),
                 Math::text(" − "),
-                Math::ink(Role::Best, tell::factor(from[i])),
+                Math::ink(Role::Best, words::factor(from[i])),
                 Math::text(") = "),
-                Math::ink(Role::Result, tell::number(to[i])),
+                Math::ink(Role::Result, words::number(to[i])),
             ])
         };
         vec![line(0, "u"), line(1, "v")]

@@ -4,6 +4,7 @@ use super::model::{Looked, Model, Told};
 use super::run::{Event, Note, State, Variational};
 use crate::differential::tell;
 use crate::scene::{Fact, Picture, Plane, Readout, Sentence, Series, Shape};
+use crate::words;
 use crate::{Estimator, Floor, Levels, Role, Scene, Seen, Stack, Step};
 
 /// The line of every method's pseudocode in which medians are taken.
@@ -70,12 +71,12 @@ impl<M: Model> Variational<M> {
             facts.extend(more);
             if seen.after.is_some() && looked.level > 0 {
                 let ([u, v], [across, down]) = (looked.to(), looked.scale);
-                let value = format!("{} px", tell::vector([u * across, v * down]));
+                let value = format!("{} px", words::vector([u * across, v * down]));
                 facts.push(fact("On the picture", value, Some(Role::Result)));
             }
         }
         if let Some(note) = seen.after.and_then(|after| after.notes.last()) {
-            let [data, smoothness] = [note.data, note.smoothness].map(tell::number);
+            let [data, smoothness] = [note.data, note.smoothness].map(words::number);
             facts.push(fact("Energy per pixel", format!("{data} data + {smoothness} smoothness"), None));
             facts.push(fact("Mean change", format!("{:.5} px", note.change), None));
             if note.error.is_finite() {

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::{ConnectedComponents, Event, Given};
 use crate::objects::{LabelEvent, Run};
 use crate::scene::{Fact, Picture, Readout, Sentence, Shape, Step};
-use crate::subtraction::{self, Account, fact, plots};
+use crate::subtraction::{self, Account, plots};
+use crate::words;
 use crate::{Grid, Role, Scene, Seen};
 
 /// So many labels are listed with their roots.
@@ -161,15 +162,15 @@ impl ConnectedComponents {
         }
         let so_far = SoFar::new(seen);
         let mut facts: Vec<Fact> = vec![
-            fact("Frame", state.frame.to_string(), None),
-            fact("Runs", so_far.runs.len().to_string(), None),
-            fact("Labels", so_far.parents.len().to_string(), None),
-            fact("Roots", so_far.roots().to_string(), Some(Role::Result)),
+            Fact::new("Frame", state.frame.to_string(), None),
+            Fact::new("Runs", so_far.runs.len().to_string(), None),
+            Fact::new("Labels", so_far.parents.len().to_string(), None),
+            Fact::new("Roots", so_far.roots().to_string(), Some(Role::Result)),
         ];
         if let Some(root) = self.focused(seen, &so_far) {
-            facts.push(fact("Pixel", root, Some(Role::Reference)));
+            facts.push(Fact::new("Pixel", root, Some(Role::Reference)));
         }
-        facts.push(fact("Label → parent", so_far.forest(), None));
+        facts.push(Fact::new("Label → parent", so_far.forest(), None));
         let now = seen.after.unwrap_or(state);
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend(plots(&now.frames, &now.pixels, state.span.frames()));
@@ -184,10 +185,10 @@ impl ConnectedComponents {
         let (x, y) = is_inside.then_some((x as u32, y as u32))?;
         let run = so_far.runs.iter().find(|run| run.y == y && (run.start..run.end).contains(&x));
         Some(match run {
-            None => format!("{}, no label", subtraction::pixel((x as usize, y as usize))),
+            None => format!("{}, no label", words::pixel((x as usize, y as usize))),
             Some(run) => format!(
                 "{}, {}, root {}",
-                subtraction::pixel((x as usize, y as usize)),
+                words::pixel((x as usize, y as usize)),
                 label(run.label),
                 so_far.root(run.label) + 1
             ),

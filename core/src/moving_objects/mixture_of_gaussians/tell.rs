@@ -2,9 +2,9 @@
 
 use super::model::is_darker;
 use super::{Mixture, MixtureOfGaussians, Mode};
-use crate::differential::tell;
 use crate::scene::{Fact, Math, Matrix, Sentence};
-use crate::subtraction::{Explanation, fact};
+use crate::subtraction::Explanation;
+use crate::words;
 use crate::{Frame, Grid, Role};
 
 /// What the modes of a pixel say about it.
@@ -66,17 +66,15 @@ impl MixtureOfGaussians {
     fn facts(&self, modes: &[Mode], pixel: &[f32], verdict: &Verdict) -> Vec<Fact> {
         let role = if verdict.is_foreground() { Role::Result } else { Role::Rejected };
         let mut facts = vec![
-            fact(if pixel.len() == 1 { "Gray" } else { "Colour" }, values(pixel), Some(Role::Measured)),
-            fact("Modes", modes.len().to_string(), None),
-            fact("Of the background", format!("the first {}", verdict.background), Some(Role::Predicted)),
-            fact("Fits", verdict.fits.map_or("none".into(), |mode| format!("mode {}", mode + 1)), Some(role)),
+            Fact::new(if pixel.len() == 1 { "Gray" } else { "Colour" }, values(pixel), Some(Role::Measured)),
+            Fact::new("Modes", modes.len().to_string(), None),
+            Fact::new("Of the background", format!("the first {}", verdict.background), Some(Role::Predicted)),
+            Fact::new("Fits", verdict.fits.map_or("none".into(), |mode| format!("mode {}", mode + 1)), Some(role)),
         ];
-        facts.extend(
-            verdict
-                .fits
-                .map(|mode| fact("Distance", format!("{} σ", tell::number(modes[mode].distance(pixel))), Some(role))),
-        );
-        facts.push(fact("Threshold", format!("{} σ", tell::number(self.threshold)), None));
+        facts.extend(verdict.fits.map(|mode| {
+            Fact::new("Distance", format!("{} σ", words::number(modes[mode].distance(pixel))), Some(role))
+        }));
+        facts.push(Fact::new("Threshold", format!("{} σ", words::number(self.threshold)), None));
         facts
     }
 
@@ -93,7 +91,7 @@ impl MixtureOfGaussians {
                 Math::text(" − "),
                 Math::ink(Role::Predicted, values(&mode.mean)),
             ])),
-            Box::new(Math::ink(Role::Predicted, tell::number(mode.variance.sqrt()))),
+            Box::new(Math::ink(Role::Predicted, words::number(mode.variance.sqrt()))),
         );
         let (sign, role) = if verdict.fits.is_some() { (" ≤ ", Role::Rejected) } else { (" > ", Role::Result) };
         vec![
@@ -101,8 +99,8 @@ impl MixtureOfGaussians {
             Math::Row(vec![
                 numbers,
                 Math::text(" = "),
-                Math::ink(role, tell::number(mode.distance(pixel))),
-                Math::text(format!("{sign}{}", tell::number(self.threshold))),
+                Math::ink(role, words::number(mode.distance(pixel))),
+                Math::text(format!("{sign}{}", words::number(self.threshold))),
             ]),
         ]
     }
@@ -115,7 +113,7 @@ impl MixtureOfGaussians {
                 if modes.len() == 1 { "not its only mode" } else { "none of its modes" }
             )),
             Some(mode) => {
-                let weight = tell::number(100.0 * modes[mode].weight);
+                let weight = words::number(100.0 * modes[mode].weight);
                 said.text(" and fits ").ink(Role::Predicted, format!("mode {}", mode + 1)).text(
                     match mode < verdict.background {
                         true => format!(" with {weight} % of the weight, one of the background: "),
@@ -130,14 +128,14 @@ impl MixtureOfGaussians {
             (true, Some((mode, light))) => said.ink(Role::Result, "foreground").text(format!(
                 ". But mode {} with {} % of its light would look like that.",
                 mode + 1,
-                tell::number(100.0 * light)
+                words::number(100.0 * light)
             )),
         }
     }
 }
 
 fn values(of: &[f32]) -> String {
-    let numbers: Vec<_> = of.iter().map(|value| tell::number(*value)).collect();
+    let numbers: Vec<_> = of.iter().map(|value| words::number(*value)).collect();
     match &numbers[..] {
         [one] => one.clone(),
         // Spaces at which no line is broken.

@@ -1,25 +1,21 @@
 //! How the tracker is told and drawn.
 
 use super::{Event, Klt, Live, State};
-use crate::differential::tell;
 use crate::features::affine::{Fit, place};
 use crate::features::{Account, Detection, follow};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Series, Shape, Tile};
+use crate::words;
 use crate::{Feature, Grid, Role, Scene, Seen, Status, Step, Track};
 
 /// So many frames back a trail reaches.
 const TRAIL_FRAMES: usize = 20;
 
-fn fact(label: &'static str, value: String, role: Option<Role>) -> Fact {
-    Fact { label, value, role }
-}
-
 fn px(uv: [f32; 2]) -> String {
-    format!("{} px", tell::vector(uv))
+    format!("{} px", words::vector(uv))
 }
 
 fn grays(difference: f32) -> String {
-    format!("{} gray levels", tell::number(difference))
+    format!("{} gray levels", words::number(difference))
 }
 
 /// The feature whose turn it is.
@@ -114,14 +110,14 @@ impl Klt {
                     "There is room for {} features. How much of a corner each pixel of frame {frame} is, its structure tensor \
                      tells: the largest response is {}.",
                     self.max_points - state.live.len(),
-                    tell::number(largest)
+                    words::number(largest)
                 ))
             }
             Event::Peaks(found) => said.text(format!(
                 "{} pixels are local maxima and reach {} % of the largest response, {}.",
                 found.peaks.len(),
-                tell::number(100.0 * self.quality),
-                tell::number(found.limit)
+                words::number(100.0 * self.quality),
+                words::number(found.limit)
             )),
             Event::Taken(found) => said.ink(Role::Result, format!("{} new features", found.kept.len())).text(format!(
                 " are taken, the strongest first, each at least {} px from the others{}.",
@@ -141,7 +137,7 @@ impl Klt {
                     .ink(Role::Estimate, matrix(fit))
                     .text(format!(
                         " and shifted by {} px, it differs by {} on average.",
-                        tell::number(fit.shift[0].hypot(fit.shift[1])),
+                        words::number(fit.shift[0].hypot(fit.shift[1])),
                         grays(fit.difference)
                     ))
             }
@@ -159,8 +155,8 @@ impl Klt {
                 said.text("Tracked back to frame t, ")
                     .ink(Role::Reference, self.name(seen))
                     .text(" comes to ")
-                    .ink(Role::Predicted, tell::vector(place))
-                    .text(format!(", {} px from where it was: ", tell::number(off_px)))
+                    .ink(Role::Predicted, words::vector(place))
+                    .text(format!(", {} px from where it was: ", words::number(off_px)))
                     .ink(role, verdict)
                     .text(".")
             }
@@ -196,13 +192,13 @@ impl Klt {
                 Event::Responses(found) | Event::Peaks(found) | Event::Taken(found) => Some(found),
                 _ => None,
             });
-            let mut facts = vec![fact("Tracked", format!("{} features", seen.before.live.len()), None)];
+            let mut facts = vec![Fact::new("Tracked", format!("{} features", seen.before.live.len()), None)];
             // Each number from the step on that finds it.
             let stage = seen.events.len();
             let sifted = found.filter(|_| stage > 1);
-            facts.extend(sifted.map(|found| fact("Peaks", found.peaks.len().to_string(), None)));
+            facts.extend(sifted.map(|found| Fact::new("Peaks", found.peaks.len().to_string(), None)));
             let taken = found.filter(|_| stage > 2);
-            facts.extend(taken.map(|found| fact("New", found.kept.len().to_string(), None)));
+            facts.extend(taken.map(|found| Fact::new("New", found.kept.len().to_string(), None)));
             let plots = plots(seen.before).into_iter();
             return if seen.events.is_empty() {
                 Vec::new()
@@ -227,20 +223,22 @@ impl Klt {
     fn facts(&self, seen: &Seen<Self>, live: &Live, account: Option<&Account>) -> Vec<Fact> {
         let track = &seen.before.tracks[live.track as usize];
         let mut facts = vec![
-            fact("Feature", format!("{} at {}", live.track + 1, tell::vector(live.at)), Some(Role::Reference)),
-            fact("Seen since", format!("frame {}", track.first), None),
+            Fact::new("Feature", format!("{} at {}", live.track + 1, words::vector(live.at)), Some(Role::Reference)),
+            Fact::new("Seen since", format!("frame {}", track.first), None),
         ];
         facts.extend(account.map(Account::facts).unwrap_or_default());
         if let Some(place) = back(seen.events) {
             let off_px = off_px(live, place);
-            facts.push(fact("Way back", format!("{} px off", tell::number(off_px)), Some(Role::Predicted)));
+            facts.push(Fact::new("Way back", format!("{} px off", words::number(off_px)), Some(Role::Predicted)));
         }
-        facts.extend(fit(seen.events).map(|fit| fact("From first view", grays(fit.difference), Some(Role::Estimate))));
+        facts.extend(
+            fit(seen.events).map(|fit| Fact::new("From first view", grays(fit.difference), Some(Role::Estimate))),
+        );
         let truth = last_forward(seen.events).and_then(|(pair, _)| {
             let [x, y] = live.at.map(|c| c.round() as usize);
             pair.truth.as_ref().filter(|truth| truth.0.get(x, y).is_some())?.at(x, y)
         });
-        facts.extend(truth.map(|truth| fact("Truth", px(truth), Some(Role::Truth))));
+        facts.extend(truth.map(|truth| Fact::new("Truth", px(truth), Some(Role::Truth))));
         facts
     }
 
@@ -344,7 +342,7 @@ fn draw_view(account: &Account, fit: &Fit, is_refused: bool, scene: &mut Scene) 
 }
 
 fn matrix(fit: &Fit) -> String {
-    let [[a, b], [c, d]] = fit.matrix.map(|row| row.map(tell::number));
+    let [[a, b], [c, d]] = fit.matrix.map(|row| row.map(words::number));
     format!("A\u{a0}= ({a},\u{a0}{b}; {c},\u{a0}{d})")
 }
 
@@ -371,7 +369,7 @@ fn equation(fit: &Fit) -> Vec<Math> {
         Math::text(", "),
         Math::Var("s"),
         Math::text(" = "),
-        Math::ink(Role::Estimate, tell::vector(fit.shift)),
+        Math::ink(Role::Estimate, words::vector(fit.shift)),
     ]);
     vec![symbols, numbers]
 }

@@ -3,6 +3,7 @@
 use super::{LucasKanade, Solution};
 use crate::differential::{Constraints, Linear, Tensor, Texture, field, tell};
 use crate::scene::{Constraint, Fact, Math, Picture, Plane, Readout, Sentence, Shape, Spread, Step, arrow_spacing};
+use crate::words;
 use crate::{Role, Scene, Seen, Threads};
 
 /// The pixel that is explained, the one pointed at or else the one at work, and what its window says.
@@ -21,7 +22,7 @@ impl Looked<'_> {
 }
 
 fn px(uv: [f32; 2]) -> String {
-    format!("{} px", tell::vector(uv))
+    format!("{} px", words::vector(uv))
 }
 
 impl LucasKanade {
@@ -73,11 +74,11 @@ impl LucasKanade {
     fn sentence(&self, looked: &Looked) -> Sentence {
         let Solution { displacement, eigenvalues, texture } = looked.solution;
         let (x, y) = looked.pixel;
-        let [large, small] = eigenvalues.map(tell::number);
+        let [large, small] = eigenvalues.map(words::number);
         let said = Sentence::default().text("Around ").ink(Role::Reference, format!("pixel ({x}, {y})"));
         // Where the threshold is not the reason, it is that there is nothing but rounding.
         let why = |eigenvalue: f32, otherwise: &str| match eigenvalue < self.threshold {
-            true => format!("below the threshold of {}", tell::number(self.threshold)),
+            true => format!("below the threshold of {}", words::number(self.threshold)),
             false => otherwise.to_owned(),
         };
         match texture {
@@ -113,7 +114,7 @@ impl LucasKanade {
         if gone > 0 {
             facts.push(fact("Left the picture", format!("{gone} of {all} pixels of the window"), None));
         }
-        let [large, small] = solution.eigenvalues.map(tell::number);
+        let [large, small] = solution.eigenvalues.map(words::number);
         let texture = match solution.texture {
             Texture::Gone => "gone",
             Texture::Flat => "flat",
@@ -122,12 +123,12 @@ impl LucasKanade {
         };
         facts.push(fact("Eigenvalues", format!("{large} and {small}: {texture}"), None));
         if looked.is_told() {
-            let off = tell::number(tensor.residual(solution.displacement).sqrt());
+            let off = words::number(tensor.residual(solution.displacement).sqrt());
             facts.push(fact("Displacement", px(solution.displacement), Some(Role::Result)));
             facts.push(fact("Constraints off by", format!("{off} gray levels (root mean square)"), None));
         }
         if let Some(spread) = spread {
-            let [a, b] = spread.radii.map(tell::number);
+            let [a, b] = spread.radii.map(words::number);
             facts.push(fact("Standard deviation", format!("{a} to {b} px"), None));
         }
         let truth = seen.before.given.true_displacement(*pixel);
@@ -223,7 +224,7 @@ fn equation(looked: &Looked, is_about: bool) -> Vec<Math> {
         numbers(tensor.xy, tensor.yy, tensor.yt),
     ]);
     if looked.is_told() {
-        let found = Math::ink(Role::Result, tell::vector(looked.solution.displacement));
+        let found = Math::ink(Role::Result, words::vector(looked.solution.displacement));
         let parts = [Math::text("("), Math::Var("u"), Math::text(", "), Math::Var("v"), Math::text(") = "), found];
         lines.push(Math::Row(parts.to_vec()));
     }
@@ -250,14 +251,14 @@ fn symbols([first, second, right]: [Math; 3], after: &str) -> Math {
 /// An equation of the window with its means.
 fn numbers(a: f32, b: f32, c: f32) -> Math {
     Math::Row(vec![
-        Math::ink(Role::Reference, tell::number(a)),
+        Math::ink(Role::Reference, words::number(a)),
         Math::text(" "),
         Math::Var("u"),
         Math::text(" "),
-        Math::ink(Role::Reference, tell::plus(b)),
+        Math::ink(Role::Reference, words::plus(b)),
         Math::text(" "),
         Math::Var("v"),
         Math::text(" = "),
-        Math::ink(Role::Reference, tell::number(-c)),
+        Math::ink(Role::Reference, words::number(-c)),
     ])
 }

@@ -1,17 +1,13 @@
 //! How the filter is told and drawn.
 
 use super::{Event, Gated, KalmanFilter, Moment, State};
-use crate::differential::tell::number;
 use crate::kalman::{Filter, UpdateNumbers, chi_square, ellipse};
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Sentence, Series, Shape};
+use crate::words::number;
 use crate::{Grid, Role, Scene, Seen, Step};
 
 /// Names of what a sensor measures.
 const MEASURED: [&str; 4] = ["x", "y", "u", "v"];
-
-fn fact(label: &'static str, value: String, role: Option<Role>) -> Fact {
-    Fact { label, value, role }
-}
 
 fn short(value: f64) -> String {
     number(value as f32)
@@ -195,31 +191,35 @@ impl KalmanFilter {
     }
 
     fn facts(&self, seen: &Seen<Self>, now: &Now) -> Vec<Fact> {
-        let mut facts = vec![fact("Frame", now.frame.to_string(), None)];
+        let mut facts = vec![Fact::new("Frame", now.frame.to_string(), None)];
         let believed = now.after.or(now.predicted).or(now.before);
         if let Some(filter) = believed {
             let ([u, v], [[xx, _], [_, yy]]) = (filter.velocity(), filter.place_covariance());
             let role = if now.after.is_some() { Role::Estimate } else { Role::Predicted };
-            facts.push(fact("Place", format!("{} px", place(filter.place())), Some(role)));
-            facts.push(fact(
+            facts.push(Fact::new("Place", format!("{} px", place(filter.place())), Some(role)));
+            facts.push(Fact::new(
                 "Velocity",
                 format!("{} px/frame, {} px/frame fast", place([u, v]), short(u.hypot(v))),
                 None,
             ));
-            facts.push(fact("Standard deviation", format!("{} by {} px", short(xx.sqrt()), short(yy.sqrt())), None));
+            facts.push(Fact::new(
+                "Standard deviation",
+                format!("{} by {} px", short(xx.sqrt()), short(yy.sqrt())),
+                None,
+            ));
         }
         if let Some(gated) = now.gated.last() {
-            facts.push(fact("Measured", format!("{} px", place(gated.measurement.place)), Some(Role::Measured)));
-            facts.push(fact(
+            facts.push(Fact::new("Measured", format!("{} px", place(gated.measurement.place)), Some(Role::Measured)));
+            facts.push(Fact::new(
                 "NIS",
                 format!("{} of at most {}", short(gated.squared_distance), short(gated.limit)),
                 None,
             ));
         }
         if let (Some(truth), Some(filter)) = (truth(seen), believed) {
-            facts.push(fact("Truth", format!("{} px", place(truth)), Some(Role::Truth)));
-            facts.push(fact("Error", format!("{} px", short(distance(truth, filter.place()))), Some(Role::Error)));
-            facts.extend(filter.squared_error(truth).map(|nees| fact("NEES", short(nees), None)));
+            facts.push(Fact::new("Truth", format!("{} px", place(truth)), Some(Role::Truth)));
+            facts.push(Fact::new("Error", format!("{} px", short(distance(truth, filter.place()))), Some(Role::Error)));
+            facts.extend(filter.squared_error(truth).map(|nees| Fact::new("NEES", short(nees), None)));
         }
         facts
     }

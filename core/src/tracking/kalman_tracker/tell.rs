@@ -1,20 +1,16 @@
 //! How the tracker is told and drawn.
 
 use super::{Costs, Event, KalmanTracker, PairCost, State, Track};
-use crate::differential::tell::number;
 use crate::kalman::ellipse;
 use crate::objects::{Bounds, Life};
 use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Sentence, Series, Shape};
+use crate::words::number;
 use crate::{Grid, Role, Scene, Seen, Step};
 
 /// So many frames back a trail reaches.
 const TRAIL_FRAMES: usize = 40;
 /// So many rows and columns of a table of costs are shown.
 const SHOWN: usize = 12;
-
-fn fact(label: &'static str, value: String, role: Option<Role>) -> Fact {
-    Fact { label, value, role }
-}
 
 fn short(value: f64) -> String {
     number(value as f32)
@@ -133,16 +129,20 @@ impl KalmanTracker {
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
         let state = seen.before;
-        let mut facts = vec![fact("Frame", frame_of(state).to_string(), None)];
+        let mut facts = vec![Fact::new("Frame", frame_of(state).to_string(), None)];
         let objects = seen.after.unwrap_or(state).tracks.len();
-        facts.push(fact("Objects", objects.to_string(), None));
+        facts.push(Fact::new("Objects", objects.to_string(), None));
         if let Some(track) = track_of(seen) {
             let [[xx, _], [_, yy]] = track.filter.place_covariance();
-            facts.push(fact("Object", track.id.to_string(), None));
-            facts.push(fact("State", track.life.name().into(), None));
-            facts.push(fact("Seen", count(track.seen, "frame"), None));
-            facts.push(fact("Velocity", speed(track), None));
-            facts.push(fact("Standard deviation", format!("{} by {} px", short(xx.sqrt()), short(yy.sqrt())), None));
+            facts.push(Fact::new("Object", track.id.to_string(), None));
+            facts.push(Fact::new("State", track.life.name(), None));
+            facts.push(Fact::new("Seen", count(track.seen, "frame"), None));
+            facts.push(Fact::new("Velocity", speed(track), None));
+            facts.push(Fact::new(
+                "Standard deviation",
+                format!("{} by {} px", short(xx.sqrt()), short(yy.sqrt())),
+                None,
+            ));
         }
         let mut readouts = vec![Readout::Facts(facts)];
         if let Some((costs, pair)) = costs_of(seen) {
