@@ -11,7 +11,7 @@ use crate::paint::{Face, Theme, number};
 /// Between two matrices, in letters.
 const GAP_LETTERS: f32 = 1.6;
 /// Width of a column, in letters.
-const COLUMN_LETTERS: f32 = 4.6;
+const COLUMN_LETTERS: f32 = 5.4;
 /// Height of a row, in letters.
 const ROW_LETTERS: f32 = 1.6;
 

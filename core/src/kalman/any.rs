@@ -3,7 +3,8 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::{Acceleration, Estimate, Motion, Sensor, Turn, Velocity, smoothed};
-use crate::Grid;
+use crate::objects::{Bounds, Life, Object};
+use crate::{Grid, choices};
 
 /// What is believed, and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,31 @@ pub enum Model {
     Acceleration(Acceleration),
     /// Coordinated turn.
     Turn(Turn),
+}
+
+choices! {
+    /// How objects are thought to move.
+    pub enum MotionModel {
+        /// Straight on, with their velocity.
+        Velocity = "velocity" "Constant velocity",
+        /// With their velocity and their acceleration, as what is thrown.
+        Acceleration = "acceleration" "Constant acceleration",
+        /// With their speed along an arc: an extended filter.
+        Turn = "turn" "Coordinated turn",
+    }
+}
+
+impl MotionModel {
+    /// The model with these standard deviations: of the acceleration in px/frame², or of its change in a frame where it is
+    /// part of the state, and of the change of the rate of a turn in degrees/frame².
+    pub fn model(self, deviation: f32, turn_deg: f32) -> Model {
+        let deviation = f64::from(deviation);
+        match self {
+            Self::Velocity => Model::Velocity(Velocity { acceleration: deviation }),
+            Self::Acceleration => Model::Acceleration(Acceleration { change: deviation }),
+            Self::Turn => Model::Turn(Turn { acceleration: deviation, rate_change: f64::from(turn_deg).to_radians() }),
+        }
+    }
 }
 
 /// What a sensor tells of an object, in px and px/frame.
@@ -239,6 +265,28 @@ impl Filter {
         let ([x, y], [[xx, xy], [yx, yy]]) = (self.place(), self.place_covariance());
         let place = Estimate::<2> { state: [x, y].into(), covariance: SMatrix::from([[xx, yx], [xy, yy]]) };
         place.squared_error(&truth.into())
+    }
+
+    /// The object that it follows, in a box of this size around its place.
+    pub fn object(&self, id: u32, size: [f32; 2], life: Life) -> Object {
+        Object {
+            id,
+            bounds: Bounds::around(self.place().map(|c| c as f32), size),
+            life,
+            position: self.place(),
+            velocity: Some(self.velocity()),
+            covariance: Some(self.place_covariance()),
+            detection: None,
+        }
+    }
+
+    /// How far what is known of the next frame reaches back, C of [`smoothed`]; `None` where the covariance of the prediction is
+    /// not positive definite.
+    pub fn smoothing_gain(&self) -> Option<Grid<f64>> {
+        with!(self, |motion, estimate| {
+            let prediction = estimate.predicted(motion);
+            smoothed(estimate, &prediction, &prediction.estimate).map(|smoothed| grid(&smoothed.gain))
+        })
     }
 
     /// What the numbers of the state are.

@@ -1,28 +1,17 @@
 //! The Kalman filter on one object: predict, gate and update in each frame, and at the end a walk back.
 
+mod matrices;
 mod tell;
 
 use std::sync::Arc;
 
-use crate::kalman::{Acceleration, Filter, Measurement, Model, Turn, Velocity, chi_square};
+use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
 use crate::objects::source::{Detector, Noise, Source, center, truth_of};
-use crate::objects::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame, Span};
+use crate::objects::{Detection, Life, Object, ObjectField, ObjectFrame, Span};
 use crate::scene::Chart;
 use crate::{
     Clip, Error, Estimator, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices, params,
 };
-
-choices! {
-    /// How the object is thought to move.
-    pub enum Motion {
-        /// Straight on, with its velocity.
-        Velocity = "velocity" "Constant velocity",
-        /// With its velocity and its acceleration, as what is thrown.
-        Acceleration = "acceleration" "Constant acceleration",
-        /// With its speed along an arc: an extended filter.
-        Turn = "turn" "Coordinated turn",
-    }
-}
 
 choices! {
     /// What measures the object.
@@ -65,7 +54,7 @@ params! {
         /// At most so many frames, the first one counted; fewer where the clip ends.
         frames: usize = 300, 2..=10_000;
         /// How the object is thought to move.
-        motion: Motion = Motion::Velocity;
+        motion: MotionModel = MotionModel::Velocity;
         /// Standard deviation of what disturbs the motion: an acceleration, or in constant acceleration its change in a frame.
         process_noise: f32 = 0.5, 0.0..=50.0, "px/frame²";
         /// Standard deviation of what disturbs the rate of a coordinated turn.
@@ -88,7 +77,7 @@ params! {
         velocity_noise: f32 = 1.0, 0.01..=100.0, "px/frame";
         /// A measurement is taken if it lies where this share of all measurements of the object would lie.
         gate: f32 = 0.99, 0.5..=0.9999;
-        /// The first frame of the run, counted from 0, in which nothing is measured; see below.
+        /// The first frame of the run, counted from 0, in which nothing is measured, if there are such.
         drop_from: usize = 0, 0..=10_000;
         /// In so many frames nothing is measured, as if something hid the object.
         drop_frames: usize = 0, 0..=1000;
@@ -128,7 +117,7 @@ pub struct State {
 /// What a frame came to.
 #[derive(Clone, Debug, Default)]
 struct Moment {
-    detections: Vec<Detection>,
+    detections: Arc<Vec<Detection>>,
     /// What was measured of the object.
     measured: Vec<[f64; 2]>,
     /// What was expected.
@@ -143,6 +132,12 @@ struct Moment {
     nis: Vec<(f64, usize)>,
     truth: Option<[f64; 2]>,
     object: Option<Object>,
+}
+
+impl Moment {
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&self.detections[..])
+    }
 }
 
 /// What happens in a frame.
@@ -164,8 +159,8 @@ pub enum Event {
     Missed(Option<Box<Filter>>),
     /// The object was given up.
     Lost(Box<Filter>),
-    /// A frame, with what is known of the next one: what was believed, what is of the next, and what is now.
-    Smoothed(Box<[Filter; 3]>),
+    /// A frame, with what is known of the next one: what was believed, and what is now.
+    Smoothed(Box<[Filter; 2]>),
     /// There is no next frame to learn from.
     Kept(Option<Box<Filter>>),
 }
@@ -188,18 +183,6 @@ impl Gated {
 }
 
 impl KalmanFilter {
-    fn model(&self) -> Model {
-        let deviation = f64::from(self.process_noise);
-        match self.motion {
-            Motion::Velocity => Model::Velocity(Velocity { acceleration: deviation }),
-            Motion::Acceleration => Model::Acceleration(Acceleration { change: deviation }),
-            Motion::Turn => {
-                let rate_change = f64::from(self.turn_noise).to_radians();
-                Model::Turn(Turn { acceleration: deviation, rate_change })
-            }
-        }
-    }
-
     fn is_dropped(&self, index: usize) -> bool {
         index.checked_sub(self.drop_from).is_some_and(|index| index < self.drop_frames)
     }
@@ -235,9 +218,7 @@ impl KalmanFilter {
     /// The detection that is nearest to what is expected.
     fn nearest(&self, expected: &Filter, detections: &[Detection]) -> Option<Measurement> {
         let all = detections.iter().map(|detection| self.first(detection));
-        let far = |measurement: &Measurement| {
-            expected.updated(measurement).map_or(f64::INFINITY, |(_, squared_distance)| squared_distance)
-        };
+        let far = |measurement: &Measurement| expected.squared_distance(measurement).unwrap_or(f64::INFINITY);
         all.min_by(|a, b| far(a).total_cmp(&far(b)))
     }
 
@@ -287,14 +268,14 @@ impl KalmanFilter {
             observer.see(|| Event::Hidden(moment.truth));
             Vec::new()
         } else {
-            moment.detections = state.detector.look(clip, t)?;
+            moment.detections = Arc::new(state.detector.look(clip, t)?);
             let first = match moment.predicted {
                 Some(expected) => self.nearest(&expected, &moment.detections),
                 None => self.begin_with(&moment.detections).map(|detection| self.first(detection)),
             };
             let second = first.and(self.second(clip, state, t)?);
             let all: Vec<Measurement> = first.into_iter().chain(second).collect();
-            observer.see(|| Event::Looked(Arc::new(moment.detections.clone()), all.clone(), moment.truth));
+            observer.see(|| Event::Looked(Arc::clone(&moment.detections), all.clone(), moment.truth));
             all
         };
         moment.measured = measurements.iter().map(|measurement| measurement.place).collect();
@@ -309,11 +290,8 @@ impl KalmanFilter {
             }
         }
         moment.filtered = state.filter;
-        moment.object = state.filter.map(|filter| object(state, &filter));
-        if let (Some(filter), Some(object)) = (moment.filtered, &mut moment.object) {
-            // The box goes with the detection that was taken.
-            object.bounds = Bounds::around(filter.place().map(|c| c as f32), state.size);
-        }
+        let life = if state.missed == 0 { Life::Confirmed } else { Life::Coasting };
+        moment.object = state.filter.map(|filter| filter.object(state.begun, state.size, life));
         Ok(moment)
     }
 
@@ -329,7 +307,8 @@ impl KalmanFilter {
             observer.see(|| Event::Missed(None));
             return Ok(());
         };
-        let filter = Filter::begun(self.model(), first, f64::from(self.first_speed));
+        let filter =
+            Filter::begun(self.motion.model(self.process_noise, self.turn_noise), first, f64::from(self.first_speed));
         observer.see(|| Event::Begun(Box::new(filter)));
         (state.filter, state.missed, moment.begins) = (Some(filter), 0, true);
         state.begun += 1;
@@ -364,19 +343,14 @@ impl KalmanFilter {
             (filtered, _) => filtered,
         };
         let smoothed = moment.smoothed;
-        match (filtered, next, smoothed) {
-            (Some(filtered), Some(next), Some(smoothed)) => {
-                observer.see(|| Event::Smoothed(Box::new([filtered, next, smoothed])));
-            }
-            (filtered, ..) => observer.see(|| Event::Kept(filtered.map(Box::new))),
-        }
-        if let (Some(smoothed), Some(object)) = (smoothed, &mut moment.object) {
-            let size = object.bounds.size();
-            object.position = smoothed.place();
-            object.velocity = Some(smoothed.velocity());
-            object.covariance = Some(smoothed.place_covariance());
-            object.bounds = Bounds::around(smoothed.place().map(|c| c as f32), size);
-        }
+        observer.see(|| match (filtered, next, smoothed) {
+            (Some(filtered), Some(_), Some(smoothed)) => Event::Smoothed(Box::new([filtered, smoothed])),
+            (filtered, ..) => Event::Kept(filtered.map(Box::new)),
+        });
+        moment.object = moment
+            .object
+            .zip(smoothed)
+            .map(|(object, smoothed)| smoothed.object(object.id, object.bounds.size(), object.life));
     }
 }
 
@@ -387,18 +361,6 @@ fn nearest_object(clip: &Clip, t: usize, place: [f64; 2]) -> Result<Option<u32>,
     let far = |at: [f64; 2]| (at[0] - place[0]).hypot(at[1] - place[1]);
     let nearest = objects.iter().min_by(|a, b| far(center(a)).total_cmp(&far(center(b))));
     Ok(nearest.map(|object| object.id))
-}
-
-fn object(state: &State, filter: &Filter) -> Object {
-    Object {
-        id: state.begun,
-        bounds: Bounds::around(filter.place().map(|c| c as f32), state.size),
-        life: if state.missed == 0 { Life::Confirmed } else { Life::Coasting },
-        position: filter.place(),
-        velocity: Some(filter.velocity()),
-        covariance: Some(filter.place_covariance()),
-        detection: None,
-    }
 }
 
 impl Estimator for KalmanFilter {
@@ -485,8 +447,13 @@ impl Estimator for KalmanFilter {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        let of_moment = |moment: &Arc<Moment>| size_of::<Moment>() + size_of_val(&moment.detections[..]);
-        size_of::<State>() + state.detector.bytes() + state.moments.iter().map(of_moment).sum::<usize>()
+        // What earlier frames came to is shared with the states before.
+        size_of::<State>() + size_of_val(&state.moments[..]) + state.moments.last().map_or(0, |moment| moment.bytes())
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let earlier: usize = state.moments.iter().map(|moment| moment.bytes()).sum();
+        self.state_bytes(state) + state.detector.bytes() + earlier
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -509,7 +476,7 @@ impl Estimator for KalmanFilter {
     fn output(&self, state: &State) -> Output {
         let frame = |moment: &Arc<Moment>| {
             let objects = moment.object.into_iter().collect();
-            Arc::new(ObjectFrame { mask: None, detections: moment.detections.clone(), objects })
+            Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&moment.detections), objects })
         };
         let frames = state.moments.iter().map(frame).collect();
         Output::Objects(ObjectField { picture: state.picture, first: state.span.first, frames })

@@ -4,7 +4,7 @@ mod tell;
 
 use std::sync::Arc;
 
-use crate::kalman::{Acceleration, Filter, Measurement, Model, Velocity, chi_square};
+use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
 use crate::objects::assignment::{least_cost, nearest_first};
 use crate::objects::source::{Detector, Noise, Source};
 use crate::objects::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame, Span};
@@ -13,16 +13,6 @@ use crate::{
     Clip, Error, Estimator, Grid, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices,
     params,
 };
-
-choices! {
-    /// How objects are thought to move.
-    pub enum Motion {
-        /// Straight on, with their velocity.
-        Velocity = "velocity" "Constant velocity",
-        /// With their velocity and their acceleration.
-        Acceleration = "acceleration" "Constant acceleration",
-    }
-}
 
 choices! {
     /// How pairs of objects and detections are chosen.
@@ -60,9 +50,11 @@ params! {
         /// Which noise that is.
         seed: u32 = 1, 0..=9999;
         /// How objects are thought to move.
-        motion: Motion = Motion::Velocity;
+        motion: MotionModel = MotionModel::Velocity;
         /// Standard deviation of what disturbs the motion in a frame, as a share of the height of the object.
         process_noise: f32 = 0.02, 0.0..=2.0;
+        /// Standard deviation of what disturbs the rate of a coordinated turn.
+        turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
         /// Standard deviation of a measured place along each axis, as a share of the height of the object.
         measurement_noise: f32 = 0.1, 0.001..=2.0;
         /// How pairs of objects and detections are chosen.
@@ -155,27 +147,12 @@ impl Track {
     }
 
     fn object(&self, detection: Option<usize>) -> Object {
-        Object {
-            id: self.id,
-            bounds: self.bounds(),
-            life: self.life,
-            position: self.filter.place(),
-            velocity: Some(self.filter.velocity()),
-            covariance: Some(self.filter.place_covariance()),
-            detection,
-        }
+        let size = self.size.map(|side| side as f32);
+        Object { detection, ..self.filter.object(self.id, size, self.life) }
     }
 }
 
 impl KalmanTracker {
-    fn model(&self, height_px: f64) -> Model {
-        let deviation = f64::from(self.process_noise) * height_px;
-        match self.motion {
-            Motion::Velocity => Model::Velocity(Velocity { acceleration: deviation }),
-            Motion::Acceleration => Model::Acceleration(Acceleration { change: deviation }),
-        }
-    }
-
     fn measurement(&self, detection: &Detection) -> Measurement {
         let height_px = f64::from(detection.bounds.size()[1]).max(1.0);
         let place_deviation = f64::from(self.measurement_noise) * height_px;
@@ -228,8 +205,9 @@ impl KalmanTracker {
         let size = detection.bounds.size().map(f64::from);
         let life = if self.confirm <= 1 { Life::Confirmed } else { Life::Tentative };
         let height_px = size[1].max(1.0);
+        let model = self.motion.model(self.process_noise * height_px as f32, self.turn_noise);
         // In a frame hardly anything goes as far as half its height.
-        let filter = Filter::begun(self.model(height_px), &self.measurement(detection), height_px / 4.0);
+        let filter = Filter::begun(model, &self.measurement(detection), height_px / 4.0);
         Track { id, filter, size, seen: 1, missed: 0, life }
     }
 
@@ -340,8 +318,14 @@ impl Estimator for KalmanTracker {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
+        // What earlier frames came to is shared with the states before.
+        let last = state.frames.last().map_or(0, |frame| frame.bytes());
+        size_of::<State>() + size_of_val(&state.frames[..]) + size_of_val(&state.tracks[..]) + last
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
         let frames: usize = state.frames.iter().map(|frame| frame.bytes()).sum();
-        size_of::<State>() + state.detector.bytes() + frames + size_of_val(&state.tracks[..])
+        self.state_bytes(state) + state.detector.bytes() + frames
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {

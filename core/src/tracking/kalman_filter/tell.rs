@@ -1,13 +1,11 @@
 //! How the filter is told and drawn.
 
+use super::matrices::matrices;
 use super::{Event, Gated, KalmanFilter, Moment, State};
-use crate::kalman::{Filter, UpdateNumbers, chi_square, ellipse};
-use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Sentence, Series, Shape};
+use crate::kalman::{Filter, chi_square, ellipse};
+use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Series, Shape};
 use crate::words::number;
-use crate::{Grid, Role, Scene, Seen, Step};
-
-/// Names of what a sensor measures.
-const MEASURED: [&str; 4] = ["x", "y", "u", "v"];
+use crate::{Role, Scene, Seen, Step};
 
 fn short(value: f64) -> String {
     number(value as f32)
@@ -32,6 +30,14 @@ struct Now<'a> {
     after: Option<Filter>,
 }
 
+impl Now<'_> {
+    /// What is believed by now, and in which role.
+    fn believed(&self) -> Option<(&Filter, Role)> {
+        let predicted = || self.predicted.as_ref().or(self.before.as_ref()).map(|filter| (filter, Role::Predicted));
+        self.after.as_ref().map(|filter| (filter, Role::Estimate)).or_else(predicted)
+    }
+}
+
 impl KalmanFilter {
     fn now<'a>(&self, seen: &Seen<'a, Self>) -> Now<'a> {
         let state = seen.before;
@@ -45,7 +51,7 @@ impl KalmanFilter {
                 Event::Begun(filter) => now.after = Some(**filter),
                 Event::Missed(filter) => now.after = filter.as_deref().copied(),
                 Event::Lost(filter) => now.after = Some(**filter),
-                Event::Smoothed(all) => (now.before, now.after) = (Some(all[0]), Some(all[2])),
+                Event::Smoothed(all) => (now.before, now.after) = (Some(all[0]), Some(all[1])),
                 Event::Kept(filter) => {
                     (now.before, now.after) = (filter.as_deref().copied(), filter.as_deref().copied())
                 }
@@ -151,16 +157,16 @@ impl KalmanFilter {
                 self.patience
             )),
             Some(Event::Smoothed(all)) => {
-                let far = distance(all[0].place(), all[2].place());
+                let far = distance(all[0].place(), all[1].place());
                 said.text(format!(
                     "Frame {frame} once more, with what is known of the next: what is believed moves by {} px ",
                     short(far)
                 ))
-                .ink(Role::Result, format!("to {}", place(all[2].place())))
+                .ink(Role::Result, format!("to {}", place(all[1].place())))
                 .text(format!(
                     ", and its standard deviation goes from {} to {} px.",
                     short(deviation(&all[0])),
-                    short(deviation(&all[2]))
+                    short(deviation(&all[1]))
                 ))
             }
             Some(Event::Kept(Some(_))) => said
@@ -182,7 +188,7 @@ impl KalmanFilter {
     fn readouts(&self, seen: &Seen<Self>, now: &Now) -> Vec<Readout> {
         let mut readouts = vec![Readout::Facts(self.facts(seen, now))];
         readouts.extend(self.equation(seen.events.last()));
-        let matrices = matrices(seen.events.last(), now);
+        let matrices = matrices(seen.events.last(), now.believed());
         if !matrices.is_empty() {
             readouts.push(Readout::Matrices(matrices));
         }
@@ -192,10 +198,9 @@ impl KalmanFilter {
 
     fn facts(&self, seen: &Seen<Self>, now: &Now) -> Vec<Fact> {
         let mut facts = vec![Fact::new("Frame", now.frame.to_string(), None)];
-        let believed = now.after.or(now.predicted).or(now.before);
-        if let Some(filter) = believed {
+        let believed = now.believed();
+        if let Some((filter, role)) = believed {
             let ([u, v], [[xx, _], [_, yy]]) = (filter.velocity(), filter.place_covariance());
-            let role = if now.after.is_some() { Role::Estimate } else { Role::Predicted };
             facts.push(Fact::new("Place", format!("{} px", place(filter.place())), Some(role)));
             facts.push(Fact::new(
                 "Velocity",
@@ -216,7 +221,7 @@ impl KalmanFilter {
                 None,
             ));
         }
-        if let (Some(truth), Some(filter)) = (truth(seen), believed) {
+        if let (Some(truth), Some((filter, _))) = (truth(seen), believed) {
             facts.push(Fact::new("Truth", format!("{} px", place(truth)), Some(Role::Truth)));
             facts.push(Fact::new("Error", format!("{} px", short(distance(truth, filter.place()))), Some(Role::Error)));
             facts.extend(filter.squared_error(truth).map(|nees| Fact::new("NEES", short(nees), None)));
@@ -486,97 +491,4 @@ fn measured(seen: &Seen<KalmanFilter>, now: &Now, scene: &mut Scene) {
         scene.mark(Picture::Current, Role::Measured, Shape::Arrows(arrows));
         scene.legend(Role::Measured, "measured; the arrow is the innovation ν");
     }
-}
-
-fn column(values: &[f64]) -> Grid<f64> {
-    Grid::from_fn(1, values.len(), |_, y| values[y])
-}
-
-/// A matrix by its symbol, its name, its role and its entries.
-fn matrix(symbol: &'static str, name: &'static str, role: Option<Role>, entries: Grid<f64>) -> Matrix {
-    Matrix { symbol, name, role, entries, rows: Vec::new(), columns: Vec::new(), changed: None }
-}
-
-/// The state and its covariance, with what differs from `before` lit.
-fn belief(filter: &Filter, before: Option<&Filter>, role: Role) -> [Matrix; 2] {
-    let differs = |now: &Grid<f64>, old: Option<Grid<f64>>| {
-        let old = old.filter(|old| old.size() == now.size())?;
-        let (width, height) = now.size();
-        Some(Grid::from_fn(width, height, |x, y| now[(x, y)] != old[(x, y)]))
-    };
-    let (state, covariance) = (column(&filter.state()), filter.covariance());
-    let rows = filter.names().to_vec();
-    let changed = [
-        differs(&state, before.map(|before| column(&before.state()))),
-        differs(&covariance, before.map(Filter::covariance)),
-    ];
-    let [of_state, of_covariance] = changed;
-    [
-        Matrix { rows: rows.clone(), changed: of_state, ..matrix("x", "state", Some(role), state) },
-        Matrix {
-            columns: rows.clone(),
-            rows,
-            changed: of_covariance,
-            ..matrix("P", "its covariance", Some(role), covariance)
-        },
-    ]
-}
-
-fn of_update(numbers: UpdateNumbers, names: &[&'static str]) -> [Matrix; 5] {
-    let UpdateNumbers { observation, noise, residual, covariance, gain, .. } = numbers;
-    let measured = MEASURED[..residual.len()].to_vec();
-    let square = |name: &'static str, meaning, entries| Matrix {
-        rows: measured.clone(),
-        columns: measured.clone(),
-        ..matrix(name, meaning, None, entries)
-    };
-    [
-        Matrix { rows: measured.clone(), ..matrix("ν", "innovation", Some(Role::Measured), column(&residual)) },
-        square("S", "its covariance", covariance),
-        Matrix { rows: names.to_vec(), columns: measured.clone(), ..matrix("K", "gain", None, gain) },
-        square("R", "noise of the measurement", noise),
-        Matrix {
-            rows: measured.clone(),
-            columns: names.to_vec(),
-            ..matrix("H", "what is measured", None, observation)
-        },
-    ]
-}
-
-/// All matrices of a step.
-fn matrices(event: Option<&Event>, now: &Now) -> Vec<Matrix> {
-    match event {
-        None | Some(Event::Kept(None)) => Vec::new(),
-        Some(Event::Predicted(both)) => {
-            let [before, after] = &**both;
-            let numbers = before.prediction_numbers();
-            let names = before.names().to_vec();
-            let square = |name: &'static str, meaning, entries| Matrix {
-                rows: names.clone(),
-                columns: names.clone(),
-                ..matrix(name, meaning, None, entries)
-            };
-            let mut all = belief(after, Some(before), Role::Predicted).to_vec();
-            all.push(square("F", "transition", numbers.transition));
-            all.push(square("Q", "noise of the motion", numbers.noise));
-            all
-        }
-        Some(Event::Gated(gated)) => with_update(belief(&gated.expected, None, Role::Predicted), gated),
-        Some(Event::Updated(update)) => {
-            with_update(belief(&update.1, Some(&update.0.expected), Role::Estimate), &update.0)
-        }
-        Some(Event::Smoothed(all)) => belief(&all[2], Some(&all[0]), Role::Result).to_vec(),
-        Some(_) => {
-            let role = if now.after.is_some() { Role::Estimate } else { Role::Predicted };
-            let filter = now.after.or(now.predicted);
-            filter.map_or_else(Vec::new, |filter| belief(&filter, None, role).to_vec())
-        }
-    }
-}
-
-fn with_update(belief: [Matrix; 2], gated: &Gated) -> Vec<Matrix> {
-    let mut all = belief.to_vec();
-    let numbers = gated.expected.update_numbers(&gated.measurement);
-    all.extend(numbers.into_iter().flat_map(|numbers| of_update(numbers, gated.expected.names())));
-    all
 }
