@@ -32,6 +32,7 @@ mod polynomial;
 mod pyramid;
 mod registry;
 pub mod scene;
+mod span;
 mod stop;
 mod streaks;
 mod subtraction;

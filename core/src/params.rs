@@ -263,6 +263,26 @@ impl Parameter for bool {
     }
 }
 
+/// Gives a struct around parameters those that it holds: `inner_params!(Corners<M: Measure>)`.
+macro_rules! inner_params {
+    ($name:ident<$inner:ident: $bound:path>) => {
+        impl<$inner: $bound> $crate::Params for $name<$inner> {
+            fn specs(&self) -> &'static [$crate::Spec] {
+                self.0.specs()
+            }
+
+            fn value(&self, index: usize) -> $crate::Value {
+                self.0.value(index)
+            }
+
+            fn set_value(&mut self, index: usize, value: $crate::Value) -> Result<(), $crate::Error> {
+                self.0.set_value(index, value)
+            }
+        }
+    };
+}
+pub(crate) use inner_params;
+
 /// Declares a struct of parameters with its [`Default`] and [`Params`].
 ///
 /// ```

@@ -6,10 +6,11 @@ use super::declare::HasSettings;
 use super::response::Tensors;
 use super::select::{Chosen, Peaks, Settings, largest, rank};
 use crate::differential::Tensor;
+use crate::params::inner_params;
 use crate::scene::{Chart, Math, Step};
 use crate::{
     Clip, Cursor, Error, Estimator, Explained, Feature, Frame, Gray, Grid, Info, Observer, Output, Params, PointField,
-    Progress, Promise, Rung, Scene, Seen, Spec, Status, Threads, Value,
+    Progress, Promise, Rung, Scene, Seen, Status, Threads,
 };
 
 /// What makes a pixel a corner.
@@ -34,19 +35,7 @@ pub trait Measure: Params + HasSettings + Default + Clone + Send + Sync + 'stati
 #[derive(Clone, Debug, Default)]
 pub struct Corners<M>(pub M);
 
-impl<M: Measure> Params for Corners<M> {
-    fn specs(&self) -> &'static [Spec] {
-        self.0.specs()
-    }
-
-    fn value(&self, index: usize) -> Value {
-        self.0.value(index)
-    }
-
-    fn set_value(&mut self, index: usize, value: Value) -> Result<(), Error> {
-        self.0.set_value(index, value)
-    }
-}
+inner_params!(Corners<M: Measure>);
 
 /// What a run reads and writes.
 #[derive(Clone)]

@@ -5,8 +5,9 @@ mod tell;
 use std::sync::Arc;
 
 use crate::estimator::Mapped;
-use crate::objects::{LabelEvent, Labelling, Span};
+use crate::objects::{LabelEvent, Labelling};
 use crate::scene::{Chart, Step};
+use crate::span::Span;
 use crate::subtraction::{HasSettings, cleaned, sifted, subtraction_params};
 use crate::{
     Clip, Detection, Error, Estimator, Frame, Grid, Info, Mask, ObjectField, ObjectFrame, Observer, Output, Progress,
@@ -174,11 +175,9 @@ impl Estimator for ConnectedComponents {
     }
 
     fn place(&self, state: &State) -> Vec<Rung> {
-        vec![
-            Rung { index: 0, of: Some(1) },
-            Rung { index: state.frame - state.span.first, of: state.span.frames() },
-            Rung { index: state.row, of: Some(state.picture.1 + 1) },
-        ]
+        let mut place = state.span.place(state.frame - state.span.first);
+        place.push(Rung { index: state.row, of: Some(state.picture.1 + 1) });
+        place
     }
 
     fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {

@@ -6,14 +6,12 @@ mod mask;
 mod morphology;
 pub mod score;
 pub mod source;
-mod span;
 
 use std::sync::Arc;
 
 pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
 pub use mask::Mask;
 pub use morphology::MAX_RADIUS_PX;
-pub use span::Span;
 
 use crate::ObjectBox;
 

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Bounds, Connectivity, Detection, Span};
+use super::{Bounds, Connectivity, Detection};
+use crate::span::Span;
 use crate::subtraction::{Settings, blobs};
 use crate::synth::random::{gaussian, hash};
 use crate::{Clip, Error, Frame, Gray, Grid, Mask, ObjectBox, choices};

@@ -12,6 +12,7 @@ use crate::features::tracker::Level;
 use crate::features::{Detection, detect_around};
 use crate::interest_points::{Harris, ShiTomasi};
 use crate::scene::Chart;
+use crate::span::Span;
 use crate::{
     Clip, Error, Estimator, Feature, Flow, Frame, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen,
     Status, Step, Threads, Track, TrackField, choices, params,
@@ -64,9 +65,7 @@ params! {
 /// What a run reads and writes.
 #[derive(Clone)]
 pub struct State {
-    /// The frame that the run began on, and the last one that it may come to.
-    first: usize,
-    last: usize,
+    span: Span,
     /// The first frame of the pair at hand.
     frame: usize,
     /// The feature whose turn it is, an index of `live`; `None` while features are looked for.
@@ -159,7 +158,7 @@ impl Klt {
     /// Looks for features in the first frame of the pair, if there is room for more.
     fn look(&self, state: &State, pair: &Pair, threads: &Threads) -> Option<Detection> {
         let room = self.max_points.saturating_sub(state.live.len());
-        if room == 0 || (state.frame > state.first && !self.replenish) {
+        if room == 0 || (state.frame > state.span.first && !self.replenish) {
             return None;
         }
         let (picture, taken) = (Arc::clone(&pair.first), state.live.iter().map(|live| live.at));
@@ -281,8 +280,8 @@ impl Klt {
         state.live = std::mem::take(&mut state.next);
         state.pyramid = state.pair.take().map(|pair| Arc::clone(&pair.pyramids[1]));
         (state.frame, state.turn) = (state.frame + 1, None);
-        // Where nobody knows how many frames there are, the clip ends where none comes.
-        let is_over = state.frame >= state.last || (clip.info().frames.is_none() && clip.pair(state.frame).is_err());
+        // A pair has a frame to go on to.
+        let is_over = state.span.is_over(clip, state.frame + 1);
         if is_over { Progress::Done } else { Progress::More }
     }
 }
@@ -317,11 +316,8 @@ impl Estimator for Klt {
     type Event = Event;
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        clip.pair(frame)?;
-        let end = clip.info().frames.map_or(usize::MAX, |frames| frames - 1);
         Ok(State {
-            first: frame,
-            last: frame.saturating_add(self.frames - 1).min(end),
+            span: Span::new(clip, frame, self.frames)?,
             frame,
             turn: None,
             begun: 0,
@@ -367,10 +363,10 @@ impl Estimator for Klt {
     }
 
     fn place(&self, state: &State) -> Vec<Rung> {
-        let pairs = Some(state.last - state.first).filter(|_| state.last < usize::MAX);
+        let pairs = state.span.frames().map(|frames| frames - 1);
         vec![
             Rung { index: 0, of: Some(1) },
-            Rung { index: state.frame - state.first, of: pairs },
+            Rung { index: state.frame - state.span.first, of: pairs },
             // Looking for features counts with the first of them.
             Rung { index: state.turn.unwrap_or(0), of: state.turn.map(|_| state.live.len()) },
         ]
@@ -418,7 +414,7 @@ impl Estimator for Klt {
     }
 
     fn output(&self, state: &State) -> Output {
-        let (first, last) = (state.first, state.frame);
+        let (first, last) = (state.span.first, state.frame);
         Output::Tracks(TrackField { picture: state.picture, first, last, tracks: state.tracks.clone() })
     }
 

@@ -13,11 +13,13 @@ pub(crate) use explanation::{Explanation, compared};
 pub(crate) use rows::{Flags, by_rows};
 pub(crate) use tell::{Account, plots};
 
-use crate::objects::{Labelling, Span};
+use crate::objects::Labelling;
+use crate::params::inner_params;
 use crate::scene::{Chart, Step};
+use crate::span::Span;
 use crate::{
     Clip, Detection, Error, Estimator, Explained, Frame, Gray, Grid, Info, Mask, ObjectField, ObjectFrame, Observer,
-    Output, Params, Progress, Promise, Rung, Scene, Seen, Spec, Threads, Value,
+    Output, Params, Progress, Promise, Rung, Scene, Seen, Threads,
 };
 
 /// A model of the background.
@@ -72,19 +74,7 @@ pub struct Found {
 #[derive(Clone, Debug, Default)]
 pub struct Subtraction<M>(pub M);
 
-impl<M: Background> Params for Subtraction<M> {
-    fn specs(&self) -> &'static [Spec] {
-        self.0.specs()
-    }
-
-    fn value(&self, index: usize) -> Value {
-        self.0.value(index)
-    }
-
-    fn set_value(&mut self, index: usize, value: Value) -> Result<(), Error> {
-        self.0.set_value(index, value)
-    }
-}
+inner_params!(Subtraction<M: Background>);
 
 /// What a run reads and writes.
 #[derive(Clone)]
@@ -238,8 +228,7 @@ impl<M: Background> Estimator for Subtraction<M> {
     }
 
     fn place(&self, state: &Self::State) -> Vec<Rung> {
-        let index = state.frame - state.span.first;
-        vec![Rung { index: 0, of: Some(1) }, Rung { index, of: state.span.frames() }]
+        state.span.place(state.frame - state.span.first)
     }
 
     fn explained(&self, state: &Self::State, point: [f32; 2]) -> Option<Explained> {

@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
 use crate::objects::source::{Detector, Noise, Source, center, truth_of};
-use crate::objects::{Detection, Life, Object, ObjectField, ObjectFrame, Span};
+use crate::objects::{Detection, Life, Object, ObjectField, ObjectFrame};
 use crate::scene::Chart;
+use crate::span::Span;
 use crate::{
     Clip, Error, Estimator, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices, params,
 };

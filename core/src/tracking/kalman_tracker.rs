@@ -7,8 +7,9 @@ use std::sync::Arc;
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
 use crate::objects::assignment::{least_cost, nearest_first};
 use crate::objects::source::{Detector, Noise, Source};
-use crate::objects::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame, Span};
+use crate::objects::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame};
 use crate::scene::Chart;
+use crate::span::Span;
 use crate::{
     Clip, Error, Estimator, Grid, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices,
     params,
@@ -310,7 +311,7 @@ impl Estimator for KalmanTracker {
     }
 
     fn place(&self, state: &State) -> Vec<Rung> {
-        vec![Rung { index: 0, of: Some(1) }, Rung { index: state.frames.len(), of: state.span.frames() }]
+        state.span.place(state.frames.len())
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {

@@ -5,10 +5,11 @@ use std::sync::{Arc, OnceLock};
 use super::declare::Settings;
 use super::model::{Iteration, Model, Unknowns, Warp};
 use crate::differential::{Field, Linear, Multiscale, field, filter, relax};
+use crate::params::inner_params;
 use crate::scene::Chart;
 use crate::{
-    Clip, DenseField, Error, Estimator, Explained, Flow, Frame, Grid, Info, Level, Observer, Output, Params, Progress,
-    Promise, Rung, Scene, Seen, Spec, Step, Threads, Value,
+    Clip, DenseField, Error, Estimator, Explained, Flow, Frame, Grid, Info, Level, Observer, Output, Progress, Promise,
+    Rung, Scene, Seen, Step, Threads,
 };
 
 /// How many numbers for each pixel [`Linear`] holds.
@@ -21,19 +22,7 @@ const BATCH: usize = 128;
 #[derive(Clone, Debug, Default)]
 pub struct Variational<M>(pub M);
 
-impl<M: Model> Params for Variational<M> {
-    fn specs(&self) -> &'static [Spec] {
-        self.0.specs()
-    }
-
-    fn value(&self, index: usize) -> Value {
-        self.0.value(index)
-    }
-
-    fn set_value(&mut self, index: usize, value: Value) -> Result<(), Error> {
-        self.0.set_value(index, value)
-    }
-}
+inner_params!(Variational<M: Model>);
 
 /// What a run reads and writes.
 pub struct State<M: Model> {

@@ -397,7 +397,7 @@ fn plots(state: &State) -> Option<Readout> {
     let tally = |frame: &dyn Fn(&Track) -> usize| {
         let mut counts = vec![0.0; line.len()];
         for track in &state.tracks {
-            if let Some(count) = counts.get_mut(frame(track) - state.first) {
+            if let Some(count) = counts.get_mut(frame(track) - state.span.first) {
                 *count += 1.0;
             }
         }
@@ -410,7 +410,7 @@ fn plots(state: &State) -> Option<Readout> {
         title: "Features",
         x_label: "pair",
         y_label: "features",
-        x_max: if state.last == usize::MAX { line.len() } else { state.last - state.first },
+        x_max: state.span.frames().map_or(line.len(), |frames| frames - 1),
         events: Vec::new(),
         lines: vec![("tracked", Role::Result, line), ("new", Role::Measured, new), ("lost", Role::Rejected, lost)],
     };

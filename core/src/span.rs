@@ -1,6 +1,6 @@
 //! The frames that a run goes through.
 
-use crate::{Clip, Error};
+use crate::{Clip, Error, Rung};
 
 /// Frames from the first to the last of a run, both counted in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +28,11 @@ impl Span {
     /// How many frames there are, if that is known.
     pub fn frames(&self) -> Option<usize> {
         self.is_known.then(|| self.last - self.first + 1)
+    }
+
+    /// Where a run stands that has frames for units and `done` of them behind it: in the clip, and at a frame.
+    pub fn place(&self, done: usize) -> Vec<Rung> {
+        vec![Rung { index: 0, of: Some(1) }, Rung { index: done, of: self.frames() }]
     }
 
     /// Whether there is no frame `next`. A clip of unknown length ends where none comes.
