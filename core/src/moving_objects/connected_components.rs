@@ -5,13 +5,13 @@ mod tell;
 use std::sync::Arc;
 
 use crate::estimator::Mapped;
-use crate::objects::{LabelEvent, Labelling};
+use crate::objects::{LabelEvent, Labelling, Record};
 use crate::scene::{Chart, Step};
 use crate::span::Span;
 use crate::subtraction::{HasSettings, cleaned, sifted, subtraction_params};
 use crate::{
-    Clip, Detection, Error, Estimator, Frame, Grid, Info, Mask, ObjectField, ObjectFrame, Observer, Output, Progress,
-    Promise, Rung, Scene, Seen, Threads, choices,
+    Clip, Detection, Error, Estimator, Frame, Grid, Info, Mask, ObjectFrame, Observer, Output, Progress, Promise, Rung,
+    Scene, Seen, Threads, choices,
 };
 
 use super::FrameDifference;
@@ -49,8 +49,7 @@ pub struct State {
     row: usize,
     picture: (usize, usize),
     labelling: Arc<Labelling>,
-    frames: Arc<Vec<Arc<ObjectFrame>>>,
-    pixels: Arc<Vec<u32>>,
+    record: Record,
     /// What is made again where it is missing.
     given: Option<Arc<Given>>,
 }
@@ -111,8 +110,7 @@ impl ConnectedComponents {
         let [kept, dropped] = sifted(self.settings(), finals.detections(&state.labelling, given.frame.luma()));
         observer.see(|| Event::Kept(Arc::clone(given), Arc::new([kept.clone(), dropped])));
         let found = ObjectFrame { mask: Some(given.mask.clone()), detections: kept, objects: Vec::new() };
-        Arc::make_mut(&mut state.pixels).push(given.mask.count() as u32);
-        Arc::make_mut(&mut state.frames).push(Arc::new(found));
+        state.record.note(found);
         (state.frame, state.row, state.given) = (state.frame + 1, 0, None);
         state.labelling = Arc::new(Labelling::new(self.connectivity));
         if state.span.is_over(clip, state.frame) { Progress::Done } else { Progress::More }
@@ -152,8 +150,7 @@ impl Estimator for ConnectedComponents {
             row: 0,
             picture: clip.size(),
             labelling: Arc::new(Labelling::new(self.connectivity)),
-            frames: Arc::default(),
-            pixels: Arc::default(),
+            record: Record::default(),
             given: None,
         })
     }
@@ -195,14 +192,11 @@ impl Estimator for ConnectedComponents {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        let last = state.frames.last().map_or(0, |frame| frame.bytes());
-        let lists = size_of_val(&state.frames[..]) + size_of_val(&state.pixels[..]);
-        size_of::<State>() + state.labelling.bytes() + lists + last
+        size_of::<State>() + state.labelling.bytes() + state.record.own_bytes()
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        let earlier = state.frames.split_last().map_or(&[][..], |(_, earlier)| earlier);
-        self.state_bytes(state) + earlier.iter().map(|frame| frame.bytes()).sum::<usize>()
+        self.state_bytes(state) + state.record.shared_bytes()
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -214,7 +208,6 @@ impl Estimator for ConnectedComponents {
     }
 
     fn output(&self, state: &State) -> Output {
-        let frames = Vec::clone(&state.frames);
-        Output::Objects(ObjectField { picture: state.picture, first: state.span.first, frames })
+        Output::Objects(state.record.field(state.picture, state.span.first))
     }
 }

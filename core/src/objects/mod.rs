@@ -4,6 +4,7 @@ pub mod assignment;
 mod components;
 mod mask;
 mod morphology;
+mod record;
 pub mod score;
 pub mod source;
 
@@ -12,6 +13,7 @@ use std::sync::Arc;
 pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
 pub use mask::Mask;
 pub use morphology::MAX_RADIUS_PX;
+pub use record::Record;
 
 use crate::ObjectBox;
 

@@ -13,13 +13,13 @@ pub(crate) use explanation::{Explanation, compared};
 pub(crate) use rows::{Flags, by_rows};
 pub(crate) use tell::{Account, plots};
 
-use crate::objects::Labelling;
+use crate::objects::{Labelling, Record};
 use crate::params::inner_params;
 use crate::scene::{Chart, Step};
 use crate::span::Span;
 use crate::{
-    Clip, Detection, Error, Estimator, Explained, Frame, Gray, Grid, Info, Mask, ObjectField, ObjectFrame, Observer,
-    Output, Params, Progress, Promise, Rung, Scene, Seen, Threads,
+    Clip, Detection, Error, Estimator, Explained, Frame, Gray, Grid, Info, Mask, ObjectFrame, Observer, Output, Params,
+    Progress, Promise, Rung, Scene, Seen, Threads,
 };
 
 /// A model of the background.
@@ -86,22 +86,10 @@ pub struct State<T> {
     /// The background; nothing is known before the first frame.
     pub(crate) model: Option<Arc<T>>,
     /// What the frames came to.
-    frames: Arc<Vec<Arc<ObjectFrame>>>,
-    /// How many pixels of each were foreground.
-    pub(crate) pixels: Arc<Vec<u32>>,
+    pub(crate) record: Record,
 }
 
 impl<T> State<T> {
-    /// What the frames came to.
-    pub(crate) fn frames(&self) -> &[Arc<ObjectFrame>] {
-        &self.frames
-    }
-
-    fn note(&mut self, found: ObjectFrame) {
-        Arc::make_mut(&mut self.pixels).push(found.mask.as_ref().map_or(0, |mask| mask.count() as u32));
-        Arc::make_mut(&mut self.frames).push(Arc::new(found));
-    }
-
     fn go_on(&mut self, clip: &Clip) -> Progress {
         self.frame += 1;
         if self.span.is_over(clip, self.frame) { Progress::Done } else { Progress::More }
@@ -180,7 +168,7 @@ impl<M: Background> Subtraction<M> {
             state.model = Some(Arc::new(self.0.begin(&frame)));
             observer.see(|| Event::Begun(frame));
             let (width, height) = state.picture;
-            return state.note(ObjectFrame { mask: Some(Mask::new(width, height)), ..ObjectFrame::default() });
+            return state.record.note(ObjectFrame { mask: Some(Mask::new(width, height)), ..ObjectFrame::default() });
         };
         observer.see(|| {
             let (width, height) = frame.size();
@@ -195,7 +183,7 @@ impl<M: Background> Subtraction<M> {
         }
         let found = blobs(self.0.settings(), mask, frame.luma(), observer);
         observer.see(|| Event::Updated);
-        state.note(found);
+        state.record.note(found);
     }
 }
 
@@ -208,8 +196,7 @@ impl<M: Background> Estimator for Subtraction<M> {
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error> {
         let span = Span::new(clip, frame, self.0.settings().frames)?;
-        let (frames, pixels) = (Arc::default(), Arc::default());
-        Ok(State { span, frame, picture: clip.size(), model: None, frames, pixels })
+        Ok(State { span, frame, picture: clip.size(), model: None, record: Record::default() })
     }
 
     fn advance(
@@ -243,14 +230,11 @@ impl<M: Background> Estimator for Subtraction<M> {
 
     fn state_bytes(&self, state: &Self::State) -> usize {
         let model = state.model.as_ref().map_or(0, |model| self.0.model_bytes(model));
-        // What earlier frames came to is shared with the states before; the last frame's is counted here.
-        let last = state.frames.last().map_or(0, |frame| frame.bytes());
-        size_of::<Self::State>() + model + size_of_val(&state.frames[..]) + size_of_val(&state.pixels[..]) + last
+        size_of::<Self::State>() + model + state.record.own_bytes()
     }
 
     fn memory_bytes(&self, state: &Self::State) -> usize {
-        let earlier = state.frames.split_last().map_or(&[][..], |(_, earlier)| earlier);
-        self.state_bytes(state) + earlier.iter().map(|frame| frame.bytes()).sum::<usize>()
+        self.state_bytes(state) + state.record.shared_bytes()
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -262,8 +246,7 @@ impl<M: Background> Estimator for Subtraction<M> {
     }
 
     fn output(&self, state: &Self::State) -> Output {
-        let frames = Vec::clone(&state.frames);
-        Output::Objects(ObjectField { picture: state.picture, first: state.span.first, frames })
+        Output::Objects(state.record.field(state.picture, state.span.first))
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Self::State, Error> {

@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use super::{Background, Event, Explanation, State, Subtraction};
 use crate::differential::tell;
+use crate::objects::Record;
 use crate::scene::{Fact, Picture, Readout, Sentence, Series, Shape, Step, Tile};
+use crate::span::Span;
 use crate::words::pixel;
-use crate::{Detection, Frame, Mask, ObjectFrame, Role, Scene, Seen};
+use crate::{Detection, Frame, Mask, Role, Scene, Seen};
 
 /// How far tiles reach around the pixel that is explained, in px.
 const TILE_REACH_PX: usize = 4;
@@ -192,13 +194,14 @@ fn draw_shapes(scene: &mut Scene, blobs: &[Detection]) {
 }
 
 /// How many pixels are foreground in each frame, as a share, and how many blobs there are.
-pub(crate) fn plots(frames: &[Arc<ObjectFrame>], pixels: &[u32], x_max: Option<usize>) -> Vec<Readout> {
-    let line = |of: &dyn Fn(usize) -> f32| (0..frames.len()).map(|i| [(i + 1) as f32, of(i)]).collect();
+pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
+    let (frames, pixels) = (record.frames(), record.pixels());
+    let line = |of: &dyn Fn(usize) -> f32| (0..frames.len()).map(|i| [(span.first + i) as f32, of(i)]).collect();
     let series = |title, y_label, name, line| Series {
         title,
         x_label: "frame",
         y_label,
-        x_max: x_max.unwrap_or(frames.len()),
+        x_max: span.first + span.frames().unwrap_or(frames.len()) - 1,
         events: Vec::new(),
         lines: vec![(name, Role::Result, line)],
     };
@@ -290,7 +293,7 @@ impl<M: Background> Subtraction<M> {
         facts.extend(account.facts());
         readouts.insert(0, Readout::Facts(facts));
         let now: &State<_> = seen.after.unwrap_or(state);
-        readouts.extend(plots(now.frames(), &now.pixels, state.span.frames()));
+        readouts.extend(plots(&now.record, &state.span));
         readouts
     }
 

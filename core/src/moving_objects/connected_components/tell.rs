@@ -173,7 +173,7 @@ impl ConnectedComponents {
         facts.push(Fact::new("Label → parent", so_far.forest(), None));
         let now = seen.after.unwrap_or(state);
         let mut readouts = vec![Readout::Facts(facts)];
-        readouts.extend(plots(&now.frames, &now.pixels, state.span.frames()));
+        readouts.extend(plots(&now.record, &state.span));
         readouts
     }
 
