@@ -1,11 +1,10 @@
 //! A picture of one step: the same pixels for the window and for the command line.
 
-use std::fs;
 use std::path::Path;
 
 use motionscope_core::params::Kind;
 use motionscope_core::scene::{Readout, Sentence};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Levels, Move, Promise, Scene, Spec, Step, Value, Walk, Way};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Levels, Move, Scene, Spec, Step, Value, Walk, Way};
 
 use crate::company::Company;
 use crate::media::{Progress, export};
@@ -185,8 +184,8 @@ impl Moment<'_> {
     /// The picture of this step, with the marks that `scale` pixels for each pixel of the clip have room for.
     fn plate(&self, look: &Look, scale: u32) -> Plate {
         // A finished field says all in one picture, and so does who looks at single frames; a search needs both.
-        let looks_at_one = self.estimator.promise() == Promise::Objects;
-        let fitting = if self.at_end || looks_at_one { View::Current } else { View::SideBySide };
+        let is_single = self.estimator.promise().is_of_single_frames();
+        let fitting = if self.at_end || is_single { View::Current } else { View::SideBySide };
         let heat = self.step.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface.title.to_string()),
             _ => None,
@@ -306,9 +305,7 @@ impl Steps {
         if self.rung + 1 < walk.info().rungs.len() && walk.cursor().event < walk.events() {
             travel(&mut *walk, Move::Rung(self.rung, Way::Forward), 0, progress)?;
         }
-        fs::create_dir_all(folder).map_err(|e| {
-            Error::new(format!("the folder {} cannot be made ({e}); choose another one", folder.display()))
-        })?;
+        export::make_folder(folder)?;
         let mut written = 0;
         while walk.cursor() <= self.to {
             let pair = pairs.of(&*walk, clip)?;

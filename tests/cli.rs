@@ -625,6 +625,7 @@ fn what_is_wrong_with_detections_is_told() {
         ("run det.txt --estimator kalman-tracker --set source=truth", "no true objects"),
         ("run det.txt --estimator kalman-filter --set sensors=two-positions", "no true objects"),
         ("run det.txt --estimator kalman-tracker --frames 5..5", "forwards"),
+        ("run det.txt --estimator kalman-tracker --frames 5..99", "beyond 11, the last frame"),
     ] {
         let output = motionscope(folder.path(), line);
         let error = String::from_utf8(output.stderr).unwrap();

@@ -100,6 +100,13 @@ pub enum Promise {
     AlongGradient,
 }
 
+impl Promise {
+    /// Whether it is about frames by themselves, and nothing is said of how pixels of one lie in the next.
+    pub fn is_of_single_frames(self) -> bool {
+        matches!(self, Self::Places | Self::Objects)
+    }
+}
+
 /// Where a run stands on one rung of the ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rung {

@@ -59,11 +59,13 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     if let Some(path) = &args.tracks {
         files.push((path, export::tracks(objects(&output, &task)?).into_bytes()));
     }
-    if let Some(folder) = &args.masks {
-        export::masks(folder, objects(&output, &task)?)?;
-    }
+    let masks = args.masks.as_ref().map(|_| export::masks(objects(&output, &task)?)).transpose()?;
     let is_piped = files.iter().any(|(path, _)| *path == Path::new("-"));
     files.into_iter().try_for_each(|(path, bytes)| export::save(path, &bytes))?;
+    if let (Some(folder), Some(masks)) = (&args.masks, masks) {
+        export::make_folder(folder)?;
+        masks.iter().try_for_each(|(name, bytes)| export::save(&folder.join(name), bytes))?;
+    }
     match (args.json, is_piped) {
         (true, _) => say(&to_json(&report)?),
         (false, false) => say(&report.text()),

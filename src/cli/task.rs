@@ -68,6 +68,10 @@ impl Task {
         task.frame = args.frame.unwrap_or(task.frame);
         if let Some((first, last)) = args.frames {
             let info = task.estimator.info();
+            if let Some(count) = task.clip.info().frames.filter(|&count| last >= count) {
+                let end = count.saturating_sub(1);
+                return Err(Error::new(format!("--frames {first}..{last} goes beyond {}, the last frame", end)));
+            }
             task.frame = first;
             task.estimator.set("frames", &(last - first + 1).to_string()).map_err(|_| {
                 Error::new(format!("{} works on one pair of frames; give --frame in the place of --frames", info.id))

@@ -2,7 +2,7 @@
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Cursor, Error, Move, Promise, Way, estimator};
+use motionscope_core::{AnyEstimator, Cursor, Error, Move, Way, estimator};
 
 use super::action::Action;
 use super::app::{App, Overlay};
@@ -216,10 +216,10 @@ impl App {
     fn choose(&mut self, id: &str) {
         match estimator(id) {
             Ok(chosen) => {
-                let looks_at_one = [self.document.estimator(), &*chosen].map(|e| e.promise() == Promise::Objects);
+                let is_single = [self.document.estimator(), &*chosen].map(|e| e.promise().is_of_single_frames());
                 let view = &mut self.states.stage.view;
                 // What looks at single frames has nothing to say of the next, all others need both.
-                match (looks_at_one, *view) {
+                match (is_single, *view) {
                     ([false, true], Pictures::SideBySide) => *view = Pictures::Current,
                     ([true, false], Pictures::Current) => *view = Pictures::SideBySide,
                     _ => {}

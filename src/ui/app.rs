@@ -5,7 +5,7 @@ use std::sync::mpsc::Receiver;
 
 use eframe::egui::{self, Align, CentralPanel, Frame, Label, Layout, Margin, Panel, RichText, TextStyle, Ui};
 use eframe::egui_wgpu::RenderState;
-use motionscope_core::{Error, Promise};
+use motionscope_core::Error;
 
 use super::action::{Action, Actions, Browse};
 use super::commands::{Command, Now, Rungs};
@@ -341,7 +341,7 @@ impl App {
         let charts = self.document.estimator().charts();
         let offer = self.view.shown.as_deref().map(|shown| shown.offer).unwrap_or_default();
         // Who finds places and no motion has nothing to be compared with the truth.
-        let has_errors = offer.has_errors() && self.document.estimator().promise() != Promise::Places;
+        let has_errors = offer.has_errors() && !self.document.estimator().promise().is_of_single_frames();
         let is_offered = |pane: &Pane| {
             pane.charts().iter().any(|chart| charts.contains(chart)) || *pane == Pane::Histogram && has_errors
         };

@@ -2,7 +2,6 @@
 
 use eframe::egui::{self, Align, Button, Layout, MenuBar, RichText, TextStyle, Ui};
 use lucide_icons::Icon;
-use motionscope_core::Promise;
 
 use super::action::Actions;
 use super::commands::{Command, Menu, Now, Rungs};
@@ -96,8 +95,8 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let dim = ui.visuals().weak_text_color();
     let frame = input.at_frame.unwrap_or(input.document.frame());
     ui.add_space(8.0);
-    let looks_at_one = input.document.estimator().promise() == Promise::Objects;
-    let frames = if looks_at_one { format!("frame {frame}") } else { format!("frame {frame} → {}", frame + 1) };
+    let is_single = input.document.estimator().promise().is_of_single_frames();
+    let frames = if is_single { format!("frame {frame}") } else { format!("frame {frame} → {}", frame + 1) };
     ui.label(RichText::new(frames).color(dim));
     ui.add_space(8.0);
     let info = input.document.estimator().info();

@@ -51,4 +51,5 @@ fn the_matrices_of_a_filter_stand_in_numbers() {
     for part in ["its covariance: ", "gain: ", "innovation: "] {
         assert!(window.harness.query_all_by_label_contains(part).next().is_some(), "{part} is not there");
     }
+    assert!(window.harness.query_by_label("Histogram").is_none(), "no displacements are counted");
 }

@@ -271,14 +271,8 @@ fn runs(words: &[u64], width: usize, mut found: impl FnMut(u32, u32)) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::mask::tests::scattered;
     use super::*;
-
-    fn scattered(width: usize, height: usize, share: u64) -> Mask {
-        Mask::from_fn(width, height, |x, y| {
-            let hash = ((x as u64 * 0x9E37_79B9) ^ (y as u64 * 0x85EB_CA6B)).wrapping_mul(0x2545_F491_4F6C_DD1D);
-            (hash >> 33) % 100 < share
-        })
-    }
 
     fn gray(width: usize, height: usize) -> Gray {
         Grid::from_fn(width, height, |x, y| (x * 31 + y * 17) as u8)

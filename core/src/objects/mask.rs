@@ -92,8 +92,16 @@ impl fmt::Debug for Mask {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// A mask without any order, of which so many of a hundred pixels are set.
+    pub fn scattered(width: usize, height: usize, share: u64) -> Mask {
+        Mask::from_fn(width, height, |x, y| {
+            let hash = ((x as u64 * 0x9E37_79B9) ^ (y as u64 * 0x85EB_CA6B)).wrapping_mul(0x2545_F491_4F6C_DD1D);
+            (hash >> 33) % 100 < share
+        })
+    }
 
     #[test]
     fn a_mask_holds_what_it_is_made_of() {

@@ -105,15 +105,8 @@ fn spread(row: &mut [u64], radius: usize, before: &mut [u64]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::mask::tests::scattered;
     use super::*;
-
-    /// A mask without any order.
-    fn scattered(width: usize, height: usize, share: u64) -> Mask {
-        Mask::from_fn(width, height, |x, y| {
-            let hash = ((x as u64 * 0x9E37_79B9) ^ (y as u64 * 0x85EB_CA6B)).wrapping_mul(0x2545_F491_4F6C_DD1D);
-            (hash >> 33) % 100 < share
-        })
-    }
 
     /// Whether `is` holds for any of the pixels within `radius` px that lie in the picture.
     fn any_near(mask: &Mask, (x, y): (usize, usize), radius: usize, is: impl Fn(bool) -> bool) -> bool {

@@ -1,12 +1,13 @@
 //! A whole clip as numbered pictures with its truth beside them.
 
+use std::fs;
 use std::path::Path;
-use std::{fs, io};
 
 use motionscope_core::{Clip, Error, Frame, Grid, Truth};
 
 use super::ledger::Ledger;
-use super::{Pixels, flo, mot, png, save};
+use super::save::not_made;
+use super::{Pixels, flo, make_folder, mot, png, save};
 use crate::media::Progress;
 use crate::media::names::file_name;
 use crate::media::sequence::{Sequence, number};
@@ -23,7 +24,7 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
     let Some(frames) = clip.info().frames else {
         return Err(Error::new(format!("{name} cannot be written: count its frames first")));
     };
-    make(folder)?;
+    make_folder(folder)?;
     refuse_other_pictures(folder, frames)?;
     let before = Ledger::read(folder);
     refuse_foreign(folder, &before, frames)?;
@@ -71,7 +72,7 @@ impl Draft {
 
     fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {
         let path = self.folder.path().join(name);
-        path.parent().map_or(Ok(()), make)?;
+        path.parent().map_or(Ok(()), make_folder)?;
         save(&path, bytes)?;
         self.written.note(name, bytes);
         Ok(())
@@ -81,7 +82,7 @@ impl Draft {
     fn settle(self, folder: &Path, before: &Ledger) -> Result<(), Error> {
         let places = || self.written.names().map(|name| (name, folder.join(name)));
         // Where a folder cannot be made, nothing is lost yet.
-        places().try_for_each(|(_, path)| path.parent().map_or(Ok(()), make))?;
+        places().try_for_each(|(_, path)| path.parent().map_or(Ok(()), make_folder))?;
         // Truth of an earlier clip would be read as the truth of this one.
         let old = before.names().filter(|name| !self.written.contains(name) && !before.is_foreign(folder, name));
         for name in old {
@@ -108,14 +109,6 @@ pub fn frame(frame: &Frame) -> Result<Vec<u8>, Error> {
         None => Pixels::Gray(frame.luma().cells()),
     };
     png(width, height, pixels)
-}
-
-fn make(folder: &Path) -> Result<(), Error> {
-    fs::create_dir_all(folder).map_err(|e| not_made(folder, &e))
-}
-
-fn not_made(folder: &Path, error: &io::Error) -> Error {
-    Error::new(format!("the folder {} cannot be made ({error}); choose another one", folder.display()))
 }
 
 /// What is there by the names of this clip's files, and is not of the clip `before`, would be lost.

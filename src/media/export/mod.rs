@@ -19,6 +19,6 @@ pub use mot::mot;
 pub use npy::npy;
 pub use objects::{masks, tracks};
 pub use picture::{Pixels, png};
-pub use save::save;
+pub use save::{make_folder, save};
 pub use table::{Cell, Table};
 pub use vectors::{FlowFormat, csv, flow};

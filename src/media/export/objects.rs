@@ -1,8 +1,6 @@
 //! Detections and tracked objects as tables and as MOTChallenge rows.
 
-use std::path::Path;
-
-use motionscope_core::{Bounds, Detection, Error, Grid, Life, Object, ObjectField};
+use motionscope_core::{Bounds, Detection, Error, Grid, Life, Mask, Object, ObjectField};
 
 use super::{Cell, Table};
 
@@ -99,24 +97,22 @@ pub fn tracks(field: &ObjectField) -> String {
     rows.collect()
 }
 
-/// Writes the mask of each frame that has one into `folder`, which is made if there is none: `mask_0007.png`, white where
-/// something was found.
+/// The mask of each frame that has one as a PNG, white where something was found, and what its file is called: `mask_0007.png`.
 ///
 /// # Errors
-/// If there are no masks, or one cannot be written.
-pub fn masks(folder: &Path, field: &ObjectField) -> Result<(), Error> {
-    if field.frames.iter().all(|frame| frame.mask.is_none()) {
-        return Err(Error::new("no pixels were told apart, so there are no masks; choose a background model"));
-    }
-    let made = std::fs::create_dir_all(folder);
-    made.map_err(|error| Error::new(format!("{} cannot be made: {error}", folder.display())))?;
-    for (i, mask) in field.frames.iter().enumerate().filter_map(|(i, frame)| Some((i, frame.mask.as_ref()?))) {
+/// If there are no masks.
+pub fn masks(field: &ObjectField) -> Result<Vec<(String, Vec<u8>)>, Error> {
+    let masks = field.frames.iter().enumerate().filter_map(|(i, frame)| Some((field.first + i, frame.mask.as_ref()?)));
+    let picture = |(t, mask): (usize, &Mask)| {
         let (width, height) = mask.size();
         let pixels = Grid::from_fn(width, height, |x, y| if mask.get(x, y) { 255 } else { 0 });
-        let bytes = super::png(width, height, super::Pixels::Gray(pixels.cells()))?;
-        super::save(&folder.join(format!("mask_{:04}.png", field.first + i)), &bytes)?;
+        Ok((format!("mask_{t:04}.png"), super::png(width, height, super::Pixels::Gray(pixels.cells()))?))
+    };
+    let files = masks.map(picture).collect::<Result<Vec<_>, Error>>()?;
+    if files.is_empty() {
+        return Err(Error::new("no pixels were told apart, so there are no masks; choose a background model"));
     }
-    Ok(())
+    Ok(files)
 }
 
 #[cfg(test)]

@@ -25,6 +25,19 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     written.map_err(|e| Error::new(format!("{} cannot be written: {}", path.display(), reason(path, &e))))
 }
 
+/// Makes a folder, and those that it lies in, if there is none.
+///
+/// # Errors
+/// If it cannot be made.
+pub fn make_folder(folder: &Path) -> Result<(), Error> {
+    fs::create_dir_all(folder).map_err(|e| not_made(folder, &e))
+}
+
+/// Why a folder cannot be made.
+pub(super) fn not_made(folder: &Path, error: &io::Error) -> Error {
+    Error::new(format!("the folder {} cannot be made ({error}); choose another one", folder.display()))
+}
+
 fn pour(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
     to.write_all(bytes)?;
     to.flush()
