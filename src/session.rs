@@ -526,6 +526,7 @@ fn told(value: Value) -> toml::Value {
         Value::Real(v) => v.into(),
         Value::Switch(v) => v.into(),
         Value::Choice(v) => v.into(),
+        Value::Placed(v) => v.to_string().into(),
     }
 }
 

@@ -247,6 +247,7 @@ pub fn said(spec: &Spec, value: Value) -> String {
         (Kind::Choice(all), Value::Choice(name)) => {
             all.iter().find(|choice| choice.name == name).map_or(name, |choice| choice.label).to_string()
         }
+        (_, Value::Placed(placed)) => placed.words(),
         (_, value) => value.to_string(),
     };
     let unit = if spec.unit.is_empty() { String::new() } else { format!(" {}", spec.unit) };

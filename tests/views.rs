@@ -67,6 +67,7 @@ impl Fixture {
             gpu: None,
             lengthen: Lengthen::Auto,
             spacing_px: None,
+            placing: None,
             offer: &self.offer,
             checking: false,
             animate: false,

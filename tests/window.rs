@@ -14,6 +14,8 @@ mod objects;
 mod parameters;
 #[path = "window/pixels.rs"]
 mod pixels;
+#[path = "window/placing.rs"]
+mod placing;
 #[path = "window/timeline.rs"]
 mod timeline;
 

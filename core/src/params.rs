@@ -3,12 +3,16 @@
 //! Sliders, tooltips, `--set` flags, `motionscope list`, sessions and the property tests all read the
 //! same declaration, made with [`params!`](crate::params!) and [`choices!`](crate::choices!).
 
+mod placed;
+
 use std::fmt;
+
+pub use placed::{Figure, Line, Placed, Spot, Spots};
 
 use crate::Error;
 
 /// The value of one parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// A whole number.
     Int(i64),
@@ -18,6 +22,8 @@ pub enum Value {
     Switch(bool),
     /// One of a few named choices, by its kebab-case name.
     Choice(&'static str),
+    /// Something on the picture.
+    Placed(Placed),
 }
 
 impl fmt::Display for Value {
@@ -27,6 +33,7 @@ impl fmt::Display for Value {
             Value::Real(v) => write!(f, "{v}"),
             Value::Switch(v) => f.write_str(if *v { "on" } else { "off" }),
             Value::Choice(v) => f.write_str(v),
+            Value::Placed(v) => write!(f, "{v}"),
         }
     }
 }
@@ -52,6 +59,8 @@ pub enum Kind {
     Switch,
     /// One of a few.
     Choice(Vec<Choice>),
+    /// Something that is placed on the picture.
+    Placed(Figure),
 }
 
 /// One of a few named values of a parameter.
@@ -99,6 +108,7 @@ impl Spec {
             Kind::Int { min, max } => format!("{min} to {max}{unit}"),
             Kind::Real { min, max } => format!("{min} to {max}{unit}"),
             Kind::Switch => "on or off".into(),
+            Kind::Placed(figure) => figure.allowed().into(),
             Kind::Choice(all) => {
                 let names: Vec<_> = all.iter().map(|c| c.name).collect();
                 match names.split_last() {
@@ -114,11 +124,12 @@ impl Spec {
     /// # Errors
     /// A sentence that names the range.
     pub fn check(&self, value: Value) -> Result<Value, Error> {
-        let fits = match (&self.kind, value) {
-            (Kind::Int { min, max }, Value::Int(v)) => (*min..=*max).contains(&v),
-            (Kind::Real { min, max }, Value::Real(v)) => (*min..=*max).contains(&v),
+        let fits = match (&self.kind, &value) {
+            (Kind::Int { min, max }, Value::Int(v)) => (*min..=*max).contains(v),
+            (Kind::Real { min, max }, Value::Real(v)) => (*min..=*max).contains(v),
             (Kind::Switch, Value::Switch(_)) => true,
-            (Kind::Choice(all), Value::Choice(v)) => all.iter().any(|c| c.name == v),
+            (Kind::Choice(all), Value::Choice(v)) => all.iter().any(|c| c.name == *v),
+            (Kind::Placed(figure), Value::Placed(v)) => v.figure() == *figure && v.is_sound(),
             _ => false,
         };
         if fits { Ok(value) } else { Err(self.refusal(&value.to_string())) }
@@ -139,6 +150,7 @@ impl Spec {
                 _ => None,
             },
             Kind::Choice(all) => all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name)),
+            Kind::Placed(figure) => figure.parse(text).map(Value::Placed),
         };
         value.ok_or_else(|| self.refusal(text)).and_then(|value| self.check(value))
     }
@@ -203,13 +215,13 @@ fn find(specs: &'static [Spec], name: &str) -> Result<usize, Error> {
 }
 
 /// A type that can be a parameter. Numbers need a range, switches and choices bring their own.
-pub trait Parameter: Copy {
+pub trait Parameter: Sized {
     /// The smallest and largest value allowed where the type alone does not say.
     type Range;
     /// What the parameter may be.
     fn kind(range: Self::Range) -> Kind;
     /// As a value.
-    fn to_value(self) -> Value;
+    fn to_value(&self) -> Value;
     /// From a value that was checked against the declaration.
     fn from_value(value: Value) -> Option<Self>;
 }
@@ -221,8 +233,8 @@ macro_rules! whole_number {
             fn kind(range: Self::Range) -> Kind {
                 Kind::Int { min: *range.start() as i64, max: *range.end() as i64 }
             }
-            fn to_value(self) -> Value {
-                Value::Int(self as i64)
+            fn to_value(&self) -> Value {
+                Value::Int(*self as i64)
             }
             fn from_value(value: Value) -> Option<Self> {
                 if let Value::Int(v) = value { v.try_into().ok() } else { None }
@@ -237,8 +249,8 @@ impl Parameter for f32 {
     fn kind(range: Self::Range) -> Kind {
         Kind::Real { min: exact(*range.start()), max: exact(*range.end()) }
     }
-    fn to_value(self) -> Value {
-        Value::Real(exact(self))
+    fn to_value(&self) -> Value {
+        Value::Real(exact(*self))
     }
     fn from_value(value: Value) -> Option<Self> {
         if let Value::Real(v) = value { Some(v as f32) } else { None }
@@ -255,8 +267,8 @@ impl Parameter for bool {
     fn kind((): ()) -> Kind {
         Kind::Switch
     }
-    fn to_value(self) -> Value {
-        Value::Switch(self)
+    fn to_value(&self) -> Value {
+        Value::Switch(*self)
     }
     fn from_value(value: Value) -> Option<Self> {
         if let Value::Switch(v) = value { Some(v) } else { None }
@@ -332,15 +344,15 @@ macro_rules! params {
                         &[$($doc),+],
                         concat!($($($unit)?)?),
                         <$ty as $crate::params::Parameter>::kind(($($range)?)),
-                        $crate::params::Parameter::to_value($default),
+                        <$ty as $crate::params::Parameter>::to_value(&$default),
                     ),
                 )*]);
                 &SPECS
             }
 
             fn value(&self, index: usize) -> $crate::Value {
-                let values = [$( $crate::params::Parameter::to_value(self.$field), )*];
-                values[index]
+                let mut values = vec![$( $crate::params::Parameter::to_value(&self.$field), )*];
+                values.swap_remove(index)
             }
 
             fn set_value(&mut self, index: usize, value: $crate::Value) -> Result<(), $crate::Error> {
@@ -400,7 +412,7 @@ macro_rules! choices {
                     $crate::params::Choice { name: $id, label: $label, doc: concat!($($doc),+).trim_ascii() },
                 )+])
             }
-            fn to_value(self) -> $crate::Value {
+            fn to_value(&self) -> $crate::Value {
                 $crate::Value::Choice(match self { $( Self::$variant => $id, )+ })
             }
             fn from_value(value: $crate::Value) -> Option<Self> {
@@ -447,7 +459,7 @@ mod tests {
         let spec = &All::default().specs()[0];
         assert_eq!((spec.name.as_str(), spec.label.as_str(), spec.unit), ("whole-px", "Whole px", "px"));
         assert_eq!(spec.doc, "A whole number, told on two lines.");
-        assert_eq!((spec.allowed(), spec.default), ("4 to 64 px".into(), Value::Int(16)));
+        assert_eq!((spec.allowed(), &spec.default), ("4 to 64 px".into(), &Value::Int(16)));
         assert_eq!(All::default().specs()[1].default, Value::Real(0.1));
         assert_eq!(All::default().specs()[3].allowed(), "slow or fast");
     }

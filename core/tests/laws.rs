@@ -5,7 +5,7 @@ mod common;
 use std::sync::Arc;
 
 use common::waves;
-use motionscope_core::params::{Kind, Value};
+use motionscope_core::params::{Kind, Spot, Value};
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Explained, Flow, Frame, Grid, Move, ObjectBox, Output,
     Promise, Scene, Step, Stop, Threads, Truth, Walk, Way, estimators,
@@ -461,7 +461,7 @@ fn declarations_are_complete() {
         assert!(info.rungs.len() >= 3 && !info.pseudocode.is_empty() && !info.source.is_empty());
         for (i, spec) in estimator.specs().iter().enumerate() {
             assert!(spec.doc.ends_with('.'), "{}: the doc of {} is a sentence", info.id, spec.name);
-            assert_eq!(spec.check(spec.default), Ok(spec.default));
+            assert_eq!(spec.check(spec.default.clone()).as_ref(), Ok(&spec.default));
             assert_eq!(estimator.value(i), spec.default, "{}: {}", info.id, spec.name);
         }
     }
@@ -500,6 +500,13 @@ fn in_range(kind: &Kind, dice: u64) -> Value {
         Kind::Real { min, max } => Value::Real(min + (max - min) * ((dice % 1001) as f64 / 1000.0)),
         Kind::Switch => Value::Switch(dice.is_multiple_of(2)),
         Kind::Choice(all) => Value::Choice(all[dice as usize % all.len()].name),
+        Kind::Placed(figure) if dice.is_multiple_of(3) => Value::Placed(figure.none()),
+        Kind::Placed(figure) => {
+            let at = |shift: u32| [(dice >> shift) % 97, (dice >> (shift + 7)) % 89].map(|c| c as f32 - 20.25);
+            let spots = [3, 5, 11].map(|shift| Spot { frame: (dice >> shift) as usize % 3, at: at(shift) });
+            let spanned = figure.spanned(at(0), at(17).map(|c| c + 100.0));
+            Value::Placed(spots.into_iter().fold(spanned, |placed, spot| placed.with(spot)))
+        }
     }
 }
 
@@ -572,11 +579,15 @@ proptest! {
                     }
                     Kind::Switch => vec![Value::Int(1)],
                     Kind::Choice(_) => vec![Value::Choice("none-of-these")],
+                    Kind::Placed(figure) => {
+                        let far = [beyond as f32 * 1e6; 2];
+                        vec![Value::Int(1), Value::Placed(figure.spanned([0.0; 2], far).with(Spot { frame: 0, at: far }))]
+                    }
                 };
                 for value in outside {
                     let refusal = estimator.set_value(i, value).expect_err("out of range").to_string();
                     prop_assert!(refusal.contains(&spec.allowed()), "{refusal}");
-                    prop_assert_eq!(estimator.value(i), spec.default);
+                    prop_assert_eq!(&estimator.value(i), &spec.default);
                 }
             }
         }

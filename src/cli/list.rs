@@ -63,15 +63,21 @@ fn spec(spec: &Spec) -> serde_json::Value {
     told.insert("label".into(), json!(spec.label));
     told.insert("doc".into(), json!(spec.doc));
     told.insert("unit".into(), json!(spec.unit));
-    told.insert("default".into(), value(spec.default));
+    told.insert("default".into(), value(spec.default.clone()));
     let (kind, range) = match &spec.kind {
         Kind::Int { min, max } => ("int", json!([min, max])),
         Kind::Real { min, max } => ("real", json!([min, max])),
         Kind::Switch => ("switch", json!([false, true])),
         Kind::Choice(all) => ("choice", all.iter().map(|choice| choice.name).collect()),
+        Kind::Placed(figure) => (figure.name(), json!(spec.allowed())),
     };
     told.insert("type".into(), json!(kind));
-    told.insert(if kind == "choice" || kind == "switch" { "choices" } else { "range" }.into(), range);
+    let name = match &spec.kind {
+        Kind::Int { .. } | Kind::Real { .. } => "range",
+        Kind::Switch | Kind::Choice(_) => "choices",
+        Kind::Placed(_) => "form",
+    };
+    told.insert(name.into(), range);
     told.into()
 }
 
@@ -82,5 +88,6 @@ pub fn value(value: Value) -> serde_json::Value {
         Value::Real(v) => json!(v),
         Value::Switch(v) => json!(v),
         Value::Choice(v) => json!(v),
+        Value::Placed(v) => json!(v.to_string()),
     }
 }

@@ -63,6 +63,8 @@ pub enum Action {
     Set(Owner, usize, Value),
     /// A drag of a slider is over.
     Settle,
+    /// Place a parameter of the estimator on the picture, or no more.
+    Place(Option<usize>),
     /// Set all parameters as they were at first.
     ResetAll(Owner),
     /// Go to a place of the run.

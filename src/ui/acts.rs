@@ -45,6 +45,7 @@ impl App {
                 self.restart();
             }
             Action::Settle => self.document.settle(),
+            Action::Place(index) => self.states.stage.placing = index,
             Action::ResetAll(owner) => {
                 self.document.reset(owner);
                 self.restart();

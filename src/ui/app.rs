@@ -201,6 +201,7 @@ impl App {
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
             in_lockstep: !self.document.company().is_empty(),
+            is_placing: self.states.stage.placing.is_some(),
             holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),
             offer: shown.map(|shown| shown.offer).unwrap_or_default(),
             can_undo: self.document.can_undo(),

@@ -428,6 +428,8 @@ pub struct Now {
     pub in_lockstep: bool,
     /// A pixel was clicked and stays explained.
     pub holds_pixel: bool,
+    /// A parameter is being placed on the picture.
+    pub is_placing: bool,
     /// Which layers tell of motion.
     pub offer: Offer,
     /// There is a change to take back.

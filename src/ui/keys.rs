@@ -56,6 +56,10 @@ pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actio
         input.events.retain(|event| match event {
             // An open menu closes first.
             Event::Key { key: Key::Escape, pressed: true, .. } if popup => true,
+            Event::Key { key: Key::Escape, pressed: true, .. } if now.is_placing && !Command::Stop.enabled(now) => {
+                actions.ask(Action::Place(None));
+                false
+            }
             Event::Key { key: Key::Escape, pressed: true, .. } if now.holds_pixel && !Command::Stop.enabled(now) => {
                 actions.ask(Action::Release);
                 false

@@ -8,13 +8,13 @@ use eframe::egui_wgpu::RenderState;
 use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 use lucide_icons::Icon;
 use motionscope_core::scene::{Chart, Readout};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Step};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Step, Value};
 use serde::{Deserialize, Serialize};
 
 use super::action::{Action, Actions, Side};
 use super::commands::Command;
 use super::layout::Pane;
-use super::model::document::Document;
+use super::model::document::{Document, Owner};
 use super::model::loader::Loading;
 use super::model::snapshot::Snapshot;
 use super::model::walker::View;
@@ -95,6 +95,10 @@ impl Panes<'_> {
             Readout::Surface(surface) => Some(surface.title),
             _ => None,
         });
+        let placing = self.placing(shown);
+        if placing.is_none() {
+            self.states.stage.placing = None;
+        }
         let input = stage::Input {
             pictures: &shown.pictures,
             frame: shown.frame,
@@ -103,6 +107,7 @@ impl Panes<'_> {
             theme: self.look.theme,
             colors: self.look.colors,
             heat: heat.or(shown.scene.heat).unwrap_or_default(),
+            placing: placing.as_ref(),
             gpu: self.gpu,
             lengthen: self.look.lengthen,
             spacing_px: self.look.spacing_px,
@@ -122,12 +127,44 @@ impl Panes<'_> {
         if let Some(lengthen) = response.lengthened {
             self.actions.ask(Action::Lengthen(lengthen));
         }
+        self.place(placing.as_ref(), (&response, shown));
         if response.left {
             self.actions.command(Command::Lockstep);
         }
         if let Some(point) = response.clicked {
             let side = if ui.input(|i| i.modifiers.shift) { Side::Start } else { Side::End };
             self.actions.ask(Action::SeekAt(point, side));
+        }
+    }
+
+    /// The parameter that is being placed on the picture, if one is.
+    fn placing(&self, shown: &Snapshot) -> Option<stage::Placing> {
+        let (index, estimator) = (self.states.stage.placing?, self.document.estimator());
+        let spec = estimator.specs().get(index)?;
+        match estimator.value(index) {
+            Value::Placed(now) => Some(stage::Placing { index, spec, now, frame: shown.frame }),
+            _ => None,
+        }
+    }
+
+    /// Sets what was placed on the picture.
+    fn place(&mut self, placing: Option<&stage::Placing>, (response, shown): (&stage::Response, &Snapshot)) {
+        let Some(placing) = placing else { return };
+        if let Some(placed) = response.placed.clone().map(Value::Placed) {
+            // What is still too small to be a line is no mistake.
+            if placing.spec.check(placed.clone()).is_ok() {
+                self.actions.ask(Action::Set(Owner::Estimator, placing.index, placed));
+            }
+        }
+        match response.placing {
+            stage::Gesture::None => {}
+            stage::Gesture::Settled => self.actions.ask(Action::Settle),
+            // The next place is one in the next frame.
+            stage::Gesture::SettledFrame => {
+                self.actions.ask(Action::Settle);
+                self.actions.ask(Action::Seek(Cursor { unit: shown.cursor.unit + 1, event: usize::MAX }));
+            }
+            stage::Gesture::Done => self.actions.ask(Action::Place(None)),
         }
     }
 
@@ -455,7 +492,11 @@ impl Behavior<Pane> for Panes<'_> {
             }
             match pane {
                 Pane::Stage => self.stage(ui),
-                Pane::Parameters => parameters::show(ui, self.document, self.look.theme, self.actions),
+                Pane::Parameters => {
+                    let (document, theme) = (self.document, self.look.theme);
+                    let placing = self.states.stage.placing;
+                    parameters::show(ui, parameters::Input { document, placing, theme }, self.actions);
+                }
                 Pane::Why => self.why(ui),
                 Pane::Surface | Pane::Surface3d | Pane::Plot | Pane::Numbers | Pane::Histogram => self.chart(ui, *pane),
             }

@@ -4,7 +4,7 @@ use eframe::egui::{
     self, Align, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::params::{Choice, Kind, Spec};
+use motionscope_core::params::{Choice, Kind, Placed, Spec};
 use motionscope_core::{Info, Value, estimators};
 
 use super::action::{Action, Actions};
@@ -14,19 +14,31 @@ use super::parts::widgets;
 use super::{clip_card, style};
 use crate::paint::Theme;
 
+/// What the pane shows.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// What is open and how it is set.
+    pub document: &'a Document,
+    /// The parameter of the estimator that is being placed on the picture, if one is.
+    pub placing: Option<usize>,
+    /// The look.
+    pub theme: Theme,
+}
+
 /// Draws the whole pane.
-pub fn show(ui: &mut Ui, document: &Document, theme: Theme, actions: &mut Actions) {
+pub fn show(ui: &mut Ui, input: Input<'_>, actions: &mut Actions) {
+    let document = input.document;
     ScrollArea::vertical().id_salt("parameters").auto_shrink(false).show(ui, |ui| {
         ui.set_width(ui.available_width());
         clip_card::show(ui, document, actions);
         ui.add_space(12.0);
         title(ui, "Estimator", Owner::Estimator, document, actions);
         estimator(ui, document, actions);
-        group(ui, Owner::Estimator, document, theme, actions);
+        group(ui, Owner::Estimator, input, actions);
         if document.params(Owner::Difficulty).is_some() {
             ui.add_space(16.0);
             title(ui, "Difficulty of the clip", Owner::Difficulty, document, actions);
-            group(ui, Owner::Difficulty, document, theme, actions);
+            group(ui, Owner::Difficulty, input, actions);
         }
         ui.add_space(16.0);
     });
@@ -100,13 +112,15 @@ fn of_family(ui: &mut Ui, family: &[&'static Info], now: &str, actions: &mut Act
     }
 }
 
-fn group(ui: &mut Ui, owner: Owner, document: &Document, theme: Theme, actions: &mut Actions) {
+fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, actions: &mut Actions) {
+    let Input { document, theme, placing } = input;
     let Some(params) = document.params(owner) else { return };
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         for (index, spec) in params.specs().iter().enumerate() {
             let (value, default) = (params.value(index), document.default_of(owner, index));
-            Row { owner, index, spec, value, default, theme }.show(ui, actions);
+            let is_placing = owner == Owner::Estimator && placing == Some(index);
+            Row { owner, index, spec, value, default, theme, is_placing }.show(ui, actions);
             ui.add_space(if matches!(spec.kind, Kind::Int { .. } | Kind::Real { .. }) { 6.0 } else { 4.0 });
         }
     });
@@ -120,27 +134,29 @@ struct Row<'a> {
     value: Value,
     default: Option<Value>,
     theme: Theme,
+    is_placing: bool,
 }
 
 impl Row<'_> {
     fn show(&self, ui: &mut Ui, actions: &mut Actions) {
-        let (wanted, done) = match (&self.spec.kind, self.value) {
+        let (wanted, done) = match (&self.spec.kind, &self.value) {
             (Kind::Int { min, max }, Value::Int(value)) => {
-                let (wanted, done) = self.number(ui, (*min as f64, *max as f64), value as f64, actions);
+                let (wanted, done) = self.number(ui, (*min as f64, *max as f64), *value as f64, actions);
                 (Value::Int(wanted.round() as i64), done)
             }
             (Kind::Real { min, max }, Value::Real(value)) => {
-                let (wanted, done) = self.number(ui, (*min, *max), value, actions);
+                let (wanted, done) = self.number(ui, (*min, *max), *value, actions);
                 (Value::Real(wanted), done)
             }
             (Kind::Switch, Value::Switch(on)) => {
-                let wanted = self.switch(ui, on, actions);
-                (Value::Switch(wanted), wanted != on)
+                let wanted = self.switch(ui, *on, actions);
+                (Value::Switch(wanted), wanted != *on)
             }
             (Kind::Choice(choices), Value::Choice(name)) => {
                 let wanted = self.choice(ui, choices, name, actions);
-                (Value::Choice(wanted), wanted != name)
+                (Value::Choice(wanted), wanted != *name)
             }
+            (Kind::Placed(_), Value::Placed(placed)) => return self.placed(ui, placed, actions),
             _ => return,
         };
         if wanted != self.value {
@@ -163,7 +179,7 @@ impl Row<'_> {
         add: impl FnOnce(&mut Ui, &Response) -> R,
     ) -> R {
         let height = ui.spacing().interact_size.y;
-        let changed = self.default.is_some_and(|default| default != self.value);
+        let changed = self.default.as_ref().is_some_and(|default| *default != self.value);
         let back = if changed { height + 8.0 } else { 0.0 };
         if text_width(ui, &self.spec.label) + 8.0 + back + needed_pt > ui.available_width() {
             let label = ui.add(egui::Label::new(&self.spec.label).wrap().sense(Sense::hover()));
@@ -195,21 +211,21 @@ impl Row<'_> {
     }
 
     fn way_back(&self, ui: &mut Ui, actions: &mut Actions) {
-        let Some(default) = self.default else { return };
+        let Some(default) = &self.default else { return };
         let name = format!("Reset {}", self.spec.label.to_lowercase());
         let button = widgets::icon_button(ui, Icon::RotateCcw, &name, false);
         let unit = if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) };
         if button.on_hover_text(format!("Back to {}{unit}.", self.shown(default))).clicked() {
             actions.ask(Action::Settle);
-            actions.ask(Action::Set(self.owner, self.index, default));
+            actions.ask(Action::Set(self.owner, self.index, default.clone()));
             actions.ask(Action::Settle);
         }
     }
 
-    fn shown(&self, value: Value) -> String {
+    fn shown(&self, value: &Value) -> String {
         match (&self.spec.kind, value) {
             (Kind::Choice(choices), Value::Choice(name)) => {
-                choices.iter().find(|c| c.name == name).map_or(name, |c| c.label).to_owned()
+                choices.iter().find(|c| c.name == *name).map_or(*name, |c| c.label).to_owned()
             }
             _ => value.to_string(),
         }
@@ -235,10 +251,10 @@ impl Row<'_> {
             let response = ui.add_sized(vec2(width, ui.spacing().interact_size.y), field);
             response.labelled_by(label.id).on_hover_text(self.tip())
         });
-        let default = self.default.and_then(|default| match default {
+        let default = self.default.as_ref().and_then(|default| match *default {
             Value::Int(value) => Some(value as f64),
             Value::Real(value) => Some(value),
-            Value::Switch(_) | Value::Choice(_) => None,
+            Value::Switch(_) | Value::Choice(_) | Value::Placed(_) => None,
         });
         let step = 10f64.powi(-(decimals as i32));
         let slider = Slider { name: &self.spec.label, range: (min, max), step, default, theme: self.theme };
@@ -253,6 +269,24 @@ impl Row<'_> {
         let name = &self.spec.label;
         response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, on, name));
         on != response.on_hover_text(self.tip()).clicked()
+    }
+
+    /// What is placed on the picture, and the button with which that is done.
+    fn placed(&self, ui: &mut Ui, placed: &Placed, actions: &mut Actions) {
+        let (text, size) = (placed.words(), TextStyle::Body.resolve(ui.style()).size);
+        let verb = if self.is_placing { "Done" } else { "Place" };
+        let needed = text_width(ui, &text) + text_width(ui, verb) + 3.0 * size;
+        let dim = ui.visuals().weak_text_color();
+        let pressed = self.line(ui, needed, actions, |ui, _| {
+            let button = ui.selectable_label(self.is_placing, verb);
+            let name = format!("Place {}", self.spec.label.to_lowercase());
+            button.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, self.is_placing, &name));
+            ui.label(RichText::new(text).color(dim));
+            button.on_hover_text(format!("{}\nWith the mouse, on the picture.", self.spec.doc)).clicked()
+        });
+        if pressed {
+            actions.ask(Action::Place((!self.is_placing).then_some(self.index)));
+        }
     }
 
     /// Short choices lie side by side, long ones in a list.

@@ -86,7 +86,7 @@ fn the_budget_is_shared_and_parameters_are() {
     let all = |window: &Window, name: &str| -> Vec<Value> {
         window.app().document().company().beside.iter().map(|one| one.get(name).expect("they have it")).collect()
     };
-    assert_eq!(all(&window, "range"), [Value::Int(4); 2]);
+    assert_eq!(all(&window, "range"), [Value::Int(4), Value::Int(4)]);
     window.click("same budget");
     assert_eq!(window.app().document().company().pace, Pace::Budget);
     window.key(Key::End);

@@ -3,7 +3,7 @@
 use super::*;
 
 /// A window on an estimator at a step of a small clip with cars.
-fn window(estimator: &str, step: &str) -> Window {
+pub fn window(estimator: &str, step: &str) -> Window {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("one.motionscope");
     let clip = "synth:traffic,width=160,height=120,frames=8";

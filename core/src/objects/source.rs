@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{Bounds, Connectivity, Detection};
+use crate::params::Spots;
 use crate::span::Span;
 use crate::subtraction::{Settings, blobs};
 use crate::synth::random::{gaussian, hash};
@@ -11,8 +12,10 @@ use crate::{Clip, Error, Frame, Gray, Grid, Mask, ObjectBox, choices};
 choices! {
     /// Who detects the objects.
     pub enum Source {
-        /// The detections beside the clip, or else its truth, or else whatever moves.
+        /// What was clicked, or else the detections beside the clip, or else its truth, or else whatever moves.
         Auto = "auto" "Whatever there is",
+        /// Places that someone clicked on the picture.
+        Clicks = "clicks" "Clicks",
         /// The detections beside the clip.
         Detections = "detections" "Detections",
         /// The true boxes, measured with noise; what is hidden is not seen.
@@ -30,6 +33,8 @@ const SAMPLES: usize = 9;
 const REACH: usize = 60;
 /// A pixel that differs from the background by more gray levels moves.
 const THRESHOLD: u8 = 25;
+/// How wide and high the box around a click is.
+const CLICK_PX: f32 = 16.0;
 /// From the pixels that move to blobs.
 const BLOBS: Settings = Settings { open: 1, close: 2, min_area: 30, connectivity: Connectivity::Eight, frames: 0 };
 
@@ -42,6 +47,15 @@ pub struct Noise {
     pub seed: u64,
 }
 
+/// What a detector is given beside the clip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Given {
+    /// How the truth is measured.
+    pub noise: Noise,
+    /// Places that someone clicked.
+    pub clicks: Spots,
+}
+
 /// Someone who detects objects in frames, the same ones however often they are asked.
 #[derive(Clone, Debug)]
 pub struct Detector {
@@ -51,6 +65,7 @@ pub struct Detector {
 
 #[derive(Clone, Debug)]
 enum Eye {
+    Clicks(Spots),
     Detections,
     Truth,
     /// What looks like when nothing moves.
@@ -67,7 +82,8 @@ impl Detector {
     ///
     /// # Errors
     /// If the clip has none of what is wanted, or a frame is damaged.
-    pub fn new(source: Source, clip: &Clip, span: &Span, noise: Noise) -> Result<Self, Error> {
+    pub fn new(source: Source, clip: &Clip, span: &Span, given: Given) -> Result<Self, Error> {
+        let Given { noise, clicks } = given;
         let has_detections = clip.detections(span.first).is_some();
         let has_truth = match clip.truth() {
             Some(truth) => truth.objects(span.first)?.is_some(),
@@ -80,6 +96,8 @@ impl Detector {
         let eye = match source {
             Source::Detections if !has_detections => return lacks("detections"),
             Source::Truth if !has_truth => return lacks("true objects"),
+            Source::Clicks => Eye::Clicks(clicks),
+            Source::Auto if !clicks.all().is_empty() => Eye::Clicks(clicks),
             Source::Detections => Eye::Detections,
             Source::Auto if has_detections => Eye::Detections,
             Source::Truth => Eye::Truth,
@@ -95,6 +113,7 @@ impl Detector {
     /// If the frame or the truth cannot be read.
     pub fn look(&self, clip: &Clip, t: usize) -> Result<Vec<Detection>, Error> {
         match &self.eye {
+            Eye::Clicks(clicks) => Ok(clicks.of_frame(t).map(clicked).collect()),
             Eye::Detections => Ok(clip.detections(t).unwrap_or_default().to_vec()),
             Eye::Truth => {
                 let objects = clip.truth().map(|truth| truth.objects(t)).transpose()?.flatten().unwrap_or_default();
@@ -115,6 +134,7 @@ impl Detector {
     pub fn bytes(&self) -> usize {
         match &self.eye {
             Eye::Moving(background) => background.cells().len(),
+            Eye::Clicks(clicks) => size_of_val(clicks.all()),
             Eye::Detections | Eye::Truth => 0,
         }
     }
@@ -127,6 +147,10 @@ impl Detector {
         let bounds = Bounds::around(center, [object.width, object.height]);
         Detection { bounds, center, score: object.visibility, blob: None }
     }
+}
+
+fn clicked(center: [f32; 2]) -> Detection {
+    Detection { bounds: Bounds::around(center, [CLICK_PX; 2]), center, score: 1.0, blob: None }
 }
 
 /// The median of frames that lie evenly in `span` (B. P. L. Lo and S. A. Velastin, Automatic congestion detection system for

@@ -6,8 +6,9 @@ mod tell;
 use std::sync::Arc;
 
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
-use crate::objects::source::{Detector, Noise, Source, center, truth_of};
+use crate::objects::source::{Detector, Given, Noise, Source, center, truth_of};
 use crate::objects::{Detection, Life, Object, ObjectField, ObjectFrame};
+use crate::params::Spots;
 use crate::scene::Chart;
 use crate::span::Span;
 use crate::{
@@ -64,6 +65,8 @@ params! {
         measurement_noise: f32 = 2.0, 0.01..=100.0, "px";
         /// Who detects the object.
         source: Source = Source::Auto;
+        /// Places in frames, clicked on the picture, that stand for what a detector finds.
+        clicks: Spots = Spots::default();
         /// Which object is followed, in the order in which they stand in the first frame that shows any; detections are ranked by their score and their size.
         object: usize = 1, 1..=1000;
         /// Standard deviation of the noise that a true place is measured with.
@@ -402,7 +405,7 @@ impl Estimator for KalmanFilter {
             )));
         }
         let noise = Noise { deviation_px: f64::from(self.added_noise), seed: u64::from(self.seed) };
-        let detector = Detector::new(self.source, clip, &span, noise)?;
+        let detector = Detector::new(self.source, clip, &span, Given { noise, clicks: self.clicks.clone() })?;
         Ok(State {
             span,
             detector,

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
 use crate::objects::assignment::{least_cost, nearest_first};
-use crate::objects::source::{Detector, Noise, Source};
+use crate::objects::source::{Detector, Given, Noise, Source};
 use crate::objects::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame};
+use crate::params::Spots;
 use crate::scene::Chart;
 use crate::span::Span;
 use crate::{
@@ -44,6 +45,8 @@ params! {
         frames: usize = 300, 2..=10_000;
         /// Who detects the objects.
         source: Source = Source::Auto;
+        /// Places in frames, clicked on the picture, that stand for what a detector finds.
+        clicks: Spots = Spots::default();
         /// Detections with a lower score are left out.
         min_score: f32 = 0.3, -1000.0..=1000.0;
         /// Standard deviation of the noise that a true place is measured with.
@@ -278,7 +281,7 @@ impl Estimator for KalmanTracker {
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let span = Span::new(clip, frame, self.frames)?;
         let noise = Noise { deviation_px: f64::from(self.added_noise), seed: u64::from(self.seed) };
-        let detector = Detector::new(self.source, clip, &span, noise)?;
+        let detector = Detector::new(self.source, clip, &span, Given { noise, clicks: self.clicks.clone() })?;
         let picture = clip.size();
         Ok(State { span, detector, tracks: Vec::new(), begun: 0, frames: Vec::new(), picture })
     }

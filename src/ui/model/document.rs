@@ -237,7 +237,7 @@ impl Document {
     pub fn default_of(&self, owner: Owner, index: usize) -> Option<Value> {
         match (owner, self.sample()) {
             (Owner::Difficulty, Some(sample)) => Some(sample.difficulty().value(index)),
-            _ => self.params(owner)?.specs().get(index).map(|spec| spec.default),
+            _ => self.params(owner)?.specs().get(index).map(|spec| spec.default.clone()),
         }
     }
 

@@ -12,11 +12,13 @@ mod marks;
 mod motion;
 mod pictures;
 mod pixels;
+mod placing;
 
 use std::sync::Arc;
 
 use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
+use motionscope_core::params::Placed;
 use motionscope_core::scene::Picture;
 use motionscope_core::{Pace, Scene};
 use serde::{Deserialize, Serialize};
@@ -25,6 +27,7 @@ pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;
 pub(crate) use pictures::image_of;
 pub(crate) use pixels::on_gray;
+pub use placing::{Gesture, Placing};
 
 use super::{ink, primitives};
 use crate::motion::Offer;
@@ -75,6 +78,8 @@ pub struct Input<'a> {
     pub checking: bool,
     /// The window's graphics card, if it has one.
     pub gpu: Option<&'a RenderState>,
+    /// What is being placed on the picture, if anything is.
+    pub placing: Option<&'a Placing>,
     /// Whether what moved since the last step glides to its new place.
     pub animate: bool,
     /// Whether particles move.
@@ -113,6 +118,11 @@ pub struct State {
     pub zoom: Zoom,
     /// Whether the legend is unfolded.
     pub legend: bool,
+    /// The parameter of the estimator that is being placed on the picture.
+    #[serde(skip)]
+    pub placing: Option<usize>,
+    #[serde(skip)]
+    grip: Option<placing::Grip>,
     #[serde(skip)]
     pictures: Pictures,
     #[serde(skip)]
@@ -140,6 +150,8 @@ impl Default for State {
             blend: 0.5,
             zoom: Zoom::Fit,
             legend: true,
+            placing: None,
+            grip: None,
             pictures: Pictures::default(),
             marks: Marks::default(),
             glides: Vec::new(),
@@ -186,7 +198,7 @@ impl State {
 }
 
 /// What the person did on the stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
     /// The image point that was clicked.
     pub clicked: Option<[f32; 2]>,
@@ -200,6 +212,10 @@ pub struct Response {
     pub left: bool,
     /// How long displacements are to be drawn.
     pub lengthened: Option<Lengthen>,
+    /// What was placed on the picture.
+    pub placed: Option<Placed>,
+    /// What became of placing it.
+    pub placing: Gesture,
 }
 
 /// Shows the stage in the whole of `ui`.
@@ -211,6 +227,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
         lockstep::tools(ui, lockstep, &mut response);
     }
     levels::tools(ui, &input, &mut state.level);
+    placing::tools(ui, &input, &mut response);
     // Each of several estimators has its own level.
     let on_level = input.pictures.on_level(input.scene.levels.as_ref(), state.level, view(&input, state));
     let input = Input { pictures: &on_level, ..input };
@@ -317,7 +334,9 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
             let of = of.map_or_else(String::new, |tile| format!(", {}", tile.info.name));
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}{of}"))
         });
-        if let Some(zoom) = looked(ui, &sensed, lens) {
+        let placing = input.placing.filter(|_| panel.shows(Picture::Current));
+        let is_gripped = placing.is_some_and(|placing| placing::act(ui, &sensed, (lens, placing), state, response));
+        if let Some(zoom) = looked(ui, &sensed, lens).filter(|_| !is_gripped) {
             state.zoom = zoom;
             ui.ctx().request_repaint();
         }
@@ -327,7 +346,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
         match input.lockstep {
             // The first click on another estimator is for its explanation; nothing moves under it.
             Some(all) if sensed.clicked() && all.explained != *member => response.explained = Some(*member),
-            _ if sensed.clicked() => {
+            _ if placing.is_none() && sensed.clicked() => {
                 response.clicked = sensed.interact_pointer_pos().and_then(|at| lens.pixel_at(at)).map(to_point);
             }
             _ => {}
@@ -399,6 +418,9 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     }
     if let Some(pixel) = state.hovered {
         pixels::cross_hair(&painter, lens, pixel);
+    }
+    if let Some(placing) = input.placing.filter(|_| of_frame_t) {
+        placing::paint(&painter, lens, placing, input.theme);
     }
     if input.lockstep.is_none() {
         caption(ui.painter(), shown, lens, input);

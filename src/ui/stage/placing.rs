@@ -1,0 +1,157 @@
+//! Placing a line, a zone or points on the picture with the mouse.
+
+use eframe::egui::{Button, Color32, Painter, Pos2, RichText, Shape, Stroke, TextStyle, Ui, WidgetInfo};
+use motionscope_core::params::{Figure, Placed, Spec, Spot};
+
+use super::{Input, Lens, Response, State};
+use crate::paint::Theme;
+use crate::ui::style;
+
+/// How near to a handle one has to press to take it, in points.
+const NEAR_PT: f32 = 12.0;
+/// How large a handle is, in points.
+const HANDLE_PT: f32 = 5.0;
+
+/// A parameter that is being placed on the picture.
+#[derive(Clone, Debug)]
+pub struct Placing {
+    /// Which one of the estimator.
+    pub index: usize,
+    /// Its declaration.
+    pub spec: &'static Spec,
+    /// What it is now.
+    pub now: Placed,
+    /// The frame in which points are placed.
+    pub frame: usize,
+}
+
+/// What became of placing in a frame of the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gesture {
+    /// Nothing.
+    #[default]
+    None,
+    /// It stays as it is now.
+    Settled,
+    /// It does, and the next frame is to follow.
+    SettledFrame,
+    /// No more is placed.
+    Done,
+}
+
+/// What the mouse holds.
+#[derive(Clone, Debug)]
+pub enum Grip {
+    /// A handle.
+    Handle(usize),
+    /// The far end of something that began at a place.
+    New([f32; 2]),
+}
+
+/// What to do, and the way out.
+pub fn tools(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
+    let Some(placing) = input.placing else { return };
+    let what = placing.spec.label.to_lowercase();
+    let told = match placing.now.figure() {
+        Figure::Spots => format!(
+            "Click where it is in frame {}; the next frame follows. A right click takes one away.",
+            placing.frame
+        ),
+        Figure::Line => format!(
+            "Drag from one end of the {what} to the other, or move an end. A right click on an end takes it away."
+        ),
+        Figure::Zone => format!(
+            "Drag from one corner of the {what} to the opposite one, or move a corner. A right click on one takes it away."
+        ),
+    };
+    ui.horizontal_wrapped(|ui| {
+        let done = ui.add(Button::new(RichText::new("Done").small()).small());
+        done.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::Button, true, format!("Done placing {what}")));
+        if done.on_hover_text("Esc").clicked() {
+            response.placing = Gesture::Done;
+        }
+        ui.label(RichText::new(told).text_style(TextStyle::Small));
+    });
+}
+
+/// Takes what the mouse does on a picture; gives whether it holds something.
+pub fn act(
+    ui: &Ui,
+    sensed: &eframe::egui::Response,
+    (lens, placing): (&Lens, &Placing),
+    state: &mut State,
+    response: &mut Response,
+) -> bool {
+    let Placing { now, frame, .. } = placing;
+    let handle_at = |at: Pos2| {
+        let far = |handle: [f32; 2]| lens.to_screen(handle).distance(at);
+        let handles = now.handles(*frame).into_iter().enumerate();
+        let nearest = handles.min_by(|(_, a), (_, b)| far(*a).total_cmp(&far(*b)))?;
+        (far(nearest.1) <= NEAR_PT).then_some(nearest.0)
+    };
+    let at = sensed.interact_pointer_pos();
+    if sensed.drag_started()
+        && let Some(origin) = ui.input(|i| i.pointer.press_origin())
+    {
+        let new = || (now.figure() != Figure::Spots).then(|| Grip::New(place(lens, origin)));
+        state.grip = handle_at(origin).map(Grip::Handle).or_else(new);
+    }
+    if let (Some(grip), Some(at)) = (&state.grip, at) {
+        let to = place(lens, at);
+        response.placed = Some(match grip {
+            Grip::Handle(index) => now.moved(*frame, *index, to),
+            Grip::New(from) => now.figure().spanned(*from, to),
+        });
+    }
+    // The corner that is held stays held where a rectangle is turned inside out.
+    if let (Some(Grip::Handle(index)), Some(placed), Some(at)) = (&mut state.grip, &response.placed, at) {
+        let to = place(lens, at);
+        *index = placed.handles(*frame).iter().position(|handle| *handle == to).unwrap_or(*index);
+    }
+    let is_gripped = state.grip.is_some();
+    if sensed.drag_stopped() && state.grip.take().is_some() {
+        response.placing = Gesture::Settled;
+    }
+    if let Some(at) = at.filter(|_| sensed.secondary_clicked())
+        && let Some(index) = handle_at(at)
+    {
+        response.placed = Some(now.without(*frame, index));
+        response.placing = Gesture::Settled;
+    }
+    if let Some(at) = at.filter(|at| sensed.clicked() && now.figure() == Figure::Spots && lens.pixel_at(*at).is_some())
+    {
+        response.placed = Some(now.with(Spot { frame: *frame, at: place(lens, at) }));
+        response.placing = Gesture::SettledFrame;
+    }
+    is_gripped
+}
+
+/// The place under the mouse, to a tenth of a pixel: nobody holds it more steadily.
+fn place(lens: &Lens, at: Pos2) -> [f32; 2] {
+    lens.to_image(at).map(|c| (c * 10.0).round() / 10.0)
+}
+
+/// Draws what is placed with the handles by which it is moved; of points also those of other frames, smaller.
+pub fn paint(painter: &Painter, lens: &Lens, placing: &Placing, theme: Theme) {
+    let (chrome, under) = (theme.chrome(), Color32::from_black_alpha(150));
+    let accent = style::color(chrome.accent);
+    let line = |points: Vec<Pos2>, closed: bool| {
+        for stroke in [Stroke::new(4.0, under), Stroke::new(2.0, accent)] {
+            let points = points.clone();
+            painter.add(if closed { Shape::closed_line(points, stroke) } else { Shape::line(points, stroke) });
+        }
+    };
+    let handles: Vec<Pos2> = placing.now.handles(placing.frame).into_iter().map(|at| lens.to_screen(at)).collect();
+    match &placing.now {
+        Placed::Line(_) => line(handles.clone(), false),
+        Placed::Zone(_) => line(handles.clone(), true),
+        Placed::Spots(spots) => {
+            for spot in spots.all().iter().filter(|spot| spot.frame != placing.frame) {
+                painter.circle_filled(lens.to_screen(spot.at), 2.5, accent.gamma_multiply(0.7));
+            }
+        }
+    }
+    for at in handles {
+        painter.circle(at, HANDLE_PT, accent, Stroke::new(2.0, under));
+    }
+}

@@ -1,0 +1,71 @@
+//! Parameters that are placed on the picture with the mouse.
+
+use eframe::egui::PointerButton;
+use motionscope_core::params::Placed;
+
+use super::objects::window;
+use super::*;
+
+/// Where an image point lies on the screen.
+fn on_stage(window: &Window, [x, y]: [f32; 2]) -> Pos2 {
+    let pair = &window.shown().pictures.pair[0];
+    let (width, height) = pair.size();
+    let rect = window.harness.get_by_label_contains("Stage: Frame t").rect();
+    let scale = (rect.size() * 0.97 / vec2(width as f32, height as f32)).min_elem();
+    let middle = vec2((width as f32 - 1.0) / 2.0, (height as f32 - 1.0) / 2.0);
+    rect.center() + (vec2(x, y) - middle) * scale
+}
+
+fn placed(window: &Window, name: &str) -> Placed {
+    match window.value(name) {
+        Value::Placed(placed) => placed,
+        other => panic!("{other:?} is not placed"),
+    }
+}
+
+#[test]
+fn clicks_measure_an_object_frame_by_frame() {
+    let mut window = window("kalman-filter", "0.0");
+    window.click("Place clicks");
+    let places = [[40.0, 60.0], [44.0, 61.0], [48.0, 62.0]];
+    for (frame, at) in places.into_iter().enumerate() {
+        assert_eq!(window.shown().frame, frame, "a click leads to the next frame");
+        let at = on_stage(&window, at);
+        window.click_at(at);
+    }
+    let Placed::Spots(spots) = placed(&window, "clicks") else { panic!("clicks are spots") };
+    assert_eq!(spots.all().len(), 3);
+    for (spot, (frame, at)) in spots.all().iter().zip(places.into_iter().enumerate()) {
+        let off = (spot.at[0] - at[0]).hypot(spot.at[1] - at[1]);
+        assert!(spot.frame == frame && off < 0.5, "{spot:?} where {at:?} was clicked");
+    }
+    window.command(Command::PreviousUnit);
+    assert!(window.told().contains("Measured"), "what was clicked is measured");
+    window.command(Command::Undo);
+    assert_eq!(placed(&window, "clicks").words(), "2 places", "each click is taken back by itself");
+    window.key(Key::Escape);
+    assert!(window.harness.query_by_label_contains("Done placing").is_none(), "Esc ends it");
+}
+
+#[test]
+fn a_spot_is_dragged_and_taken_away() {
+    let mut window = window("kalman-filter", "0.0");
+    window.click("Place clicks");
+    let (from, to) = ([40.0, 60.0], [70.0, 50.0]);
+    let at = on_stage(&window, from);
+    window.click_at(at);
+    window.key(Key::PageUp);
+    assert_eq!(window.shown().frame, 0);
+    let (from, to) = (on_stage(&window, from), on_stage(&window, to));
+    window.drag(from, to);
+    let Placed::Spots(spots) = placed(&window, "clicks") else { panic!("clicks are spots") };
+    assert!((spots.all()[0].at[0] - 70.0).abs() < 0.5 && spots.all().len() == 1, "{spots:?}");
+    window.harness.hover_at(to);
+    for pressed in [true, false] {
+        let modifiers = Modifiers::NONE;
+        window.harness.event(Event::PointerButton { pos: to, button: PointerButton::Secondary, pressed, modifiers });
+        window.harness.step();
+    }
+    window.settle();
+    assert!(placed(&window, "clicks").is_none(), "a right click takes it away");
+}
