@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use motionscope_core::metrics::{self, FlowError};
 use motionscope_core::objects::score::{self, Scores};
+use motionscope_core::objects::trajectory::Trajectory;
 use motionscope_core::scene::{Distribution, Fact};
 use motionscope_core::{
     BlockField, Clip, Coding, Error, Flow, Gray, Grid, Life, ObjectField, ObjectFrame, Output, PointField, Status,
@@ -89,9 +90,63 @@ pub struct Objects {
     pub detections: usize,
     /// Objects that were believed in, each counted once.
     pub objects: usize,
+    /// What their ways tell, where these were looked at.
+    #[serde(flatten)]
+    pub ways: Option<Ways>,
     /// How good the tracks are, where the true ones are known.
     #[serde(flatten)]
     pub scores: Option<TrackScores>,
+}
+
+/// What the ways of objects tell.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Ways {
+    /// How often one went over the line to its right.
+    pub crossed_right: usize,
+    /// The same to its left.
+    pub crossed_left: usize,
+    /// Objects that were in the zone.
+    pub in_zone: usize,
+    /// Frames that they were there on average.
+    pub dwell_frames: Option<f64>,
+    /// Objects that went where the others do not.
+    pub unusual: usize,
+}
+
+impl Ways {
+    fn of(field: &ObjectField) -> Option<Self> {
+        let all = &field.trajectories;
+        let crossed = |to_right: bool| {
+            all.iter().flat_map(|of| &of.crossings).filter(|crossing| crossing.is_forward == to_right).count()
+        };
+        let stays: Vec<usize> = all.iter().map(|of| of.dwell_frames()).filter(|frames| *frames > 0).collect();
+        let is_unusual = |of: &&Arc<Trajectory>| of.sightings.iter().any(|seen| seen.unusual.is_some());
+        (!all.is_empty()).then(|| Self {
+            crossed_right: crossed(true),
+            crossed_left: crossed(false),
+            in_zone: stays.len(),
+            dwell_frames: (!stays.is_empty()).then(|| stays.iter().sum::<usize>() as f64 / stays.len() as f64),
+            unusual: all.iter().filter(is_unusual).count(),
+        })
+    }
+
+    /// The same for a person, as far as there is something.
+    pub fn facts(&self) -> Vec<Fact> {
+        let Self { crossed_right, crossed_left, in_zone, dwell_frames, unusual } = *self;
+        let mut facts = Vec::new();
+        if crossed_right + crossed_left > 0 {
+            let value = format!("{} to its right, {} to its left", grouped(crossed_right), grouped(crossed_left));
+            facts.push(Fact::new("Over line", value, None));
+        }
+        if let Some(frames) = dwell_frames {
+            let objects = if in_zone == 1 { "object" } else { "objects" };
+            facts.push(Fact::new("In zone", format!("{} {objects}, {frames:.1} frames each", grouped(in_zone)), None));
+        }
+        if unusual > 0 {
+            facts.push(Fact::new("Unusual", format!("{} by direction", grouped(unusual)), None));
+        }
+        facts
+    }
 }
 
 /// Tracks beside the true ones.
@@ -131,6 +186,7 @@ impl Objects {
             frames: field.frames.len(),
             detections: field.frames.iter().map(|frame| frame.detections.len()).sum(),
             objects: ids.len(),
+            ways: Ways::of(field),
             scores: scores.map(TrackScores::of),
         })
     }
@@ -266,6 +322,7 @@ impl Quality {
         facts.extend(self.features.map(|features| fact("Features", features.text())));
         if let Some(objects) = self.objects {
             facts.push(fact("Objects", objects.text()));
+            facts.extend(objects.ways.iter().flat_map(Ways::facts));
             if let Some(TrackScores { mota, idf1, hota, switches, precision, recall, .. }) = objects.scores {
                 facts.push(fact("MOTA", format!("{mota:.3}")));
                 facts.push(fact("IDF1", format!("{idf1:.3}")));

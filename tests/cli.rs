@@ -620,6 +620,8 @@ fn what_is_wrong_with_detections_is_told() {
         ("run --detections none.txt --estimator kalman-tracker", "none.txt"),
         ("run --estimator kalman-tracker", "required"),
         ("run det.txt --estimator full-search --frames 0..3", "--frame "),
+        ("run det.txt --estimator kalman-tracker --tracks a.png", ".npy"),
+        ("run det.txt --estimator trajectory-analysis --set line=1,2,3", "x,y,x,y"),
         ("run det.txt --estimator full-search --tracks a.txt", "no objects"),
         ("run det.txt --estimator kalman-tracker --masks m", "no masks"),
         ("run det.txt --estimator kalman-tracker --set source=truth", "no true objects"),

@@ -11,7 +11,7 @@ use crate::moving_objects::{
     Subtraction,
 };
 use crate::optical_flow::{Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PyramidalLucasKanade, TvL1};
-use crate::tracking::{KalmanFilter, KalmanTracker};
+use crate::tracking::{KalmanFilter, KalmanTracker, TrajectoryAnalysis};
 use crate::variational::Variational;
 use crate::{AnyEstimator, Error};
 
@@ -47,6 +47,7 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(ConnectedComponents::default()),
         Box::new(KalmanFilter::default()),
         Box::new(KalmanTracker::default()),
+        Box::new(TrajectoryAnalysis::default()),
     ]
 }
 

@@ -16,6 +16,23 @@ pub fn number(v: f32) -> String {
     if is_negative { format!("−{digits}") } else { digits }
 }
 
+/// The same of a number that is known more exactly than it is told.
+pub fn number_64(v: f64) -> String {
+    number(v as f32)
+}
+
+/// So many of something: `1 frame`, `3 frames`.
+pub fn counted(count: usize, one: &str) -> String {
+    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
+}
+
+/// Where a velocity leads: `45°`, from right, against the clock, as a person reads a picture.
+pub fn heading([u, v]: [f64; 2]) -> String {
+    let degrees = (-v).atan2(u).to_degrees().round();
+    // No minus in front of nothing.
+    format!("{}°", if degrees == 0.0 { 0.0 } else { degrees }).replace('-', "−")
+}
+
 /// A displacement as a person reads it.
 pub fn vector([u, v]: [f32; 2]) -> String {
     // A space at which no line is broken.

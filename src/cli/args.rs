@@ -250,8 +250,8 @@ pub struct RunArgs {
     /// Writes the vectors as CSV; `-` is standard output.
     #[arg(long, value_name = "FILE.csv")]
     pub table: Option<PathBuf>,
-    /// Writes the objects that were tracked as MOTChallenge rows; `-` is standard output.
-    #[arg(long, value_name = "FILE.txt")]
+    /// Writes the objects that were tracked: .txt as MOTChallenge rows, .csv with units, .npy; `-` is standard output.
+    #[arg(long, value_name = "FILE")]
     pub tracks: Option<PathBuf>,
     /// Folder for a mask of each frame as PNG, white where something moves.
     #[arg(long, value_name = "DIR")]

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use motionscope_core::scene::Fact;
 use motionscope_core::{Error, Extent, Output};
 use serde::Serialize;
 use serde_json::Map;
@@ -9,7 +10,7 @@ use serde_json::Map;
 use super::list::value;
 use super::task::Task;
 use crate::motion::Check;
-use crate::quality::{AgainstTruth, Quality, TrackScores};
+use crate::quality::{AgainstTruth, Quality, TrackScores, Ways};
 
 /// One run in numbers.
 #[derive(Serialize)]
@@ -117,6 +118,9 @@ impl Report {
         }
         if let Some(objects) = metrics.objects {
             text += &format!("objects     {}\n", objects.text());
+            for Fact { label, value, .. } in objects.ways.iter().flat_map(Ways::facts) {
+                text += &format!("{:<12}{value}\n", label.to_lowercase());
+            }
             if let Some(TrackScores { mota, motp, idf1, hota, switches, precision, recall, true_objects }) =
                 objects.scores
             {

@@ -9,7 +9,7 @@ use super::args::RunArgs;
 use super::report::{Report, Timing, to_json};
 use super::say;
 use super::task::Task;
-use crate::media::export::{self, FlowFormat};
+use crate::media::export::{self, FlowFormat, TrackFormat};
 use crate::motion::{Check, Reverse};
 use crate::paint::{FlowLayer, LevelShown};
 use crate::quality::Quality;
@@ -56,8 +56,8 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     if let Some(path) = &args.table {
         files.push((path, export::csv(&output).into_bytes()));
     }
-    if let Some(path) = &args.tracks {
-        files.push((path, export::tracks(objects(&output, &task)?).into_bytes()));
+    if let Some((path, format)) = outputs.tracks {
+        files.push((path, format.encode(objects(&output, &task)?)));
     }
     let masks = args.masks.as_ref().map(|_| export::masks(objects(&output, &task)?)).transpose()?;
     let is_piped = files.iter().any(|(path, _)| *path == Path::new("-"));
@@ -80,6 +80,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
 struct Outputs<'a> {
     overlay: Option<(&'a PathBuf, Format)>,
     flow: Option<(&'a PathBuf, FlowFormat)>,
+    tracks: Option<(&'a PathBuf, TrackFormat)>,
 }
 
 impl<'a> Outputs<'a> {
@@ -96,6 +97,7 @@ impl<'a> Outputs<'a> {
         Ok(Self {
             overlay: args.overlay.as_ref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?,
             flow: args.flow.as_ref().map(|path| FlowFormat::of(path).map(|format| (path, format))).transpose()?,
+            tracks: args.tracks.as_ref().map(|path| TrackFormat::of(path).map(|format| (path, format))).transpose()?,
         })
     }
 }

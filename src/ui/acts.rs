@@ -148,11 +148,13 @@ impl App {
     }
 
     fn edit(&mut self, command: Command) {
+        let was_single = self.is_of_single_frames();
         match command {
             Command::Undo => drop(self.document.undo()),
             Command::Redo => drop(self.document.redo()),
             _ => self.document.reset(Owner::Estimator),
         }
+        self.suit_view(was_single);
         self.restart();
     }
 
@@ -217,18 +219,29 @@ impl App {
     fn choose(&mut self, id: &str) {
         match estimator(id) {
             Ok(chosen) => {
-                let is_single = [self.document.estimator(), &*chosen].map(|e| e.promise().is_of_single_frames());
-                let view = &mut self.states.stage.view;
-                // What looks at single frames has nothing to say of the next, all others need both.
-                match (is_single, *view) {
-                    ([false, true], Pictures::SideBySide) => *view = Pictures::Current,
-                    ([true, false], Pictures::Current) => *view = Pictures::SideBySide,
-                    _ => {}
-                }
+                let was_single = self.is_of_single_frames();
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
+                self.suit_view(was_single);
                 self.restart();
             }
             Err(error) => self.toasts.fail(error.to_string()),
+        }
+    }
+
+    /// Whether the estimator looks at single frames.
+    pub(super) fn is_of_single_frames(&self) -> bool {
+        self.document.estimator().promise().is_of_single_frames()
+    }
+
+    /// Shows as many frames as the estimator speaks of, where another has taken the place of one that was of another kind:
+    /// what looks at single frames has nothing to say of the next, all others need both.
+    pub(super) fn suit_view(&mut self, was_single: bool) {
+        let is_single = self.is_of_single_frames();
+        let view = &mut self.states.stage.view;
+        match (was_single, is_single, *view) {
+            (false, true, Pictures::SideBySide) => *view = Pictures::Current,
+            (true, false, Pictures::Current) => *view = Pictures::SideBySide,
+            _ => {}
         }
     }
 

@@ -119,9 +119,13 @@ impl App {
             return;
         };
         let Session { estimator, company, frame, cursor, look, sight, .. } = session;
+        let was_single = self.is_of_single_frames();
         self.document.restore(estimator, company, frame);
         self.tell_of_frame(frame);
         self.look_as(look.over(self.look()));
+        if look.view.is_none() {
+            self.suit_view(was_single);
+        }
         if let Some(Sight { center, zoom }) = sight {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }

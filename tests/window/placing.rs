@@ -69,3 +69,37 @@ fn a_spot_is_dragged_and_taken_away() {
     window.settle();
     assert!(placed(&window, "clicks").is_none(), "a right click takes it away");
 }
+
+#[test]
+fn a_line_is_drawn_moved_and_taken_back() {
+    let mut window = window("trajectory-analysis", "6.0");
+    window.click("Place line");
+    let (from, to) = (on_stage(&window, [80.0, 100.0]), on_stage(&window, [80.0, 20.0]));
+    window.drag(from, to);
+    let Placed::Line(Some(line)) = placed(&window, "line") else { panic!("a line is drawn") };
+    let near = |at: [f32; 2], expected: [f32; 2]| (0..2).all(|i| (at[i] - expected[i]).abs() < 0.5);
+    assert!(near(line.from, [80.0, 100.0]) && near(line.to, [80.0, 20.0]), "{line:?}");
+    let cursor = window.cursor();
+    window.drag(to, on_stage(&window, [120.0, 30.0]));
+    let Placed::Line(Some(moved)) = placed(&window, "line") else { panic!("it is still there") };
+    assert!(near(moved.from, [80.0, 100.0]) && near(moved.to, [120.0, 30.0]), "{moved:?}");
+    assert_eq!(window.cursor(), cursor, "the run stays where it was");
+    window.command(Command::Undo);
+    assert_eq!(placed(&window, "line"), Placed::Line(Some(line)), "a drag is one change");
+    window.command(Command::Undo);
+    assert!(placed(&window, "line").is_none());
+    window.click_at(on_stage(&window, [40.0, 40.0]));
+    assert!(placed(&window, "line").is_none() && window.cursor() == cursor, "a click draws nothing and leads nowhere");
+}
+
+#[test]
+fn what_was_placed_is_kept_in_a_session() {
+    let clip = "synth:traffic,width=160,height=120,frames=8";
+    let set = "[set]\nline = \"80,100,80,20\"\nzone = \"10,20,60,90\"\nclicks = \"0:5,6 2:7.5,8\"\n";
+    let text = format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"trajectory-analysis\"\nstep = \"3.1\"\n{set}");
+    let folder = Path::new(".");
+    let again = Session::parse(&text, folder).and_then(|session| session.text(folder)).expect("it is a session");
+    for line in set.lines().skip(1) {
+        assert!(again.contains(line), "{line} is not in {again}");
+    }
+}

@@ -2,11 +2,13 @@
 
 pub mod assignment;
 mod components;
+pub mod directions;
 mod mask;
 mod morphology;
 mod record;
 pub mod score;
 pub mod source;
+pub mod trajectory;
 
 use std::sync::Arc;
 
@@ -16,6 +18,7 @@ pub use morphology::MAX_RADIUS_PX;
 pub use record::Record;
 
 use crate::ObjectBox;
+use trajectory::Trajectory;
 
 /// An axis-parallel rectangle by its outer edges, in px.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,6 +158,8 @@ pub struct ObjectField {
     pub first: usize,
     /// What it and those that follow came to.
     pub frames: Vec<Arc<ObjectFrame>>,
+    /// The ways of the objects, where they were looked at.
+    pub trajectories: Vec<Arc<Trajectory>>,
 }
 
 impl ObjectFrame {

@@ -30,7 +30,7 @@ impl Record {
 
     /// All of it, of a run on pictures of that size from frame `first` on.
     pub fn field(&self, picture: (usize, usize), first: usize) -> ObjectField {
-        ObjectField { picture, first, frames: Vec::clone(&self.frames) }
+        ObjectField { picture, first, frames: Vec::clone(&self.frames), trajectories: Vec::new() }
     }
 
     /// Memory that it takes by itself, in bytes: what earlier frames came to is shared with the records before.

@@ -483,6 +483,11 @@ impl Estimator for KalmanFilter {
             Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&moment.detections), objects })
         };
         let frames = state.moments.iter().map(frame).collect();
-        Output::Objects(ObjectField { picture: state.picture, first: state.span.first, frames })
+        Output::Objects(ObjectField {
+            picture: state.picture,
+            first: state.span.first,
+            frames,
+            trajectories: Vec::new(),
+        })
     }
 }

@@ -156,6 +156,18 @@ impl Track {
     }
 }
 
+impl State {
+    /// The first frame of the run.
+    pub(super) fn first(&self) -> usize {
+        self.span.first
+    }
+
+    /// What it and those that follow came to so far.
+    pub(super) fn frames(&self) -> &[Arc<ObjectFrame>] {
+        &self.frames
+    }
+}
+
 impl KalmanTracker {
     fn measurement(&self, detection: &Detection) -> Measurement {
         let height_px = f64::from(detection.bounds.size()[1]).max(1.0);
@@ -350,7 +362,12 @@ impl Estimator for KalmanTracker {
 
     fn output(&self, state: &State) -> Output {
         let State { span, picture, frames, .. } = state;
-        Output::Objects(ObjectField { picture: *picture, first: span.first, frames: frames.clone() })
+        Output::Objects(ObjectField {
+            picture: *picture,
+            first: span.first,
+            frames: frames.clone(),
+            trajectories: Vec::new(),
+        })
     }
 }
 

@@ -2,6 +2,8 @@
 
 mod kalman_filter;
 mod kalman_tracker;
+mod trajectory_analysis;
 
 pub use kalman_filter::KalmanFilter;
 pub use kalman_tracker::KalmanTracker;
+pub use trajectory_analysis::TrajectoryAnalysis;

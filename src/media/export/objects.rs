@@ -1,12 +1,58 @@
 //! Detections and tracked objects as tables and as MOTChallenge rows.
 
+use std::path::Path;
+
+use motionscope_core::objects::trajectory::{Sighting, Trajectory};
 use motionscope_core::{Bounds, Detection, Error, Grid, Life, Mask, Object, ObjectField};
 
-use super::{Cell, Table};
+use super::{Cell, Table, objects_npy};
 
-/// One row for each object in each frame; for each detection where nobody tracks them.
+/// What tracked objects are written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrackFormat {
+    /// MOTChallenge's rows: [`tracks`].
+    Mot,
+    /// A table with units.
+    Csv,
+    /// A NumPy array: [`objects_npy`].
+    Npy,
+}
+
+impl TrackFormat {
+    /// The format that the ending of a file's name asks for; MOTChallenge's for `-`.
+    ///
+    /// # Errors
+    /// If it asks for none of them.
+    pub fn of(path: &Path) -> Result<Self, Error> {
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase();
+        match ending.as_str() {
+            _ if path == Path::new("-") => Ok(Self::Mot),
+            "txt" => Ok(Self::Mot),
+            "csv" => Ok(Self::Csv),
+            "npy" => Ok(Self::Npy),
+            _ => Err(Error::new(format!(
+                "{} is no name for tracks; one ends in .txt (MOTChallenge), .csv or .npy, or is -",
+                path.display()
+            ))),
+        }
+    }
+
+    /// The bytes of the file.
+    pub fn encode(self, field: &ObjectField) -> Vec<u8> {
+        match self {
+            Self::Mot => tracks(field).into_bytes(),
+            Self::Csv => objects(field).csv().into_bytes(),
+            Self::Npy => objects_npy(field),
+        }
+    }
+}
+
+/// One row for each place of a trajectory where these were looked at; else for each object in each frame, or for each detection
+/// where nobody tracks them.
 pub fn csv(field: &ObjectField) -> String {
-    if field.frames.iter().any(|frame| !frame.objects.is_empty()) {
+    if !field.trajectories.is_empty() {
+        trajectories(field).csv()
+    } else if field.frames.iter().any(|frame| !frame.objects.is_empty()) {
         objects(field).csv()
     } else {
         detections(field).csv()
@@ -49,6 +95,45 @@ fn objects(field: &ObjectField) -> Table<13> {
         [frame, id, x, y, u, v, left, top, width, height, status, sigma(0), sigma(1)]
     };
     let rows = frames(field).flat_map(|(t, frame)| frame.objects.iter().map(move |object| row(t, object)));
+    Table { columns, rows: rows.collect() }
+}
+
+/// Where each object was seen, how it moved there, and what became of it: `crossed` is 1 where it went over the line to its right
+/// and −1 to its left, `in_zone` is 1 in the zone, and `unusual_deg` is how far its heading is off those of others where that
+/// is unusual. Headings count from right, against the clock.
+fn trajectories(field: &ObjectField) -> Table<10> {
+    let columns = [
+        "frame",
+        "id",
+        "x_px",
+        "y_px",
+        "speed_px_per_frame",
+        "heading_deg",
+        "step_px_per_frame",
+        "crossed",
+        "in_zone",
+        "unusual_deg",
+    ];
+    let row = |of: &Trajectory, seen: &Sighting| {
+        let [x, y] = seen.at.map(Cell::Real);
+        let speed = |v: Option<[f64; 2]>| v.map_or(Cell::Empty, |[u, v]| Cell::Real(u.hypot(v)));
+        let heading = seen.velocity.filter(|v| *v != [0.0; 2]).map(|[u, v]| (-v).atan2(u).to_degrees());
+        let crossing = of.crossings.iter().find(|crossing| crossing.frame == seen.frame);
+        let is_inside = of.stays.iter().any(|stay| (stay.entered..=stay.last).contains(&seen.frame));
+        [
+            Cell::Int(seen.frame as i64),
+            Cell::Int(i64::from(of.id)),
+            x,
+            y,
+            speed(seen.velocity),
+            heading.map_or(Cell::Empty, Cell::Real),
+            speed(seen.step),
+            Cell::Int(crossing.map_or(0, |crossing| if crossing.is_forward { 1 } else { -1 })),
+            Cell::Int(i64::from(is_inside)),
+            seen.unusual.map_or(Cell::Empty, |unusual| Cell::Real(unusual.angle_deg)),
+        ]
+    };
+    let rows = field.trajectories.iter().flat_map(|of| of.sightings.iter().map(move |seen| row(of, seen)));
     Table { columns, rows: rows.collect() }
 }
 
@@ -116,14 +201,16 @@ pub fn masks(field: &ObjectField) -> Result<Vec<(String, Vec<u8>)>, Error> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::sync::Arc;
 
+    use motionscope_core::objects::trajectory::Places;
+    use motionscope_core::params::Line;
     use motionscope_core::{Blob, ObjectFrame};
 
     use super::*;
 
-    fn field() -> ObjectField {
+    pub fn field() -> ObjectField {
         let bounds = Bounds { min: [-0.5, 9.5], max: [3.5, 12.0] };
         let blob = Blob { label: 1, area_px: 10, radii: [2.0, 1.0], angle_rad: 0.0, gray: 90.0 };
         let found = Detection { bounds, center: bounds.center(), score: 0.5, blob: Some(blob) };
@@ -141,12 +228,32 @@ mod tests {
             Arc::new(ObjectFrame { mask: None, detections: vec![found], objects: Vec::new() }),
             Arc::new(ObjectFrame { mask: None, detections: Vec::new(), objects: all }),
         ];
-        ObjectField { picture: (32, 24), first: 4, frames }
+        ObjectField { picture: (32, 24), first: 4, frames, trajectories: Vec::new() }
     }
 
     #[test]
     fn results_count_frames_and_pixels_from_one() {
         assert_eq!(tracks(&field()), "6,3,1,11,4,2.5,1,-1,-1,-1\n");
+    }
+
+    #[test]
+    fn a_table_of_trajectories_tells_what_became_of_each() {
+        let places = Places { line: Some(Line { from: [10.0, 9.0], to: [10.0, 0.0] }), zone: None, window: 3 };
+        let mut of = Trajectory { id: 4, ..Trajectory::default() };
+        for (t, x) in [(6, 8.0), (7, 9.0), (8, 12.0)] {
+            of.see(t, [x, 5.0], &places);
+        }
+        let all = csv(&ObjectField { trajectories: vec![Arc::new(of)], ..field() });
+        let rows: Vec<_> = all.lines().collect();
+        assert_eq!(rows[1..], ["6,4,8,5,,,,0,0,", "7,4,9,5,1,0,1,0,0,", "8,4,12,5,2,0,3,1,0,"]);
+    }
+
+    #[test]
+    fn the_ending_of_a_name_says_how_tracks_are_written() {
+        let of = |name: &str| TrackFormat::of(Path::new(name));
+        let all = ["-", "a.txt", "a.CSV", "b/c.npy"].map(|name| of(name).unwrap());
+        assert_eq!(all, [TrackFormat::Mot, TrackFormat::Mot, TrackFormat::Csv, TrackFormat::Npy]);
+        assert!(of("a.png").unwrap_err().to_string().contains(".npy") && of("a").is_err());
     }
 
     #[test]

@@ -1,0 +1,134 @@
+//! What trajectories tell, on objects whose ways are known.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use motionscope_core::objects::trajectory::Trajectory;
+use motionscope_core::{
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Move, ObjectField, Output, Scene, Threads, estimator,
+    scene::Readout, synth,
+};
+
+const SIZE: [f32; 2] = [20.0, 14.0];
+
+/// A clip of objects that begin in a frame at a place, and go on at a velocity for so many frames.
+fn clip(objects: &[(usize, [f32; 2], [f32; 2], usize)], frames: usize) -> Clip {
+    let mut found = vec![Vec::new(); frames];
+    for &(begin, place, velocity, count) in objects {
+        for (i, frame) in found[begin..(begin + count).min(frames)].iter_mut().enumerate() {
+            let center = [0, 1].map(|axis| place[axis] + velocity[axis] * i as f32);
+            frame.push(Detection { bounds: Bounds::around(center, SIZE), center, score: 1.0, blob: None });
+        }
+    }
+    Clip::blank("objects", (320, 240), frames).with_detections(found)
+}
+
+fn analysis(settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
+    let mut analysis = estimator("trajectory-analysis").expect("it is there");
+    settings.iter().for_each(|(name, value)| analysis.set(name, value).expect("it is allowed"));
+    analysis
+}
+
+fn run(analysis: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
+    match analysis.run(clip, 0, &Threads::single()).expect("it runs") {
+        Output::Objects(field) => field,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn crossings(all: &[Arc<Trajectory>]) -> [usize; 2] {
+    [true, false].map(|way| all.iter().flat_map(|of| &of.crossings).filter(|c| c.is_forward == way).count())
+}
+
+#[test]
+fn speed_heading_counts_and_stays_are_those_of_the_objects() {
+    let right = |begin, y| (begin, [20.0, y], [4.0, 0.0], 60);
+    let objects = [right(0, 60.0), right(3, 120.0), (5, [300.0, 180.0], [-3.0, 1.0], 60)];
+    let settings = [("line", "160,239,160,0"), ("zone", "80,40,120,140")];
+    let field = run(&*analysis(&settings), &clip(&objects, 70));
+    let all = &field.trajectories;
+    assert_eq!((all.len(), crossings(all)), (3, [2, 1]));
+    for (of, (begin, place, velocity, count)) in all.iter().zip(objects) {
+        assert_eq!((of.sightings.len(), of.sightings[0].frame), (count, begin));
+        let last = of.sightings.last().and_then(|seen| seen.velocity).expect("it moves");
+        assert!((0..2).all(|i| (last[i] - f64::from(velocity[i])).abs() < 0.02), "{last:?} is not {velocity:?}");
+        let straightness = of.straightness().expect("it moves");
+        assert!(straightness > 0.999, "{straightness}");
+        let crossing = of.crossings[0];
+        let expected = begin as f32 + (160.0 - place[0]) / velocity[0];
+        assert!((crossing.frame as f32 - expected).abs() <= 1.0, "{crossing:?} where {expected} is expected");
+        assert!((crossing.at[0] - 160.0).abs() < 1e-9);
+    }
+    // 40 px at 4 px/frame.
+    for of in &all[..2] {
+        assert!((10..=11).contains(&of.dwell_frames()) && of.stays.len() == 1, "{:?}", of.stays);
+    }
+    assert_eq!(all[2].stays, []);
+}
+
+#[test]
+fn who_goes_against_the_others_is_told_and_nobody_else() {
+    let stream = (0..6).map(|i| (10 * i, [20.0, 100.0], [5.0, 0.0], 50));
+    let against: Vec<_> = stream.chain([(70, [260.0, 104.0], [-5.0, 0.0], 40)]).collect();
+    let field = run(&*analysis(&[]), &clip(&against, 115));
+    let unusual: Vec<_> =
+        field.trajectories.iter().filter(|of| of.sightings.iter().any(|s| s.unusual.is_some())).collect();
+    assert_eq!(unusual.len(), 1);
+    assert_eq!(unusual[0].sightings[0].frame, 70);
+    let angles = unusual[0].sightings.iter().filter_map(|seen| Some(seen.unusual?.angle_deg));
+    assert!(
+        angles.clone().count() > 25 && angles.clone().all(|angle| angle > 170.0),
+        "{:?}",
+        angles.collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn the_truth_of_a_clip_is_counted_as_it_is() {
+    let scene = synth::scene("traffic").expect("a scene");
+    let clip = synth::make(scene.id, &scene.difficulty()).expect("a clip");
+    let (width, height) = clip.size();
+    let middle = width as f32 / 2.0;
+    let line = format!("{middle},{height},{middle},0");
+    let found = run(&*analysis(&[("line", &line), ("source", "truth"), ("added-noise", "0")]), &clip);
+    // Where the true centres change sides, by plain comparison.
+    let truth = clip.truth().expect("it has truth");
+    let (mut before, mut expected) = (BTreeMap::new(), [0, 0]);
+    for t in 0..clip.info().frames.expect("counted") {
+        for object in truth.objects(t).expect("it is read").expect("it is there") {
+            let x = object.x + object.width / 2.0;
+            match before.insert(object.id, x) {
+                Some(was) if was < middle && x >= middle => expected[0] += 1,
+                Some(was) if was >= middle && x < middle => expected[1] += 1,
+                _ => {}
+            }
+        }
+    }
+    assert!(expected[0] > 0, "someone goes over the line");
+    assert_eq!(crossings(&found.trajectories), expected);
+}
+
+#[test]
+fn a_step_never_knows_what_comes_later() {
+    let objects = [(0, [20.0, 60.0], [4.0, 0.0], 40), (3, [250.0, 90.0], [-4.0, 0.0], 40)];
+    let (analysis, clip) = (analysis(&[("line", "160,239,160,0")]), clip(&objects, 45));
+    let mut walk = analysis.walk(&clip, 0).expect("it starts");
+    let unit = walk.info().rungs.len() - 2;
+    let mut counted = Vec::new();
+    while !walk.at_end() {
+        walk.jump(Move::Rung(unit, motionscope_core::Way::Forward));
+        let step = walk.step(None);
+        let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None });
+        let fact = facts.and_then(|facts| facts.iter().find(|fact| fact.label == "Counted")).expect("it counts");
+        counted.push(fact.value.clone());
+        let Scene { marks, .. } = walk.scene(None);
+        assert!(marks.iter().all(|mark| mark.shape.is_finite()));
+    }
+    assert_eq!(counted.first().map(String::as_str), Some("0 to the right, 0 to the left"));
+    assert_eq!(counted.last().map(String::as_str), Some("1 to the right, 1 to the left"));
+    let changes = counted.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert_eq!(changes, 2, "each in its frame");
+    walk.jump(Move::To(Cursor { unit: 10, event: usize::MAX }));
+    let told = format!("{:?}", walk.step(None));
+    assert!(told.contains(&counted[10]), "going back tells what was told before");
+}
