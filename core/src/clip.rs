@@ -162,6 +162,11 @@ pub trait FrameSource: Send + Sync {
     fn name(&self, _index: usize) -> Option<String> {
         None
     }
+
+    /// Whether the frames are empty paper for what is known without pictures.
+    fn is_blank(&self) -> bool {
+        false
+    }
 }
 
 /// Facts about a clip that are known when it is opened.
@@ -288,6 +293,11 @@ impl Clip {
         &self.info
     }
 
+    /// Whether there are no pictures, but only what someone detected: see [`Clip::blank`].
+    pub fn is_blank(&self) -> bool {
+        self.frames.is_blank()
+    }
+
     /// What is known about the clip beyond its pixels.
     pub fn truth(&self) -> Option<&Arc<dyn Truth>> {
         self.truth.as_ref()
@@ -382,6 +392,10 @@ impl FrameSource for Blank {
 
     fn cached(&self, _index: usize) -> Option<Arc<Frame>> {
         Some(Arc::clone(&self.0))
+    }
+
+    fn is_blank(&self) -> bool {
+        true
     }
 }
 

@@ -170,6 +170,8 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     const TESTS_CANDIDATES: bool = false;
     /// Whether the end of a run tells how far its field is trusted.
     const TELLS_CONFIDENCE: bool = false;
+    /// Whether it looks at pictures: some take what others have detected.
+    const NEEDS_PICTURES: bool = true;
     /// The charts that its steps may have something for: the window offers no others.
     const CHARTS: &'static [Chart] = Chart::ALL;
     /// All that a unit reads and writes, its random generator included.
@@ -288,6 +290,18 @@ pub fn run_observed<E: Estimator>(
     Ok((state, units))
 }
 
+/// Refuses a clip of detections alone to who looks at pictures.
+fn check_pictures<E: Estimator>(clip: &Clip) -> Result<(), Error> {
+    if !E::NEEDS_PICTURES || !clip.is_blank() {
+        return Ok(());
+    }
+    Err(Error::new(format!(
+        "{} has detections and no pictures, and {} looks at pictures; choose a tracker, or open a clip",
+        clip.info().name,
+        E::INFO.id
+    )))
+}
+
 /// How much a run consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
@@ -309,6 +323,9 @@ pub trait AnyEstimator: Params + Send + Sync {
 
     /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
     fn tests_candidates(&self) -> bool;
+
+    /// Whether it looks at pictures: some take what others have detected.
+    fn needs_pictures(&self) -> bool;
 
     /// The charts that its steps may have something for.
     fn charts(&self) -> &'static [Chart];
@@ -354,6 +371,10 @@ impl<E: Estimator> AnyEstimator for E {
         E::TESTS_CANDIDATES
     }
 
+    fn needs_pictures(&self) -> bool {
+        E::NEEDS_PICTURES
+    }
+
     fn charts(&self) -> &'static [Chart] {
         E::CHARTS
     }
@@ -363,10 +384,12 @@ impl<E: Estimator> AnyEstimator for E {
     }
 
     fn walk(&self, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error> {
+        check_pictures::<E>(clip)?;
         Ok(Box::new(Timeline::new(self.clone(), clip.clone(), frame)?))
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error> {
+        check_pictures::<E>(clip)?;
         crate::memory::keep();
         Estimator::run(self, clip, frame, threads).map(|state| self.output(&state))
     }

@@ -364,6 +364,18 @@ fn what_moves_before_a_background_is_found_in_its_place() {
 }
 
 #[test]
+fn who_looks_at_pictures_refuses_a_clip_without_any() {
+    let blank = Clip::blank("found", (64, 48), 4).with_detections(vec![Vec::new(); 4]);
+    each(|estimator| {
+        let refused = [estimator.walk(&blank, 0).err(), estimator.run(&blank, 0, &Threads::single()).err()];
+        for error in refused {
+            assert_eq!(error.is_some(), estimator.needs_pictures());
+            assert!(error.is_none_or(|error| error.to_string().contains("no pictures")));
+        }
+    });
+}
+
+#[test]
 fn a_dense_prediction_fits_better_than_none() {
     for estimator in estimators() {
         let clip = moving_waves((96, 80), (0.4, -0.3));

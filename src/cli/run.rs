@@ -63,8 +63,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let is_piped = files.iter().any(|(path, _)| *path == Path::new("-"));
     files.into_iter().try_for_each(|(path, bytes)| export::save(path, &bytes))?;
     if let (Some(folder), Some(masks)) = (&args.masks, masks) {
-        export::make_folder(folder)?;
-        masks.iter().try_for_each(|(name, bytes)| export::save(&folder.join(name), bytes))?;
+        export::write_masks(folder, &masks)?;
     }
     match (args.json, is_piped) {
         (true, _) => say(&to_json(&report)?),

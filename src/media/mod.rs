@@ -138,10 +138,18 @@ pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Error> {
 pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
     if detections::is(path) {
         let clip = detections::open(path)?;
-        return match &options.truth {
-            Some(truth) => with_truth(clip, truth),
-            None => Ok(clip),
+        let subject = truth::Subject::new(path, clip.info(), &[]);
+        let found = match &options.truth {
+            Some(given) => truth::Found { truth: Some(truth::open(given, &subject)?), warnings: Vec::new() },
+            None => truth::beside(&subject),
         };
+        let mut info = clip.info().clone();
+        info.warnings.extend(found.warnings);
+        let clip = clip.with_info(info);
+        return Ok(match found.truth {
+            Some(truth) => clip.with_truth(truth),
+            None => clip,
+        });
     }
     let mut source = contain::contain(|| open_source(path, options))
         .unwrap_or_else(|panic| Err(Error::new(format!("it is damaged in a way that cannot be read ({panic})"))))

@@ -2,7 +2,7 @@
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Cursor, Error, Move, Way, estimator};
+use motionscope_core::{AnyEstimator, Cursor, Error, Info, Move, Promise, Way, estimator};
 
 use super::action::Action;
 use super::app::{App, Overlay};
@@ -89,7 +89,9 @@ impl App {
             C::SaveSession => self.save_as(Kind::Session),
             C::ExportPicture => self.save_as(Kind::Picture),
             C::ExportSteps => self.save_as(Kind::Steps),
+            C::ExportVectors if self.document.estimator().promise() == Promise::Objects => self.save_as(Kind::Objects),
             C::ExportVectors => self.save_as(Kind::Vectors),
+            C::ExportMasks => self.save_as(Kind::Masks),
             C::Undo | C::Redo | C::ResetParameters => self.edit(command),
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => self.look_at(command),
             C::Prediction | C::Residual => self.look_at(command),
@@ -220,11 +222,29 @@ impl App {
         match estimator(id) {
             Ok(chosen) => {
                 let was_single = self.is_of_single_frames();
+                let before = self.document.estimator().info();
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.suit_view(was_single);
-                self.restart();
+                self.restart_from(before);
             }
             Err(error) => self.toasts.fail(error.to_string()),
+        }
+    }
+
+    /// Runs another estimator, from where that called `before` stands if its units are such as well: where they are frames, from
+    /// the frame that is shown.
+    fn restart_from(&mut self, before: &Info) {
+        let by_frame = |info: &Info| info.rungs.len() >= 2 && info.rungs[info.rungs.len() - 2] == "frame";
+        let place = match (by_frame(before), by_frame(self.document.estimator().info()), &self.view.shown) {
+            (true, true, _) | (false, false, _) => return self.restart(),
+            (false, true, Some(shown)) => {
+                let unit = shown.frame.saturating_sub(self.document.frame());
+                Place { cursor: Cursor { unit, event: usize::MAX }, near: None }
+            }
+            _ => Place::default(),
+        };
+        if let Some(job) = self.document.job_at(place) {
+            self.walker.start(job);
         }
     }
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::synth::Sample;
-use motionscope_core::{Cursor, Error};
+use motionscope_core::{Clip, Cursor, Error, estimator};
 
 use super::action::Browse;
 use super::app::{App, Overlay, title};
@@ -17,12 +17,15 @@ use super::model::loader::{Loading, Opened};
 use super::model::snapshot::{Place, Snapshot, Subject};
 use super::model::writer::{self, Order, What, Writing};
 use super::stage::Zoom;
+use crate::company::Company;
 use crate::media::Open;
 use crate::paint::Phase;
 use crate::session::{Session, Sight};
 use crate::shot::Look;
 use crate::source::Source;
 
+/// Who takes what others have detected.
+const TRACKER: &str = "kalman-tracker";
 /// Events that are seen of the first unit shown of a sample.
 const FIRST_LOOK: usize = 640;
 /// Where in the picture a sample is looked at first, as a share of its width and height.
@@ -115,6 +118,7 @@ impl App {
         self.document.open(clip, source, truth);
         self.begin();
         let Some(session) = session else {
+            self.choose_tracker();
             self.walk_from(Place::default());
             return;
         };
@@ -130,6 +134,18 @@ impl App {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }
         self.walk_from(cursor.map_or(Place::END, |cursor| Place { cursor, near: None }));
+    }
+
+    /// Takes a tracker where there are no pictures to be looked at.
+    fn choose_tracker(&mut self) {
+        let is_blank = self.document.clip().is_some_and(Clip::is_blank);
+        let Some(tracker) = estimator(TRACKER).ok().filter(|_| is_blank && self.document.estimator().needs_pictures())
+        else {
+            return;
+        };
+        let was_single = self.is_of_single_frames();
+        self.document.restore(tracker, Company::default(), 0);
+        self.suit_view(was_single);
     }
 
     /// Tells if the clip has no pair that starts at `frame`, as a session wants it.
@@ -253,6 +269,10 @@ impl App {
             What::Vectors => {
                 let output = self.walker.output(&shown);
                 Writing::new(folder, changed, move |progress| writer::vectors(&order.path, &output, progress))
+            }
+            What::Masks => {
+                let output = self.walker.output(&shown);
+                Writing::new(folder, changed, move |progress| writer::masks(&order.path, &output, progress))
             }
         };
         self.writing = Some(writing);

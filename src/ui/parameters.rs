@@ -1,7 +1,8 @@
 //! The parameters: what the estimator and a synthetic clip declare, as rows that align.
 
 use eframe::egui::{
-    self, Align, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, vec2,
+    self, Align, Button, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo,
+    vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::params::{Choice, Kind, Placed, Spec};
@@ -278,7 +279,7 @@ impl Row<'_> {
         let needed = text_width(ui, &text) + text_width(ui, verb) + 3.0 * size;
         let dim = ui.visuals().weak_text_color();
         let pressed = self.line(ui, needed, actions, |ui, _| {
-            let button = ui.selectable_label(self.is_placing, verb);
+            let button = ui.add(Button::new(verb).selected(self.is_placing));
             let name = format!("Place {}", self.spec.label.to_lowercase());
             button.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, self.is_placing, &name));
             ui.label(RichText::new(text).color(dim));

@@ -96,7 +96,8 @@ fn a_line_is_drawn_moved_and_taken_back() {
 fn what_was_placed_is_kept_in_a_session() {
     let clip = "synth:traffic,width=160,height=120,frames=8";
     let set = "[set]\nline = \"80,100,80,20\"\nzone = \"10,20,60,90\"\nclicks = \"0:5,6 2:7.5,8\"\n";
-    let text = format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"trajectory-analysis\"\nstep = \"3.1\"\n{set}");
+    let text =
+        format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"trajectory-analysis\"\nstep = \"3.1\"\n{set}");
     let folder = Path::new(".");
     let again = Session::parse(&text, folder).and_then(|session| session.text(folder)).expect("it is a session");
     for line in set.lines().skip(1) {

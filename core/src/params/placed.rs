@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{Kind, Parameter, Value};
 use crate::objects::Bounds;
-use crate::words::{number, vector};
+use crate::words::number;
 
 /// A line from one place of the picture to another, in px.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -149,10 +149,10 @@ impl Placed {
         *self == self.figure().none()
     }
 
-    /// What a person reads of it: `(120, 40) → (120, 200)`, `60 × 90 px`, `12 places`.
+    /// What a person reads of it: `160 px`, `60 × 90 px`, `12 places`.
     pub fn words(&self) -> String {
         match self {
-            Self::Line(Some(line)) => format!("{} → {}", vector(line.from), vector(line.to)),
+            Self::Line(Some(line)) => format!("{} px", number(apart(line))),
             Self::Zone(Some(zone)) => {
                 let [width, height] = zone.size().map(number);
                 format!("{width} × {height} px")
@@ -168,9 +168,7 @@ impl Placed {
         let is_near = |place: [f32; 2]| place.iter().all(|c| c.abs() <= REACH_PX);
         match self {
             Self::Line(None) | Self::Zone(None) => true,
-            Self::Line(Some(Line { from, to })) => {
-                is_near(*from) && is_near(*to) && (to[0] - from[0]).hypot(to[1] - from[1]) >= LEAST_PX
-            }
+            Self::Line(Some(line)) => is_near(line.from) && is_near(line.to) && apart(line) >= LEAST_PX,
             Self::Zone(Some(zone)) => {
                 is_near(zone.min) && is_near(zone.max) && zone.size().iter().all(|side| *side >= LEAST_PX)
             }
@@ -225,6 +223,11 @@ impl Placed {
             other => other.clone(),
         }
     }
+}
+
+/// How long a line is, in px.
+fn apart(Line { from, to }: &Line) -> f32 {
+    (to[0] - from[0]).hypot(to[1] - from[1])
 }
 
 /// The corners of a rectangle, each beside the next.

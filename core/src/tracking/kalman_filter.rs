@@ -392,6 +392,7 @@ impl Estimator for KalmanFilter {
         frames: 2,
     };
     const PROMISE: Promise = Promise::Objects;
+    const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
     type State = State;
     type Event = Event;

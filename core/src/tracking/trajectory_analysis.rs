@@ -196,6 +196,7 @@ impl Estimator for TrajectoryAnalysis {
         frames: 2,
     };
     const PROMISE: Promise = Promise::Objects;
+    const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Series];
     type State = State;
     type Event = Event;

@@ -200,6 +200,16 @@ pub fn masks(field: &ObjectField) -> Result<Vec<(String, Vec<u8>)>, Error> {
     Ok(files)
 }
 
+/// Writes masks into a folder, which is made if there is none; says how many.
+///
+/// # Errors
+/// If one cannot be written.
+pub fn write_masks(folder: &Path, masks: &[(String, Vec<u8>)]) -> Result<String, Error> {
+    super::make_folder(folder)?;
+    masks.iter().try_for_each(|(name, bytes)| super::save(&folder.join(name), bytes))?;
+    Ok(if masks.len() == 1 { "1 mask".into() } else { format!("{} masks", masks.len()) })
+}
+
 #[cfg(test)]
 pub(super) mod tests {
     use std::sync::Arc;

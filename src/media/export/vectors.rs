@@ -33,10 +33,11 @@ pub fn csv(output: &Output) -> String {
 /// The flow that `output` amounts to, to be written as a field.
 ///
 /// # Errors
-/// If it has none: features that were only found move nowhere.
+/// If it has none: features that were only found move nowhere, and objects are boxes.
 pub fn flow(output: &Output) -> Result<Flow, Error> {
-    match output.points() {
-        Some(field) if field.count(|status| status == Status::Found) == field.points.len() => Err(Error::new(
+    match (output, output.points()) {
+        (Output::Objects(_), _) => Err(Error::new("objects are no flow; write them as tracks or as a table")),
+        (_, Some(field)) if field.count(|status| status == Status::Found) == field.points.len() => Err(Error::new(
             "features that are found and not tracked have no flow; write them as a table, or track them",
         )),
         _ => Ok(output.flow()),

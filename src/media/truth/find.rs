@@ -154,8 +154,8 @@ fn masks_in(folder: &Path, subject: &Subject) -> BTreeMap<usize, PathBuf> {
 }
 
 fn tracks_in(folder: &Path) -> Option<PathBuf> {
-    // MOTChallenge keeps the pictures in `img1` and the tracks in `gt` beside it.
-    let above = if folder.ends_with("img1") { folder.parent() } else { None };
+    // MOTChallenge keeps the pictures in `img1`, what was detected in `det` and the tracks in `gt` beside both.
+    let above = if folder.ends_with("img1") || folder.ends_with("det") { folder.parent() } else { None };
     [Some(folder), above]
         .into_iter()
         .flatten()

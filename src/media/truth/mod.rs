@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use motionscope_core::{Error, Flow, Grid, ObjectBox, Truth};
 
-pub(crate) use find::{beside, open};
+pub(crate) use find::{Found, beside, open};
 pub(crate) use subject::Subject;
 
 /// Truth in files: a field is read when it is asked for, and the last few are kept.

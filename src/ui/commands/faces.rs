@@ -376,10 +376,13 @@ impl Command {
             C::ExportVectors => (
                 Menu::Export,
                 Icon::FileDown,
-                "Vectors…",
-                "Write the vectors found so far as CSV, NPY, .flo or KITTI PNG.",
+                "Vectors or objects…",
+                "Write the vectors found so far as CSV, NPY, .flo or KITTI PNG, objects as CSV, MOTChallenge or NPY.",
                 &[],
             ),
+            C::ExportMasks => {
+                (Menu::Export, Icon::Layers, "Masks…", "Write which pixels move in each frame so far as PNGs.", &[])
+            }
             C::Palette => (
                 Menu::Help,
                 Icon::Search,

@@ -24,6 +24,10 @@ pub enum Kind {
     Steps,
     /// The vectors.
     Vectors,
+    /// The objects, or what was detected.
+    Objects,
+    /// The mask of each frame.
+    Masks,
     /// The session.
     Session,
 }
@@ -34,6 +38,8 @@ impl Kind {
             Kind::Picture => "Export the picture of this step",
             Kind::Steps => "Export pictures of several steps",
             Kind::Vectors => "Export the vectors found so far",
+            Kind::Objects => "Export the objects found so far",
+            Kind::Masks => "Export the masks found so far",
             Kind::Session => "Save the session",
         }
     }
@@ -43,8 +49,15 @@ impl Kind {
             Kind::Picture => "What the stage shows, whole, with the same colours and lines.",
             Kind::Steps => "One numbered file for each step, into a folder.",
             Kind::Vectors => "As a table, or as a field with one vector for each pixel.",
+            Kind::Objects => "Where each object was in each frame, as a table, as MOTChallenge rows or as an array.",
+            Kind::Masks => "One picture for each frame, white where something was found, into a folder.",
             Kind::Session => "A small text file: clip, estimator, parameters, step and view.",
         }
+    }
+
+    /// Whether several files are written into a folder.
+    fn is_folder(self) -> bool {
+        matches!(self, Kind::Steps | Kind::Masks)
     }
 
     /// The endings that can be chosen, and what they are.
@@ -57,6 +70,12 @@ impl Kind {
                 ("flo", "Middlebury .flo"),
                 ("png", "KITTI 16-bit PNG"),
             ],
+            Kind::Objects => &[
+                ("csv", "CSV, a row for each object in each frame"),
+                ("txt", "MOTChallenge rows, for scores by other programs"),
+                ("npy", "NPY, an array for NumPy"),
+            ],
+            Kind::Masks => &[("png", "PNG, pixels")],
             Kind::Session => &[("motionscope", "Session")],
         }
     }
@@ -90,6 +109,8 @@ impl State {
             Kind::Picture => format!("{stem}_{}.{ending}", shown.cursor),
             Kind::Steps => format!("{stem}_steps"),
             Kind::Vectors => format!("{stem}_vectors.{ending}"),
+            Kind::Objects => format!("{stem}_objects.{ending}"),
+            Kind::Masks => format!("{stem}_masks"),
             Kind::Session => format!("{stem}.{ending}"),
         };
         Self {
@@ -112,7 +133,7 @@ impl State {
         let path = PathBuf::from(super::open::parse(&self.path)?);
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         let is_known = ending.is_some_and(|ending| self.kind.endings().iter().any(|(known, _)| *known == ending));
-        if is_known || self.kind == Kind::Steps {
+        if is_known || self.kind.is_folder() {
             return Some(path);
         }
         Some(path.into_os_string()).map(|mut path| {
@@ -126,6 +147,7 @@ impl State {
     fn is_there(&mut self, target: &Path) -> bool {
         let file = match self.kind {
             Kind::Steps => target.join(Steps::file_name(0, self.format())),
+            Kind::Masks => target.join("mask_0000.png"),
             _ => target.to_owned(),
         };
         // Looking may take a while on a drive far away: once for each name.
@@ -145,7 +167,8 @@ impl State {
         let path = self.target().ok_or("Type where to write it.")?;
         let what = match self.kind {
             Kind::Picture => What::Picture,
-            Kind::Vectors => What::Vectors,
+            Kind::Vectors | Kind::Objects => What::Vectors,
+            Kind::Masks => What::Masks,
             Kind::Session => What::Session,
             Kind::Steps => {
                 let cursor = |text: &str| text.trim().parse::<Cursor>().map_err(|error| format!("{error}."));
@@ -162,7 +185,7 @@ impl State {
 
     fn set_ending(&mut self, ending: &'static str) {
         self.ending = ending;
-        if self.kind != Kind::Steps {
+        if !self.kind.is_folder() {
             self.path = Path::new(&self.path).with_extension(ending).display().to_string();
         }
     }
@@ -259,7 +282,7 @@ fn range(ui: &mut Ui, state: &mut State, rungs: Rungs) {
 /// The path and the way to the system's dialog; gives whether Enter was pressed.
 fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     let mut entered = false;
-    let several = state.kind == Kind::Steps;
+    let several = state.kind.is_folder();
     line(ui, if several { "Folder" } else { "File" }, |ui| {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let field = TextEdit::singleline(&mut state.path).desired_width(ui.available_width() - 6.5 * size);
@@ -316,7 +339,7 @@ fn already(kind: Kind, path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let name = widgets::elide(&name, 40);
     match kind {
-        Kind::Steps => format!("There are numbered pictures in {name} already."),
+        Kind::Steps | Kind::Masks => format!("There are numbered pictures in {name} already."),
         _ => format!("There is a {name} already."),
     }
 }

@@ -8,7 +8,7 @@ use motionscope_core::{Cursor, Error, Output};
 use super::background::Background;
 use super::snapshot::{Snapshot, Subject};
 use crate::media::Progress;
-use crate::media::export::{self, FlowFormat};
+use crate::media::export::{self, FlowFormat, TrackFormat};
 use crate::shot::{Format, Look, Moment, Steps};
 
 /// What to write.
@@ -27,8 +27,10 @@ pub enum What {
         /// What they are written as.
         format: Format,
     },
-    /// The vectors found so far.
+    /// The vectors or objects found so far.
     Vectors,
+    /// The mask of each frame so far.
+    Masks,
     /// Everything that reopens the window as it is.
     Session,
 }
@@ -98,22 +100,36 @@ pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result
     Ok(format!("Wrote {count} picture{plural} into {}.", order.path.display()))
 }
 
-/// Writes vectors in the format that the file's ending asks for, as soon as they come; says what was written.
+/// Writes vectors or objects in the format that the file's ending asks for, as soon as they come; says what was written.
 ///
 /// # Errors
 /// If none come, there is no such format, the file cannot be written, or the work was cancelled.
 pub fn vectors(path: &Path, output: &Receiver<Output>, progress: &dyn Progress) -> Result<String, Error> {
-    let output = output.recv().map_err(|_| Error::new("the run went on meanwhile; stop it and write again"))?;
-    if progress.cancelled() {
-        return Err(Error::new("writing was cancelled"));
-    }
+    let output = come(output, progress)?;
     let is_table = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-    let (bytes, lost) = if is_table {
-        (export::csv(&output).into_bytes(), None)
-    } else {
-        FlowFormat::of(path)?.encode(&export::flow(&output)?)?
+    let (bytes, lost) = match &output {
+        _ if is_table => (export::csv(&output).into_bytes(), None),
+        Output::Objects(field) => (TrackFormat::of(path)?.encode(field), None),
+        _ => FlowFormat::of(path)?.encode(&export::flow(&output)?)?,
     };
     export::save(path, &bytes)?;
     let lost = lost.map_or_else(String::new, |lost| format!(" {lost}."));
     Ok(format!("Wrote {}.{lost}", path.display()))
+}
+
+/// Writes the mask of each frame into a folder as soon as they come; says what was written.
+///
+/// # Errors
+/// If there are none, one cannot be written, or the work was cancelled.
+pub fn masks(folder: &Path, output: &Receiver<Output>, progress: &dyn Progress) -> Result<String, Error> {
+    let output = come(output, progress)?;
+    let field =
+        output.objects().ok_or_else(|| Error::new("this estimator makes no masks; choose a background model"))?;
+    let count = export::write_masks(folder, &export::masks(field)?)?;
+    Ok(format!("Wrote {count} into {}.", folder.display()))
+}
+
+fn come(output: &Receiver<Output>, progress: &dyn Progress) -> Result<Output, Error> {
+    let output = output.recv().map_err(|_| Error::new("the run went on meanwhile; stop it and write again"))?;
+    if progress.cancelled() { Err(Error::new("writing was cancelled")) } else { Ok(output) }
 }

@@ -28,22 +28,35 @@ impl Slider<'_> {
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click_and_drag());
         let radius = (0.42 * size).round();
         let (left, right) = (rect.left() + radius, rect.right() - radius);
-        let (min, max) = self.range;
         let scale = Scale { range: self.range, step: self.step };
+        let curve = self.curve();
         // The last move, or press and release, may come in one slow frame.
         let held = response.is_pointer_button_down_on() || response.drag_stopped() || response.clicked();
         let pointed = response.interact_pointer_pos().filter(|_| held);
-        let pointed =
-            pointed.map(|at| egui::remap_clamp(f64::from(at.x), f64::from(left)..=f64::from(right), min..=max));
+        let pointed = pointed
+            .map(|at| curve.value(egui::remap_clamp(f64::from(at.x), f64::from(left)..=f64::from(right), 0.0..=1.0)));
         if let Some(wanted) = pointed.or_else(|| scale.asked(ui, &response, *value)) {
             *value = scale.nearest(wanted);
         }
         let shown = *value;
         response.widget_info(|| WidgetInfo::slider(true, shown, self.name));
         scale.describe(ui, &response, shown);
-        let x_of = |value: f64| egui::remap_clamp(value, min..=max, f64::from(left)..=f64::from(right)) as f32;
+        let x_of = |value: f64| egui::lerp(f64::from(left)..=f64::from(right), curve.share(value)) as f32;
         self.paint(ui, &response, x_of(shown), self.default.map(x_of), radius);
         response
+    }
+
+    /// Even, unless the usual value lies so far down in a wide range that nobody could set what is near it.
+    fn curve(&self) -> Curve {
+        let (min, max) = self.range;
+        let steps = (max - min) / self.step;
+        let usual = self.default.map_or(1.0, |default| (default - min) / (max - min));
+        let exponent = match usual {
+            _ if steps < FEW_STEPS || usual >= LOW => 1.0,
+            _ if usual <= 0.0 => MOST_BENT,
+            _ => (usual.ln() / COMFORTABLE.ln()).min(MOST_BENT),
+        };
+        Curve { range: self.range, exponent }
     }
 
     fn paint(&self, ui: &Ui, response: &Response, x: f32, default: Option<f32>, radius: f32) {
@@ -65,6 +78,33 @@ impl Slider<'_> {
         if response.has_focus() {
             painter.circle_stroke(pos2(x, rect.center().y), radius + 1.0, Stroke::new(1.5, style::color(chrome.text)));
         }
+    }
+}
+
+/// A range of fewer steps can be set anywhere.
+const FEW_STEPS: f64 = 200.0;
+/// A usual value in a lower share of its range is moved up to a comfortable one.
+const LOW: f64 = 0.12;
+const COMFORTABLE: f64 = 0.3;
+/// The largest exponent.
+const MOST_BENT: f64 = 4.0;
+
+/// Which value lies where on a slider: `min + (max - min) share^exponent`.
+#[derive(Clone, Copy)]
+struct Curve {
+    range: (f64, f64),
+    exponent: f64,
+}
+
+impl Curve {
+    fn value(self, share: f64) -> f64 {
+        let (min, max) = self.range;
+        min + (max - min) * share.powf(self.exponent)
+    }
+
+    fn share(self, value: f64) -> f64 {
+        let (min, max) = self.range;
+        ((value - min) / (max - min)).clamp(0.0, 1.0).powf(1.0 / self.exponent)
     }
 }
 
