@@ -11,7 +11,7 @@ use crate::moving_objects::{
     Subtraction,
 };
 use crate::optical_flow::{Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PyramidalLucasKanade, TvL1};
-use crate::tracking::{KalmanFilter, KalmanTracker, TrajectoryAnalysis};
+use crate::tracking::{BlobTracker, KalmanFilter, KalmanTracker, TrajectoryAnalysis};
 use crate::variational::Variational;
 use crate::{AnyEstimator, Error};
 
@@ -45,6 +45,7 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(Subtraction::<SingleGaussian>::default()),
         Box::new(Subtraction::<MixtureOfGaussians>::default()),
         Box::new(ConnectedComponents::default()),
+        Box::new(BlobTracker::default()),
         Box::new(KalmanFilter::default()),
         Box::new(KalmanTracker::default()),
         Box::new(TrajectoryAnalysis::default()),

@@ -2,9 +2,13 @@
 
 mod common;
 
+use std::collections::BTreeSet;
+
 use common::set;
 use motionscope_core::objects::score::{Scores, scores};
-use motionscope_core::{AnyEstimator, Bounds, Clip, Detection, Life, ObjectField, Output, Threads, synth};
+use motionscope_core::{
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Frame, Grid, Life, Move, ObjectField, Output, Threads, Way, synth,
+};
 
 fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
     match estimator.run(clip, 0, &Threads::single()).expect("a run") {
@@ -17,14 +21,18 @@ fn scene(id: &str) -> Clip {
     synth::make(id, &synth::scene(id).expect("it is bundled").difficulty()).expect("a clip")
 }
 
+fn scored(tracker: &dyn AnyEstimator, clip: &Clip) -> Scores {
+    let truth = clip.truth().expect("exact");
+    scores(&run(tracker, clip), &**truth).expect("readable").expect("objects")
+}
+
 #[test]
 fn hidden_and_crossing_objects_keep_their_identities() {
     for id in ["traffic", "crossing-stars"] {
         let clip = scene(id);
         for seed in ["1", "2", "3", "4", "5"] {
             let tracker = set("kalman-tracker", &[("seed", seed)]);
-            let field = run(&*tracker, &clip);
-            let found = scores(&field, &**clip.truth().expect("exact")).expect("readable").expect("objects");
+            let found = scored(&*tracker, &clip);
             let Scores { switches, idf1, precision, .. } = found;
             assert_eq!(switches, 0, "{id}, noise {seed}: {found:?}");
             assert!(idf1 > 0.85 && precision > 0.95, "{id}, noise {seed}: {found:?}");
@@ -74,4 +82,125 @@ fn a_thrown_ball_is_followed_through_its_arc_and_behind_what_hides_it() {
     assert!(area(12) > 20.0 * area(8) && area(14) < area(12) / 4.0, "the ellipse grows, and shrinks when it is back");
     let [u, v] = field.frames[20].objects[0].velocity.expect("it is known");
     assert!((u - 22.0).abs() < 1.0 && (v - (-34.0 + 4.2 * 20.0)).abs() < 2.0, "{u}, {v} px/frame");
+}
+
+#[test]
+fn without_a_filter_identities_are_kept_as_far_as_places_and_looks_tell() {
+    let seeds = ["1", "2", "3", "4", "5"];
+    let clip = scene("traffic");
+    for seed in seeds {
+        let tracker = |predict| set("blob-tracker", &[("seed", seed), ("predict", predict)]);
+        let found = scored(&*tracker("on"), &clip);
+        assert!(found.switches == 0 && found.idf1 > 0.85 && found.precision > 0.95, "noise {seed}: {found:?}");
+        // Under the bridge a car comes out far from where it went in.
+        let still = scored(&*tracker("off"), &clip);
+        assert!(still.idf1 < found.idf1 - 0.05, "noise {seed}: {still:?}");
+    }
+    // The stars look alike: only where they go tells them apart once they were one.
+    let clip = scene("crossing-stars");
+    let scores_by =
+        |identity| seeds.map(|seed| scored(&*set("blob-tracker", &[("seed", seed), ("identity", identity)]), &clip));
+    for found in scores_by("place") {
+        assert!(found.switches == 0 && found.idf1 > 0.95, "{found:?}");
+    }
+    let switches = scores_by("appearance").map(|found| found.switches);
+    assert!(switches.contains(&0) && switches.contains(&2), "both change places or none: {switches:?}");
+}
+
+/// Frames of squares that meet.
+const MEETING: usize = 48;
+
+/// A small dark square and a large bright one that meet, and go through each other or turn back; where they are in each frame.
+fn meeting(turns_back: bool) -> (Clip, Vec<[Bounds; 2]>) {
+    let places = |t: usize| {
+        let t = t as f32;
+        let dark = [20.0 + 3.0 * t, 40.0];
+        let bright = [160.0 - 3.0 * t, 44.0];
+        let turned = |x: f32, turn: f32| if turns_back && t > 23.0 { 2.0 * turn - x } else { x };
+        let (dark, bright) = ([turned(dark[0], 20.0 + 69.0), dark[1]], [turned(bright[0], 160.0 - 69.0), bright[1]]);
+        [Bounds::around(dark, [17.0; 2]), Bounds::around(bright, [25.0; 2])]
+    };
+    let frame = |t: usize| {
+        let all = places(t);
+        let value = |x: usize, y: usize| {
+            let point = [x as f32, y as f32];
+            let is_in = |b: &Bounds| (0..2).all(|i| (b.min[i]..b.max[i]).contains(&point[i]));
+            if is_in(&all[0]) {
+                40
+            } else if is_in(&all[1]) {
+                220
+            } else {
+                120 + ((x * 7 + y * 13) % 9) as u8
+            }
+        };
+        Frame::gray(Grid::from_fn(180, 90, value))
+    };
+    let clip = Clip::from_frames("meeting", (0..MEETING).map(frame).collect()).expect("frames of one size");
+    (clip, (0..MEETING).map(places).collect())
+}
+
+/// The identities of what stands where `places` are.
+fn names_at(field: &ObjectField, t: usize, places: &[Bounds; 2]) -> [Option<u32>; 2] {
+    let objects = &field.frames[t].objects;
+    places.each_ref().map(|place| objects.iter().find(|object| object.bounds.iou(place) > 0.7).map(|object| object.id))
+}
+
+#[test]
+fn blobs_that_merge_keep_their_names_inside_and_get_them_back() {
+    // Appearance tells them apart whatever they do; where they would be only if they go on as before.
+    for (turns_back, identity, keeps) in
+        [(false, "appearance", true), (true, "appearance", true), (false, "place", true), (true, "place", false)]
+    {
+        let (clip, places) = meeting(turns_back);
+        let tracker = set("blob-tracker", &[("source", "moving"), ("identity", identity)]);
+        let field = run(&*tracker, &clip);
+        let first = names_at(&field, 4, &places[4]);
+        let end = MEETING - 4;
+        let last = names_at(&field, end, &places[end]);
+        assert_eq!(first.map(|id| id.is_some()), [true; 2], "both are followed before they meet");
+        let expected = if keeps { first } else { [first[1], first[0]] };
+        assert_eq!(last, expected, "turns back: {turns_back}, by {identity}");
+        // In the middle there is one blob, and both are in it.
+        let middle = &field.frames[23];
+        assert_eq!((middle.detections.len(), middle.objects.len()), (1, 2));
+        for object in &middle.objects {
+            assert_eq!((object.detection, object.life), (Some(0), Life::Confirmed));
+            assert!(object.bounds.shared(&middle.detections[0].bounds) > 0.99, "{object:?}");
+        }
+        let names: BTreeSet<u32> = field.frames.iter().flat_map(|frame| frame.objects.iter().map(|o| o.id)).collect();
+        assert_eq!(names.len(), 2, "nobody else is taken for an object");
+    }
+}
+
+#[test]
+fn a_merge_and_a_split_are_told_with_their_numbers() {
+    let (clip, _) = meeting(false);
+    let tracker = set("blob-tracker", &[("source", "moving")]);
+    let mut walk = tracker.walk(&clip, 0).expect("a run");
+    let mut told = Vec::new();
+    while !walk.at_end() {
+        walk.jump(Move::Rung(2, Way::Forward));
+        let step = walk.step(None);
+        if [6, 7].contains(&step.line) {
+            told.push((walk.cursor(), step.sentence.plain()));
+        }
+    }
+    let [(merge, merged), (split, parted)] = &told[..] else { panic!("one merge and one split, not {told:?}") };
+    assert!(merged.contains("Objects 1 and 2") && merged.contains("group"), "{merged}");
+    assert!(parted.contains("object 1 is blob") && parted.contains("at a cost of"), "{parted}");
+    assert!(merge.unit < split.unit);
+    // The table of the split has a row for each object and a column for each blob.
+    walk.jump(Move::To(Cursor { unit: split.unit, event: split.event }));
+    let step = walk.step(None);
+    let tables = step.readouts.iter().find_map(|readout| match readout {
+        motionscope_core::scene::Readout::Matrices(all) => Some(all),
+        _ => None,
+    });
+    let table = &tables.expect("matrices")[0];
+    let lit = table.changed.as_ref().expect("who is who");
+    assert_eq!((table.entries.size(), lit.cells().iter().filter(|lit| **lit).count()), ((2, 2), 2));
+    for y in 0..2 {
+        let (own, other) = if lit[(0, y)] { (0, 1) } else { (1, 0) };
+        assert!(table.entries[(own, y)] < 0.5 && table.entries[(other, y)] > 3.0, "{:?}", table.entries);
+    }
 }

@@ -2,12 +2,15 @@
 
 pub mod assignment;
 mod components;
+pub(crate) mod course;
 pub mod directions;
+pub(crate) mod lives;
 mod mask;
 mod morphology;
 mod record;
 pub mod score;
 pub mod source;
+pub(crate) mod tell;
 pub mod trajectory;
 
 use std::sync::Arc;
@@ -51,14 +54,25 @@ impl Bounds {
         width.max(0.0) * height.max(0.0)
     }
 
-    /// Intersection over union, 0 to 1.
-    pub fn iou(&self, other: &Bounds) -> f32 {
+    /// The area in px² that both have in common.
+    fn shared_area(&self, other: &Bounds) -> f32 {
         let both = Bounds {
             min: [0, 1].map(|i| self.min[i].max(other.min[i])),
             max: [0, 1].map(|i| self.max[i].min(other.max[i])),
         };
-        let (shared, all) = (both.area(), self.area() + other.area());
+        both.area()
+    }
+
+    /// Intersection over union, 0 to 1.
+    pub fn iou(&self, other: &Bounds) -> f32 {
+        let (shared, all) = (self.shared_area(other), self.area() + other.area());
         if shared > 0.0 { shared / (all - shared) } else { 0.0 }
+    }
+
+    /// The intersection as a share of the smaller one, 0 to 1.
+    pub fn shared(&self, other: &Bounds) -> f32 {
+        let (shared, smaller) = (self.shared_area(other), self.area().min(other.area()));
+        if shared > 0.0 { shared / smaller } else { 0.0 }
     }
 }
 

@@ -6,14 +6,12 @@ use std::sync::Arc;
 
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
 use crate::objects::assignment::{least_cost, nearest_first};
-use crate::objects::source::{Detector, Given, Noise, Source};
-use crate::objects::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame};
-use crate::params::Spots;
+use crate::objects::course::{Course, tracker_params};
+use crate::objects::lives::Age;
+use crate::objects::{Bounds, Detection, Object, ObjectFrame};
 use crate::scene::Chart;
-use crate::span::Span;
 use crate::{
     Clip, Error, Estimator, Grid, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices,
-    params,
 };
 
 choices! {
@@ -38,21 +36,9 @@ choices! {
     }
 }
 
-params! {
+tracker_params! {
     /// Many objects, each with a Kalman filter.
     pub struct KalmanTracker {
-        /// At most so many frames, the first one counted; fewer where the clip ends.
-        frames: usize = 300, 2..=10_000;
-        /// Who detects the objects.
-        source: Source = Source::Auto;
-        /// Places in frames, clicked on the picture, that stand for what a detector finds.
-        clicks: Spots = Spots::default();
-        /// Detections with a lower score are left out.
-        min_score: f32 = 0.3, -1000.0..=1000.0;
-        /// Standard deviation of the noise that a true place is measured with.
-        added_noise: f32 = 2.0, 0.0..=100.0, "px";
-        /// Which noise that is.
-        seed: u32 = 1, 0..=9999;
         /// How objects are thought to move.
         motion: MotionModel = MotionModel::Velocity;
         /// Standard deviation of what disturbs the motion in a frame, as a share of the height of the object.
@@ -69,27 +55,14 @@ params! {
         gate: f32 = 0.999, 0.5..=0.9999;
         /// A pair is allowed if both boxes have at least this in common, as intersection over union.
         min_overlap: f32 = 0.2, 0.0..=0.95;
-        /// An object is believed in once it was seen in so many frames.
-        confirm: usize = 3, 1..=50;
-        /// An object is given up after so many frames in a row in which it was not seen; one that is not believed in after the first.
-        patience: usize = 15, 0..=500;
-        /// Once an object is believed in, it counts from where it was first seen.
-        backdate: bool = true;
-        /// Where an object comes back after some frames, it is put in between as well, on a straight line.
-        bridge: bool = true;
     }
 }
 
 /// What a run reads and writes.
 #[derive(Clone)]
 pub struct State {
-    span: Span,
-    detector: Detector,
+    course: Course,
     tracks: Vec<Track>,
-    /// How many objects there have been.
-    begun: u32,
-    frames: Vec<Arc<ObjectFrame>>,
-    picture: (usize, usize),
 }
 
 /// An object that is followed.
@@ -99,10 +72,7 @@ pub struct Track {
     filter: Filter,
     /// Width and height of its box in px.
     size: [f64; 2],
-    /// Frames in which it was seen, and frames in a row in which it was not.
-    seen: usize,
-    missed: usize,
-    life: Life,
+    age: Age,
 }
 
 /// What happens in a frame.
@@ -152,19 +122,19 @@ impl Track {
 
     fn object(&self, detection: Option<usize>) -> Object {
         let size = self.size.map(|side| side as f32);
-        Object { detection, ..self.filter.object(self.id, size, self.life) }
+        Object { detection, ..self.filter.object(self.id, size, self.age.life) }
     }
 }
 
 impl State {
     /// The first frame of the run.
     pub(super) fn first(&self) -> usize {
-        self.span.first
+        self.course.span.first
     }
 
     /// What it and those that follow came to so far.
     pub(super) fn frames(&self) -> &[Arc<ObjectFrame>] {
-        &self.frames
+        self.course.frames()
     }
 }
 
@@ -211,53 +181,16 @@ impl KalmanTracker {
         let found = detection.bounds.size().map(f64::from);
         // Sizes change slowly: half of what is new, and none of the filter's making.
         let size = [0, 1].map(|i| (track.size[i] + found[i]) / 2.0);
-        let seen = track.seen + 1;
-        let is_believed = seen >= self.confirm || track.life != Life::Tentative;
-        let life = if is_believed { Life::Confirmed } else { Life::Tentative };
-        Track { filter, size, seen, missed: 0, life, id: track.id }
+        Track { filter, size, age: self.rules().seen(track.age), id: track.id }
     }
 
     fn begun(&self, detection: &Detection, id: u32) -> Track {
         let size = detection.bounds.size().map(f64::from);
-        let life = if self.confirm <= 1 { Life::Confirmed } else { Life::Tentative };
         let height_px = size[1].max(1.0);
         let model = self.motion.model(self.process_noise * height_px as f32, self.turn_noise);
         // In a frame hardly anything goes as far as half its height.
         let filter = Filter::begun(model, &self.measurement(detection), height_px / 4.0);
-        Track { id, filter, size, seen: 1, missed: 0, life }
-    }
-
-    /// What becomes of an object that was not seen; `None` where it is given up.
-    fn missed(&self, track: &Track) -> Option<Track> {
-        let missed = track.missed + 1;
-        let is_over = missed > self.patience || track.life == Life::Tentative;
-        (!is_over).then(|| Track { missed, life: Life::Coasting, ..track.clone() })
-    }
-
-    /// Tells earlier frames of an object what became of it: that it is believed in, and where it was while it was not seen.
-    fn look_back(&self, state: &mut State, track: &Track, (was, missed): (Life, usize)) {
-        if self.backdate && was == Life::Tentative && track.life == Life::Confirmed {
-            for frame in state.frames.iter_mut().rev() {
-                let Some(i) = frame.objects.iter().position(|object| object.id == track.id) else { break };
-                Arc::make_mut(frame).objects[i].life = Life::Confirmed;
-            }
-        }
-        if self.bridge && missed > 0 {
-            let now = track.bounds();
-            let count = state.frames.len();
-            let Some(before) = count.checked_sub(missed + 1).map(|i| Arc::clone(&state.frames[i])) else { return };
-            let Some(from) = before.objects.iter().find(|object| object.id == track.id) else { return };
-            for (step, frame) in state.frames[count - missed..].iter_mut().enumerate() {
-                let share = (step + 1) as f32 / (missed + 1) as f32;
-                let between = |a: [f32; 2], b: [f32; 2]| [0, 1].map(|i| a[i] + (b[i] - a[i]) * share);
-                let bounds = Bounds { min: between(from.bounds.min, now.min), max: between(from.bounds.max, now.max) };
-                if let Some(i) = frame.objects.iter().position(|object| object.id == track.id) {
-                    let object = &mut Arc::make_mut(frame).objects[i];
-                    (object.bounds, object.life) = (bounds, Life::Confirmed);
-                    object.position = bounds.center().map(f64::from);
-                }
-            }
-        }
+        Track { id, filter, size, age: self.rules().begun() }
     }
 }
 
@@ -292,17 +225,11 @@ impl Estimator for KalmanTracker {
     type Event = Event;
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        let span = Span::new(clip, frame, self.frames)?;
-        let noise = Noise { deviation_px: f64::from(self.added_noise), seed: u64::from(self.seed) };
-        let detector = Detector::new(self.source, clip, &span, Given { noise, clicks: self.clicks.clone() })?;
-        let picture = clip.size();
-        Ok(State { span, detector, tracks: Vec::new(), begun: 0, frames: Vec::new(), picture })
+        Ok(State { course: Course::new(self.course_settings(), clip, frame)?, tracks: Vec::new() })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let t = state.span.first + state.frames.len();
-        let mut detections = state.detector.look(clip, t)?;
-        detections.retain(|detection| detection.score >= self.min_score);
+        let detections = state.course.look(clip)?;
         observer.see(|| Event::Looked(Arc::new(detections.clone())));
         let mut tracks = std::mem::take(&mut state.tracks);
         for track in &mut tracks {
@@ -317,32 +244,27 @@ impl Estimator for KalmanTracker {
         let objects = self.share_out(state, &costs, observer);
         let frame = Arc::new(ObjectFrame { mask: None, detections: costs.detections.clone(), objects });
         observer.see(|| Event::Done(Arc::clone(&frame)));
-        state.frames.push(frame);
-        let is_over = state.span.is_over(clip, state.span.first + state.frames.len());
-        Ok(if is_over { Progress::Done } else { Progress::More })
+        Ok(state.course.note(clip, frame))
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        state.span.frames()
+        state.course.span.frames()
     }
 
     fn place(&self, state: &State) -> Vec<Rung> {
-        state.span.place(state.frames.len())
+        state.course.place()
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.span.first + state.frames.len())
+        Some(state.course.frame())
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        // What earlier frames came to is shared with the states before.
-        let last = state.frames.last().map_or(0, |frame| frame.bytes());
-        size_of::<State>() + size_of_val(&state.frames[..]) + size_of_val(&state.tracks[..]) + last
+        state.course.own_bytes() + size_of_val(&state.tracks[..])
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        let frames: usize = state.frames.iter().map(|frame| frame.bytes()).sum();
-        self.state_bytes(state) + state.detector.bytes() + frames
+        self.state_bytes(state) + state.course.shared_bytes()
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -362,13 +284,7 @@ impl Estimator for KalmanTracker {
     }
 
     fn output(&self, state: &State) -> Output {
-        let State { span, picture, frames, .. } = state;
-        Output::Objects(ObjectField {
-            picture: *picture,
-            first: span.first,
-            frames: frames.clone(),
-            trajectories: Vec::new(),
-        })
+        Output::Objects(state.course.field())
     }
 }
 
@@ -385,11 +301,11 @@ impl KalmanTracker {
                         let both = Box::new([track.clone(), updated.clone()]);
                         Event::Updated(both, self.measurement(detection))
                     });
-                    self.look_back(state, &updated, (track.life, track.missed));
+                    state.course.look_back(self.rules(), &updated.object(*pair), track.age);
                     Some(updated)
                 }
                 None => {
-                    let missed = self.missed(track);
+                    let missed = self.rules().missed(track.age).map(|age| Track { age, ..track.clone() });
                     observer.see(|| match &missed {
                         Some(track) => Event::Missed(Box::new(track.clone())),
                         None => Event::Ended(Box::new(track.clone())),
@@ -404,8 +320,7 @@ impl KalmanTracker {
             if costs.pairs.contains(&Some(column)) {
                 continue;
             }
-            state.begun += 1;
-            let track = self.begun(detection, state.begun);
+            let track = self.begun(detection, state.course.next_id());
             observer.see(|| Event::Begun(Box::new(track.clone())));
             objects.push(track.object(Some(column)));
             state.tracks.push(track);

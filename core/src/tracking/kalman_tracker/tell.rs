@@ -1,33 +1,18 @@
 //! How the tracker is told and drawn.
 
-use super::{Costs, Event, KalmanTracker, PairCost, State, Track};
+use super::{Costs, Event, KalmanTracker, PairCost, Track};
 use crate::kalman::ellipse;
-use crate::objects::{Bounds, Life};
-use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Sentence, Series, Shape};
-use crate::words::number;
-use crate::{Grid, Role, Scene, Seen, Step};
-
-/// So many frames back a trail reaches.
-const TRAIL_FRAMES: usize = 40;
-/// So many rows and columns of a table of costs are shown.
-const SHOWN: usize = 12;
-
-fn short(value: f64) -> String {
-    number(value as f32)
-}
-
-fn count(count: usize, one: &str) -> String {
-    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
-}
+use crate::objects::Life;
+use crate::objects::tell::{self, count, short};
+use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Sentence, Shape};
+use crate::{Role, Scene, Seen, Step};
 
 fn named(track: &Track) -> String {
     format!("Object {}", track.id)
 }
 
 fn speed(track: &Track) -> String {
-    let [u, v] = track.filter.velocity();
-    // From right, against the clock, as a person reads a picture.
-    format!("{} px/frame towards {}°", short(u.hypot(v)), short((-v).atan2(u).to_degrees().round()))
+    tell::speed(track.filter.velocity())
 }
 
 impl KalmanTracker {
@@ -47,7 +32,7 @@ impl KalmanTracker {
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
         let said = Sentence::default();
-        let frame = frame_of(seen.before);
+        let frame = seen.before.course.frame();
         let Some(event) = seen.events.last() else {
             return said
                 .text("Each object has a filter that ")
@@ -84,20 +69,22 @@ impl KalmanTracker {
                 let [before, after] = &**both;
                 let said =
                     said.ink(Role::Estimate, named(after)).text(format!(" moves to its detection: {}.", speed(after)));
-                match (before.life, after.life) {
+                match (before.age.life, after.age.life) {
                     (Life::Tentative, Life::Confirmed) => {
-                        said.text(format!(" It was seen in {} frames now, and is believed in.", after.seen))
+                        said.text(format!(" It was seen in {} frames now, and is believed in.", after.age.seen))
                     }
-                    (Life::Coasting, _) => said.text(format!(" It is back after {}.", count(before.missed, "frame"))),
+                    (Life::Coasting, _) => {
+                        said.text(format!(" It is back after {}.", count(before.age.missed, "frame")))
+                    }
                     _ => said,
                 }
             }
             Event::Missed(track) => said.ink(Role::Predicted, named(track)).text(format!(
                 " was not seen for {} and coasts: its ellipse grows. After {} it is given up.",
-                count(track.missed, "frame"),
+                count(track.age.missed, "frame"),
                 count(self.patience, "frame")
             )),
-            Event::Ended(track) => said.ink(Role::Rejected, named(track)).text(match track.life {
+            Event::Ended(track) => said.ink(Role::Rejected, named(track)).text(match track.age.life {
                 Life::Tentative => " was not seen again and is dropped: it was not yet believed in.",
                 _ => " was not seen for too long and is given up.",
             }),
@@ -105,15 +92,7 @@ impl KalmanTracker {
                 .text("A detection that belongs to nobody begins ")
                 .ink(Role::Reference, named(track).to_lowercase())
                 .text("."),
-            Event::Done(frame_done) => {
-                let of = |life: Life| frame_done.objects.iter().filter(|object| object.life == life).count();
-                said.text(format!(
-                    "Frame {frame} is over: {} seen, {} coasting, {} tentative.",
-                    of(Life::Confirmed),
-                    of(Life::Coasting),
-                    of(Life::Tentative)
-                ))
-            }
+            Event::Done(frame_done) => said.text(tell::done(frame, frame_done)),
         }
     }
 
@@ -129,14 +108,14 @@ impl KalmanTracker {
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
         let state = seen.before;
-        let mut facts = vec![Fact::new("Frame", frame_of(state).to_string(), None)];
+        let mut facts = vec![Fact::new("Frame", state.course.frame().to_string(), None)];
         let objects = seen.after.unwrap_or(state).tracks.len();
         facts.push(Fact::new("Objects", objects.to_string(), None));
         if let Some(track) = track_of(seen) {
             let [[xx, _], [_, yy]] = track.filter.place_covariance();
             facts.push(Fact::new("Object", track.id.to_string(), None));
-            facts.push(Fact::new("State", track.life.name(), None));
-            facts.push(Fact::new("Seen", count(track.seen, "frame"), None));
+            facts.push(Fact::new("State", track.age.life.name(), None));
+            facts.push(Fact::new("Seen", count(track.age.seen, "frame"), None));
             facts.push(Fact::new("Velocity", speed(track), None));
             facts.push(Fact::new(
                 "Standard deviation",
@@ -149,49 +128,29 @@ impl KalmanTracker {
             let tables = self.tables(costs, pair);
             readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         }
-        readouts.extend(series(seen));
+        readouts.extend(tell::series(&seen.after.unwrap_or(state).course));
         readouts
     }
 
     /// The tables of costs, the pairs that were chosen lit.
     fn tables(&self, costs: &Costs, pair: Option<[usize; 2]>) -> Vec<Matrix> {
-        let (width, height) = costs.costs.size();
-        let size = (width.min(SHOWN), height.min(SHOWN));
-        if size.0 == 0 || size.1 == 0 {
-            return Vec::new();
-        }
         let is_paired = |x: usize, y: usize| match pair {
             Some(pair) => pair == [y, x],
             None => costs.pairs[y] == Some(x),
         };
-        let table = |symbol, name, entries: &Grid<f64>| Matrix {
-            symbol,
-            name,
-            role: None,
-            entries: Grid::from_fn(size.0, size.1, |x, y| entries[(x, y)]),
-            rows: Vec::new(),
-            columns: Vec::new(),
-            changed: Some(Grid::from_fn(size.0, size.1, is_paired)),
-        };
-        let mut all = vec![table("C", "costs: objects down, detections across", &costs.costs)];
+        let mut all = vec![tell::table(("C", "costs: objects down, detections across"), &costs.costs, is_paired)];
         if self.cost != PairCost::Overlap {
-            all.push(table("d²", "squared Mahalanobis distances", &costs.distances));
+            all.push(tell::table(("d²", "squared Mahalanobis distances"), &costs.distances, is_paired));
         }
         if self.cost != PairCost::Mahalanobis {
-            all.push(table("IoU", "overlaps", &costs.overlaps));
+            all.push(tell::table(("IoU", "overlaps"), &costs.overlaps, is_paired));
         }
-        all
+        all.into_iter().flatten().collect()
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        for event in seen.events {
-            if let Event::Looked(all) = event {
-                for found in all.iter() {
-                    rect(scene, Role::Measured, found.bounds);
-                }
-            }
-        }
-        scene.legend(Role::Measured, "detected");
+        let looked = seen.events.iter().find_map(|event| if let Event::Looked(all) = event { Some(all) } else { None });
+        tell::draw_detections(scene, looked.into_iter().flat_map(|all| all.iter()));
         let after = seen.after.map(|state| &state.tracks);
         match (after, seen.events.last()) {
             (Some(tracks), _) => tracks.iter().for_each(|track| draw_track(scene, track, seen)),
@@ -251,10 +210,6 @@ fn pairs(seen: &Seen<KalmanTracker>, scene: &mut Scene) {
     }
 }
 
-fn frame_of(state: &State) -> usize {
-    state.span.first + state.frames.len()
-}
-
 /// The object that the step is about.
 fn track_of<'a>(seen: &Seen<'a, KalmanTracker>) -> Option<&'a Track> {
     match seen.events.last()? {
@@ -275,57 +230,20 @@ fn costs_of<'a>(seen: &Seen<'a, KalmanTracker>) -> Option<(&'a Costs, Option<[us
     costs.map(|costs| (&**costs, pair))
 }
 
-fn rect(scene: &mut Scene, role: Role, Bounds { min, max }: Bounds) {
-    scene.mark(Picture::Current, role, Shape::Rect { min, max });
-}
-
 /// A box with its ellipse and its number.
 fn draw(scene: &mut Scene, track: &Track, (role, meaning): (Role, &'static str)) {
     let bounds = track.bounds();
-    rect(scene, role, bounds);
+    tell::rect(scene, role, bounds);
     if let Some(shape) = ellipse(track.filter.place(), track.filter.place_covariance(), 0.95) {
         scene.mark(Picture::Current, role, shape);
     }
-    let text = Shape::Text { at: bounds.min, text: track.id.to_string() };
-    if text.is_finite() {
-        scene.mark(Picture::Current, role, text);
-    }
+    tell::label(scene, role, bounds.min, track.id.to_string());
     scene.legend(role, meaning);
 }
 
 /// An object with its trail, as its life has it.
 fn draw_track(scene: &mut Scene, track: &Track, seen: &Seen<KalmanTracker>) {
-    let role = match track.life {
-        Life::Tentative => (Role::Candidate, "tentative"),
-        Life::Confirmed => (Role::Estimate, "tracked"),
-        Life::Coasting => (Role::Predicted, "predicted"),
-    };
-    let frames = &seen.after.unwrap_or(seen.before).frames;
-    let recent = frames.len().saturating_sub(TRAIL_FRAMES);
-    let places = frames[recent..].iter().filter_map(|frame| {
-        frame.objects.iter().find(|object| object.id == track.id).map(|object| object.position.map(|c| c as f32))
-    });
-    let points: Vec<[f32; 2]> = places.chain([track.filter.place().map(|c| c as f32)]).collect();
-    if points.len() > 1 {
-        scene.mark(Picture::Current, role.0, Shape::Path { points, closed: false });
-    }
+    let role = tell::role(track.age.life);
+    tell::trail(scene, &seen.after.unwrap_or(seen.before).course, role.0, (track.id, track.filter.place()));
     draw(scene, track, role);
-}
-
-/// How many objects there are from frame to frame.
-fn series(seen: &Seen<KalmanTracker>) -> Option<Readout> {
-    let state = seen.after.unwrap_or(seen.before);
-    let line = |of: &dyn Fn(&crate::ObjectFrame) -> usize| -> Vec<[f32; 2]> {
-        let frames = state.frames.iter().enumerate();
-        frames.map(|(i, frame)| [(state.span.first + i) as f32, of(frame) as f32]).collect()
-    };
-    let with = |life: Life| line(&move |frame| frame.objects.iter().filter(|object| object.life == life).count());
-    let lines = vec![
-        ("detected", Role::Measured, line(&|frame| frame.detections.len())),
-        ("tracked", Role::Estimate, with(Life::Confirmed)),
-        ("coasting", Role::Predicted, with(Life::Coasting)),
-    ];
-    let x_max = state.span.first + state.span.frames().map_or(state.frames.len(), |frames| frames - 1);
-    let series = Series { title: "Objects", x_label: "frame", y_label: "objects", x_max, events: Vec::new(), lines };
-    (state.frames.len() > 1).then_some(Readout::Series(series))
 }

@@ -1,0 +1,189 @@
+//! What trackers of many objects have beside their tracks: parameters, a detector, and the frames that are done.
+
+use std::sync::Arc;
+
+use super::lives::{Age, Rules};
+use super::source::{Detector, Given, Noise, Source};
+use super::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame};
+use crate::params::Spots;
+use crate::span::Span;
+use crate::{Clip, Error, Progress, Rung};
+
+/// Declares the parameters of a tracker: its own between those that all have, whose values `course_settings` gives.
+macro_rules! tracker_params {
+    (
+        $(#[$meta:meta])*
+        pub struct $name:ident {
+            $($own:tt)*
+        }
+    ) => {
+        $crate::params! {
+            $(#[$meta])*
+            pub struct $name {
+                /// At most so many frames, the first one counted; fewer where the clip ends.
+                frames: usize = 300, 2..=10_000;
+                /// Who detects the objects.
+                source: $crate::objects::source::Source = $crate::objects::source::Source::Auto;
+                /// Places in frames, clicked on the picture, that stand for what a detector finds.
+                clicks: $crate::params::Spots = $crate::params::Spots::default();
+                /// Detections with a lower score are left out.
+                min_score: f32 = 0.3, -1000.0..=1000.0;
+                /// Standard deviation of the noise that a true place is measured with.
+                added_noise: f32 = 2.0, 0.0..=100.0, "px";
+                /// Which noise that is.
+                seed: u32 = 1, 0..=9999;
+                $($own)*
+                /// An object is believed in once it was seen in so many frames.
+                confirm: usize = 3, 1..=50;
+                /// An object is given up after so many frames in a row in which it was not seen; one that is not believed in after the first.
+                patience: usize = 15, 0..=500;
+                /// Once an object is believed in, it counts from where it was first seen.
+                backdate: bool = true;
+                /// Where an object comes back after some frames, it is put in between as well, on a straight line.
+                bridge: bool = true;
+            }
+        }
+
+        impl $name {
+            fn course_settings(&self) -> $crate::objects::course::Settings {
+                let Self { frames, source, min_score, added_noise, seed, .. } = *self;
+                let clicks = self.clicks.clone();
+                $crate::objects::course::Settings { frames, source, clicks, min_score, added_noise, seed }
+            }
+
+            fn rules(&self) -> $crate::objects::lives::Rules {
+                let Self { confirm, patience, backdate, bridge, .. } = *self;
+                $crate::objects::lives::Rules { confirm, patience, backdate, bridge }
+            }
+        }
+    };
+}
+pub(crate) use tracker_params;
+
+/// The parameters that all trackers have and a run is begun with.
+#[derive(Clone, Debug)]
+pub(crate) struct Settings {
+    pub frames: usize,
+    pub source: Source,
+    pub clicks: Spots,
+    pub min_score: f32,
+    pub added_noise: f32,
+    pub seed: u32,
+}
+
+/// The frames of a run, those that are done and what is detected in those that follow.
+#[derive(Clone)]
+pub(crate) struct Course {
+    /// All of them.
+    pub span: Span,
+    detector: Detector,
+    min_score: f32,
+    /// How many objects there have been.
+    begun: u32,
+    frames: Vec<Arc<ObjectFrame>>,
+    picture: (usize, usize),
+}
+
+impl Course {
+    /// No frame is done yet.
+    ///
+    /// # Errors
+    /// If the clip has no pair there, or none of what is to be detected.
+    pub fn new(settings: Settings, clip: &Clip, frame: usize) -> Result<Self, Error> {
+        let Settings { frames, source, clicks, min_score, added_noise, seed } = settings;
+        let span = Span::new(clip, frame, frames)?;
+        let noise = Noise { deviation_px: f64::from(added_noise), seed: u64::from(seed) };
+        let detector = Detector::new(source, clip, &span, Given { noise, clicks })?;
+        Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), picture: clip.size() })
+    }
+
+    /// The frame that comes next.
+    pub fn frame(&self) -> usize {
+        self.span.first + self.frames.len()
+    }
+
+    /// The frames that are done.
+    pub fn frames(&self) -> &[Arc<ObjectFrame>] {
+        &self.frames
+    }
+
+    /// What is detected in the frame that comes next.
+    ///
+    /// # Errors
+    /// If the frame or the truth cannot be read.
+    pub fn look(&self, clip: &Clip) -> Result<Vec<Detection>, Error> {
+        let mut detections = self.detector.look(clip, self.frame())?;
+        detections.retain(|detection| detection.score >= self.min_score);
+        Ok(detections)
+    }
+
+    /// The identity of a new object.
+    pub fn next_id(&mut self) -> u32 {
+        self.begun += 1;
+        self.begun
+    }
+
+    /// A frame is done.
+    pub fn note(&mut self, clip: &Clip, frame: Arc<ObjectFrame>) -> Progress {
+        self.frames.push(frame);
+        if self.span.is_over(clip, self.frame()) { Progress::Done } else { Progress::More }
+    }
+
+    /// Tells earlier frames of an object that is seen what became of it: that it is believed in, and where it was while it was
+    /// not seen; `was` is its age before.
+    pub fn look_back(&mut self, rules: Rules, object: &Object, was: Age) {
+        if rules.backdate && was.life == Life::Tentative && object.life == Life::Confirmed {
+            for frame in self.frames.iter_mut().rev() {
+                let Some(i) = frame.objects.iter().position(|other| other.id == object.id) else { break };
+                Arc::make_mut(frame).objects[i].life = Life::Confirmed;
+            }
+        }
+        if rules.bridge && was.missed > 0 {
+            self.bridge(object, was.missed);
+        }
+    }
+
+    /// Puts an object that was not seen for some frames on the straight line to where it is now.
+    fn bridge(&mut self, object: &Object, missed: usize) {
+        let (now, count) = (object.bounds, self.frames.len());
+        let Some(before) = count.checked_sub(missed + 1).map(|i| Arc::clone(&self.frames[i])) else { return };
+        let Some(from) = before.objects.iter().find(|other| other.id == object.id) else { return };
+        for (step, frame) in self.frames[count - missed..].iter_mut().enumerate() {
+            let share = (step + 1) as f32 / (missed + 1) as f32;
+            let between = |a: [f32; 2], b: [f32; 2]| [0, 1].map(|i| a[i] + (b[i] - a[i]) * share);
+            let bounds = Bounds { min: between(from.bounds.min, now.min), max: between(from.bounds.max, now.max) };
+            if let Some(i) = frame.objects.iter().position(|other| other.id == object.id) {
+                let other = &mut Arc::make_mut(frame).objects[i];
+                (other.bounds, other.life) = (bounds, Life::Confirmed);
+                other.position = bounds.center().map(f64::from);
+            }
+        }
+    }
+
+    /// Where the run stands.
+    pub fn place(&self) -> Vec<Rung> {
+        self.span.place(self.frames.len())
+    }
+
+    /// Memory that it takes by itself, in bytes: what earlier frames came to is shared with the states before.
+    pub fn own_bytes(&self) -> usize {
+        let last = self.frames.last().map_or(0, |frame| frame.bytes());
+        size_of::<Self>() + size_of_val(&self.frames[..]) + last
+    }
+
+    /// Memory of the detector and of all frames, in bytes.
+    pub fn shared_bytes(&self) -> usize {
+        let frames: usize = self.frames.iter().map(|frame| frame.bytes()).sum();
+        self.detector.bytes() + frames
+    }
+
+    /// What all frames came to.
+    pub fn field(&self) -> ObjectField {
+        ObjectField {
+            picture: self.picture,
+            first: self.span.first,
+            frames: self.frames.clone(),
+            trajectories: Vec::new(),
+        }
+    }
+}
