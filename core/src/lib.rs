@@ -10,6 +10,7 @@ mod coding;
 pub mod compare;
 mod consistency;
 mod cost;
+mod dense;
 mod differential;
 mod error;
 mod estimator;

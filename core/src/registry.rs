@@ -7,8 +7,8 @@ use crate::block_matching::{
 use crate::features::Corners;
 use crate::interest_points::{Harris, ShiTomasi};
 use crate::moving_objects::{
-    ConnectedComponents, FrameDifference, MedianBackground, MixtureOfGaussians, RunningAverage, SingleGaussian,
-    Subtraction,
+    ConnectedComponents, FlowMagnitude, FrameDifference, MedianBackground, MixtureOfGaussians, RunningAverage,
+    SingleGaussian, Subtraction,
 };
 use crate::optical_flow::{Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PyramidalLucasKanade, TvL1};
 use crate::tracking::{BlobTracker, KalmanFilter, KalmanTracker, TrajectoryAnalysis};
@@ -44,6 +44,7 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(Subtraction::<MedianBackground>::default()),
         Box::new(Subtraction::<SingleGaussian>::default()),
         Box::new(Subtraction::<MixtureOfGaussians>::default()),
+        Box::new(Subtraction::<FlowMagnitude>::default()),
         Box::new(ConnectedComponents::default()),
         Box::new(BlobTracker::default()),
         Box::new(KalmanFilter::default()),

@@ -4,7 +4,7 @@ mod common;
 
 use std::sync::Arc;
 
-use common::set;
+use common::{set, waves};
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Mask, Move, ObjectField, Promise,
     Stop, Threads, estimators, synth,
@@ -352,6 +352,42 @@ fn cars_are_found_where_they_are() {
             }
         }
         assert!(all > 10 && 10 * found >= 9 * all, "{}: {found} of {all} cars", estimator.info().id);
+    }
+}
+
+/// A square of waves that moves over waves at rest, with noise, and where it is in the last frame.
+fn square_over_waves(frames: usize, step: f64) -> (Clip, Bounds) {
+    let corner = |t: usize| [30.0 + step * t as f64, 24.0];
+    let frame = |t: usize| {
+        let [left, top] = corner(t);
+        Frame::gray(Grid::from_fn(120, 80, |x, y| {
+            let (u, v) = (x as f64 - left, y as f64 - top);
+            let is_in = (0.0..30.0).contains(&u) && (0.0..24.0).contains(&v);
+            let value = if is_in { waves(u + 500.0, v + 300.0) } else { waves(x as f64, y as f64) };
+            (value + noise(x, y, t) / 2.0).round().clamp(0.0, 255.0) as u8
+        }))
+    };
+    let clip = Clip::from_frames("square", (0..frames).map(frame).collect()).expect("frames of one size");
+    let min = corner(frames - 1).map(|c| c.ceil() as f32 - 0.5);
+    (clip, Bounds { min, max: [min[0] + 30.0, min[1] + 24.0] })
+}
+
+#[test]
+fn flow_that_reaches_over_what_is_at_rest_is_no_motion() {
+    let (clip, square) = square_over_waves(4, 3.0);
+    for method in ["farneback", "horn-schunck", "tv-l1"] {
+        let blobs = |clip: &Clip| {
+            let field = objects(&*set("flow-magnitude", &[("method", method)]), clip);
+            field.frames.last().expect("a frame").detections.iter().map(|found| found.bounds).collect::<Vec<_>>()
+        };
+        let found = blobs(&clip);
+        let edges = |bounds: &Bounds| [bounds.min, bounds.max].concat();
+        let [only] = &found[..] else { panic!("{method}: {found:?} where {square:?} is") };
+        // Behind it, what comes out fits nowhere in the frame before; elsewhere the pixels around one reach over the edge.
+        let limits = [3.0 + 3.0, 3.0, 3.0, 3.0];
+        let is_near = edges(only).iter().zip(edges(&square)).zip(limits).all(|((a, b), limit)| (a - b).abs() <= limit);
+        assert!(is_near, "{method}: {only:?} where {square:?} is");
+        assert_eq!(blobs(&square_over_waves(4, 0.0).0), [], "{method}: nothing moves but noise");
     }
 }
 

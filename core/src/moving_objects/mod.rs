@@ -2,6 +2,7 @@
 //! in `subtraction` and `objects`.
 
 mod connected_components;
+mod flow_magnitude;
 mod frame_difference;
 mod median_background;
 mod mixture_of_gaussians;
@@ -10,6 +11,7 @@ mod single_gaussian;
 
 pub use crate::subtraction::Subtraction;
 pub use connected_components::ConnectedComponents;
+pub use flow_magnitude::FlowMagnitude;
 pub use frame_difference::FrameDifference;
 pub use median_background::MedianBackground;
 pub use mixture_of_gaussians::MixtureOfGaussians;

@@ -28,6 +28,8 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     const INFO: Info;
     /// What the heat shows that tells how far pixels differ, for the legend.
     const SHOWN: &'static str;
+    /// What that is.
+    const COMPARED: &'static str = "difference from the background";
     /// Whether it can tell shadows, which its pseudocode has a line for.
     const TELLS_SHADOWS: bool = false;
     /// What its steps have charts for.
@@ -38,8 +40,8 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     /// What is known after the first frame.
     fn begin(&self, first: &Arc<Frame>) -> Self::Model;
 
-    /// Decides which pixels of a frame do not belong to the background, and takes the frame into the model. What becomes
-    /// of a pixel depends on nothing but itself, so that rows may be spread over threads.
+    /// Decides which pixels of a frame do not belong to the background, and takes the frame into the model. Threads
+    /// change nothing of what becomes of a pixel.
     fn subtract(&self, model: &mut Self::Model, frame: &Arc<Frame>, threads: &Threads) -> Found;
 
     /// The gray value that is expected of a pixel.

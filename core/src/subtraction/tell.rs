@@ -321,7 +321,7 @@ impl<M: Background> Subtraction<M> {
                 let values = difference.as_ref().clone();
                 scene.mark(Picture::Current, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
                 scene.heat = Some(M::SHOWN);
-                scene.legend(Role::Candidate, "difference from the background");
+                scene.legend(Role::Candidate, M::COMPARED);
             }
             Some(Event::Decided(mask)) => layer(scene, Role::Candidate, "foreground", Arc::clone(mask)),
             Some(Event::Shadows(mask, shadows)) => {
