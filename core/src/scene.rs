@@ -238,6 +238,8 @@ pub struct Mark {
     pub on: Picture,
     /// What it stands for.
     pub role: Role,
+    /// The object that it belongs to where several are told apart: each has a colour of its own in the place of the role's.
+    pub of: Option<u32>,
     /// Where it is.
     pub shape: Shape,
 }
@@ -258,7 +260,7 @@ pub struct Scene {
 impl Scene {
     /// Whether both look the same. Values that are not known yet are NaN, and the same as such.
     pub fn same(&self, other: &Scene) -> bool {
-        let same = |(a, b): (&Mark, &Mark)| a.on == b.on && a.role == b.role && a.shape.same(&b.shape);
+        let same = |(a, b): (&Mark, &Mark)| a.on == b.on && a.role == b.role && a.of == b.of && a.shape.same(&b.shape);
         self.legend == other.legend
             && self.levels == other.levels
             && self.heat == other.heat
@@ -268,7 +270,12 @@ impl Scene {
 
     /// Adds a mark on top of the others.
     pub fn mark(&mut self, on: Picture, role: Role, shape: Shape) {
-        self.marks.push(Mark { on, role, shape });
+        self.marks.push(Mark { on, role, of: None, shape });
+    }
+
+    /// Adds a mark that belongs to object `id`, which has a colour of its own, on top of the others.
+    pub fn mark_of(&mut self, id: u32, on: Picture, role: Role, shape: Shape) {
+        self.marks.push(Mark { on, role, of: Some(id), shape });
     }
 
     /// Adds the marks of `other`, a scene on a picture `factor` times smaller, and what their roles mean.

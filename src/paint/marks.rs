@@ -127,7 +127,9 @@ pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place
     let (under_test, others): (Vec<_>, Vec<_>) = marks.into_iter().partition(is_under_test);
     for mark in others.into_iter().chain(under_test) {
         if mark.shape.is_finite() {
-            Painter { ink: look.theme.ink(mark.role), look, place, out: &mut primitives }.shape(mark.role, &mark.shape);
+            let mut ink = look.theme.ink(mark.role);
+            ink.color = mark.of.map_or(ink.color, own_color);
+            Painter { ink, look, place, out: &mut primitives }.shape(mark.role, &mark.shape);
         }
     }
     primitives
@@ -286,17 +288,19 @@ impl Painter<'_> {
     }
 }
 
-/// The colour of a region: hues a golden section apart, so that neighbouring labels differ; none for 0.
+/// The colour of a region; none for 0.
 fn region_color(label: u32) -> [u8; 4] {
-    if label == 0 {
-        return [0; 4];
-    }
+    if label == 0 { [0; 4] } else { own_color(label).alpha(HEAT_ALPHA).0 }
+}
+
+/// The colour of one of several: hues a golden section apart, so that neighbouring numbers differ.
+fn own_color(label: u32) -> Color {
     let hue = 6.0 * (label as f32 * 0.618_034).fract();
     let part = |center: f32| {
         let far = (hue - center).abs().min(6.0 - (hue - center).abs());
         (255.0 * (2.0 - far).clamp(0.15, 1.0)) as u8
     };
-    Color([part(0.0), part(2.0), part(4.0), 255]).alpha(HEAT_ALPHA).0
+    Color([part(0.0), part(2.0), part(4.0), 255])
 }
 
 /// Points along an ellipse, whatever the unit.

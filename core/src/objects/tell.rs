@@ -70,7 +70,7 @@ pub(crate) fn trail(scene: &mut Scene, course: &Course, role: Role, (id, now): (
     });
     let points: Vec<[f32; 2]> = places.chain([now.map(|c| c as f32)]).collect();
     if points.len() > 1 {
-        scene.mark(Picture::Current, role, Shape::Path { points, closed: false });
+        scene.mark_of(id, Picture::Current, role, Shape::Path { points, closed: false });
     }
 }
 

@@ -171,7 +171,8 @@ impl TrajectoryAnalysis {
             let is_recent = trajectory.sightings.last().is_some_and(|last| last.frame + TRAIL_FRAMES >= t);
             let points: Vec<[f32; 2]> = trajectory.sightings.iter().map(|seen| point(seen.at)).collect();
             if is_recent && points.len() > 1 {
-                scene.mark(Picture::Current, Role::Estimate, Shape::Path { points, closed: false });
+                let path = Shape::Path { points, closed: false };
+                scene.mark_of(trajectory.id, Picture::Current, Role::Estimate, path);
             }
         }
         let frame =
