@@ -221,14 +221,13 @@ impl Moment<'_> {
     }
 
     fn caption(&self) -> Caption {
-        let details = self.estimator.specs().iter().zip(self.estimator.values()).map(|(spec, (_, v))| said(spec, v));
         Caption {
             // Each of several has its name above its own picture.
             title: match self.tiles.len() {
                 0 => self.estimator.info().name.into(),
                 count => format!("{count} estimators in lockstep"),
             },
-            details: details.collect::<Vec<_>>().join(" · "),
+            details: told(self.estimator),
             place: format!("step {}", self.cursor),
             sentence: match self.tiles.first() {
                 Some(tile) => {
@@ -239,6 +238,18 @@ impl Moment<'_> {
             },
         }
     }
+}
+
+/// So many parameters are told all; of more only those that are not as declared.
+const ALL_TOLD: usize = 11;
+
+/// The parameters of an estimator with their values.
+fn told(estimator: &dyn AnyEstimator) -> String {
+    let specs = estimator.specs();
+    let all = specs.iter().zip(estimator.values());
+    let chosen = all.filter(|(spec, (_, value))| specs.len() <= ALL_TOLD || spec.default != *value);
+    let words: Vec<String> = chosen.map(|(spec, (_, value))| said(spec, value)).collect();
+    if words.is_empty() { "all parameters as declared".into() } else { words.join(" · ") }
 }
 
 /// A parameter with its value: `block 16 px`.

@@ -3,9 +3,15 @@
 //! A whole run over 60 frames with noise in which five discs move, so a frame takes a 60th of what is shown; and connected
 //! components with their statistics alone.
 
+use std::sync::Arc;
+use std::time::Instant;
+
 use criterion::{Criterion, criterion_group, criterion_main};
 use motionscope_core::objects::{Connectivity, Labelling};
-use motionscope_core::{Clip, Frame, Gray, Grid, Mask, Promise, Threads, estimators};
+use motionscope_core::{
+    Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Gray, Grid, Mask, Move, Promise, Stop, Threads, estimator,
+    estimators,
+};
 
 const FRAMES: usize = 60;
 
@@ -64,5 +70,45 @@ fn components(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, components, detection);
+/// Pictures that come again and again.
+struct Round(Vec<Arc<Frame>>);
+
+impl FrameSource for Round {
+    fn frame(&self, index: usize, _stop: &Stop) -> Result<Arc<Frame>, Error> {
+        Ok(Arc::clone(&self.0[index % self.0.len()]))
+    }
+
+    fn cached(&self, index: usize) -> Option<Arc<Frame>> {
+        self.0.get(index % self.0.len()).cloned()
+    }
+}
+
+/// How long it takes to be anywhere in a long clip that was gone through once.
+fn scrubbing(c: &mut Criterion) {
+    const LONG: usize = 1000;
+    const JUMPS: usize = 200;
+    let short = clip((640, 480), false);
+    let pictures = (0..FRAMES).map(|t| short.frame(t).expect("it is there")).collect();
+    let info = ClipInfo { frames: Some(LONG), ..short.info().clone() };
+    let long = Clip::new(info, Arc::new(Round(pictures)));
+    for id in ["frame-difference", "single-gaussian", "mixture-of-gaussians", "kalman-tracker"] {
+        let mut estimator = estimator(id).expect("it is registered");
+        estimator.set("frames", &LONG.to_string()).expect("it is allowed");
+        let mut walk = estimator.walk(&long, 0).expect("a run");
+        walk.jump(Move::End);
+        let mut at = 0;
+        let mut jump = || {
+            at = (at + 7919) % LONG;
+            let begun = Instant::now();
+            walk.jump(Move::To(Cursor { unit: at, event: usize::MAX }));
+            begun.elapsed().as_secs_f64() * 1e3
+        };
+        let times: Vec<f64> = (0..JUMPS).map(|_| jump()).collect();
+        let (mean, worst) = (times.iter().sum::<f64>() / JUMPS as f64, times.iter().copied().fold(0.0, f64::max));
+        println!("{id} VGA, {LONG} frames, {JUMPS} jumps: mean {mean:.1} ms, worst {worst:.1} ms");
+        c.bench_function(&format!("{id} VGA, anywhere in {LONG} frames"), |b| b.iter(&mut jump));
+    }
+}
+
+criterion_group!(benches, components, detection, scrubbing);
 criterion_main!(benches);

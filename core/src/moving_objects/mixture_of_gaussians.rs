@@ -101,6 +101,10 @@ impl Background for MixtureOfGaussians {
             .into()
     }
 
+    fn at_rest(&self, model: &Arc<Mixture>) -> Arc<Mixture> {
+        Arc::new(model.packed())
+    }
+
     fn model_bytes(&self, model: &Mixture) -> usize {
         model.bytes()
     }

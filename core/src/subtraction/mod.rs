@@ -59,6 +59,11 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     /// What happens to the model at the end of a frame.
     fn update(&self) -> String;
 
+    /// The model as a checkpoint keeps it, as small as it can be made.
+    fn at_rest(&self, model: &Arc<Self::Model>) -> Arc<Self::Model> {
+        Arc::clone(model)
+    }
+
     /// Memory of a model, in bytes.
     fn model_bytes(&self, model: &Self::Model) -> usize;
 }
@@ -228,6 +233,10 @@ impl<M: Background> Estimator for Subtraction<M> {
 
     fn at_frame(&self, state: &Self::State) -> Option<usize> {
         Some(state.frame)
+    }
+
+    fn at_rest(&self, state: &Self::State) -> Self::State {
+        State { model: state.model.as_ref().map(|model| self.0.at_rest(model)), ..state.clone() }
     }
 
     fn state_bytes(&self, state: &Self::State) -> usize {

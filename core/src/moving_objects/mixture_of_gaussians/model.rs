@@ -48,6 +48,8 @@ pub struct Mixture {
     /// For each group and mode: the weights of its pixels, their variances, and the means of each channel. A mode that a
     /// pixel has not got weighs nothing.
     cells: Vec<f32>,
+    /// Where each group begins, if there is no room between them for modes that are not in use.
+    starts: Vec<usize>,
 }
 
 /// What is the same for all pixels.
@@ -115,11 +117,47 @@ impl Mixture {
                 means => means.copy_from_slice(&color(first, y, start)),
             }
         }
-        Self { size: first.size(), channels, most: of.modes, counts: vec![1; groups], cells }
+        Self { size: first.size(), channels, most: of.modes, counts: vec![1; groups], cells, starts: Vec::new() }
+    }
+
+    /// Numbers of a mode of a group.
+    fn part(&self) -> usize {
+        (2 + self.channels) * LANES
+    }
+
+    /// The same without room for modes that are not in use: most pixels have one or two.
+    #[must_use]
+    pub fn packed(&self) -> Self {
+        if !self.starts.is_empty() {
+            return self.clone();
+        }
+        let (part, mut cells, mut starts) = (self.part(), Vec::new(), Vec::with_capacity(self.counts.len()));
+        cells.reserve_exact(self.counts.iter().map(|count| usize::from(*count) * part).sum());
+        for (group, count) in self.cells.chunks_exact(self.most * part).zip(&self.counts) {
+            starts.push(cells.len());
+            cells.extend_from_slice(&group[..usize::from(*count) * part]);
+        }
+        Self { cells, starts, counts: self.counts.clone(), ..*self }
+    }
+
+    /// Makes room again for modes that may come.
+    fn unpack(&mut self) {
+        if self.starts.is_empty() {
+            return;
+        }
+        let (part, stride) = (self.part(), self.most * self.part());
+        let mut cells = vec![0.0; self.counts.len() * stride];
+        let groups = cells.chunks_exact_mut(stride).zip(self.counts.iter().zip(&self.starts));
+        for (group, (count, start)) in groups {
+            let used = usize::from(*count) * part;
+            group[..used].copy_from_slice(&self.cells[*start..][..used]);
+        }
+        (self.cells, self.starts) = (cells, Vec::new());
     }
 
     /// Decides the pixels of a frame, and takes it in.
     pub fn subtract(&mut self, of: &MixtureOfGaussians, frame: &Frame, threads: &Threads) -> Found {
+        self.unpack();
         let (width, height) = self.size;
         let (rates, most) = (Rates::new(of), self.most);
         // A clip may have gray pictures among those in colour.
@@ -152,8 +190,9 @@ impl Mixture {
     /// The modes of a pixel, the heaviest first; of two as heavy, the older place.
     pub fn modes(&self, (x, y): (usize, usize)) -> Vec<Mode> {
         let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
-        let part = (2 + self.channels) * LANES;
-        let cells = &self.cells[group * self.most * part..][..usize::from(self.counts[group]) * part];
+        let part = self.part();
+        let start = self.starts.get(group).copied().unwrap_or(group * self.most * part);
+        let cells = &self.cells[start..][..usize::from(self.counts[group]) * part];
         let mut modes: Vec<_> = cells
             .chunks_exact(part)
             .filter(|mode| mode[lane] > 0.0)
@@ -177,7 +216,7 @@ impl Mixture {
 
     /// Memory that it takes, in bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.counts[..]) + size_of_val(&self.cells[..])
+        size_of_val(&self.counts[..]) + size_of_val(&self.cells[..]) + size_of_val(&self.starts[..])
     }
 }
 
