@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use motionscope_core::{Bounds, Clip, Detection, Error};
 
@@ -37,6 +37,20 @@ pub fn read(path: &Path) -> Result<Vec<Vec<Detection>>, Error> {
 pub fn is(path: &Path) -> bool {
     let is_text = matches!(extension(path).as_str(), "txt" | "csv");
     is_text && first_line(path).is_some_and(|line| mot::is_detection(line.trim_end()))
+}
+
+/// The table of detections beside a clip, where MOTChallenge puts it: `det.txt` or `det/det.txt` in the folder of its pictures, or
+/// beside that folder where it is called `img1`.
+pub fn beside(folder: &Path) -> Option<PathBuf> {
+    let above = if folder.ends_with("img1") { folder.parent() } else { None };
+    let folders = [Some(folder), above].into_iter().flatten();
+    let mut files = folders.flat_map(|folder| [folder.join("det.txt"), folder.join("det").join("det.txt")]);
+    files.find(|file| is(file))
+}
+
+/// Whether the file at `path` is a table of true objects by its name and its first line: they have identities.
+pub fn is_truth(path: &Path) -> bool {
+    extension(path) == "txt" && first_line(path).is_some_and(|line| mot::is_object(line.trim_end()))
 }
 
 fn first_line(path: &Path) -> Option<String> {

@@ -163,7 +163,29 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
         Some(truth) => clip.with_truth(truth),
         None => clip,
     };
+    if options.detections.is_none() && path != Path::new("-") {
+        return Ok(with_detections_beside(clip, path));
+    }
     with_detections(clip, options)
+}
+
+/// The same clip with the detections that lie beside it, if there are any; with a warning if they cannot be read.
+fn with_detections_beside(clip: Clip, path: &Path) -> Clip {
+    let folder = if path.is_dir() { Some(path) } else { path.parent() };
+    let Some(file) = folder.and_then(detections::beside) else { return clip };
+    match detections::read(&file) {
+        Ok(found) => clip.with_detections(found),
+        Err(error) => {
+            let mut info = clip.info().clone();
+            info.warnings.push(format!("detections beside the clip are not used: {error}"));
+            clip.with_info(info)
+        }
+    }
+}
+
+/// Whether the file at `path` tells what is true of a clip, and holds no pictures: true objects, or a flow.
+pub fn is_truth(path: &Path) -> bool {
+    names::extension(path) == "flo" || detections::is_truth(path)
 }
 
 /// The same clip with the detections that `options` name, if they do.

@@ -18,7 +18,7 @@ use super::model::snapshot::{Place, Snapshot, Subject};
 use super::model::writer::{self, Order, What, Writing};
 use super::stage::Zoom;
 use crate::company::Company;
-use crate::media::Open;
+use crate::media::{self, Open};
 use crate::paint::Phase;
 use crate::session::{Session, Sight};
 use crate::shot::Look;
@@ -82,12 +82,18 @@ impl App {
         }
     }
 
-    /// Opens a file, a folder, a session or `synth:` and a scene, on another thread.
+    /// Opens a file, a folder, a session or `synth:` and a scene, on another thread; or the truth of the clip that is open.
     pub fn open(&mut self, name: impl Into<OsString>) {
         self.player.pause();
         self.error = None;
-        let ctx = self.ctx.clone();
-        self.loading = Some(Loading::new(name.into(), move || ctx.request_repaint()));
+        let (name, ctx) = (name.into(), self.ctx.clone());
+        let changed = move || ctx.request_repaint();
+        // What is true of a clip is opened beside the one that is there.
+        let clip = self.document.source().filter(|_| media::is_truth(Path::new(&name)));
+        self.loading = Some(match clip {
+            Some(clip) => Loading::with_truth(clip, name.into(), changed),
+            None => Loading::new(name, changed),
+        });
     }
 
     /// Opens a bundled sample in the middle of a search, so that there is something to see.
@@ -110,11 +116,11 @@ impl App {
     }
 
     fn opened(&mut self, opened: Opened, path: &Path) {
-        let Opened { clip, source, session } = opened;
-        if path.exists() {
+        let Opened { clip, source, truth, session } = opened;
+        // The truth of a clip is no clip.
+        if path.exists() && truth.as_deref() != Some(path) {
             self.settings.remember(path);
         }
-        let truth = session.as_ref().and_then(|session| session.truth.clone());
         self.document.open(clip, source, truth);
         self.begin();
         let Some(session) = session else {

@@ -309,3 +309,50 @@ fn a_path_is_typed_and_pasted() {
     window.settle();
     assert_eq!(window.app().document().clip().map(|clip| clip.size()), Some((64, 48)));
 }
+
+#[test]
+fn detections_open_with_a_tracker_and_truth_beside_the_clip_that_is_open() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let row = |t: usize, id: i32| format!("{},{id},{},40,20,30,1,-1,-1,-1\n", t + 1, 20 + 3 * t);
+    let rows = |id: i32| (0..8).map(|t| row(t, id)).collect::<String>();
+    let [det, truth] = ["det.txt", "known.txt"].map(|name| folder.path().join(name));
+    fs::write(&det, rows(-1)).expect("it is written");
+    fs::write(&truth, rows(1)).expect("it is written");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(det.into()) });
+    assert_eq!(window.app().document().estimator().info().id, "kalman-tracker", "there are no pictures to be searched");
+    window.key(Key::End);
+    let is_scored = |window: &Window| window.harness.query_all_by_label_contains("MOTA").next().is_some();
+    assert!(!is_scored(&window));
+    window.harness.state_mut().open(&truth);
+    window.settle();
+    window.key(Key::End);
+    assert_eq!(window.app().document().truth(), Some(truth.as_path()));
+    assert!(is_scored(&window), "tracks are scored");
+    let recent = &window.app().settings().recent;
+    assert!(!recent.contains(&truth), "a truth is no clip");
+}
+
+#[test]
+fn objects_and_masks_are_exported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let start = Start { open: Some("synth:traffic,width=160,height=120,frames=4".into()) };
+    let mut window = Window::with(vec2(1440.0, 900.0), start);
+    let choose = |window: &mut Window, name: &str| {
+        let now = window.app().document().estimator().info().name;
+        window.click(&format!("Estimator: {now}"));
+        window.click(name);
+        window.key(Key::End);
+    };
+    choose(&mut window, "Kalman tracker");
+    window.command(Command::ExportVectors);
+    let tracks = folder.path().join("tracks.txt");
+    write_to(&mut window, &tracks);
+    assert!(fs::read_to_string(&tracks).expect("it is written").starts_with("1,1,"));
+    window.command(Command::ExportMasks);
+    assert!(window.harness.query_by_label("Where to write it").is_none(), "a tracker makes no masks");
+    choose(&mut window, "Frame difference");
+    window.command(Command::ExportMasks);
+    let masks = folder.path().join("masks");
+    write_to(&mut window, &masks);
+    assert!(masks.join("mask_0003.png").exists() && window.app().message().is_some_and(|m| m.contains("4 masks")));
+}

@@ -52,6 +52,11 @@ pub(crate) fn is_detection(line: &str) -> bool {
     row(line).is_ok_and(|row| row.id.is_none())
 }
 
+/// Whether a line is a row of such a table that tells of an object with an identity.
+pub(crate) fn is_object(line: &str) -> bool {
+    row(line).is_ok_and(|row| row.id.is_some())
+}
+
 fn text(path: &Path) -> Result<String, Error> {
     let mut text = String::new();
     let file = File::open(path).map_err(|e| file_error(path, cannot_read(&e)))?;

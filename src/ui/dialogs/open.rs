@@ -78,7 +78,11 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
         ui.set_width((40.0 * size).min(ui.ctx().content_rect().width() - 48.0));
         ui.heading("Open");
         ui.label(
-            RichText::new("A video, a picture of a numbered sequence, a folder of pictures, or a session.").weak(),
+            RichText::new(
+                "A video, a picture of a numbered sequence, a folder of pictures, detections (det.txt) or a session; \
+                 or what is true of the clip that is open: gt.txt, a flow.",
+            )
+            .weak(),
         );
         ui.add_space(8.0);
         done |= path_row(ui, state, actions);

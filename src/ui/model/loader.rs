@@ -1,6 +1,7 @@
 //! Opens a clip or a session on a thread of its own, with progress and cancel.
 
 use std::ffi::{OsStr, OsString};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use motionscope_core::{Clip, Error};
@@ -16,6 +17,8 @@ pub struct Opened {
     pub clip: Clip,
     /// Where it comes from.
     pub source: Source,
+    /// The truth that was given for it, if one was.
+    pub truth: Option<PathBuf>,
     /// The session that named it, if one did.
     pub session: Option<Session>,
 }
@@ -36,12 +39,23 @@ impl Loading {
             Background::new("open the clip", changed, move |desk| open(&wanted, Arc::clone(desk) as Arc<dyn Progress>));
         Self { name, work }
     }
+
+    /// Begins to open the clip from `source` once more, with the truth at `path`.
+    pub fn with_truth(source: Source, path: PathBuf, changed: impl Fn() + Send + Sync + 'static) -> Self {
+        let name = path.clone().into();
+        let work = Background::new("open the truth", changed, move |desk| {
+            let progress = Some(Arc::clone(desk) as Arc<dyn Progress>);
+            let clip = source.open(&Open { progress, truth: Some(path.clone()), ..Open::default() })?;
+            Ok(Opened { clip, source, truth: Some(path), session: None })
+        });
+        Self { name, work }
+    }
 }
 
 fn open(name: &OsStr, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
     let Named { source, truth, session } = Named::find(name, None)?;
-    let clip = source.open(&Open { progress: Some(progress), truth, ..Open::default() })?;
-    Ok(Opened { clip, source, session })
+    let clip = source.open(&Open { progress: Some(progress), truth: truth.clone(), ..Open::default() })?;
+    Ok(Opened { clip, source, truth, session })
 }
 
 #[cfg(test)]
