@@ -22,6 +22,13 @@ pub struct Agreement {
     pub recall: Option<f64>,
 }
 
+/// |w + w'|² for a displacement and that back from where it leads, in px², and the limit of that: a share of the squares of
+/// both, and so many px² more.
+pub(crate) fn returned(there: [f32; 2], back: [f32; 2], (share, more_px2): (f32, f32)) -> [f32; 2] {
+    let square = |[u, v]: [f32; 2]| u * u + v * v;
+    [square([there[0] + back[0], there[1] + back[1]]), share * (square(there) + square(back)) + more_px2]
+}
+
 /// How far one may come back from where he started: this share of the squares of both displacements …
 const SHARE: f32 = 0.01;
 /// … and this much more, in px².
@@ -55,9 +62,8 @@ impl Consistency {
                 return f32::NAN;
             }
             let Some(back) = backward.sample(to) else { return f32::NAN };
-            let square = |[u, v]: [f32; 2]| u * u + v * v;
-            let off = square([u + back[0], v + back[1]]);
-            inconsistent[(x, y)] = off >= SHARE * (square([u, v]) + square(back)) + MORE_PX2;
+            let [off, limit] = returned([u, v], back, (SHARE, MORE_PX2));
+            inconsistent[(x, y)] = off >= limit;
             off.sqrt()
         });
         Ok(Self { distance_px, inconsistent })

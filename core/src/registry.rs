@@ -10,7 +10,9 @@ use crate::moving_objects::{
     ConnectedComponents, FlowMagnitude, FrameDifference, MedianBackground, MixtureOfGaussians, RunningAverage,
     SingleGaussian, Subtraction,
 };
-use crate::optical_flow::{Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PyramidalLucasKanade, TvL1};
+use crate::optical_flow::{
+    Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
+};
 use crate::tracking::{BlobTracker, KalmanFilter, KalmanTracker, TrajectoryAnalysis};
 use crate::variational::Variational;
 use crate::{AnyEstimator, Error};
@@ -37,6 +39,7 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
         Box::new(Variational::<Clg>::default()),
         Box::new(Variational::<TvL1>::default()),
         Box::new(Farneback::default()),
+        Box::new(PointTrajectories::default()),
         Box::new(Corners::<Harris>::default()),
         Box::new(Corners::<ShiTomasi>::default()),
         Box::new(Subtraction::<FrameDifference>::default()),

@@ -11,6 +11,7 @@ mod select;
 mod tell;
 mod trace;
 pub mod tracker;
+pub(crate) mod trails;
 
 pub use account::Account;
 pub use corners::{Corners, Detection, Measure, detect, detect_around};

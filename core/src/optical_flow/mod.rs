@@ -7,6 +7,7 @@ mod horn_schunck;
 mod klt;
 mod lucas_kanade;
 mod normal_flow;
+mod point_trajectories;
 mod pyramidal_lucas_kanade;
 mod tv_l1;
 
@@ -18,5 +19,6 @@ pub use horn_schunck::HornSchunck;
 pub use klt::Klt;
 pub use lucas_kanade::LucasKanade;
 pub use normal_flow::NormalFlow;
+pub use point_trajectories::PointTrajectories;
 pub use pyramidal_lucas_kanade::{Points, PyramidalLucasKanade};
 pub use tv_l1::TvL1;

@@ -2,13 +2,11 @@
 
 use super::{Event, Klt, Live, State};
 use crate::features::affine::{Fit, place};
+use crate::features::trails::{self, points};
 use crate::features::{Account, Detection, follow};
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Series, Shape, Tile};
+use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Shape, Tile};
 use crate::words;
-use crate::{Feature, Grid, Role, Scene, Seen, Status, Step, Track};
-
-/// So many frames back a trail reaches.
-const TRAIL_FRAMES: usize = 20;
+use crate::{Feature, Grid, Role, Scene, Seen, Status, Step};
 
 fn px(uv: [f32; 2]) -> String {
     format!("{} px", words::vector(uv))
@@ -278,13 +276,6 @@ fn last_forward(events: &[Event]) -> Option<(&super::Pair, &usize)> {
     })
 }
 
-fn points(scene: &mut Scene, role: Role, meaning: &'static str, places: Vec<[f32; 2]>) {
-    if !places.is_empty() {
-        scene.mark(Picture::Current, role, Shape::Points(places));
-        scene.legend(role, meaning);
-    }
-}
-
 fn draw_responses(found: &Detection, least: f32, scene: &mut Scene) {
     let shown = |response: &f32| if *response >= least { (found.shown)(*response) } else { f32::NAN };
     let values = found.map.map(shown);
@@ -297,16 +288,11 @@ fn draw_features(seen: &Seen<Klt>, scene: &mut Scene) {
     let (before, after) = (seen.before, seen.after.unwrap_or(seen.before));
     let is_looking = before.turn.is_none();
     let (frame, live) = (before.frame, if is_looking { &after.live } else { &before.live });
-    let first = frame.saturating_sub(TRAIL_FRAMES);
     let (mut arrows, mut lost, mut waiting) = (Vec::new(), Vec::new(), Vec::new());
     for live in live {
         let track = &after.tracks[live.track as usize];
         let Some(feature) = track.at(frame) else { continue };
-        let trail: Vec<_> = (first..=frame).filter_map(|t| track.at(t)).map(|feature| feature.at).collect();
-        if trail.len() > 1 {
-            scene.mark(Picture::Current, Role::Estimate, Shape::Path { points: trail, closed: false });
-            scene.legend(Role::Estimate, "trail");
-        }
+        trails::trail(scene, (Role::Estimate, "trail"), track, frame);
         match (feature.displacement, feature.status) {
             (Some([u, v]), _) => {
                 arrows.push(Arrow { from: feature.at, to: [feature.at[0] + u, feature.at[1] + v] });
@@ -320,10 +306,7 @@ fn draw_features(seen: &Seen<Klt>, scene: &mut Scene) {
         scene.legend(Role::Measured, "no features yet");
     }
     points(scene, Role::Rejected, "lost", lost);
-    if !arrows.is_empty() {
-        scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
-        scene.legend(Role::Result, "displacements found");
-    }
+    trails::displacements(scene, arrows);
 }
 
 /// The outline of the first view as it lies in the second frame.
@@ -391,28 +374,6 @@ fn views(account: &Account, live: &Live, fit: &Fit) -> Vec<Tile> {
     ]
 }
 
-/// How many features were tracked in each pair, how many of them were new there, and how many were lost.
 fn plots(state: &State) -> Option<Readout> {
-    let line: Vec<_> = state.counts.iter().enumerate().map(|(i, count)| [(i + 1) as f32, *count as f32]).collect();
-    let tally = |frame: &dyn Fn(&Track) -> usize| {
-        let mut counts = vec![0.0; line.len()];
-        for track in &state.tracks {
-            if let Some(count) = counts.get_mut(frame(track) - state.span.first) {
-                *count += 1.0;
-            }
-        }
-        counts.iter().enumerate().map(|(i, count)| [(i + 1) as f32, *count]).collect()
-    };
-    let new = tally(&|track| track.first);
-    // What is not lost has its last point in a frame that no pair before begins with.
-    let lost = tally(&|track| track.first + track.points.len() - 1);
-    let series = Series {
-        title: "Features",
-        x_label: "pair",
-        y_label: "features",
-        x_max: state.span.frames().map_or(line.len(), |frames| frames - 1),
-        events: Vec::new(),
-        lines: vec![("tracked", Role::Result, line), ("new", Role::Measured, new), ("lost", Role::Rejected, lost)],
-    };
-    (series.lines[0].2.len() > 1).then_some(Readout::Series(series))
+    trails::turnover("Features", &state.counts, &state.tracks, &state.span)
 }
