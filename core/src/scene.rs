@@ -483,7 +483,7 @@ pub struct Matrix {
     pub role: Option<Role>,
     /// Its entries.
     pub entries: Grid<f64>,
-    /// What stands for each row, as `x` and `vₓ`; nothing where that is clear.
+    /// What stands for each row, as `x` and `v_x`; nothing where that is clear.
     pub rows: Vec<&'static str>,
     /// The same for the columns.
     pub columns: Vec<&'static str>,

@@ -1,4 +1,5 @@
-//! How numbers, displacements and places are told.
+//! How numbers, displacements and places are told. In plain text a letter below the line stands behind a low line, as in
+//! `I_x, I_y, I_t`, for there is no small y to put there; digits are small ones, as in `u₀`. [`crate::scene::Math`] sets all of them.
 
 /// A real number as a person reads it: a true minus sign, and about three digits that count.
 pub fn number(v: f32) -> String {

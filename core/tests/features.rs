@@ -40,7 +40,7 @@ fn sobel(picture: &Gray, x: isize, y: isize) -> [f64; 2] {
     [(across(-1) + 2.0 * across(0) + across(1)) / 4.0, (down(-1) + 2.0 * down(0) + down(1)) / 4.0]
 }
 
-/// The means of Iₓ², Iₓ I_y and I_y² under as much of a window as lies in the picture.
+/// The means of I_x², I_x I_y and I_y² under as much of a window as lies in the picture.
 fn plain_tensor(picture: &Gray, (x, y): (usize, usize), weights: &[f64]) -> [f64; 3] {
     let (mut sums, mut total) = ([0.0; 3], 0.0);
     let reach = weights.len() as isize / 2;

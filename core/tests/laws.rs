@@ -425,6 +425,11 @@ fn a_displacement_fits_at_least_as_well_as_none() {
     });
 }
 
+/// Whether a letter stands below the line in plain text: there is no such y, so all are told as in I_x, I_y.
+fn has_lone_index(text: &str) -> bool {
+    text.contains(|c| matches!(c, '\u{2090}'..='\u{209c}' | '\u{1d62}'..='\u{1d6a}' | '\u{2c7c}'))
+}
+
 #[test]
 fn every_mark_is_finite_and_every_event_is_told() {
     each(|estimator| {
@@ -437,6 +442,7 @@ fn every_mark_is_finite_and_every_event_is_told() {
             assert!(step.line < info.pseudocode.len());
             assert!(step.sentence.plain().len() > 10, "{}: {}", walk.cursor(), step.sentence.plain());
             assert!(!step.readouts.is_empty());
+            assert!(!has_lone_index(&format!("{step:?}")), "{}: {step:?}", walk.cursor());
             let scene = walk.scene(None);
             assert!(scene.marks.iter().all(|mark| mark.shape.coordinates().iter().all(|c| c.is_finite())));
             assert!(!scene.legend.is_empty());
@@ -470,9 +476,11 @@ fn declarations_are_complete() {
     for estimator in estimators() {
         let info = estimator.info();
         files.push(format!("{}/{}.rs", family_of(info), info.id.replace('-', "_")));
+        assert!(info.pseudocode.iter().all(|line| !has_lone_index(line)), "{}", info.id);
         assert!(info.rungs.len() >= 3 && !info.pseudocode.is_empty() && !info.source.is_empty());
         for (i, spec) in estimator.specs().iter().enumerate() {
             assert!(spec.doc.ends_with('.'), "{}: the doc of {} is a sentence", info.id, spec.name);
+            assert!(!has_lone_index(&spec.doc), "{}: {}", info.id, spec.doc);
             assert_eq!(spec.check(spec.default.clone()).as_ref(), Ok(&spec.default));
             assert_eq!(estimator.value(i), spec.default, "{}: {}", info.id, spec.name);
         }

@@ -259,7 +259,7 @@ fn a_slope_is_told_alike_at_the_edge_and_inside() {
             let estimator = set("normal-flow", &[("smoothing", smoothing), ("derivatives", scheme)]);
             for x in [0.0, 1.0, 20.0, 38.0, 39.0] {
                 let step = told(&*estimator, &slope(), 4, [x, 4.0]);
-                let derivatives = numbers(&fact(&step, "Iₓ, I_y, Iₜ").expect("derivatives"));
+                let derivatives = numbers(&fact(&step, "I_x, I_y, I_t").expect("derivatives"));
                 assert_eq!(derivatives, [4.0, 0.0, -2.0], "{scheme} at {x}");
                 let found = numbers(&fact(&step, "Normal flow").expect("a displacement"));
                 assert_eq!(found, [0.5, 0.0], "{scheme} at {x}");
@@ -321,10 +321,10 @@ fn what_a_later_iteration_tells_of_a_pixel_can_be_recomputed() {
     let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, -0.6]);
     let step =
         told(&*set("lucas-kanade", &[("iterations", "2"), ("smoothing", "0")]), &clip, SIZE.1 + 30, [40.0, 30.0]);
-    let [x, y, t] = numbers(&fact(&step, "Iₓ, I_y, Iₜ").unwrap())[..] else { panic!("three") };
+    let [x, y, t] = numbers(&fact(&step, "I_x, I_y, I_t").unwrap())[..] else { panic!("three") };
     let [u, v] = numbers(&fact(&step, "Before, (u₀, v₀)").unwrap())[..] else { panic!("two") };
     // What is told of time is the difference of the pictures that are shown.
-    let [current, back, change] = ["Frame t", "Brought back", "Iₜ"].map(|label| tile(&step, label));
+    let [current, back, change] = ["Frame t", "Brought back", "I_t"].map(|label| tile(&step, label));
     for (i, difference) in change.cells().iter().enumerate() {
         assert!((back.cells()[i] - current.cells()[i] - difference).abs() < 0.16, "{i}");
     }
@@ -546,8 +546,8 @@ fn the_update_that_is_told_is_the_one_that_is_done() {
     }
 }
 
-/// The polynomial c + bₓ x + b_y y + aₓₓ x² + a_yy y² + 2 aₓ_y x y that fits a picture best around a pixel, as plainly as can
-/// be: the normal equations of the pixels in the picture, by elimination. Its b, and its A as (aₓₓ, aₓ_y, a_yy).
+/// The polynomial c + b_x x + b_y y + a_xx x² + a_yy y² + 2 a_xy x y that fits a picture best around a pixel, as plainly as can
+/// be: the normal equations of the pixels in the picture, by elimination. Its b, and its A as (a_xx, a_xy, a_yy).
 fn plain_polynomial(picture: &Grid<u8>, (x, y): (usize, usize), sigma: f64, reach: isize) -> ([f64; 2], [f64; 3]) {
     let mut rows = [[0.0; 7]; 6];
     for (i, j) in (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (i, j))) {
@@ -726,7 +726,7 @@ fn what_a_later_warp_tells_of_a_pixel_can_be_recomputed() {
         // The first event of an iteration in the middle of the second warp.
         walk.jump(Move::To(Cursor { unit: 40, event: 1 }));
         let step = walk.step(Some([40.0, 30.0]));
-        let [x, y, t] = numbers(&fact(&step, "Iₓ, I_y, Iₜ").unwrap())[..] else { panic!("three") };
+        let [x, y, t] = numbers(&fact(&step, "I_x, I_y, I_t").unwrap())[..] else { panic!("three") };
         let [u, v] = numbers(&fact(&step, "Warp (u₀, v₀)").unwrap())[..] else { panic!("two") };
         assert!(t.abs() < 2.0 && (u - 1.3).abs() < 0.2 && (v + 0.6).abs() < 0.2, "{id}: little is left to find");
         if id != "clg" {
@@ -791,7 +791,7 @@ fn a_pixel_without_a_constraint_is_told_as_such() {
         walk.jump(Move::To(Cursor { unit: 50, event }));
         let step = walk.step(Some([95.0, 40.0]));
         assert!(step.sentence.plain().contains("has left the picture"), "{id}: {}", step.sentence.plain());
-        assert_eq!(fact(&step, "Iₓ, I_y, Iₜ").as_deref(), Some("none: it left the picture"), "{id}");
+        assert_eq!(fact(&step, "I_x, I_y, I_t").as_deref(), Some("none: it left the picture"), "{id}");
     }
 }
 

@@ -81,7 +81,7 @@ impl Plain {
     }
 }
 
-/// Iₓ, I_y and Iₜ by central differences, of the mean of both frames; at the edge, to one side.
+/// I_x, I_y and I_t by central differences, of the mean of both frames; at the edge, to one side.
 fn derivatives(clip: &Clip) -> [Plain; 3] {
     let [a, b] = clip.pair(0).expect("a pair");
     let value = |frame: &Frame, x: isize, y: isize| f64::from(frame.luma()[(x as usize, y as usize)]);

@@ -7,9 +7,9 @@ use crate::{Block, BlockField, BlockGrid, BlockVector, Border, Interpolation, ch
 choices! {
     /// How unlike two blocks are.
     pub enum Cost {
-        /// Sum of absolute differences, Σ |Iₜ − Iₜ₊₁|.
+        /// Sum of absolute differences, Σ |I_t − I_t+1|.
         Sad = "sad" "SAD",
-        /// Sum of squared differences, Σ (Iₜ − Iₜ₊₁)²; large differences weigh more.
+        /// Sum of squared differences, Σ (I_t − I_t+1)²; large differences weigh more.
         Ssd = "ssd" "SSD",
         /// Mean squared error: SSD divided by the number of pixels N of the block, so without lambda it chooses the same vectors.
         Mse = "mse" "MSE",

@@ -30,11 +30,11 @@ pub const FLAT: f32 = 1e-6;
 /// At the edge they are differences to one side. A pixel of which one is not known holds NaN there.
 #[derive(Clone, Debug)]
 pub struct Derivatives {
-    /// Iₓ.
+    /// I_x.
     pub x: Grid<f32>,
     /// I_y.
     pub y: Grid<f32>,
-    /// Iₜ.
+    /// I_t.
     pub t: Grid<f32>,
 }
 

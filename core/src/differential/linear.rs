@@ -72,8 +72,8 @@ fn silenced([a, b, c]: [&mut [f32]; 3]) -> Vec<usize> {
 
 /// The constraint of every pixel, linear about the displacements `start`.
 ///
-/// Frame t + 1 is brought back along `start`, so that its derivatives (a, b, Iₜ) are of what is left to find; then
-/// c = Iₜ − a u₀ − b v₀, so that (u, v) is the whole displacement. Of a pixel that leaves the picture nothing is known.
+/// Frame t + 1 is brought back along `start`, so that its derivatives (a, b, I_t) are of what is left to find; then
+/// c = I_t − a u₀ − b v₀, so that (u, v) is the whole displacement. Of a pixel that leaves the picture nothing is known.
 pub struct Linear {
     /// a, b and c.
     pub factors: Constraints,
@@ -101,7 +101,7 @@ impl Linear {
         Self { factors: Constraints::new(current.size(), write, threads), start }
     }
 
-    /// Iₓ, I_y and Iₜ of a pixel, NaN where they are not known.
+    /// I_x, I_y and I_t of a pixel, NaN where they are not known.
     pub fn derivatives(&self, place: (usize, usize)) -> [f32; 3] {
         if !self.factors.is_known(place) {
             return [f32::NAN; 3];
@@ -129,7 +129,7 @@ mod tests {
         let linear = Linear::about(start, [&current, &next], Scheme::Central, &Threads::single());
         // At (6, 4) frame t + 1 brought back shows what lies at (7, 3.5) of frame t + 1, which is (5.5, 4) of frame t.
         let [a, b, t] = linear.derivatives((6, 4));
-        assert!((t - (value(5.5, 4.0) + 1.0 - value(6.0, 4.0))).abs() < 1e-4, "Iₜ is {t}");
+        assert!((t - (value(5.5, 4.0) + 1.0 - value(6.0, 4.0))).abs() < 1e-4, "I_t is {t}");
         let c = linear.factors.at((6, 4))[2];
         assert!((c - (t - a * 1.0 + b * 0.5)).abs() < 1e-4, "c is {c}");
         // The last column goes beyond the edge, and the first row as well.

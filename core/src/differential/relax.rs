@@ -1,6 +1,6 @@
 //! Relaxation: each pixel is set to what fits it and the average of its neighbours, again and again.
 //!
-//! All solvers lessen the energy Σ (a u + b v + c)² + α² Σ wₙ |(u, v) − (u, v)ₙ|², the second sum over the pairs of
+//! All solvers lessen the energy Σ (a u + b v + c)² + α² Σ w_n |(u, v) − (u, v)_n|², the second sum over the pairs of
 //! neighbours n with the weights of the paper's average: 1/6 beside, above and below, 1/12 across the corners; beyond the
 //! edge the pixel at the edge is repeated. Of a slope the second sum is a third of its square for each pixel, so that α² stands
 //! for α²/3 in the integral: the paper takes the 3 of its Laplacian, 3 (mean − value), into α² as well.

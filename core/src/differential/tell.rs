@@ -5,7 +5,7 @@ use crate::Grid;
 use crate::scene::{Constraint, Fact, Math, Role, Tile};
 use crate::words::{factor, number, plus};
 
-/// Iₓ, I_y or Iₜ.
+/// I_x, I_y or I_t.
 pub fn derivative(along: &'static str) -> Math {
     Math::indexed(Math::Var("I"), Math::Var(along))
 }
@@ -57,7 +57,7 @@ pub fn reach(points: impl IntoIterator<Item = [f32; 2]>) -> f32 {
 }
 
 impl Derivatives {
-    /// Iₓ, I_y and Iₜ of a pixel.
+    /// I_x, I_y and I_t of a pixel.
     pub fn at(&self, place: (usize, usize)) -> [f32; 3] {
         [self.x[place], self.y[place], self.t[place]]
     }
@@ -76,7 +76,7 @@ impl Derivatives {
 }
 
 impl Linear {
-    /// A table's row with Iₓ, I_y and Iₜ of a pixel.
+    /// A table's row with I_x, I_y and I_t of a pixel.
     pub fn fact(&self, place: (usize, usize)) -> Fact {
         derivatives_fact(self.derivatives(place))
     }
@@ -94,7 +94,7 @@ impl Linear {
         derivative_tiles(pictures, [0, 1, 2].map(part))
     }
 
-    /// What stands for Iₜ where frame t + 1 was brought back: in symbols, and with the numbers of a pixel.
+    /// What stands for I_t where frame t + 1 was brought back: in symbols, and with the numbers of a pixel.
     pub fn definition(&self, place: (usize, usize), role: Role) -> [Math; 2] {
         let ([x, y, t], [u, v]) = (self.derivatives(place), self.start.at(place.0, place.1));
         let zero = |name| Math::indexed(Math::Var(name), Math::text("0"));
@@ -133,7 +133,7 @@ fn derivatives_fact(derivatives: [f32; 3]) -> Fact {
     let [x, y, t] = derivatives.map(number);
     let is_known = derivatives.iter().all(|d| d.is_finite());
     let value = if is_known { format!("{x}, {y}, {t}") } else { "none: it left the picture".into() };
-    Fact { label: "Iₓ, I_y, Iₜ", value, role: None }
+    Fact { label: "I_x, I_y, I_t", value, role: None }
 }
 
 fn derivative_tiles(pictures: [(&'static str, Grid<f32>); 2], [x, y, t]: [Grid<f32>; 3]) -> Vec<Tile> {
@@ -146,9 +146,9 @@ fn derivative_tiles(pictures: [(&'static str, Grid<f32>); 2], [x, y, t]: [Grid<f
     vec![
         picture(first, Role::Reference, current),
         picture(second, Role::Candidate, next),
-        signed("Iₓ", x),
+        signed("I_x", x),
         signed("I_y", y),
-        signed("Iₜ", t),
+        signed("I_t", t),
     ]
 }
 

@@ -42,17 +42,17 @@ pub enum Texture {
 /// The weighted means over a window of the products of the derivatives: sums whose weights sum to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tensor {
-    /// Of Iₓ².
+    /// Of I_x².
     pub xx: f32,
-    /// Of Iₓ I_y.
+    /// Of I_x I_y.
     pub xy: f32,
     /// Of I_y².
     pub yy: f32,
-    /// Of Iₓ Iₜ.
+    /// Of I_x I_t.
     pub xt: f32,
-    /// Of I_y Iₜ.
+    /// Of I_y I_t.
     pub yt: f32,
-    /// Of Iₜ².
+    /// Of I_t².
     pub tt: f32,
     /// How many pixels count, those of less weight less.
     pub pixels: f32,

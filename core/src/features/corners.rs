@@ -18,7 +18,7 @@ pub trait Measure: Params + HasSettings + Default + Clone + Send + Sync + 'stati
     /// What there is to say about the detector.
     const INFO: Info;
 
-    /// How much of a corner a pixel is, from the means of Iₓ², Iₓ I_y and I_y² around it.
+    /// How much of a corner a pixel is, from the means of I_x², I_x I_y and I_y² around it.
     fn response(&self, tensor: [f32; 3]) -> f32;
 
     /// What is painted of a response, for the legend.

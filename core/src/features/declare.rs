@@ -49,9 +49,9 @@ pub(crate) use corner_params;
 macro_rules! corner_pseudocode {
     ($response:literal) => {
         &[
-            "Iₓ, I_y ← derivatives of frame t",
+            "I_x, I_y ← derivatives of frame t",
             "for each pixel, over the window around it, Σ w = 1",
-            "  T ← Σ w (Iₓ², Iₓ I_y; Iₓ I_y, I_y²)",
+            "  T ← Σ w (I_x², I_x I_y; I_x I_y, I_y²)",
             $response,
             "for each pixel with R ≥ threshold · largest R",
             "  if a neighbour is stronger, then suppress it",

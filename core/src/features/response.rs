@@ -17,11 +17,11 @@ pub struct Tensors<'a> {
     pub window: Window,
 }
 
-/// The products Iₓ², Iₓ I_y and I_y² of a row.
+/// The products I_x², I_x I_y and I_y² of a row.
 type Products = [Vec<f32>; 3];
 
 impl Tensors<'_> {
-    /// Tells of each of `rows` its number and the means of Iₓ², Iₓ I_y and I_y² of its pixels, with the widest registers
+    /// Tells of each of `rows` its number and the means of I_x², I_x I_y and I_y² of its pixels, with the widest registers
     /// there are; all give the same.
     pub fn rows(&self, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) {
         wide! {

@@ -131,7 +131,7 @@ impl<M: Measure> Corners<M> {
         let [a, b, c] = [xx, xy, yy].map(words::number);
         let mut facts = vec![
             fact("Pixel", pixel(*place), Some(Role::Reference)),
-            fact("Tensor, Σ w = 1", format!("Iₓ² {a}, Iₓ I_y {b}, I_y² {c}"), None),
+            fact("Tensor, Σ w = 1", format!("I_x² {a}, I_x I_y {b}, I_y² {c}"), None),
             fact("Eigenvalues", format!("{large} and {small}"), None),
             fact("Response", words::number(*response), Some(Role::Result)),
         ];

@@ -166,7 +166,7 @@ pub struct Template {
 pub struct Mismatch {
     /// The tensor of that part of the window that lies in frame t + 1 there.
     pub tensor: Tensor,
-    /// The means over that part of δI Iₓ and δI I_y, where δI is what frame t has more.
+    /// The means over that part of δI I_x and δI I_y, where δI is what frame t has more.
     pub vector: [f32; 2],
     /// The mean of |δI| in gray levels.
     pub residual: f32,
@@ -265,7 +265,7 @@ impl Template {
     }
 }
 
-/// The sums over a window of Iₓ², Iₓ I_y and I_y², and how many pixels count.
+/// The sums over a window of I_x², I_x I_y and I_y², and how many pixels count.
 #[derive(Default)]
 struct Sums([Lanes; 4]);
 
@@ -291,7 +291,7 @@ impl Sums {
     }
 }
 
-/// The sums over a window of δI Iₓ, δI I_y and |δI|.
+/// The sums over a window of δI I_x, δI I_y and |δI|.
 #[derive(Default)]
 struct Differences([Lanes; 3]);
 

@@ -7,8 +7,8 @@ use crate::words;
 use crate::{Info, Promise, Role, Threads};
 
 variational_params! {
-    /// Horn and Schunck's method. The energy ∫∫ (Iₓ u + I_y v + Iₜ)² + α² (|∇u|² + |∇v|²) is made as small as can be.
-    /// Where course notes multiply the second part by (Iₓ² + I_y²) as well, that is a misprint: smoothness counts
+    /// Horn and Schunck's method. The energy ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²) is made as small as can be.
+    /// Where course notes multiply the second part by (I_x² + I_y²) as well, that is a misprint: smoothness counts
     /// everywhere alike, and most of all where there is no gradient.
     /// Between pixels, |∇u|² is three times what the weights of the average make of the differences to the eight neighbours: as in
     /// the paper, that 3 is left out, so that α² counts as α²/3 would. One level and warp, no smoothing and the 2×2×2 cube make it the paper's.
@@ -37,15 +37,15 @@ impl Model for HornSchunck {
                  strategy, Image Processing On Line 3, 2013; medians: D. Sun, S. Roth and M. J. Black, Secrets of optical flow \
                  estimation and their principles, CVPR 2010",
         pseudocode: &[
-            "E(u, v) = ∫∫ (Iₓ u + I_y v + Iₜ)² + α² (|∇u|² + |∇v|²)",
+            "E(u, v) = ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²)",
             "(u, v) ← 0 on the coarsest level",
             "for each level, from the coarsest to the picture itself",
             "  for each warp",
             "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
-            "    bring frame t+1 back along (u₀, v₀), take Iₓ, I_y, Iₜ; c ← Iₜ − Iₓ u₀ − I_y v₀",
+            "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀",
             "    for each iteration",
             "      (u_m, v_m) ← mean of the neighbours, for each pixel",
-            "      (u, v) ← (u_m, v_m) − ∇I (Iₓ u_m + I_y v_m + c) / (α² + |∇I|²)",
+            "      (u, v) ← (u_m, v_m) − ∇I (I_x u_m + I_y v_m + c) / (α² + |∇I|²)",
         ],
         rungs: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
@@ -55,7 +55,7 @@ impl Model for HornSchunck {
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints are off, and α² \
                                    times how unlike neighbours move. (In some course notes the second part is multiplied by \
-                                   Iₓ² + I_y² as well: a misprint, for where there is no gradient, smoothness is all there is.)";
+                                   I_x² + I_y² as well: a misprint, for where there is no gradient, smoothness is all there is.)";
     const SYSTEM_PARTS: usize = 3;
     type System = relax::System;
     type Unknowns = Field;
@@ -178,7 +178,7 @@ impl Update {
     }
 }
 
-/// The update of one part of the displacement in symbols; `rest` is what stands for Iₜ.
+/// The update of one part of the displacement in symbols; `rest` is what stands for I_t.
 fn symbols(to: Math, (part, along): (&'static str, &'static str), rest: Math) -> Math {
     let squared = |base: Math| Math::power(base, Math::text("2"));
     let mean_of = |name: &'static str| Math::indexed(Math::Var(name), Math::Var("m"));

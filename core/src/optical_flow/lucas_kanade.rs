@@ -12,9 +12,9 @@ use crate::{
 };
 
 params! {
-    /// Lucas and Kanade's method for every pixel. Its system is Σ w Iₓ² u + Σ w Iₓ I_y v = −Σ w Iₓ Iₜ and
-    /// Σ w Iₓ I_y u + Σ w I_y² v = −Σ w I_y Iₜ, the weights w summing to 1. Course notes that have
-    /// (Iₓ, I_y; Iₜ, I_y) (u, v) = −(Iₜ, Iₓ) are misprinted: Iₜ does not belong into the matrix, nor Iₓ to the right, and
+    /// Lucas and Kanade's method for every pixel. Its system is Σ w I_x² u + Σ w I_x I_y v = −Σ w I_x I_t and
+    /// Σ w I_x I_y u + Σ w I_y² v = −Σ w I_y I_t, the weights w summing to 1. Course notes that have
+    /// (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x) are misprinted: I_t does not belong into the matrix, nor I_x to the right, and
     /// without products summed over a window there is nothing that fits best.
     pub struct LucasKanade {
         /// Side of the window around each pixel; an even one reaches as far as the next odd one.
@@ -167,12 +167,12 @@ impl Estimator for LucasKanade {
         pseudocode: &[
             "(u, v) ← 0 for each pixel",
             "for each iteration",
-            "  (u₀, v₀) ← (u, v) where known; bring frame t+1 back along it, take Iₓ, I_y, Iₜ",
-            "  c ← Iₜ − Iₓ u₀ − I_y v₀, unknown where a pixel left the picture",
+            "  (u₀, v₀) ← (u, v) where known; bring frame t+1 back along it, take I_x, I_y, I_t",
+            "  c ← I_t − I_x u₀ − I_y v₀, unknown where a pixel left the picture",
             "  for each pixel, over what is known of the window around it, Σ w = 1",
-            "    T ← Σ w (Iₓ², Iₓ I_y; Iₓ I_y, I_y²)",
+            "    T ← Σ w (I_x², I_x I_y; I_x I_y, I_y²)",
             "    if the smaller eigenvalue of T < threshold, then unknown",
-            "    else (u, v) ← −T⁻¹ Σ w c (Iₓ, I_y)",
+            "    else (u, v) ← −T⁻¹ Σ w c (I_x, I_y)",
         ],
         rungs: &["frame", "iteration", "row", "pixel"],
         frames: 2,

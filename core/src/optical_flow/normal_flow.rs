@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     v
-//!     ↑   ╲  Iₓ u + I_y v + Iₜ = 0
+//!     ↑   ╲  I_x u + I_y v + I_t = 0
 //!     │    ╲        every (u, v) on the line explains what the pixel sees;
 //!     │   ↗ ╲       the shortest of them lies along the gradient: the normal flow
 //!     └──────╲──→ u
@@ -107,9 +107,9 @@ impl Estimator for NormalFlow {
                  Visual Motion, MIT Press 1979",
         pseudocode: &[
             "smooth both frames",
-            "Iₓ, I_y, Iₜ ← derivatives of the pair",
+            "I_x, I_y, I_t ← derivatives of the pair",
             "for each pixel",
-            "  the gradient constraint Iₓ u + I_y v + Iₜ = 0 is a line in (u, v)",
+            "  the gradient constraint I_x u + I_y v + I_t = 0 is a line in (u, v)",
             "  if |∇I| < threshold, then nothing can be said",
             "  else (u, v) ← the point of the line nearest to (0, 0)",
         ],
@@ -270,7 +270,7 @@ impl NormalFlow {
     }
 }
 
-/// (u, v) = −Iₜ ∇I / |∇I|², and what it is here.
+/// (u, v) = −I_t ∇I / |∇I|², and what it is here.
 fn nearest_equation(found: [f32; 2]) -> Math {
     let gradient = || Math::Row(vec![Math::text("∇"), Math::Var("I")]);
     let top = Math::Row(vec![tell::derivative("t"), Math::text(" "), gradient()]);

@@ -7,7 +7,7 @@ use crate::words;
 use crate::{Info, Promise, Role, Threads};
 
 variational_params! {
-    /// TV-L1. The energy ∫∫ λ |Iₓ u + I_y v + Iₜ| + |∇u| + |∇v| is made as small as can be. Nothing is squared, so a constraint
+    /// TV-L1. The energy ∫∫ λ |I_x u + I_y v + I_t| + |∇u| + |∇v| is made as small as can be. Nothing is squared, so a constraint
     /// that is far off and a border at which motion jumps cost no more than in proportion.
     pub struct TvL1 {
         /// Weight λ of the constraints: the smaller, the smoother the field. For gray levels 0 to 255; where they are 0 to 1, as in the paper, it is 255 times as large.
@@ -35,14 +35,14 @@ impl Model for TvL1 {
                  2013; medians: D. Sun, S. Roth and M. J. Black, Secrets of optical flow estimation and their principles, \
                  CVPR 2010",
         pseudocode: &[
-            "E(u, v) = ∫∫ λ |ρ| + |∇u| + |∇v|, where ρ = Iₓ u + I_y v + Iₜ",
+            "E(u, v) = ∫∫ λ |ρ| + |∇u| + |∇v|, where ρ = I_x u + I_y v + I_t",
             "(u, v) ← 0 on the coarsest level",
             "for each level, from the coarsest to the picture itself; p ← 0",
             "  for each warp",
             "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
-            "    bring frame t+1 back along (u₀, v₀), take Iₓ, I_y, Iₜ; c ← Iₜ − Iₓ u₀ − I_y v₀",
+            "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀",
             "    for each iteration",
-            "      (u_f, v_f) ← (u, v) − ∇I · (ρ / |∇I|², but at most λ θ either way), ρ = Iₓ u + I_y v + c",
+            "      (u_f, v_f) ← (u, v) − ∇I · (ρ / |∇I|², but at most λ θ either way), ρ = I_x u + I_y v + c",
             "      (u, v) ← (u_f, v_f) + θ (div p_u, div p_v)",
             "      p ← (p + τ/θ ∇) / (1 + τ/θ |∇|), with ∇u for p_u and ∇v for p_v",
         ],

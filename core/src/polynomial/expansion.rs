@@ -5,7 +5,7 @@ use crate::differential::filter::{gaussian_within, weigh};
 use crate::wide::wide;
 use crate::{Grid, Threads};
 
-/// The polynomial c + bₓ x + b_y y + aₓₓ x² + 2 aₓ_y x y + a_yy y² about a pixel, in gray levels, x and y in px from it: in
+/// The polynomial c + b_x x + b_y y + a_xx x² + 2 a_xy x y + a_yy y² about a pixel, in gray levels, x and y in px from it: in
 /// memory in the order of [`Polynomial`]'s accessors, eight numbers so that they fit a register.
 pub type Packed = [f32; 8];
 
@@ -16,7 +16,7 @@ pub struct Polynomial {
     pub c: f32,
     /// The gradient there.
     pub b: [f32; 2],
-    /// aₓₓ, aₓ_y and a_yy: half the second derivatives.
+    /// a_xx, a_xy and a_yy: half the second derivatives.
     pub a: [f32; 3],
 }
 

@@ -19,7 +19,7 @@ pub struct Moved<'a> {
 /// What a pixel says of its displacement d: A d = Δb.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shift {
-    /// aₓₓ, aₓ_y and a_yy of the mean of both polynomials.
+    /// a_xx, a_xy and a_yy of the mean of both polynomials.
     pub a: [f32; 3],
     /// Δb.
     pub b: [f32; 2],

@@ -1,6 +1,6 @@
 //! Relaxation where the constraints around a pixel count as well as its own.
 //!
-//! Both solvers lessen the energy Σ (w, 1)ᵀ T (w, 1) + α² Σ wₙ |w − wₙ|² over the displacements w = (u, v), the second sum as in
+//! Both solvers lessen the energy Σ (w, 1)ᵀ T (w, 1) + α² Σ w_n |w − w_n|² over the displacements w = (u, v), the second sum as in
 //! [`relax`].
 
 use crate::differential::{Field, Linear, filter, relax};
@@ -58,7 +58,7 @@ impl MotionTensor {
     }
 }
 
-/// Iₜ of what is left to find beside the field about which the constraints are linear.
+/// I_t of what is left to find beside the field about which the constraints are linear.
 fn left(linear: &Linear) -> Grid<f32> {
     let mut left = linear.factors.c.clone();
     let gradients = linear.factors.a.cells().iter().zip(linear.factors.b.cells());

@@ -125,12 +125,12 @@ impl<M: Model> Looked<'_, M> {
         (!start.is_zero()).then(|| start.at(self.place.0, self.place.1))
     }
 
-    /// What stands for Iₜ in the constraint.
+    /// What stands for I_t in the constraint.
     pub fn rest(&self) -> Math {
         if self.start().is_some() { Math::Var("c") } else { tell::derivative("t") }
     }
 
-    /// What that is, where it is not Iₜ.
+    /// What that is, where it is not I_t.
     pub fn definition(&self) -> Vec<Math> {
         let definition = || self.iteration.warp.linear.definition(self.place, Role::Reference);
         self.start().map(|_| definition().to_vec()).unwrap_or_default()

@@ -44,9 +44,9 @@ impl LucasKanade {
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let Some(looked) = self.look(seen) else {
-            let sentence = "One pixel says too little, so those of a window are asked together: T (u, v) = −Σ w ∇I Iₜ, where \
-                            T holds the products of Iₓ and I_y alone, summed over the window. (In some course notes it reads \
-                            (Iₓ, I_y; Iₜ, I_y) (u, v) = −(Iₜ, Iₓ): a misprint.)";
+            let sentence = "One pixel says too little, so those of a window are asked together: T (u, v) = −Σ w ∇I I_t, where \
+                            T holds the products of I_x and I_y alone, summed over the window. (In some course notes it reads \
+                            (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x): a misprint.)";
             return Step { line: 0, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
         };
         let line = if looked.is_told() { 7 } else { 6 };
@@ -209,7 +209,7 @@ fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
 }
 
 /// The two equations of the window, in symbols and with its means. Once frame t + 1 is brought back (`is_about`), c stands for
-/// Iₜ; what that is, is told of the pixel itself.
+/// I_t; what that is, is told of the pixel itself.
 fn equation(looked: &Looked, is_about: bool) -> Vec<Math> {
     let Looked { pixel, linear, tensor, .. } = looked;
     let right = || if is_about { Math::Var("c") } else { tell::derivative("t") };
