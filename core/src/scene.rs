@@ -504,8 +504,21 @@ pub struct Series {
     pub x_max: usize,
     /// The event at which each step came, from x = 1 on, counted from 1: where a click on it leads.
     pub events: Vec<usize>,
+    /// Where something else is at hand from then on, in the order of x: what is on either side cannot be compared.
+    pub sections: Vec<Section>,
     /// The lines: name, role, and `(x, y)` points.
     pub lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
+}
+
+/// A stretch of a [`Series`] that begins anew.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Where it begins along x.
+    pub from: f32,
+    /// What it is: `level 2`.
+    pub label: String,
+    /// Whether it is part of a longer one.
+    pub is_part: bool,
 }
 
 /// How often a quantity has each value, from 0 up.

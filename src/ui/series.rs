@@ -37,6 +37,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>) -> Response {
     sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, summary(series)));
     let painter = ui.painter_at(area);
     axes(&painter, &plot, series, theme);
+    sections(&painter, &plot, series, theme);
     let lines = painter.with_clip_rect(plot.rect.expand(4.0).intersect(area));
     for (_, role, points) in &series.lines {
         line(&lines, &plot, *role, points, theme);
@@ -121,6 +122,51 @@ fn axes(painter: &Painter, plot: &Plot, series: &Series, theme: Theme) {
     let text = ink::color(chrome.text);
     let below = pos2(plot.rect.max.x, bottom + 6.0 + 1.3 * plot.small);
     painter.text(below, Align2::RIGHT_TOP, series.x_label, font, text);
+}
+
+/// Between the lines where two stretches of a whole begin there is at least this room, in points; else only wholes have lines.
+const PARTS_PT: f32 = 5.0;
+
+/// Where something else is at hand from then on: a line, longer where a whole begins, with its name if there is room for that.
+fn sections(painter: &Painter, plot: &Plot, series: &Series, theme: Theme) {
+    let chrome = theme.chrome();
+    let (top, dim) = (plot.rect.min.y, ink::color(chrome.dim));
+    let font = ink::font(Face::Sans, plot.small);
+    let places: Vec<_> = series.sections.iter().map(|section| (plot.x.place(section.from), section.is_part)).collect();
+    let names = series.sections.iter().map(|section| painter.layout_no_wrap(section.label.clone(), font.clone(), dim));
+    let names: Vec<_> = names.collect();
+    let widths: Vec<_> = names.iter().map(|name| name.size().x).collect();
+    let are_apart = places.windows(2).all(|pair| pair[1].0 - pair[0].0 >= PARTS_PT);
+    for ((x, is_part), (name, is_named)) in
+        places.iter().zip(names.into_iter().zip(named(&places, &widths, plot.rect.max.x)))
+    {
+        if *is_part && !are_apart {
+            continue;
+        }
+        let from = if *is_part { top + 1.5 * plot.small } else { top };
+        painter.vline(*x, from..=plot.rect.max.y, Stroke::new(1.0, ink::color(chrome.line.mix(chrome.dim, 0.4))));
+        if is_named {
+            painter.galley(pos2(x + NAME_PT, top), name, dim);
+        }
+    }
+}
+
+/// From the line where a stretch begins to its name, and from there to what comes next, in points.
+const NAME_PT: f32 = 4.0;
+
+/// Which stretches have room for their names, which are so wide: wholes before the next whole, parts beside all that is named.
+fn named(places: &[(f32, bool)], widths: &[f32], end: f32) -> Vec<bool> {
+    let mut is_named = vec![false; places.len()];
+    // The end of a name that stands at or before each place.
+    let mut taken = f32::NEG_INFINITY;
+    for (i, (&(x, is_part), width)) in places.iter().zip(widths).enumerate() {
+        let next = places[i + 1..].iter().find(|(_, next)| is_part || !next).map_or(end, |(next, _)| *next);
+        is_named[i] = x >= taken && x + width + 2.0 * NAME_PT <= next;
+        if is_named[i] {
+            taken = x + width + NAME_PT;
+        }
+    }
+    is_named
 }
 
 /// A line in its role's colour. A best value holds until it is beaten: it goes in steps.
@@ -241,6 +287,7 @@ mod tests {
             y_label: "SAD",
             x_max: 1089,
             events: (1..=points).collect(),
+            sections: Vec::new(),
             lines,
         }
     }
@@ -271,6 +318,20 @@ mod tests {
         assert!((up(10.0) - up(100.0) - (up(100.0) - up(1000.0))).abs() < 1e-3 && up(10.0) > up(100.0));
         series.lines[0].2.push([32.0, 0.0]);
         assert!(!Plot::new(&series, area, Theme::Dark, true).logarithmic, "nothing has no logarithm");
+    }
+
+    #[test]
+    fn stretches_are_named_where_there_is_room() {
+        let (whole, part) = (false, true);
+        let places = [(0.0, whole), (30.0, part), (60.0, part), (100.0, whole), (120.0, part), (170.0, part)];
+        assert_eq!(
+            named(&places, &[40.0, 20.0, 20.0, 40.0, 20.0, 20.0], 190.0),
+            [true, false, true, true, false, false]
+        );
+        assert_eq!(
+            named(&places, &[200.0, 20.0, 20.0, 10.0, 20.0, 20.0], 250.0),
+            [false, true, true, true, true, true]
+        );
     }
 
     #[test]

@@ -323,6 +323,7 @@ impl Probe<'_> {
             // What is tested between pixels comes on top.
             x_max: self.window.count().max(self.tested()),
             events,
+            sections: Vec::new(),
             lines: vec![("candidate", Role::Candidate, tested), ("best so far", Role::Best, best)],
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{Derivatives, Linear, Sampling};
 use crate::Grid;
-use crate::scene::{Constraint, Fact, Math, Role, Tile};
+use crate::scene::{Constraint, Fact, Math, Role, Section, Tile};
 use crate::words::{factor, number, plus};
 
 /// I_x, I_y or I_t.
@@ -54,6 +54,25 @@ pub fn reach(points: impl IntoIterator<Item = [f32; 2]>) -> f32 {
         reach *= 2.0;
     }
     reach
+}
+
+/// Where levels, and warps on them, begin among iterations that are plotted from x = 1 on; each iteration has its level and its
+/// warp, from 0. Of `levels` or `warps` that there is only one of, nothing is said.
+pub fn sections(
+    places: impl Iterator<Item = (usize, usize)>,
+    (levels, warps): (usize, usize),
+) -> impl Iterator<Item = Section> {
+    let begins = move |before: &mut Option<(usize, usize)>, place @ (level, warp): (usize, usize)| {
+        let is_level = levels > 1 && before.is_none_or(|(before, _)| before != level);
+        let is_warp = warps > 1 && *before != Some(place);
+        *before = Some(place);
+        Some((is_level || is_warp).then(|| {
+            let label = if is_level { format!("level {level}") } else { format!("warp {}", warp + 1) };
+            (label, !is_level && levels > 1)
+        }))
+    };
+    let labels = places.scan(None, begins).enumerate();
+    labels.filter_map(|(i, label)| label.map(|(label, is_part)| Section { from: i as f32 + 0.5, label, is_part }))
 }
 
 impl Derivatives {
@@ -175,6 +194,22 @@ pub fn around_with(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn levels_and_warps_begin_where_they_do() {
+        let told = |places: &[(usize, usize)], of| -> Vec<_> {
+            sections(places.iter().copied(), of).map(|s| (s.from, s.label, s.is_part)).collect()
+        };
+        let run = [(1, 0), (1, 0), (1, 1), (0, 0), (0, 0), (0, 1)];
+        let section = |from, label: &str, is_part| (from, label.to_owned(), is_part);
+        let level = |from, label| section(from, label, false);
+        let all =
+            [level(0.5, "level 1"), section(2.5, "warp 2", true), level(3.5, "level 0"), section(5.5, "warp 2", true)];
+        assert_eq!(told(&run, (2, 2)), all);
+        assert_eq!(told(&run[..2], (2, 1)), [level(0.5, "level 1")]);
+        assert_eq!(told(&run[3..], (1, 2)), [level(0.5, "warp 1"), level(2.5, "warp 2")]);
+        assert_eq!(told(&run[3..5], (1, 1)), []);
+    }
 
     #[test]
     fn the_plane_holds_its_points() {

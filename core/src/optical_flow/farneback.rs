@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::differential::{Field, Multiscale, Weights, Window, field, relax};
+use crate::differential::{Field, Multiscale, Weights, Window, field, relax, tell};
 use crate::polynomial::{Agreed, Agreement, Applicability, Expander, Looked, Moved, Packed, Part};
 use crate::scene::{Chart, Fact, Readout, Sentence, Series};
 use crate::words;
@@ -52,6 +52,7 @@ pub struct State {
 /// An iteration in numbers, in px of the picture.
 #[derive(Clone, Copy, Debug)]
 struct Note {
+    level: usize,
     /// Mean change of the displacements.
     change: f32,
     /// Mean endpoint error; NaN where there is no truth.
@@ -174,7 +175,7 @@ impl Estimator for Farneback {
         let (level, is_first) = (state.level, state.iteration == 0);
         let (from, polynomials) = self.work(state, &Threads::single());
         let change = relax::change(&from, &state.field) as f32 * state.frames.scale(level)[0];
-        state.notes.push(Note { change, error: state.frames.error(level, &state.field) });
+        state.notes.push(Note { level, change, error: state.frames.error(level, &state.field) });
         let mut iteration = None;
         for part in [Part::Expanded, Part::Compared, Part::Averaged, Part::Moved] {
             if part == Part::Expanded && !is_first {
@@ -316,8 +317,12 @@ impl Farneback {
             notes.iter().enumerate().map(|(i, note)| [(i + 1) as f32, of(note)]).collect()
         };
         let x_max = seen.before.frames.count() * self.iterations;
-        let series =
-            |title, lines| Series { title, x_label: "iteration", y_label: "px", x_max, events: Vec::new(), lines };
+        let counts = (seen.before.frames.count(), 1);
+        let sections: Vec<_> = tell::sections(notes.iter().map(|note| (note.level, 0)), counts).collect();
+        let series = |title, lines| {
+            let sections = sections.clone();
+            Series { title, x_label: "iteration", y_label: "px", x_max, events: Vec::new(), sections, lines }
+        };
         let mut all = Vec::new();
         if !notes.is_empty() {
             all.push(series("Mean change", vec![("change", Role::Best, line(|note| note.change))]));

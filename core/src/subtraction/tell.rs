@@ -203,6 +203,7 @@ pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
         y_label,
         x_max: span.first + span.frames().unwrap_or(frames.len()) - 1,
         events: Vec::new(),
+        sections: Vec::new(),
         lines: vec![(name, Role::Result, line)],
     };
     if frames.len() < 2 {

@@ -100,6 +100,8 @@ impl Fixed {
 /// An iteration in numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Note {
+    /// Its level and its warp, from 0.
+    pub(super) place: (usize, usize),
     /// The parts of the energy, on average over the pixels.
     pub(super) data: f32,
     pub(super) smoothness: f32,
@@ -198,10 +200,11 @@ impl<M: Model> Variational<M> {
         (Done { warp, from, to }, change)
     }
 
-    /// An iteration on `level` in numbers.
-    fn note(&self, state: &State<M>, level: usize, done: &Iteration<M>, change: f64) -> Note {
+    /// An iteration of a level and a warp in numbers.
+    fn note(&self, state: &State<M>, place: (usize, usize), done: &Iteration<M>, change: f64) -> Note {
         let [data, smoothness] = self.0.energy(&done.warp, &done.to).map(|part| part as f32);
-        Note { data, smoothness, change: change as f32, error: state.fixed.frames.error(level, state.unknowns.field()) }
+        let error = state.fixed.frames.error(place.0, state.unknowns.field());
+        Note { place, data, smoothness, change: change as f32, error }
     }
 }
 
@@ -256,7 +259,8 @@ impl<M: Model> Estimator for Variational<M> {
         state: &mut State<M>,
         observer: &mut impl Observer<Event<M>>,
     ) -> Result<Progress, Error> {
-        let (level, is_first, has_medians) = (state.level, state.iteration == 0, !state.is_first_warp());
+        let place = (state.level, state.warp);
+        let (is_first, has_medians) = (state.iteration == 0, !state.is_first_warp());
         let (Done { warp, from, to }, change) = self.work(state, 1, &Threads::single());
         if is_first {
             if has_medians {
@@ -267,7 +271,7 @@ impl<M: Model> Estimator for Variational<M> {
         let most = field::most_changed(from.field(), to.field());
         let done = Arc::new(Iteration { warp, from, to, most });
         (0..M::LINES.1.len()).for_each(|step| observer.see(|| Event::Step(step, Arc::clone(&done))));
-        let note = self.note(state, level, &done, change);
+        let note = self.note(state, place, &done, change);
         state.notes.push(note);
         Ok(if state.is_done { Progress::Done } else { Progress::More })
     }

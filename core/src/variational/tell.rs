@@ -136,8 +136,12 @@ impl<M: Model> Variational<M> {
         // Twice as far at most as the run has come, so that the beginning can be read as well.
         let near = std::iter::successors(Some(16), |end| Some(2 * end)).find(|end| *end >= notes.len()).unwrap_or(16);
         let x_max = self.units(seen.before).unwrap_or(notes.len()).min(near);
-        let series =
-            |title, y_label, lines| Series { title, x_label: "iteration", y_label, x_max, events: Vec::new(), lines };
+        let counts = (seen.before.fixed.frames.count(), self.settings().warps);
+        let sections: Vec<_> = tell::sections(notes.iter().map(|note| note.place), counts).collect();
+        let series = |title, y_label, lines| {
+            let sections = sections.clone();
+            Series { title, x_label: "iteration", y_label, x_max, events: Vec::new(), sections, lines }
+        };
         let energy = vec![
             ("energy", Role::Result, line(|note| note.data + note.smoothness)),
             ("data", Role::Reference, line(|note| note.data)),

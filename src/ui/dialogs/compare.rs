@@ -385,7 +385,15 @@ fn plot(rows: &[Arc<Row>], column: &Column, x_label: &'static str) -> Series {
     }
     let most = lines.iter().flat_map(|(.., points)| points).map(|point| point[0]).fold(1.0, f32::max);
     let x_max = most.ceil() as usize;
-    Series { title: column.heading, x_label, y_label: "by what is swept", x_max, events: Vec::new(), lines }
+    Series {
+        title: column.heading,
+        x_label,
+        y_label: "by what is swept",
+        x_max,
+        events: Vec::new(),
+        sections: Vec::new(),
+        lines,
+    }
 }
 
 /// Whether the values go over so wide a range that small ones would lie on the axis.

@@ -311,7 +311,15 @@ impl KalmanFilter {
         };
         let x_max = state.span.first + state.span.frames().map_or(state.moments.len(), |frames| frames - 1);
         let series = |title, y_label, lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>| {
-            Readout::Series(Series { title, x_label: "frame", y_label, x_max, events: Vec::new(), lines })
+            Readout::Series(Series {
+                title,
+                x_label: "frame",
+                y_label,
+                x_max,
+                events: Vec::new(),
+                sections: Vec::new(),
+                lines,
+            })
         };
         if state.moments.len() < 2 {
             return Vec::new();
