@@ -208,12 +208,15 @@ impl Account<'_> {
     }
 }
 
-/// Why nothing is found, as the end of a sentence.
-fn why(status: Status) -> &'static str {
+/// Why nothing is found, or a feature is lost, as the end of a sentence.
+pub fn why(status: Status) -> &'static str {
     match status {
         Status::Outside => ": it leaves the picture.",
         Status::Flat => ": its window has too little gradient in one direction, or in both.",
-        _ => ": what it led to looks too different.",
+        Status::Astray => ": it does not come back to where it was.",
+        Status::Changed => ": it does not look like its first view any more, however that is turned.",
+        Status::Unlike => ": what it led to looks too different from the frame before.",
+        Status::Found | Status::Tracked => ".",
     }
 }
 

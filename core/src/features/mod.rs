@@ -13,7 +13,7 @@ mod trace;
 pub mod tracker;
 pub(crate) mod trails;
 
-pub use account::Account;
+pub use account::{Account, why};
 pub use corners::{Corners, Detection, Measure, detect, detect_around};
 pub use declare::HasSettings;
 pub(crate) use declare::{corner_params, corner_pseudocode};

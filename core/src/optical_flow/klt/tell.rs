@@ -3,7 +3,7 @@
 use super::{Event, Klt, Live, State};
 use crate::features::affine::{Fit, place};
 use crate::features::trails::{self, points};
-use crate::features::{Account, Detection, follow};
+use crate::features::{Account, Detection, follow, why};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Shape, Tile};
 use crate::words;
 use crate::{Feature, Grid, Role, Scene, Seen, Status, Step};
@@ -171,13 +171,7 @@ impl Klt {
         let frames = live(seen).map_or(0, |live| seen.before.tracks[live.track as usize].points.len());
         let Some(displacement) = feature.displacement else {
             let after = if frames == 1 { "at once".into() } else { format!("after {frames} frames") };
-            return said.text(" is ").ink(Role::Rejected, format!("lost {after}")).text(match feature.status {
-                Status::Outside => ": it leaves the picture.",
-                Status::Flat => ": its window has too little gradient in one direction, or in both.",
-                Status::Astray => ": it does not come back to where it was.",
-                Status::Changed => ": it does not look like its first view any more, however that is turned.",
-                _ => ": what it led to looks too different from the frame before.",
-            });
+            return said.text(" is ").ink(Role::Rejected, format!("lost {after}")).text(why(feature.status));
         };
         said.text(" moves by ")
             .ink(Role::Result, px(displacement))

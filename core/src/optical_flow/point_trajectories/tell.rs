@@ -312,6 +312,7 @@ fn plots(state: &State) -> Vec<Readout> {
             y_label: "px",
             x_max: state.span.frames().map_or(notes.len(), |frames| frames - 1),
             events: Vec::new(),
+            sections: Vec::new(),
             lines,
         };
         let has_line = series.lines.iter().any(|(_, _, line)| line.len() > 1);
