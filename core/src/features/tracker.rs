@@ -1,5 +1,8 @@
 //! Windows of a frame and how they fit to places of the next, to a fraction of a pixel (J.-Y. Bouguet, 2000).
 
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
 use std::ops::Range;
 
 use crate::differential::Tensor;
@@ -215,6 +218,15 @@ impl Template {
 
     /// How the window fits to a place in `next`, which lies in that picture.
     pub fn mismatch(&self, next: &Level, at: [f32; 2]) -> Mismatch {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(mismatch) = x86::mismatch(self, next, at) {
+            return mismatch;
+        }
+        self.plain_mismatch(next, at)
+    }
+
+    /// The same on any processor.
+    fn plain_mismatch(&self, next: &Level, at: [f32; 2]) -> Mismatch {
         wide! {
             fn wide(of: &Template, next: &Level, at: [f32; 2]) -> Mismatch = Template::mismatch_anyhow
         }
@@ -379,6 +391,27 @@ mod tests {
             for (found, sum) in [xx, xy, yy, x, y, residual].into_iter().zip(sums) {
                 let plain = sum / count;
                 assert!((f64::from(found) - plain).abs() < 2e-3 * (1.0 + plain.abs()), "{found}, plainly {plain}");
+            }
+        }
+    }
+
+    #[test]
+    fn wide_registers_give_the_same_bits() {
+        let picture = picture();
+        for reach in [1, 3, 7, 10, 15] {
+            let level = Level::new(&picture, reach);
+            for k in 0..400u16 {
+                let place = |step: f32| {
+                    let [x, y] = [f32::from(k) * step, f32::from(k) * (step + 0.37)];
+                    [x % 39.0, y % 29.0]
+                };
+                let (template, to) = (Template::new(&level, place(1.25), reach), place(2.13));
+                let bits =
+                    |Mismatch { tensor: Tensor { xx, xy, yy, pixels, .. }, vector: [x, y], residual }: Mismatch| {
+                        [xx, xy, yy, pixels, x, y, residual].map(f32::to_bits)
+                    };
+                let [found, plain] = [template.mismatch(&level, to), template.plain_mismatch(&level, to)].map(bits);
+                assert_eq!(found, plain, "{k}, reach {reach}");
             }
         }
     }
