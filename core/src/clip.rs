@@ -158,6 +158,14 @@ pub trait FrameSource: Send + Sync {
     /// Frame `index` if it is at hand without any work.
     fn cached(&self, index: usize) -> Option<Arc<Frame>>;
 
+    /// Whether there is a frame `index`, for clips of which nobody knows how many frames they have.
+    ///
+    /// # Errors
+    /// One sentence if that cannot be told: it is damaged, or was given up because of `stop`.
+    fn has_frame(&self, index: usize, stop: &Stop) -> Result<bool, Error> {
+        self.frame(index, stop).map(|_| true)
+    }
+
     /// What frame `index` is called by itself, if it is more than a number.
     fn name(&self, _index: usize) -> Option<String> {
         None
@@ -326,6 +334,15 @@ impl Clip {
             ))),
             _ => self.frames.frame(index, &self.stop),
         }
+    }
+
+    /// Whether there is a frame `index`; one that is damaged is neither there nor not. May decode where the number of frames
+    /// is not known.
+    ///
+    /// # Errors
+    /// As [`Clip::frame`].
+    pub fn has_frame(&self, index: usize) -> Result<bool, Error> {
+        self.info.frames.map_or_else(|| self.frames.has_frame(index, &self.stop), |count| Ok(index < count))
     }
 
     /// Frame `index` if it is at hand without any work.

@@ -35,8 +35,8 @@ impl Span {
         vec![Rung { index: 0, of: Some(1) }, Rung { index: done, of: self.frames() }]
     }
 
-    /// Whether there is no frame `next`. A clip of unknown length ends where none comes.
+    /// Whether there is no frame `next`. One that is damaged is no end: whoever goes on to it is told of it.
     pub fn is_over(&self, clip: &Clip, next: usize) -> bool {
-        next > self.last || (!self.is_known && clip.frame(next).is_err())
+        next > self.last || (!self.is_known && clip.has_frame(next) == Ok(false))
     }
 }

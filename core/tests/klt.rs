@@ -1,7 +1,10 @@
 //! The tracker from frame to frame, against exact truth.
 
+use std::sync::Arc;
+
 use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Frame, Grid, Move, Output, Role, Status, Threads, TrackField, Way, estimator, scene,
+    AnyEstimator, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Move, Output, Role, Status, Stop, Threads,
+    TrackField, Way, estimator, scene,
 };
 
 const SIZE: (usize, usize) = (120, 90);
@@ -185,4 +188,75 @@ fn a_clip_without_features_is_gone_through() {
     let mut walk = klt(&[]).walk(&clip, 0).expect("a walk");
     walk.jump(Move::End);
     assert_eq!((walk.cursor().unit, walk.at_frame()), (1, 1), "one look at each pair");
+}
+
+/// Four frames of waves that move, of which nobody knows how many there are; the last may be damaged.
+struct Stream {
+    frames: Clip,
+    is_damaged: bool,
+}
+
+impl FrameSource for Stream {
+    fn frame(&self, index: usize, _stop: &Stop) -> Result<Arc<Frame>, Error> {
+        if self.is_damaged && index == 3 {
+            return Err(Error::new("frame 3 of waves cannot be shown: its data are damaged"));
+        }
+        self.frames.frame(index)
+    }
+
+    fn cached(&self, _index: usize) -> Option<Arc<Frame>> {
+        None
+    }
+
+    fn has_frame(&self, index: usize, stop: &Stop) -> Result<bool, Error> {
+        if index < 4 { self.frame(index, stop).map(|_| true) } else { Ok(false) }
+    }
+}
+
+#[test]
+fn a_damaged_frame_is_told_and_the_end_of_a_clip_is_none() {
+    let stream = |is_damaged| {
+        let frames = clip(4, |t, [x, y]| [x - 1.3 * t, y + 0.7 * t]);
+        let info = ClipInfo { frames: None, ..frames.info().clone() };
+        Clip::new(info, Arc::new(Stream { frames, is_damaged }))
+    };
+    let settings = [("max-points", "12"), ("levels", "2")];
+    let [whole, damaged] = [false, true].map(|is_damaged| {
+        let mut walk = klt(&settings).walk(&stream(is_damaged), 0).expect("a walk");
+        walk.jump(Move::End);
+        walk
+    });
+    assert_eq!((whole.failure(), whole.at_frame()), (None, 2));
+    let told = damaged.failure().expect("the damage").to_string();
+    assert!(told.contains("frame 3 of waves"), "{told}");
+    // What was done stays: two pairs with all their features.
+    let Output::Tracks(field) = damaged.output() else { panic!("tracks") };
+    assert_eq!((damaged.at_frame(), field.last), (1, 2));
+    assert!(field.tracks.iter().any(|track| track.points.len() == 3 && track.is_alive()));
+    let run = |is_damaged| klt(&settings).run(&stream(is_damaged), 0, &Threads::single());
+    assert!(run(false).is_ok() && run(true).is_err_and(|error| error.to_string().contains("frame 3")));
+}
+
+#[test]
+fn features_are_kept_where_the_light_changes() {
+    // What moves gets darker and paler from frame to frame, or does not.
+    let moving = |fades: f64| {
+        let frame = |t: usize| {
+            let (gain, offset) = (1.0 - 0.05 * fades * t as f64, 4.0 * fades * t as f64);
+            Frame::gray(Grid::from_fn(SIZE.0, SIZE.1, |x, y| {
+                (gain * waves(x as f64 - 1.3 * t as f64, y as f64 + 0.7 * t as f64) + offset + 0.5) as u8
+            }))
+        };
+        Clip::from_frames("dusk", (0..9).map(frame).collect()).expect("frames of one size")
+    };
+    let lost = |any_light: &str, fades: f64| {
+        let settings = [("any-light", any_light), ("replenish", "off"), ("max-points", "60")];
+        let field = tracks(&settings, &moving(fades));
+        let last = field.tracks.iter().filter_map(|track| track.points.last());
+        last.filter(|point| point.status == Status::Changed).count()
+    };
+    assert_eq!([lost("on", 0.0), lost("off", 0.0)], [0, 0], "nothing changes");
+    let [with, without] = ["on", "off"].map(|any_light| lost(any_light, 1.0));
+    // Tracking from frame to frame takes fading for motion: a few drift off, and are rightly lost.
+    assert!(without > 30 && 10 * with < without, "{with} with any light, {without} without");
 }

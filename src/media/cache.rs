@@ -50,7 +50,21 @@ impl Lazy {
         }
     }
 
-    fn decode(&self, index: usize, decoder: &mut dyn Decoder, stop: &Stop) -> Result<Arc<Frame>, Error> {
+    /// Frame `index` out of the cache or decoded; `None` where the clip ends before it.
+    fn find(&self, index: usize, stop: &Stop) -> Result<Option<Arc<Frame>>, Error> {
+        if let Some(frame) = self.cached(index) {
+            return Ok(Some(frame));
+        }
+        let Some(mut decoder) = self.decoder(stop) else { return Err(self.given_up(index)) };
+        // Whoever held the decoder may have met the frame.
+        match self.cached(index) {
+            Some(frame) => Ok(Some(frame)),
+            None => self.decode(index, decoder.as_mut(), stop),
+        }
+    }
+
+    /// Frame `index`; `None` where the clip ends before it.
+    fn decode(&self, index: usize, decoder: &mut dyn Decoder, stop: &Stop) -> Result<Option<Arc<Frame>>, Error> {
         let mut wanted = None;
         let mut misfit = None;
         let mut keep = |number: usize, frame: Frame| {
@@ -67,14 +81,14 @@ impl Lazy {
         let result = contain::contain(|| decoder.decode(index, stop, &mut keep))
             .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged ({panic})"))));
         match (wanted, misfit, result) {
-            (Some(frame), _, _) => Ok(frame),
+            (Some(frame), _, _) => Ok(Some(frame)),
             (None, Some((number, (w, h))), _) if number == index => {
                 let (width, height) = self.size;
                 Err(self.refuse(index, &format!("it is {w}×{h} px, but the clip is {width}×{height} px")))
             }
             (None, _, Err(_)) if stop.is_set() => Err(self.given_up(index)),
             (None, _, Err(error)) => Err(self.refuse(index, &error.to_string())),
-            (None, _, Ok(())) => Err(self.refuse(index, "the clip ends before it")),
+            (None, _, Ok(())) => Ok(None),
         }
     }
 
@@ -90,15 +104,11 @@ impl Lazy {
 
 impl FrameSource for Lazy {
     fn frame(&self, index: usize, stop: &Stop) -> Result<Arc<Frame>, Error> {
-        if let Some(frame) = self.cached(index) {
-            return Ok(frame);
-        }
-        let Some(mut decoder) = self.decoder(stop) else { return Err(self.given_up(index)) };
-        // Whoever held the decoder may have met the frame.
-        match self.cached(index) {
-            Some(frame) => Ok(frame),
-            None => self.decode(index, decoder.as_mut(), stop),
-        }
+        self.find(index, stop)?.ok_or_else(|| self.refuse(index, "the clip ends before it"))
+    }
+
+    fn has_frame(&self, index: usize, stop: &Stop) -> Result<bool, Error> {
+        self.find(index, stop).map(|frame| frame.is_some())
     }
 
     fn cached(&self, index: usize) -> Option<Arc<Frame>> {
@@ -168,7 +178,7 @@ mod tests {
 
     use super::*;
 
-    /// Key frames every ten; each frame holds its number. Frame 25 is damaged, 35 panics, 45 has another size.
+    /// Sixty frames, key frames every ten; each frame holds its number. Frame 25 is damaged, 35 panics, 45 has another size.
     struct Tens {
         next: usize,
         decoded: Arc<AtomicUsize>,
@@ -187,6 +197,7 @@ mod tests {
                 match number {
                     25 => return Err(Error::new("its bits are wrong")),
                     35 => panic!("index out of bounds"),
+                    60.. => return Ok(()),
                     _ => {}
                 }
                 self.next += 1;
@@ -252,6 +263,9 @@ mod tests {
             assert!(frame(&clip, bad - 1).is_ok() && frame(&clip, bad + 5).is_ok());
         }
         assert!(frame(&clip, 27).unwrap_err().to_string().contains("bits are wrong"));
+        let has = |index| clip.has_frame(index, &Stop::default());
+        assert!(has(24) == Ok(true) && has(25).is_err() && has(60) == Ok(false), "the end is no damage");
+        assert!(frame(&clip, 60).unwrap_err().to_string().contains("ends before it"));
     }
 
     /// Asks for frame `index` on another thread, with a flag to stop it.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::differential::truth;
 use crate::estimator::Mapped;
-use crate::features::affine::{Fit, IDENTITY, Unfit, View};
+use crate::features::affine::{Fit, IDENTITY, SAME_LIGHT, Start, Unfit, View};
 use crate::features::follow::{self, Follow};
 use crate::features::tracker::Level;
 use crate::features::{Detection, detect_around};
@@ -59,6 +59,8 @@ params! {
         max_return: f32 = 1.0, 0.0..=100.0, "px";
         /// A feature is lost where it differs by more than this on average from its first view, turned and stretched to fit, in gray levels; 0 leaves the check out.
         max_change: f32 = 12.0, 0.0..=255.0;
+        /// Let the light of that first view fit as well: a gain and an offset of its gray values.
+        any_light: bool = true;
     }
 }
 
@@ -98,6 +100,14 @@ struct Live {
     /// What it looked like at first, and how that lies now.
     view: Arc<View>,
     matrix: [[f32; 2]; 2],
+    light: [f32; 2],
+}
+
+impl Live {
+    /// The same where the fit of its first view has come to.
+    fn seen_as(self, fit: &Fit) -> Self {
+        Self { matrix: fit.matrix, light: fit.light, ..self }
+    }
 }
 
 /// Two frames and their pyramids.
@@ -180,25 +190,21 @@ impl Klt {
         for at in found.iter().copied() {
             let track = state.tracks.len() as u32;
             let view = Arc::new(View::new(&pair.pyramids[0][0], at, self.window / 2));
-            state.live.push(Live { track, at, view, matrix: IDENTITY });
+            state.live.push(Live { track, at, view, matrix: IDENTITY, light: SAME_LIGHT });
             let point = Feature { at, displacement: None, status: Status::Found, residual: None };
             state.tracks.push(Arc::new(Track { first: state.frame, points: vec![point] }));
         }
         state.turn = Some(0);
     }
 
-    /// Tracks a feature to the second frame of the pair: what became of it, and how its first view lies there.
-    fn track(&self, pair: &Arc<Pair>, live: &Live, observer: &mut impl Observer<Event>) -> (Feature, [[f32; 2]; 2]) {
+    /// Tracks a feature to the second frame of the pair: what became of it, and how its first view is seen there.
+    fn track(&self, pair: &Arc<Pair>, live: &Live, observer: &mut impl Observer<Event>) -> (Feature, Live) {
         let (displacement, result) = self.moved(pair, live, observer);
-        let (result, matrix) = match result {
-            Ok(residual) => {
-                let to = [0, 1].map(|i| live.at[i] + displacement[i]);
-                match self.changed(pair, (live, to), observer) {
-                    Ok(matrix) => (Ok(residual), matrix),
-                    Err(status) => (Err(status), live.matrix),
-                }
-            }
-            Err(status) => (Err(status), live.matrix),
+        let to = [0, 1].map(|i| live.at[i] + displacement[i]);
+        let checked = result.and_then(|residual| Ok((residual, self.changed(pair, (live, to), observer)?)));
+        let (result, next) = match checked {
+            Ok((residual, next)) => (Ok(residual), next),
+            Err(status) => (Err(status), live.clone()),
         };
         let feature = match result {
             Ok(residual) => Feature {
@@ -210,7 +216,7 @@ impl Klt {
             Err(status) => Feature { at: live.at, displacement: None, status, residual: None },
         };
         observer.see(|| Event::Verdict(feature));
-        (feature, matrix)
+        (feature, next)
     }
 
     /// Follows a feature, and back from where that leads to.
@@ -235,37 +241,36 @@ impl Klt {
         (displacement, if returned.is_err() || off_px > self.max_return { Err(Status::Astray) } else { result })
     }
 
-    /// How the first view of a feature lies at the place that it was tracked to, unless it has changed too much.
+    /// The feature at the place that it was tracked to, as its first view is seen there, unless it has changed too much.
     fn changed(
         &self,
         pair: &Pair,
         (live, to): (&Live, [f32; 2]),
         observer: &mut impl Observer<Event>,
-    ) -> Result<[[f32; 2]; 2], Status> {
+    ) -> Result<Live, Status> {
+        let next = Live { at: to, ..live.clone() };
         if self.max_change == 0.0 {
-            return Ok(live.matrix);
+            return Ok(next);
         }
-        let next = &pair.pyramids[1][0];
-        let fit = live.view.fit(next, to, live.matrix, &mut Mapped { observer, map: Event::Fit });
-        match fit {
+        let start = Start { matrix: live.matrix, light: self.any_light.then_some(live.light) };
+        match live.view.fit(&pair.pyramids[1][0], to, start, &mut Mapped { observer, map: Event::Fit }) {
             // At the edge too little of it is left to tell.
-            Err(Unfit::Unknown) => Ok(live.matrix),
+            Err(Unfit::Unknown) => Ok(next),
             Err(Unfit::Astray) => Err(Status::Changed),
             Ok(fit) if fit.difference > self.max_change => Err(Status::Changed),
-            Ok(fit) => Ok(fit.matrix),
+            Ok(fit) => Ok(next.seen_as(&fit)),
         }
     }
 
     /// Writes down what has become of the feature whose turn it was.
-    fn note(state: &mut State, live: &Live, (feature, matrix): (Feature, [[f32; 2]; 2])) {
-        let track = Arc::make_mut(&mut state.tracks[live.track as usize]);
+    fn note(state: &mut State, (feature, next): (Feature, Live)) {
+        let track = Arc::make_mut(&mut state.tracks[next.track as usize]);
         if let Some(last) = track.points.last_mut() {
             *last = feature;
         }
-        if let Some(displacement) = feature.displacement {
-            let at = [0, 1].map(|i| feature.at[i] + displacement[i]);
-            track.points.push(Feature { at, displacement: None, status: Status::Found, residual: None });
-            state.next.push(Live { at, matrix, ..live.clone() });
+        if feature.displacement.is_some() {
+            track.points.push(Feature { at: next.at, displacement: None, status: Status::Found, residual: None });
+            state.next.push(next);
         }
     }
 
@@ -294,7 +299,8 @@ impl Estimator for Klt {
         summary: "Finds features, tracks them from frame to frame, checks each, and finds new ones for those that are lost.",
         source: "C. Tomasi and T. Kanade, Detection and tracking of point features, CMU-CS-91-132, 1991; J. Shi and C. Tomasi, \
                  Good features to track, CVPR 1994; tracking: J.-Y. Bouguet, Intel Corporation, 2000; the way back: Z. Kalal, \
-                 K. Mikolajczyk and J. Matas, Forward-backward error, ICPR 2010",
+                 K. Mikolajczyk and J. Matas, Forward-backward error, ICPR 2010; other light: H. Jin, P. Favaro and S. Soatto, \
+                 Real-time feature tracking and outlier rejection with changes in illumination, ICCV 2001",
         pseudocode: &[
             "for each frame t, up to the last but one",
             "  if there is room: R ← response of each pixel of frame t",
@@ -303,7 +309,7 @@ impl Estimator for Klt {
             "  for each feature x",
             "    d ← displacement to frame t+1, by pyramidal Lucas–Kanade",
             "    b ← displacement back to frame t; lost if |d + b| > max-return",
-            "    (A, s) ← how its first view lies in frame t+1, by least squares",
+            "    (A, s, λ, δ) ← how its first view lies in frame t+1, and in what light",
             "    lost if that differs by more than max-change",
             "    else x ← x + d",
         ],
@@ -351,7 +357,7 @@ impl Estimator for Klt {
             Some(turn) => {
                 let live = state.live[turn].clone();
                 let became = self.track(&pair, &live, observer);
-                Self::note(state, &live, became);
+                Self::note(state, became);
                 state.turn = Some(turn + 1);
             }
         }
@@ -421,12 +427,13 @@ impl Estimator for Klt {
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         let mut state = self.start(clip, frame)?;
         loop {
+            clip.wanted()?;
             let pair = self.pair(clip, &mut state)?;
             let found = self.look(&state, &pair, threads);
             self.begin(&mut state, &pair, found.as_ref().map_or(&[], |found| &found.kept));
             let live = std::mem::take(&mut state.live);
             let became = threads.map(live.len(), |i| self.track(&pair, &live[i], &mut ()));
-            live.iter().zip(became).for_each(|(live, became)| Self::note(&mut state, live, became));
+            became.into_iter().for_each(|became| Self::note(&mut state, became));
             (state.turn, state.live) = (Some(live.len()), live);
             if self.go_on(clip, &mut state) == Progress::Done {
                 return Ok(state);

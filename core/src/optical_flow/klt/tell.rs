@@ -134,8 +134,9 @@ impl Klt {
                     .text(format!(" was first seen, in frame {since}, turned and stretched by "))
                     .ink(Role::Estimate, matrix(fit))
                     .text(format!(
-                        " and shifted by {} px, it differs by {} on average.",
+                        " and shifted by {} px{}, it differs by {} on average.",
                         words::number(fit.shift[0].hypot(fit.shift[1])),
+                        if self.any_light { format!(", in {}", light(fit)) } else { String::new() },
                         grays(fit.difference)
                     ))
             }
@@ -202,7 +203,7 @@ impl Klt {
         let mut readouts = vec![Readout::Facts(self.facts(seen, live, account.as_ref()))];
         match (seen.events.last(), account, fit(seen.events)) {
             (Some(Event::Fit(_) | Event::Verdict(_)), Some(account), Some(fit)) => {
-                readouts.push(Readout::Equation(equation(&fit)));
+                readouts.push(Readout::Equation(equation(&fit, self.any_light)));
                 readouts.push(Readout::Tiles(views(&account, live, &fit)));
             }
             (_, Some(account), _) => readouts.extend(account.readouts()),
@@ -223,9 +224,10 @@ impl Klt {
             let off_px = off_px(live, place);
             facts.push(Fact::new("Way back", format!("{} px off", words::number(off_px)), Some(Role::Predicted)));
         }
-        facts.extend(
-            fit(seen.events).map(|fit| Fact::new("From first view", grays(fit.difference), Some(Role::Estimate))),
-        );
+        if let Some(fit) = fit(seen.events) {
+            facts.push(Fact::new("From first view", grays(fit.difference), Some(Role::Estimate)));
+            facts.extend(self.any_light.then(|| Fact::new("Light", light(&fit), None)));
+        }
         let truth = last_forward(seen.events).and_then(|(pair, _)| {
             let [x, y] = live.at.map(|c| c.round() as usize);
             pair.truth.as_ref().filter(|truth| truth.0.get(x, y).is_some())?.at(x, y)
@@ -323,32 +325,32 @@ fn matrix(fit: &Fit) -> String {
     format!("A\u{a0}= ({a},\u{a0}{b}; {c},\u{a0}{d})")
 }
 
-fn equation(fit: &Fit) -> Vec<Math> {
-    let symbols = Math::Row(vec![
-        Math::text("Σ ("),
-        Math::Var("J"),
-        Math::text("("),
-        Math::Var("A"),
-        Math::text(" "),
-        Math::Var("o"),
-        Math::text(" + "),
-        Math::Var("s"),
-        Math::text(") − "),
-        Math::Var("I"),
-        Math::text("("),
-        Math::Var("o"),
-        Math::text(")"),
-        Math::power(Math::text(")"), Math::text("2")),
-        Math::text(" → min"),
-    ]);
+/// The light of a fit: `λ = 0.92, δ = −3.1`.
+fn light(Fit { light: [gain, offset], .. }: &Fit) -> String {
+    format!("λ\u{a0}= {}, δ\u{a0}= {}", words::number(*gain), words::number(*offset))
+}
+
+/// What the fit makes least, and what it has come to.
+fn equation(fit: &Fit, in_any_light: bool) -> Vec<Math> {
+    let (text, var) = (|text: &str| Math::text(text), Math::Var);
+    let mut symbols = vec![text("Σ ("), var("J"), text("("), var("A"), text(" "), var("o"), text(" + "), var("s")];
+    symbols.push(text(") − "));
+    symbols.extend(in_any_light.then(|| var("λ")));
+    symbols.extend([var("I"), text("("), var("o"), text(")")]);
+    if in_any_light {
+        symbols.extend([text(" − "), var("δ")]);
+    }
+    symbols.extend([Math::power(text(")"), text("2")), text(" → min")]);
     let numbers = Math::Row(vec![
         Math::ink(Role::Estimate, matrix(fit)),
-        Math::text(", "),
-        Math::Var("s"),
-        Math::text(" = "),
+        text(", "),
+        var("s"),
+        text(" = "),
         Math::ink(Role::Estimate, words::vector(fit.shift)),
     ]);
-    vec![symbols, numbers]
+    let mut lines = vec![Math::Row(symbols), numbers];
+    lines.extend(in_any_light.then(|| Math::ink(Role::Estimate, light(fit))));
+    lines
 }
 
 /// The first view, how it lies now, and what differs.
