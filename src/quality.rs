@@ -294,7 +294,7 @@ impl Quality {
     /// # Errors
     /// If a frame cannot be read.
     pub fn of(clip: &Clip, frame: usize, output: &Output) -> Result<Self, Error> {
-        let [current, next] = clip.pair(frame)?;
+        let [current, next] = clip.pair_or_last(frame)?;
         let objects = output.objects().map(|field| Objects::of(field, clip.truth().map(|truth| &**truth)));
         let prediction = output.prediction(next.luma());
         let prediction = prediction.map(|picture| Prediction::of(output, current.luma(), &picture)).transpose()?;

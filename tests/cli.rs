@@ -441,7 +441,9 @@ fn features_are_written_and_told_without_what_only_fields_have() {
             "{metrics}"
         );
         let table = fs::read_to_string(here.join(format!("{id}.csv"))).unwrap();
-        assert!(table.starts_with("x_px,y_px,u_px,v_px,status,residual\n") && table.contains(status), "{table}");
+        let columns = if is_tracked { "" } else { ",response" };
+        let head = format!("x_px,y_px,u_px,v_px,status,residual{columns}\n");
+        assert!(table.starts_with(&head) && table.contains(status), "{table}");
         assert_eq!(
             table.lines().count() as u64 - 1,
             metrics["points"].as_u64().unwrap(),

@@ -381,7 +381,7 @@ impl Clip {
     /// # Errors
     /// As [`Clip::frame`].
     pub fn pair_or_last(&self, t: usize) -> Result<[Arc<Frame>; 2], Error> {
-        let is_last = self.info.frames.is_some_and(|frames| t.checked_add(1) == Some(frames));
+        let is_last = self.has_frame(t.saturating_add(1)) == Ok(false);
         if is_last { self.frame(t).map(|frame| [Arc::clone(&frame), frame]) } else { self.pair(t) }
     }
 

@@ -52,7 +52,7 @@ impl Figures {
         (clip, frame): (&Clip, usize),
         threads: &Threads,
     ) -> Result<Self, Error> {
-        let [current, next] = clip.pair(frame)?;
+        let [current, next] = clip.pair_or_last(frame)?;
         let kept = |pair: [Frame; 2]| -> Result<Option<f64>, Error> {
             let disturbed = Clip::from_frames("disturbed", pair.into())?;
             Ok(kept(output, &estimator.run(&disturbed, 0, threads)?, [0.0; 2]))

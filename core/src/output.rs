@@ -216,6 +216,8 @@ pub struct PointField {
     pub picture: (usize, usize),
     /// The features.
     pub points: Vec<Feature>,
+    /// What each was chosen by, as far as it is a corner that this run has found; else empty.
+    pub responses: Vec<f32>,
 }
 
 /// One feature.
@@ -333,7 +335,7 @@ impl TrackField {
     /// The features in frame `t`.
     pub fn at(&self, t: usize) -> PointField {
         let points = self.tracks.iter().filter_map(|track| track.at(t).copied()).collect();
-        PointField { picture: self.picture, points }
+        PointField { picture: self.picture, points, responses: Vec::new() }
     }
 }
 
@@ -375,7 +377,7 @@ mod tests {
             feature([3.0, 0.0], None, Status::Flat),
             feature([9.0, 9.0], Some([1.0, 1.0]), Status::Tracked),
         ];
-        let output = Output::Points(PointField { picture: (4, 3), points });
+        let output = Output::Points(PointField { picture: (4, 3), points, responses: Vec::new() });
         let flow = output.flow();
         assert_eq!(flow.at(1, 2), Some([0.5, -0.25]));
         assert_eq!(flow.0.cells().iter().filter(|uv| uv[0].is_finite()).count(), 1);

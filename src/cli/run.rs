@@ -27,7 +27,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     }
     let threads = args.threads.map_or_else(Threads::all, |n| Threads::new(n as usize))?;
     // Decoded here, so that the time is of the estimation alone.
-    task.clip.pair(task.frame)?;
+    task.clip.pair_or_last(task.frame)?;
     let (output, times) = timed(&task, &threads, args.repeat)?;
     let extent = task.estimator.extent(&task.clip, task.frame)?;
     if let Some(step) = args.step.filter(|step| task.company.is_empty() && step.unit >= extent.units) {

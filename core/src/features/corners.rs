@@ -83,8 +83,7 @@ pub enum Event {
 
 impl State {
     fn new(clip: &Clip, frame: usize) -> Result<Self, Error> {
-        let [current, _] = clip.pair(frame)?;
-        Ok(Self::of(current))
+        Ok(Self::of(clip.frame(frame)?))
     }
 
     fn of(picture: Arc<Frame>) -> Self {
@@ -122,7 +121,8 @@ impl State {
             let (x, y) = self.place(index);
             Feature { at: [x as f32, y as f32], displacement: None, status: Status::Found, residual: None }
         };
-        PointField { picture: self.map.size(), points: self.kept.iter().map(feature).collect() }
+        let responses = self.kept.iter().map(|&index| self.map.cells()[index as usize]).collect();
+        PointField { picture: self.map.size(), points: self.kept.iter().map(feature).collect(), responses }
     }
 }
 

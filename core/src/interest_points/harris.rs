@@ -30,7 +30,7 @@ impl Measure for Harris {
         source: "C. Harris and M. Stephens, A combined corner and edge detector, Proc. 4th Alvey Vision Conference, 1988",
         pseudocode: corner_pseudocode!("  R ← det T − k (tr T)²"),
         rungs: &["frame", "stage", "row", "step"],
-        frames: 2,
+        frames: 1,
     };
 
     #[inline(always)]

@@ -20,7 +20,7 @@ impl Measure for ShiTomasi {
         source: "J. Shi and C. Tomasi, Good features to track, CVPR 1994",
         pseudocode: corner_pseudocode!("  R ← the smaller eigenvalue of T"),
         rungs: &["frame", "stage", "row", "step"],
-        frames: 2,
+        frames: 1,
     };
 
     #[inline(always)]

@@ -316,7 +316,11 @@ impl Estimator for PyramidalLucasKanade {
     fn output(&self, state: &State) -> Output {
         match self.points {
             Points::Dense => Output::Dense(state.field()),
-            _ => Output::Points(PointField { picture: state.fixed.pair[0].size(), points: state.features().collect() }),
+            _ => Output::Points(PointField {
+                picture: state.fixed.pair[0].size(),
+                points: state.features().collect(),
+                responses: Vec::new(),
+            }),
         }
     }
 

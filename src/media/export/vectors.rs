@@ -12,7 +12,8 @@ use crate::media::names::extension;
 pub fn csv(output: &Output) -> String {
     match output {
         Output::Blocks(field) => blocks(field).csv(),
-        Output::Points(field) => points(field).csv(),
+        Output::Points(field) if field.responses.is_empty() => points(field).csv(),
+        Output::Points(field) => corners(field).csv(),
         Output::Tracks(field) => tracks(field).csv(),
         Output::Objects(field) => super::objects::csv(field),
         Output::Dense(field) => match &field.confidence {
@@ -73,6 +74,16 @@ fn row(point: &Feature) -> [Cell; 6] {
 fn points(field: &PointField) -> Table<6> {
     let columns = ["x_px", "y_px", "u_px", "v_px", "status", "residual"];
     Table { columns, rows: field.points.iter().map(row).collect() }
+}
+
+/// The same with the response that each was chosen by.
+fn corners(field: &PointField) -> Table<7> {
+    let row = |(point, response): (&Feature, &f32)| {
+        let [x, y, u, v, status, residual] = row(point);
+        [x, y, u, v, status, residual, Cell::Single(*response)]
+    };
+    let columns = ["x_px", "y_px", "u_px", "v_px", "status", "residual", "response"];
+    Table { columns, rows: field.points.iter().zip(&field.responses).map(row).collect() }
 }
 
 /// Place of each track in each frame, its displacement to the next if it has one, and what became of it.
@@ -173,7 +184,11 @@ mod tests {
         ];
         let golden =
             "x_px,y_px,u_px,v_px,status,residual\n3,2,0.25,-1.5,tracked,0.5\n1.5,0,,,lost-outside,\n4,4,,,found,\n";
-        assert_eq!(csv(&Output::Points(PointField { picture: (8, 8), points })), golden);
+        let table = |points, responses| csv(&Output::Points(PointField { picture: (8, 8), points, responses }));
+        assert_eq!(table(points, Vec::new()), golden);
+        let corner = vec![feature([4.0, 4.0], None, Status::Found, None)];
+        let golden = "x_px,y_px,u_px,v_px,status,residual,response\n4,4,,,found,,812.5\n";
+        assert_eq!(table(corner, vec![812.5]), golden);
     }
 
     #[test]

@@ -179,7 +179,7 @@ impl Document {
         self.setup.settle();
         self.setup.change("estimator", next);
         self.setup.settle();
-        self.frame = self.frame.min(self.last_frame().unwrap_or(usize::MAX));
+        self.go_to_frame(self.frame);
     }
 
     /// Has `estimator` go in lockstep with `company` from now on, or alone; undo brings back what was before.
@@ -251,6 +251,8 @@ impl Document {
     pub fn undo(&mut self) -> bool {
         let done = self.setup.undo();
         self.remake();
+        // What looks at one frame may have stood at the last.
+        self.go_to_frame(self.frame);
         done
     }
 
@@ -258,6 +260,8 @@ impl Document {
     pub fn redo(&mut self) -> bool {
         let done = self.setup.redo();
         self.remake();
+        // What looks at one frame may have stood at the last.
+        self.go_to_frame(self.frame);
         done
     }
 
@@ -339,7 +343,7 @@ impl Document {
             }
             Err(error) => self.refused = Some(error),
         }
-        self.frame = self.frame.min(self.last_frame().unwrap_or(usize::MAX));
+        self.go_to_frame(self.frame);
     }
 }
 
