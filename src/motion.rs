@@ -11,7 +11,7 @@ use motionscope_core::{
     Threads, Walk, metrics, scene,
 };
 
-use crate::paint::{ColorMap, FlowLayer, Pictures, Scalars, Tint, grouped};
+use crate::paint::{ColorMap, FlowLayer, Opacity, Pictures, Scalars, Tint, grouped};
 use crate::tile::Tile;
 
 /// What is to be seen of motion.
@@ -19,6 +19,8 @@ use crate::tile::Tile;
 pub struct Want {
     /// The layer of colours; `None` for what suits the estimator.
     pub layer: Option<FlowLayer>,
+    /// How opaque that is; `None` for what suits it.
+    pub opacity: Option<Opacity>,
     /// The colours of numbers.
     pub colors: ColorMap,
     /// Whether particles are carried along.
@@ -155,22 +157,27 @@ impl Motion {
             |label: &str, unit, values| Scalars { kind: layer, label: label.into(), unit, values, marks: None };
         let shown = match layer {
             FlowLayer::None => return Ok(motion),
-            FlowLayer::Wheel => Tint::wheel(&flows),
+            FlowLayer::Wheel => Tint::wheel(&flows, want.opacity),
             FlowLayer::Magnitude => {
                 let length = |flow: &Arc<Flow>| flow.0.map(|[u, v]| u.hypot(*v));
-                Tint::scale(scalars("length of motion", "px/frame", flows.iter().map(length).collect()), want.colors)
+                Tint::scale(
+                    scalars("length of motion", "px/frame", flows.iter().map(length).collect()),
+                    want.colors,
+                    want.opacity,
+                )
             }
             FlowLayer::Error => {
                 let truth = true_flow(site)?;
                 let errors = flows.iter().map(|flow| metrics::endpoint_errors(flow, &truth));
                 let values = errors.collect::<Result<_, _>>()?;
-                Tint::scale(scalars("endpoint error", "px", values), want.colors)
+                Tint::scale(scalars("endpoint error", "px", values), want.colors, want.opacity)
             }
             FlowLayer::Confidence => {
                 let Some(Confidence { name, values }) = found.confidence() else { return Ok(motion) };
                 Tint::scale(
                     scalars(&format!("confidence: {}", name.replace('_', " ")), "", vec![values.clone()]),
                     want.colors,
+                    want.opacity,
                 )
             }
             FlowLayer::Consistency => {
@@ -179,7 +186,7 @@ impl Motion {
                 motion.check = Some(Check::of(&check, site.clip, site.walk.at_frame())?);
                 let Consistency { distance_px, inconsistent } = check;
                 let scalars = scalars("there and back, off by", "px", vec![distance_px]);
-                Tint::scale(Scalars { marks: Some(inconsistent), ..scalars }, want.colors)
+                Tint::scale(Scalars { marks: Some(inconsistent), ..scalars }, want.colors, want.opacity)
             }
         };
         motion.layers = shown.into_iter().map(Arc::new).collect();

@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::company::Company;
 use crate::media::{self, export};
-use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Phase, Share, Theme, View};
+use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
 use crate::shot::Look;
 use crate::source::Source;
 
@@ -100,6 +100,8 @@ pub struct Wanted {
     pub colors: Option<ColorMap>,
     /// The layer of colours that tells of motion.
     pub layer: Option<FlowLayer>,
+    /// How opaque that is.
+    pub opacity: Option<Opacity>,
     /// How long displacements are drawn.
     pub lengthen: Option<Lengthen>,
     /// From one displacement to the next in px.
@@ -122,6 +124,7 @@ impl Wanted {
             theme: self.theme.unwrap_or(usual.theme),
             colors: self.colors.unwrap_or(usual.colors),
             layer: self.layer.or(usual.layer),
+            opacity: self.opacity.or(usual.opacity),
             lengthen: self.lengthen.unwrap_or(usual.lengthen),
             spacing_px: self.spacing_px.or(usual.spacing_px),
             streaks: self.streaks.or(usual.streaks),
@@ -133,10 +136,12 @@ impl Wanted {
 
 impl From<Look> for Wanted {
     fn from(look: Look) -> Self {
-        let Look { view, level, share, theme, colors, layer, lengthen, spacing_px, streaks, legend, caption } = look;
+        let Look { view, level, share, theme, colors, layer, opacity, .. } = look;
+        let Look { lengthen, spacing_px, streaks, legend, caption, .. } = look;
         Self {
             view,
             layer,
+            opacity,
             spacing_px,
             streaks,
             level: Some(level),
@@ -238,6 +243,9 @@ struct Picture {
     colors: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     layer: Option<String>,
+    /// How far that hides the picture.
+    #[serde(rename = "layer-opacity", skip_serializing_if = "Option::is_none")]
+    layer_opacity: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     arrows: Option<Arrows>,
     /// From one arrow to the next in px.
@@ -414,6 +422,7 @@ impl Picture {
             theme: look.theme.map(|theme| theme.name().to_lowercase()),
             colors: look.colors.map(|colors| colors.name().to_lowercase()),
             layer: look.layer.map(|layer| layer.id().into()),
+            layer_opacity: look.opacity.map(Opacity::get),
             arrow_spacing: look.spacing_px.map(i64::from),
             streaks: look.streaks.map(Phase::get),
             arrows: look.lengthen.map(|lengthen| match lengthen {
@@ -433,6 +442,7 @@ impl Picture {
             theme: self.theme.as_deref().map(theme).transpose()?,
             colors: self.colors.as_deref().map(colors).transpose()?,
             layer: self.layer.as_deref().map(str::parse).transpose()?,
+            opacity: self.layer_opacity.map(Opacity::new).transpose()?,
             lengthen: self.arrows.as_ref().map(Arrows::lengthen).transpose()?,
             spacing_px: self.arrow_spacing.map(spacing_px).transpose()?,
             streaks: self.streaks.map(Phase::new).transpose()?,
@@ -624,6 +634,7 @@ mod tests {
             theme: Theme::Projector,
             colors: ColorMap::Turbo,
             layer: Some(FlowLayer::Magnitude),
+            opacity: Opacity::new(0.3).ok(),
             lengthen: Lengthen::Times(4.0),
             spacing_px: Some(24),
             streaks: Some(Phase::default()),
@@ -634,9 +645,10 @@ mod tests {
         assert_eq!(look("arrows = \"auto\"").over(usual), Look { lengthen: Lengthen::Auto, ..usual });
         assert_eq!(look("legend = false\ntheme = \"light\"").over(usual).theme, Theme::Light);
         assert_eq!(look("arrows = 2").over(usual).lengthen, Lengthen::Times(2.0));
-        let motion = look("layer = \"error\"\narrow-spacing = 9\nstreaks = 0.25").over(usual);
+        let motion = look("layer = \"error\"\nlayer-opacity = 1\narrow-spacing = 9\nstreaks = 0.25").over(usual);
         let wanted = (Some(FlowLayer::Error), Some(9), Phase::new(0.25).ok());
         assert_eq!((motion.layer, motion.spacing_px, motion.streaks), wanted);
+        assert_eq!(motion.opacity, Opacity::new(1.0).ok());
         assert_eq!(look("level = 2").over(usual).level, LevelShown::Number(2));
         assert_eq!(look("level = \"at-work\"").over(usual).level, LevelShown::AtWork);
         let wrong = Session::parse(&format!("{start}level = \"top\""), Path::new("")).err().unwrap();

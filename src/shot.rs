@@ -10,8 +10,8 @@ use crate::company::Company;
 use crate::media::{Progress, export};
 use crate::motion::{Motion, Offer, Reverse, Site, Want};
 use crate::paint::{
-    ArrowStyle, Caption, ColorMap, FlowLayer, Lengthen, LevelShown, Part, Phase, Pictures, Plate, PlateOptions, Share,
-    Style, Theme, View, export_png, export_svg,
+    ArrowStyle, Caption, ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Part, Phase, Pictures, Plate,
+    PlateOptions, Share, Style, Theme, View, export_png, export_svg,
 };
 use crate::tile::{self, Tile, endings, predicted, tiles};
 
@@ -33,6 +33,8 @@ pub struct Look {
     pub colors: ColorMap,
     /// The layer of colours that tells of motion; `None` for what suits the estimator.
     pub layer: Option<FlowLayer>,
+    /// How opaque that is; `None` for what suits it.
+    pub opacity: Option<Opacity>,
     /// How long displacements are drawn.
     pub lengthen: Lengthen,
     /// From one displacement to the next in px, where there is room; `None` for as many as there is room for.
@@ -48,8 +50,8 @@ pub struct Look {
 impl Look {
     /// What of motion it wants to see.
     pub fn want(&self) -> Want {
-        let Self { layer, colors, spacing_px, streaks, .. } = *self;
-        Want { layer, colors, streaks: streaks.is_some(), spacing_px }
+        let Self { layer, opacity, colors, spacing_px, streaks, .. } = *self;
+        Want { layer, opacity, colors, streaks: streaks.is_some(), spacing_px }
     }
 
     /// How `pictures` are drawn.

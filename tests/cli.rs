@@ -71,7 +71,14 @@ fn every_layer_of_motion_has_its_own_picture() {
     let folder = tempfile::tempdir().unwrap();
     let run = "run synth:parallax,width=96,height=72,frames=2 --estimator horn-schunck --set iterations=12";
     let mut pictures = Vec::new();
-    let looks = ["--layer none", "--layer wheel", "--layer magnitude", "--layer error", "--layer consistency"];
+    let looks = [
+        "--layer none",
+        "--layer wheel",
+        "--layer magnitude",
+        "--layer error",
+        "--layer consistency",
+        "--layer-opacity 1",
+    ];
     let arrows = ["--arrow-spacing 9", "--arrow-scale 4", "--streaks 0.5", "--streaks 0.6"];
     for (i, look) in looks.into_iter().chain(arrows).enumerate() {
         stdout(folder.path(), &format!("{run} {look} --legend --overlay {i}.png"));
@@ -96,6 +103,7 @@ fn a_layer_that_cannot_be_is_refused_with_its_reason() {
         ("--estimator horn-schunck --layer confidence", "tells no confidence"),
         ("--estimator harris --layer wheel", "single points"),
         ("--estimator horn-schunck --arrow-spacing 0", "1 to 256 px"),
+        ("--estimator horn-schunck --layer-opacity 1.5", "from 0 to 1"),
         ("--estimator horn-schunck --arrow-scale 0", "or auto"),
         ("--estimator horn-schunck --streaks 2", "from 0 to 1"),
     ] {

@@ -227,11 +227,11 @@ fn layers_of_motion_look_as_they_did() {
     let (frame, scene, flow, scalars) = turning();
     let framed = PlateOptions { view: View::Current, zoom: 2, legend: true, ..PlateOptions::default() };
     let pictures = Pictures::of([frame.clone(), frame]);
-    let wheel = Tint::wheel(std::slice::from_ref(&flow)).pop().map(Arc::new);
+    let wheel = Tint::wheel(std::slice::from_ref(&flow), None).pop().map(Arc::new);
     let plate = Plate::new(&Pictures { layer: wheel, ..pictures.clone() }, &scene, &framed);
     check_png("flow-wheel.png", &plate, 1);
     check_svg("flow-wheel.svg", &plate);
-    let layer = Tint::scale(scalars, ColorMap::Viridis).pop().map(Arc::new);
+    let layer = Tint::scale(scalars, ColorMap::Viridis, None).pop().map(Arc::new);
     let light = PlateOptions {
         style: Style {
             theme: Theme::Light,

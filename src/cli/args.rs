@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args as Group, Parser, Subcommand};
 use motionscope_core::{Cursor, Pace, Threads};
 
-use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Phase, Share, Theme, View};
+use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
 use crate::session;
 
 const EXAMPLES: &str = "\
@@ -209,6 +209,9 @@ pub struct LookArgs {
     /// The colours that tell of the motion of every pixel: wheel, magnitude, error, confidence, consistency or none; as suits the estimator unless given.
     #[arg(long, value_parser = layer)]
     pub layer: Option<FlowLayer>,
+    /// How far these hide the picture, from 0 to 1; as suits the layer unless given.
+    #[arg(long, value_name = "SHARE", value_parser = opacity)]
+    pub layer_opacity: Option<Opacity>,
     /// From one arrow to the next in px of the clip; as many as there is room for unless given.
     #[arg(long, value_name = "PX", value_parser = spacing)]
     pub arrow_spacing: Option<u16>,
@@ -297,6 +300,10 @@ fn level(text: &str) -> Result<LevelShown, String> {
 
 fn layer(id: &str) -> Result<FlowLayer, String> {
     id.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn opacity(text: &str) -> Result<Opacity, String> {
+    Opacity::new(text.parse().unwrap_or(f32::NAN)).map_err(|error| error.to_string())
 }
 
 fn spacing(text: &str) -> Result<u16, String> {

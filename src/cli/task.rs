@@ -100,6 +100,7 @@ impl Task {
             theme: args.theme.unwrap_or(self.look.theme),
             colors: args.colors.unwrap_or(self.look.colors),
             layer: args.layer.or(self.look.layer),
+            opacity: args.layer_opacity.or(self.look.opacity),
             lengthen: args.arrow_scale.unwrap_or(self.look.lengthen),
             spacing_px: args.arrow_spacing.or(self.look.spacing_px),
             streaks: args.streaks.or(self.look.streaks),

@@ -7,10 +7,37 @@ use motionscope_core::{Error, Flow, Grid, Role, Threads};
 use super::legend::{Bar, Entry, Sample};
 use super::{Color, ColorMap, Theme, flow_color, number};
 
-/// Opacity of a flow's colours over footage: it covers all of it.
-const WHEEL_ALPHA: u8 = 0x9c;
-/// Opacity of the colours of numbers.
-const SCALE_ALPHA: u8 = 0xb8;
+/// How far a layer of colours hides the picture under it, from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opacity(f32);
+
+impl Opacity {
+    /// Of a flow's colours over footage, unless another is chosen: they cover all of it.
+    pub const WHEEL: Self = Self(0.61);
+    /// Of the colours of numbers.
+    pub const SCALE: Self = Self(0.72);
+    /// Of pixels that failed a check.
+    const MARKS: Self = Self(0.88);
+
+    /// This opacity, if it is one.
+    ///
+    /// # Errors
+    /// If it does not lie between 0 and 1.
+    pub fn new(opacity: f32) -> Result<Self, Error> {
+        let told = || Error::new(format!("a layer has an opacity from 0 to 1, as in 0.8, and not {opacity}"));
+        (0.0..=1.0).contains(&opacity).then_some(Self(opacity)).ok_or_else(told)
+    }
+
+    /// Its number.
+    pub fn get(self) -> f32 {
+        self.0
+    }
+
+    fn alpha(self) -> u8 {
+        (255.0 * self.0).round() as u8
+    }
+}
+
 /// From so many values on, only every few are asked how large they are.
 const SAMPLE: usize = 1 << 18;
 
@@ -76,6 +103,11 @@ impl FlowLayer {
     pub fn awaited(self) -> Entry {
         let meaning = format!("{}: at the end of the run", self.name().to_lowercase());
         Entry { role: Role::Estimate, sample: Sample::Awaited, meaning }
+    }
+
+    /// How opaque it is where nothing else is chosen.
+    pub fn usual_opacity(self) -> Opacity {
+        if self == FlowLayer::Wheel { Opacity::WHEEL } else { Opacity::SCALE }
     }
 
     /// What it shows, in one sentence.
@@ -144,12 +176,13 @@ pub struct Scalars {
 }
 
 impl Tint {
-    /// The colours of the wheel for each of `flows`, which share one scale.
-    pub fn wheel(flows: &[Arc<Flow>]) -> Vec<Self> {
+    /// The colours of the wheel for each of `flows`, which share one scale; as opaque as usual unless told otherwise.
+    pub fn wheel(flows: &[Arc<Flow>], opacity: Option<Opacity>) -> Vec<Self> {
+        let alpha = opacity.unwrap_or(Opacity::WHEEL).alpha();
         let lengths = flows.iter().flat_map(|flow| flow.0.cells().iter().map(|[u, v]| u.hypot(*v)));
         let longest = usual_most(lengths, flows.iter().map(|flow| flow.0.cells().len()).sum()).0.max(1e-3);
         let color = |uv: &[f32; 2]| match flow_color(*uv, longest) {
-            color if color.0[3] > 0 => color.alpha(WHEEL_ALPHA).0,
+            color if color.0[3] > 0 => color.alpha(alpha).0,
             _ => [0; 4],
         };
         let layer = |flow: &Arc<Flow>| Self {
@@ -160,12 +193,13 @@ impl Tint {
         flows.iter().map(layer).collect()
     }
 
-    /// Numbers in the colours of `colors`.
-    pub fn scale(scalars: Scalars, colors: ColorMap) -> Vec<Self> {
+    /// Numbers in the colours of `colors`; as opaque as usual unless told otherwise.
+    pub fn scale(scalars: Scalars, colors: ColorMap, opacity: Option<Opacity>) -> Vec<Self> {
+        let alpha = opacity.unwrap_or(Opacity::SCALE).alpha();
         let Scalars { kind, label, unit, values, marks } = scalars;
         let all = values.iter().flat_map(|values| values.cells().iter().copied());
         let (high, is_cut) = usual_most(all, values.iter().map(|values| values.cells().len()).sum());
-        let table: Vec<[u8; 4]> = (0..=255).map(|i| colors.at(i as f32 / 255.0).alpha(SCALE_ALPHA).0).collect();
+        let table: Vec<[u8; 4]> = (0..=255).map(|i| colors.at(i as f32 / 255.0).alpha(alpha).0).collect();
         let color = |v: &f32| match v.is_finite() {
             true => table[((v / high.max(f32::MIN_POSITIVE) * 255.0 + 0.5) as usize).min(255)],
             false => [0; 4],
@@ -174,7 +208,7 @@ impl Tint {
         let layer = |values: &Grid<f32>| {
             let mut pixels = colored(values, color);
             if let Some(marks) = &marks {
-                mark(&mut pixels, marks);
+                mark(&mut pixels, marks, opacity.unwrap_or(Opacity::MARKS));
             }
             Self { kind, pixels: Arc::new(pixels), key: key.clone() }
         };
@@ -240,8 +274,8 @@ pub(super) fn hatch() -> [Color; 2] {
 }
 
 /// Paints the pixels of `marks` in stripes, so that they can be told without colours.
-fn mark(pixels: &mut Grid<[u8; 4]>, marks: &Grid<bool>) {
-    let stripes = hatch().map(|color| color.alpha(0xe0).0);
+fn mark(pixels: &mut Grid<[u8; 4]>, marks: &Grid<bool>, opacity: Opacity) {
+    let stripes = hatch().map(|color| color.alpha(opacity.alpha()).0);
     for y in 0..pixels.height() {
         for (x, pixel) in pixels.row_mut(y).iter_mut().enumerate() {
             if marks.get(x, y) == Some(&true) {
@@ -268,13 +302,13 @@ mod tests {
     fn scalars(values: Grid<f32>, marks: Option<Grid<bool>>) -> Tint {
         let scalars =
             Scalars { kind: FlowLayer::Error, label: "endpoint error".into(), unit: "px", values: vec![values], marks };
-        Tint::scale(scalars, ColorMap::Viridis).remove(0)
+        Tint::scale(scalars, ColorMap::Viridis, None).remove(0)
     }
 
     #[test]
     fn a_few_astray_do_not_pale_the_wheel() {
         let flow = |odd: f32| Arc::new(Flow(Grid::from_fn(100, 10, |x, y| [if x + y == 0 { odd } else { 2.0 }, 0.0])));
-        let layers = Tint::wheel(&[flow(2.0), flow(90.0)]);
+        let layers = Tint::wheel(&[flow(2.0), flow(90.0)], None);
         assert_eq!(layers[0].key, TintKey::Wheel(2.0));
         assert_eq!(layers[0].pixels[(5, 5)], layers[1].pixels[(5, 5)], "several share one scale");
         let said = layers[0].legend().0.remove(0).meaning;
@@ -285,7 +319,7 @@ mod tests {
     fn what_is_unknown_stays_clear() {
         let layer = scalars(Grid::from_fn(4, 1, |x, _| [f32::NAN, 0.0, 0.5, 1.0][x]), None);
         assert_eq!(layer.pixels[(0, 0)], [0; 4]);
-        let color = |t| ColorMap::Viridis.at(t).alpha(SCALE_ALPHA).0;
+        let color = |t| ColorMap::Viridis.at(t).alpha(Opacity::SCALE.alpha()).0;
         // Of three, the 99th percentile is the second.
         assert_eq!([layer.pixels[(1, 0)], layer.pixels[(3, 0)]], [color(0.0), color(1.0)]);
         let (entries, bar) = layer.legend();
@@ -295,7 +329,7 @@ mod tests {
     #[test]
     fn numbers_beyond_the_scale_have_its_last_colour_and_the_legend_says_so() {
         let layer = scalars(Grid::from_fn(400, 1, |x, _| if x == 7 { 50.0 } else { x as f32 / 400.0 }), None);
-        assert_eq!(layer.pixels[(7, 0)], ColorMap::Viridis.at(1.0).alpha(SCALE_ALPHA).0);
+        assert_eq!(layer.pixels[(7, 0)], ColorMap::Viridis.at(1.0).alpha(Opacity::SCALE.alpha()).0);
         assert!(layer.legend().1.unwrap().ends[1].starts_with("≥ 0.99"));
         let still = scalars(Grid::new(4, 4, 0.0), None).legend().1.unwrap();
         assert_eq!(still.ends, ["endpoint error 0 px".to_owned(), String::new()]);
@@ -309,6 +343,26 @@ mod tests {
         assert_eq!(marked.len(), 2, "stripes");
         assert!((4..8).all(|x| !marked.contains(&layer.pixels[(x, 0)])));
         assert_eq!(layer.legend().0[0].sample, Sample::Hatch);
+    }
+
+    #[test]
+    fn what_is_known_hides_the_picture_as_far_as_is_chosen() {
+        let numbers = || Scalars {
+            kind: FlowLayer::Consistency,
+            label: "off by".into(),
+            unit: "px",
+            values: vec![Grid::from_fn(4, 1, |x, _| if x == 0 { f32::NAN } else { x as f32 })],
+            marks: Some(Grid::from_fn(4, 1, |x, _| x == 3)),
+        };
+        let flow = Arc::new(Flow(Grid::from_fn(4, 1, |x, _| if x == 0 { Flow::UNKNOWN } else { [1.0, 0.0] })));
+        let alphas = |tint: Vec<Tint>| tint[0].pixels.cells().iter().map(|pixel| pixel[3]).collect::<Vec<_>>();
+        for (chosen, alpha) in [(1.0, 255), (0.4, 102), (0.0, 0)] {
+            let opacity = Opacity::new(chosen).ok();
+            let known = [0, alpha, alpha, alpha];
+            assert_eq!(alphas(Tint::scale(numbers(), ColorMap::Viridis, opacity)), known);
+            assert_eq!(alphas(Tint::wheel(std::slice::from_ref(&flow), opacity)), known);
+        }
+        assert!(Opacity::new(1.1).is_err() && Opacity::new(f32::NAN).is_err());
     }
 
     #[test]

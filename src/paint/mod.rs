@@ -25,7 +25,7 @@ pub use color::Color;
 pub use color_map::ColorMap;
 pub use flow_color::flow_color;
 pub use fonts::Face;
-pub use layer::{FlowLayer, Scalars, Tint, TintKey};
+pub use layer::{FlowLayer, Opacity, Scalars, Tint, TintKey};
 pub use marks::{ArrowStyle, Lengthen, Look, Placement, Style, ellipse, is_lengthened, resolve, streaks};
 pub use number::{grouped, number};
 pub use panel::{LevelShown, Panel, Phase, Pictures, Share, Shown, View};

@@ -19,7 +19,7 @@ use super::model::writer::{self, Order, What, Writing};
 use super::stage::Zoom;
 use crate::company::Company;
 use crate::media::{self, Open};
-use crate::paint::Phase;
+use crate::paint::{Opacity, Phase};
 use crate::session::{Session, Sight};
 use crate::shot::Look;
 use crate::source::Source;
@@ -232,6 +232,7 @@ impl App {
             theme: settings.theme(),
             colors: settings.colors(),
             layer: stage.layer,
+            opacity: stage.opacity(),
             lengthen: settings.lengthen(),
             spacing_px: stage.spacing_px,
             streaks: stage.streaks.then(Phase::default),
@@ -242,8 +243,10 @@ impl App {
 
     /// Has pictures look like this from now on.
     fn look_as(&mut self, look: Look) {
-        let Look { view, level, share, theme, colors, layer, lengthen, spacing_px, streaks, legend, caption } = look;
+        let Look { view, level, share, theme, colors, layer, opacity, .. } = look;
+        let Look { lengthen, spacing_px, streaks, legend, caption, .. } = look;
         let stage = &mut self.states.stage;
+        stage.opacity = opacity.map(Opacity::get);
         (stage.layer, stage.spacing_px, stage.streaks) = (layer, spacing_px, streaks.is_some());
         (stage.view, stage.level) = (view.unwrap_or_default(), level);
         (stage.blend, stage.legend) = (share.get(), legend);

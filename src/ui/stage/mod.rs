@@ -32,8 +32,8 @@ pub use placing::{Gesture, Placing};
 use super::{ink, primitives};
 use crate::motion::Offer;
 use crate::paint::{
-    self, ArrowStyle, ColorMap, Face, FlowLayer, Lengthen, LevelShown, Panel, Placement, Share, Shown, Style, Theme,
-    View,
+    self, ArrowStyle, ColorMap, Face, FlowLayer, Lengthen, LevelShown, Opacity, Panel, Placement, Share, Shown, Style,
+    Theme, View,
 };
 use crate::tile::Tile;
 use glide::Glide;
@@ -107,6 +107,8 @@ pub struct State {
     /// The layer of colours that tells of motion; `None` for what suits the estimator.
     #[serde(with = "layer_id")]
     pub layer: Option<FlowLayer>,
+    /// How opaque that is, from 0 to 1; `None` for what suits it.
+    pub opacity: Option<f32>,
     /// Whether particles are carried along in the place of arrows.
     pub streaks: bool,
     /// From one arrow to the next in px; `None` for as many as there is room for.
@@ -145,6 +147,7 @@ impl Default for State {
             view: View::default(),
             level: LevelShown::default(),
             layer: None,
+            opacity: None,
             streaks: false,
             spacing_px: None,
             blend: 0.5,
@@ -182,6 +185,11 @@ impl State {
     /// The share of frame t + 1 in a blend.
     pub fn share(&self) -> Share {
         Share::new(self.blend).unwrap_or_default()
+    }
+
+    /// How opaque the layer of colours is, if that is chosen.
+    pub fn opacity(&self) -> Option<Opacity> {
+        self.opacity.and_then(|opacity| Opacity::new(opacity).ok())
     }
 
     /// Both frames, where what a run has made of them was seen: another clip is not at its end yet.

@@ -54,6 +54,9 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Res
             state.layer = Some(layer);
         }
     }
+    if now != FlowLayer::None {
+        opacity(ui, now, state);
+    }
     ui.separator();
     ui.horizontal(|ui| {
         ui.label(RichText::new("Motion as").small().weak());
@@ -100,6 +103,24 @@ fn slider(ui: &mut Ui, name: &str, (is_auto, tip): (bool, &str), add: impl FnOnc
     ui.spacing_mut().slider_width = width;
     add(ui).on_hover_text(tip);
     to_auto
+}
+
+fn opacity(ui: &mut Ui, layer: FlowLayer, state: &mut State) {
+    let tip = "How far the colours hide the picture under them: at 100 % they stand alone.";
+    let mut percent = 100.0 * state.opacity.unwrap_or(layer.usual_opacity().get());
+    let mut moved = false;
+    let to_auto = slider(ui, "Opacity", (state.opacity.is_none(), tip), |ui| {
+        let slider = Slider::new(&mut percent, 0.0..=100.0).step_by(1.0).max_decimals(0).suffix(" %");
+        let response = ui.add(slider).accessible_name("Opacity of the colours in %");
+        moved = response.changed();
+        response
+    });
+    if moved {
+        state.opacity = Some(percent / 100.0);
+    }
+    if to_auto {
+        state.opacity = None;
+    }
 }
 
 fn spacing(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
