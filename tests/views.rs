@@ -15,7 +15,7 @@ use motionscope::paint::{ColorMap, Lengthen, Pictures, Theme, View};
 use motionscope::ui::stage::{self, Zoom};
 use motionscope::ui::{heat_map, series, style, surface3d, tiles, why};
 use motionscope_core::block_matching::FullSearch;
-use motionscope_core::scene::{Readout, Surface};
+use motionscope_core::scene::{Readout, Surface, Tile};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Role, Scene, Step, Walk};
 
 /// A walk through a pair that moves by (2, 1), some way into a block.
@@ -344,6 +344,36 @@ fn tiles_light_the_same_pixel_and_tell_its_numbers() {
     assert_eq!(hovered.get(), Some([4, 9]));
     let told = format!("block {}, candidate {}", shown[0].values[(4, 9)], shown[1].values[(4, 9)]);
     assert!(harness.query_by_label_contains(&told).is_some(), "{told}");
+}
+
+#[test]
+fn windows_are_seen_whole_and_read_at_a_click() {
+    let tile =
+        |label| Tile { label, role: None, values: Grid::from_fn(15, 15, |x, y| (x * y) as f32), range: [0.0, 255.0] };
+    let (shown, size) = ([tile("Window"), tile("Its place"), tile("δI")], vec2(440.0, 240.0));
+    let mut state = tiles::State::default();
+    let mut harness = harness(size, Theme::Dark, |ui| {
+        tiles::show(ui, tiles::Input { tiles: &shown, is_centred: true, theme: Theme::Dark }, &mut state);
+    });
+    let rect = |harness: &Harness<'_>, label| harness.get_by_role_and_label(Node::Image, label).rect();
+    for label in ["Window", "Its place", "δI"] {
+        let rect = rect(&harness, label);
+        assert!(rect.min.x >= 0.0 && rect.max.x <= size.x && rect.max.y <= size.y, "{label} sticks out: {rect}");
+    }
+    let (whole, place) = (rect(&harness, "Window").width(), rect(&harness, "Its place"));
+    // The pixel that is clicked comes into sight.
+    let cell = place.width() / 15.0;
+    let pixel = |place: Rect, cell: f32| place.min + vec2(12.5, 2.5) * cell;
+    harness.hover_at(pixel(place, cell));
+    harness.run();
+    harness.drag_at(pixel(place, cell));
+    harness.run();
+    harness.drop_at(pixel(place, cell));
+    harness.run();
+    let place = rect(&harness, "Its place");
+    assert!(place.width() > 2.0 * whole);
+    let seen = pixel(place, place.width() / 15.0);
+    assert!((0.0..size.x).contains(&seen.x) && (0.0..size.y).contains(&seen.y), "{seen} is out of sight");
 }
 
 #[test]

@@ -25,15 +25,20 @@ const GAP: f32 = 16.0;
 pub struct Input<'a> {
     /// The tiles, left to right.
     pub tiles: &'a [Tile],
-    /// Whether the pixel that is explained lies in their middle.
+    /// Whether the pixel that is explained lies in their middle. Such tiles are seen whole, and read at a click where there is
+    /// no room for both; blocks are read, and scrolled.
     pub is_centred: bool,
     /// The look.
     pub theme: Theme,
 }
 
-/// The pixel under the pointer.
+/// How the tiles are looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
+    /// Whether those that there is no room for are seen closely enough to read their numbers.
+    is_close: bool,
+    /// A tile, and the pixel of it that is to come to the middle.
+    aim: Option<(usize, [usize; 2])>,
     /// The pixel, and the size of the tiles that it is lit in: others show something else there.
     hovered: Option<([usize; 2], (usize, usize))>,
 }
@@ -43,6 +48,15 @@ pub struct State {
 pub struct Response {
     /// The pixel under the pointer, from the tiles' upper left corner.
     pub hovered: Option<[usize; 2]>,
+    /// Whether a click shows them closer, or whole again.
+    pub can_be_closer: bool,
+}
+
+impl State {
+    /// What a click does.
+    fn hint(&self) -> &'static str {
+        if self.is_close { " Click to see all." } else { " Click to read all." }
+    }
 }
 
 /// Shows the tiles with their numbers, to be scrolled where they do not fit, and the pixel pointed at below them.
@@ -55,7 +69,9 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let scroll = egui::ScrollArea::both().id_salt("tiles").auto_shrink(false).max_height(room);
     scroll.show(ui, |ui| response = side_by_side(ui, input, state));
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), line), Sense::hover());
-    let words = (told(tiles, state.hovered), ink::font(Face::Sans, small), ink::color(theme.chrome().dim));
+    let hint = if response.can_be_closer { state.hint() } else { "" };
+    let words =
+        (format!("{}{hint}", told(tiles, state.hovered)), ink::font(Face::Sans, small), ink::color(theme.chrome().dim));
     ink::line(ui.painter(), rect.left_center(), (&words.0, words.1, words.2), rect.width());
     response
 }
@@ -65,7 +81,9 @@ fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let line = (1.7 * theme.sizes().small).round();
     let area = ui.available_rect_before_wrap();
     let labels: Vec<_> = tiles.iter().map(|tile| label_width(ui.painter(), tile, theme)).collect();
-    let frame = Frame::new(tiles, area, line).readable(tiles);
+    let (whole_frame, readable) = (Frame::new(tiles, area, line), Frame::new(tiles, area, line).readable(tiles));
+    let can_be_closer = is_centred && readable.cell > whole_frame.cell;
+    let frame = if can_be_closer && !state.is_close { whole_frame } else { readable };
     let lefts = frame.lefts(tiles, &labels);
     let width = lefts.last().copied().unwrap_or(0.0);
     let (rect, whole) = ui.allocate_exact_size(vec2(width, frame.height + line), Sense::hover());
@@ -75,7 +93,8 @@ fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     for (i, (tile, left)) in tiles.iter().zip(lefts).enumerate() {
         let place = frame.place(rect.min + vec2(left, 0.0), tile);
         label(ui.painter(), tile, pos2(place.min.x, rect.min.y), line, theme);
-        let sensed = ui.interact(place, ui.scope_id().with(("tile", i)), Sense::hover());
+        let sense = if can_be_closer { Sense::click() } else { Sense::hover() };
+        let sensed = ui.interact(place, ui.scope_id().with(("tile", i)), sense);
         let gain = paint(ui.painter(), tile, (place, frame.cell), size_pt, theme);
         if is_centred {
             let middle = Rect::from_center_size(place.center(), vec2(frame.cell, frame.cell));
@@ -87,6 +106,15 @@ fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
         if let Some(at) = sensed.hover_pos() {
             hovered = pixel(at, place, frame.cell, tile).map(|pixel| (pixel, tile.values.size()));
         }
+        if sensed.clicked() {
+            (state.is_close, state.aim) = (!state.is_close, hovered.map(|(pixel, _)| (i, pixel)));
+            ui.ctx().request_repaint();
+        } else if let Some((_, [x, y])) = state.aim.filter(|(aimed, _)| *aimed == i && state.is_close) {
+            let min = place.min + vec2(x as f32, y as f32) * frame.cell;
+            ui.scroll_to_rect(Rect::from_min_size(min, vec2(frame.cell, frame.cell)), Some(egui::Align::Center));
+            state.aim = None;
+            ui.ctx().request_repaint();
+        }
         if let Some(([x, y], _)) = state.hovered.filter(|(_, size)| *size == tile.values.size()) {
             let min = place.min + vec2(x as f32, y as f32) * frame.cell;
             let lit = Rect::from_min_size(min, vec2(frame.cell, frame.cell));
@@ -95,7 +123,7 @@ fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
         }
     }
     state.hovered = hovered;
-    Response { hovered: hovered.map(|(pixel, _)| pixel) }
+    Response { hovered: hovered.map(|(pixel, _)| pixel), can_be_closer }
 }
 
 /// Where tiles stand.
