@@ -99,19 +99,27 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
             Readout::Equation(lines) => Some(lines.as_slice()),
             _ => None,
         });
+        let mut places = Vec::new();
         // Before the first step there is neither: no room is kept then.
         if facts.is_some() || lines.is_some() {
             // The formula is what is taught: it is seen in a small window as well.
             rule(ui, theme);
             hold(ui, &mut state.equation, input.at_end, |ui| {
-                equation(ui, lines.unwrap_or_default(), theme, density.math)
+                places.extend(equation(ui, lines.unwrap_or_default(), theme, density.math));
             });
             rule(ui, theme);
-            hold(ui, &mut state.facts, input.at_end, |ui| table(ui, facts.unwrap_or_default(), theme, density.row));
+            hold(ui, &mut state.facts, input.at_end, |ui| {
+                places.extend(table(ui, facts.unwrap_or_default(), theme, density.row));
+            });
         }
-        let at_work = pseudocode(ui, input);
-        citation(ui, info.source, theme);
-        at_work
+        let (name, code) = pseudocode(ui, input);
+        let at_work = code.get(step.line).copied();
+        places.push(name);
+        // Nothing is seen of the box around them where nothing is seen of the first.
+        places.extend(code.first().map(|line| line.with_min_y(line.min.y - BOX)));
+        places.extend(code);
+        places.extend(citation(ui, info.source, theme));
+        (at_work, places)
     });
     if state.pinned.is_some() {
         ui.add_space((room - below - height).max(0.0));
@@ -120,12 +128,19 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let top = scrolled.inner_rect.min.y;
     let overflows = scrolled.content_size.y > room;
     let is_in_sight = |line: &Rect| line.center().y >= top && line.max.y <= top + room - below;
-    // A line that is half in sight would stand there twice: the parts end before it.
-    let seen = |line: Rect| if line.min.y > top { (line.min.y - top).min(room - below) } else { room - below };
-    let is_pinned = scrolled.inner.filter(|line| overflows && !is_in_sight(line)).map(seen);
+    let (at_work, places) = scrolled.inner;
+    // It would stand there twice where it is half in sight.
+    let seen = |_| whole(&places, top, top + room - below) - top;
+    let is_pinned = at_work.filter(|line| overflows && !is_in_sight(line)).map(seen);
     if std::mem::replace(&mut state.pinned, is_pinned) != is_pinned {
         ui.ctx().request_discard("the line at work came into sight, or went out of it");
     }
+}
+
+/// Where lines that may be seen from `top` down to `end` have to end so that none of them is cut.
+fn whole(lines: &[Rect], top: f32, end: f32) -> f32 {
+    let cut = lines.iter().filter(|line| (top..end).contains(&line.min.y) && line.max.y - CODE_MARGIN > end);
+    cut.map(|line| line.min.y).fold(end, f32::min)
 }
 
 /// A thin line between two parts, so that the room kept for a part is seen to be its own.
@@ -173,24 +188,21 @@ fn sentence(ui: &mut Ui, sentence: &Sentence, theme: Theme, leading: f32) {
     label.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, sentence.plain()));
 }
 
-fn equation(ui: &mut Ui, lines: &[Math], theme: Theme, size_pt: f32) {
+/// Formulas below each other; gives where each is.
+fn equation(ui: &mut Ui, lines: &[Math], theme: Theme, size_pt: f32) -> Vec<Rect> {
     let role = |role| ink::color(theme.word(role));
     let style = math::Ink { size_pt, text: ink::color(theme.chrome().text), role: &role };
-    for line in lines {
-        math::show(ui, line, &style);
-    }
+    lines.iter().map(|line| ui.scope(|ui| math::show(ui, line, &style)).response.rect).collect()
 }
 
-/// Labels left, values right.
-fn table(ui: &mut Ui, facts: &[Fact], theme: Theme, margin: f32) {
+/// Labels left, values right; gives where each row is.
+fn table(ui: &mut Ui, facts: &[Fact], theme: Theme, margin: f32) -> Vec<Rect> {
     ui.spacing_mut().item_spacing.y = 0.0;
-    for (i, fact) in facts.iter().enumerate() {
-        row(ui, fact, (i > 0, margin), theme);
-    }
+    facts.iter().enumerate().map(|(i, fact)| row(ui, fact, (i > 0, margin), theme)).collect()
 }
 
 /// A row with its `margin` above and below, under a line where it is `ruled`.
-fn row(ui: &mut Ui, fact: &Fact, (ruled, margin): (bool, f32), theme: Theme) {
+fn row(ui: &mut Ui, fact: &Fact, (ruled, margin): (bool, f32), theme: Theme) -> Rect {
     let Chrome { text, dim, line, .. } = theme.chrome();
     let (size, width) = (theme.sizes().body, ui.available_width());
     let label = ui.painter().layout_no_wrap(fact.label.into(), ink::font(Face::Sans, size), ink::color(dim));
@@ -215,22 +227,22 @@ fn row(ui: &mut Ui, fact: &Fact, (ruled, margin): (bool, f32), theme: Theme) {
     }
     painter.galley(pos2(rect.min.x + left, top), label, Color32::PLACEHOLDER);
     painter.galley(pos2(rect.max.x, top + down), value, Color32::PLACEHOLDER);
+    rect
 }
 
-/// The algorithm's lines; gives where the one at work is.
-fn pseudocode(ui: &mut Ui, input: Input<'_>) -> Option<Rect> {
+/// The algorithm's name and its lines; gives where they are.
+fn pseudocode(ui: &mut Ui, input: Input<'_>) -> (Rect, Vec<Rect>) {
     let Input { info, step, theme, .. } = input;
     let chrome = theme.chrome();
-    ui.label(egui::RichText::new(info.name).size(theme.sizes().small).color(ink::color(chrome.dim)));
-    let frame = egui::Frame::new().fill(ink::color(chrome.raised)).corner_radius(4.0).inner_margin(vec2(0.0, 8.0));
+    let name = ui.label(egui::RichText::new(info.name).size(theme.sizes().small).color(ink::color(chrome.dim)));
+    let frame = egui::Frame::new().fill(ink::color(chrome.raised)).corner_radius(4.0).inner_margin(vec2(0.0, BOX));
     let shown = frame.show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         let lines = info.pseudocode.iter().enumerate();
-        let places: Vec<Rect> = lines.map(|(i, line)| code_line(ui, line, i == step.line, theme)).collect();
-        places.get(step.line).copied()
+        lines.map(|(i, line)| code_line(ui, line, i == step.line, theme)).collect()
     });
     ui.add_space(8.0);
-    shown.inner
+    (name.rect, shown.inner)
 }
 
 /// The line at work alone.
@@ -247,6 +259,9 @@ fn pinned_height(ui: &Ui, input: Input<'_>) -> f32 {
     let most = input.info.pseudocode.iter().map(height).fold(0.0, f32::max);
     most + 2.0 * CODE_MARGIN + ui.spacing().item_spacing.y
 }
+
+/// Above and below all of them.
+const BOX: f32 = 8.0;
 
 /// Above and below a line of code.
 const CODE_MARGIN: f32 = 3.0;
@@ -285,7 +300,27 @@ fn code_line(ui: &mut Ui, line: &str, current: bool, theme: Theme) -> Rect {
     rect
 }
 
-fn citation(ui: &mut Ui, source: &str, theme: Theme) {
-    let dim = ink::color(theme.chrome().dim);
-    ui.add(egui::Label::new(egui::RichText::new(source).size(theme.sizes().small).color(dim)).wrap());
+/// Where the algorithm is from; gives where each line of it is.
+fn citation(ui: &mut Ui, source: &str, theme: Theme) -> Vec<Rect> {
+    let (dim, font) = (ink::color(theme.chrome().dim), ink::font(Face::Sans, theme.sizes().small));
+    let galley = ui.painter().layout(source.into(), font, dim, ui.available_width());
+    let (rect, response) = ui.allocate_exact_size(galley.size(), Sense::hover());
+    ink::name(&response, || source.into());
+    let lines = galley.rows.iter().map(|row| row.rect().translate(rect.min.to_vec2())).collect();
+    ui.painter().galley(rect.min, galley, Color32::PLACEHOLDER);
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_line_is_cut_where_others_end() {
+        let line = |from: f32, to: f32| Rect::from_min_max(pos2(0.0, from), pos2(100.0, to));
+        let lines = [line(-5.0, 15.0), line(15.0, 35.0), line(35.0, 55.0), line(60.0, 80.0)];
+        assert_eq!([20.0, 33.0, 50.0, 57.0, 90.0].map(|end| whole(&lines, 0.0, end)), [15.0, 33.0, 35.0, 57.0, 90.0]);
+        // One that is taller than all there is room for, and is scrolled out at the top, stays.
+        assert_eq!(whole(&[line(-10.0, 90.0)], 0.0, 50.0), 50.0);
+    }
 }
