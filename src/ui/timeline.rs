@@ -3,7 +3,7 @@
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, Rect, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
-use motionscope_core::{Cursor, Role};
+use motionscope_core::{Cursor, Role, Rung};
 
 use super::model::snapshot::Snapshot;
 use super::parts::slider::Scale;
@@ -45,9 +45,14 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
     let rungs = shown.info.rungs;
     let name = |from_inside: usize| rungs.len().checked_sub(from_inside).and_then(|i| rungs.get(i)).copied();
     let Cursor { unit, event } = shown.cursor;
-    let units = shown.units.unwrap_or(unit + 1).max(1);
+    let about = expected(unit, &shown.place);
+    let units = shown.units.or(about).unwrap_or(0).max(unit + 1);
     let inside = if shown.events == 0 { 0.0 } else { event as f32 / shown.events as f32 };
-    let of = shown.units.map_or_else(String::new, |units| format!(" / {}", grouped(units)));
+    let of = match (shown.units, about) {
+        (Some(units), _) => format!(" / {}", grouped(units)),
+        (None, Some(_)) => format!(" / ≈ {}", grouped(units)),
+        (None, None) => String::new(),
+    };
     let unit_name = name(2).unwrap_or("unit");
     // Elsewhere a unit is counted within its group.
     let in_group = shown.place.last().and_then(|unit| unit.of);
@@ -81,6 +86,20 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
     let unit_at = |number: usize| Cursor { unit: number.saturating_sub(1), event: usize::MAX };
     let event_at = |number: usize| Cursor { unit, event: number.max(usize::from(unit > 0)) };
     to_unit.map(unit_at).or(to_event.map(event_at)).filter(|to| !stands_at(shown, *to))
+}
+
+/// About how many units a run has that does not know: as many as there are if each group of them that is left is as large as
+/// the one at hand, or where that is not known as those before were.
+fn expected(unit: usize, place: &[Rung]) -> Option<usize> {
+    let [outer @ .., Rung { index, of }] = place else { return None };
+    let mean = || unit.saturating_sub(*index).checked_div(outer.last()?.index);
+    let mut size = (*of).or_else(mean)?;
+    let mut left = size.saturating_sub(*index);
+    for Rung { index, of } in outer.iter().rev() {
+        left += (*of)?.saturating_sub(index + 1) * size;
+        size *= (*of)?;
+    }
+    Some(unit + left)
 }
 
 /// Whether `to` is what is shown: a unit that was seen to its end is so by any name.
@@ -255,6 +274,21 @@ mod tests {
             counter: String::new(),
             marks: &[],
         }
+    }
+
+    #[test]
+    fn a_run_that_does_not_know_its_length_is_told_about_how_long_it_is() {
+        let place = |[pair, feature]: [usize; 2], [pairs, features]: [Option<usize>; 2]| {
+            let rung = |index, of| Rung { index, of };
+            [rung(0, Some(1)), rung(pair, pairs), rung(feature, features)]
+        };
+        assert_eq!(expected(19, &place([0, 19], [Some(23), Some(200)])), Some(23 * 200));
+        assert_eq!(expected(400, &place([2, 0], [Some(10), None])), Some(400 + 8 * 200), "as before");
+        assert_eq!(expected(0, &place([0, 0], [Some(10), None])), None, "the first tells nothing");
+        assert_eq!(expected(9, &place([0, 9], [None, Some(200)])), None, "nor does a clip of unknown length");
+        let warps = [(0, 1), (1, 3), (2, 5), (40, 100)].map(|(index, of)| Rung { index, of: Some(of) });
+        assert_eq!(expected(740, &warps), Some(1500), "levels of warps of iterations");
+        assert_eq!(expected(9, &[]), None);
     }
 
     #[test]
