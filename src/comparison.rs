@@ -92,13 +92,13 @@ impl Column {
         match (self.value)(row) {
             Some(value) => format!("{value:.*}", self.digits),
             None if self.name == "psnr_db" && row.quality.prediction.is_some() => "perfect".to_owned(),
-            None => "–".to_owned(),
+            None => NOTHING.to_owned(),
         }
     }
 }
 
 /// The columns behind the estimator's name and what is swept.
-pub const COLUMNS: [Column; 14] = [
+pub const COLUMNS: [Column; 20] = [
     Column {
         heading: "candidates",
         name: "candidates_mean",
@@ -148,7 +148,27 @@ pub const COLUMNS: [Column; 14] = [
         digits: 2,
     },
     Column { heading: "anew kB", name: "frame_kb", value: |r| kilobytes(r.quality.prediction?.frame_bits), digits: 2 },
+    Column { heading: "found", name: "detections", value: |r| Some(r.quality.objects?.detections as f64), digits: 0 },
+    Column { heading: "objects", name: "objects", value: |r| Some(r.quality.objects?.objects as f64), digits: 0 },
+    Column { heading: "MOTA", name: "mota", value: |r| Some(r.quality.objects?.scores?.mota), digits: 3 },
+    Column { heading: "IDF1", name: "idf1", value: |r| Some(r.quality.objects?.scores?.idf1), digits: 3 },
+    Column { heading: "HOTA", name: "hota", value: |r| Some(r.quality.objects?.scores?.hota), digits: 3 },
+    Column {
+        heading: "switches",
+        name: "switches",
+        value: |r| Some(r.quality.objects?.scores?.switches as f64),
+        digits: 0,
+    },
 ];
+
+/// The columns in which at least one row has something, with their places among all: what a person looks at.
+pub fn columns_of<R: Borrow<Row>>(rows: &[R]) -> Vec<(usize, &'static Column)> {
+    let has_some = |column: &Column| rows.iter().any(|row| column.text(row.borrow()) != NOTHING);
+    COLUMNS.iter().enumerate().filter(|(_, column)| rows.is_empty() || has_some(column)).collect()
+}
+
+/// What stands where there is no number.
+const NOTHING: &str = "–";
 
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
@@ -171,7 +191,7 @@ pub fn key() -> String {
          the part of the motion along the gradient, which no EPE against the whole motion does justice; missed: blocks for which full search, set alike, finds a smaller cost (not told with lambda); noise, light: blocks\n\
          (or pixels) that keep their displacement within 1 px under noise of {NOISE_SIGMA} gray levels, and where frame t+1\n\
          is {} times as bright plus {}; residual, vectors, anew: zero-order entropy of what is sent with motion, and of the\n\
-         frame without; –: what only blocks have, or what is not known.\n",
+         frame without; found: detections in all frames; –: what only some have, or what is not known.\n",
         LIGHT.0, LIGHT.1
     )
 }
@@ -181,11 +201,12 @@ fn cells(rows: &[Row]) -> Vec<Vec<String>> {
     let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone());
     let mut heading = vec!["estimator".to_owned()];
     heading.extend(swept);
-    heading.extend(COLUMNS.iter().map(|column| column.heading.to_owned()));
+    let shown = columns_of(rows);
+    heading.extend(shown.iter().map(|(_, column)| column.heading.to_owned()));
     let line = |row: &Row| {
         let mut line = vec![row.id().to_owned()];
         line.extend(row.swept.as_ref().map(|(_, value)| value.clone()));
-        line.extend(COLUMNS.iter().map(|column| column.text(row)));
+        line.extend(shown.iter().map(|(_, column)| column.text(row)));
         line
     };
     std::iter::once(heading).chain(rows.iter().map(line)).collect()

@@ -447,7 +447,7 @@ fn absent(pane: Pane, charts: &[Chart]) -> String {
             (Command::Into, "stand the matrices of the filter, as numbers", "it has worked with them")
         }
         _ if candidates => (Command::Into, "stand the pixels that are compared, as numbers", "a block is compared"),
-        _ => (Command::Into, "stand pixels and their derivatives, as numbers", "a pixel is asked"),
+        _ => return "Here stand the numbers behind a pixel. Point at one on the picture; a click holds it.".into(),
     };
     let verb = if command == Command::Over { "Step over" } else { "Step on" };
     format!("Here {what}. {verb} ({}) until {until}.", command.key())

@@ -318,14 +318,14 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
 
 fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Actions) -> bool {
     let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone());
-    let mut visited = false;
+    let (shown, mut visited) = (comparison::columns_of(rows), false);
     Grid::new("comparison").striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
         let strong = |text: &str| RichText::new(text).small().family(style::bold());
         ui.label(strong("Estimator"));
         if let Some(name) = &swept {
             ui.label(strong(name));
         }
-        for (i, column) in COLUMNS.iter().enumerate() {
+        for &(i, column) in &shown {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| match swept {
                 Some(_) => {
                     let tip = "Plot this column.";
@@ -342,7 +342,7 @@ fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Action
             if let Some((_, value)) = &row.swept {
                 ui.label(value);
             }
-            for column in &COLUMNS {
+            for (_, column) in &shown {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     visited |= cell(ui, column, row, actions);
                 });

@@ -348,7 +348,7 @@ fn already(kind: Kind, path: &Path) -> String {
 pub fn stem(name: &str) -> String {
     let name = Path::new(name).file_stem().map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned());
     let plain: String = name.chars().map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
-    let words: Vec<_> = plain.split('-').filter(|word| !word.is_empty()).take(4).collect();
+    let words: Vec<_> = plain.split('-').filter(|word| !word.is_empty()).take(6).collect();
     if words.is_empty() { "motionscope".into() } else { widgets::elide(&words.join("-"), 40) }
 }
 
