@@ -4,16 +4,8 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{central, set, waves};
-use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Error, Flow, Frame, Grid, Move, Step, Threads, Truth, metrics, scene,
-};
-
-fn flow(id: &str, settings: &[(&str, &str)], clip: &Clip) -> Flow {
-    set(id, settings).run(clip, 0, &Threads::single()).expect("a run").flow()
-}
-
-const SIZE: (usize, usize) = (96, 80);
+use common::{SIZE, central, error, flow, plane, plotted, set, waves};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Flow, Frame, Grid, Move, Step, Truth, scene};
 
 /// Waves of which pixel (x, y) of frame t + 1 shows what lay at `before(x, y)` in frame t, and noise of so many gray levels.
 fn moving(before: impl Fn(f64, f64) -> (f64, f64), noise: f64) -> Clip {
@@ -36,13 +28,6 @@ fn moving(before: impl Fn(f64, f64) -> (f64, f64), noise: f64) -> Clip {
 
 fn even(motion: [f32; 2]) -> Flow {
     Flow(Grid::new(SIZE.0, SIZE.1, motion))
-}
-
-/// Mean endpoint error in px, 8 px away from the border.
-fn error(found: &Flow, truth: &Flow) -> f64 {
-    let inside = |x: usize, y: usize| (8..SIZE.0 - 8).contains(&x) && (8..SIZE.1 - 8).contains(&y);
-    let truth = Flow(Grid::from_fn(SIZE.0, SIZE.1, |x, y| if inside(x, y) { truth.0[(x, y)] } else { Flow::UNKNOWN }));
-    metrics::flow_error(found, &truth).expect("one size").expect("known pixels").epe_px
 }
 
 /// One level, one warp, derivatives that are easily written down.
@@ -175,7 +160,7 @@ fn a_window_takes_noise_away() {
     let truth = even([0.4, -0.3]);
     let settings = [("alpha", "4"), ("smoothing", "0")];
     let [alone, together] =
-        ["0", "2"].map(|rho| error(&flow("clg", &[&settings[..], &[("rho", rho)]].concat(), &clip), &truth));
+        ["0", "2"].map(|rho| error(&flow("clg", &[&settings[..], &[("rho", rho)]].concat(), &clip), &truth, 8));
     assert!(together < 0.7 * alone, "{together} px off with a window, {alone} without");
 }
 
@@ -244,7 +229,7 @@ fn tv_l1_keeps_a_border_of_motion_sharp() {
     let truth = Flow(Grid::from_fn(SIZE.0, SIZE.1, |x, _| {
         if (44..52).contains(&x) { [0.0, motion(x as f64) as f32] } else { Flow::UNKNOWN }
     }));
-    let [sharp, smooth] = ["tv-l1", "horn-schunck"].map(|id| error(&flow(id, &[], &clip), &truth));
+    let [sharp, smooth] = ["tv-l1", "horn-schunck"].map(|id| error(&flow(id, &[], &clip), &truth, 8));
     assert!(sharp < 0.5 * smooth && sharp < 0.25, "{sharp} px off at the border, Horn and Schunck's method {smooth}");
 }
 
@@ -253,14 +238,6 @@ fn step(estimator: &dyn AnyEstimator, clip: &Clip, cursor: Cursor, focus: [f32; 
     let mut walk = estimator.walk(clip, 0).expect("a walk");
     walk.jump(Move::To(cursor));
     walk.step(Some(focus))
-}
-
-fn plane(step: &Step) -> &scene::Plane {
-    let plane = step.readouts.iter().find_map(|readout| match readout {
-        scene::Readout::Plane(plane) => Some(plane),
-        _ => None,
-    });
-    plane.expect("a plane")
 }
 
 #[test]
@@ -292,19 +269,6 @@ fn what_fits_is_the_best_that_the_data_and_the_field_allow() {
         }
     }
     assert!(near > 2 && far > 2, "{near} go to the line, {far} as far as they may");
-}
-
-/// The values of a line of a plot, at the end of the run.
-fn plotted(estimator: &dyn AnyEstimator, clip: &Clip, title: &str, line: &str) -> Vec<f32> {
-    let mut walk = estimator.walk(clip, 0).expect("a walk");
-    walk.jump(Move::End);
-    let series = walk.step(None).readouts.into_iter().find_map(|readout| match readout {
-        scene::Readout::Series(series) if series.title == title => Some(series),
-        _ => None,
-    });
-    let lines = series.expect("a plot").lines;
-    let points = lines.into_iter().find(|(name, ..)| *name == line).expect("a line").2;
-    points.into_iter().map(|[_, y]| y).collect()
 }
 
 #[test]

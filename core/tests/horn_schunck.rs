@@ -1,0 +1,212 @@
+//! Horn and Schunck's method against a plain one, and what all methods on levels and warps tell.
+
+mod common;
+
+use common::{central, equation, fact, flow, linear_motion, numbers, plane, plotted, point, set, told};
+use motionscope_core::{Clip, Cursor, Flow, Frame, Move, Output, Threads, Way, synth};
+
+/// Horn and Schunck's method as plainly as can be: one level, central differences, Jacobi iterations, all in f64.
+fn plain_horn_schunck(clip: &Clip, alpha: f64, iterations: usize) -> Vec<[f64; 2]> {
+    let [a, b] = clip.pair(0).expect("a pair");
+    let (width, height) = clip.size();
+    let inside =
+        |x: isize, y: isize| (x.clamp(0, width as isize - 1) as usize, y.clamp(0, height as isize - 1) as usize);
+    let value = |frame: &Frame, x: isize, y: isize| f64::from(frame.luma()[inside(x, y)]);
+    let mean = |x: isize, y: isize| (value(&a, x, y) + value(&b, x, y)) / 2.0;
+    let mut field = vec![[0.0f64; 2]; width * height];
+    for _ in 0..iterations {
+        let before = field.clone();
+        for y in 0..height as isize {
+            for x in 0..width as isize {
+                let at = |i: isize, j: isize, part: usize| {
+                    let (x, y) = inside(x + i, y + j);
+                    before[y * width + x][part]
+                };
+                let average = [0, 1].map(|p| {
+                    (at(1, 0, p) + at(-1, 0, p) + at(0, 1, p) + at(0, -1, p)) / 6.0
+                        + (at(1, 1, p) + at(-1, 1, p) + at(1, -1, p) + at(-1, -1, p)) / 12.0
+                });
+                let ix = central(|x| mean(x, y), x, width);
+                let iy = central(|y| mean(x, y), y, height);
+                let it = value(&b, x, y) - value(&a, x, y);
+                let off = (ix * average[0] + iy * average[1] + it) / (alpha * alpha + ix * ix + iy * iy);
+                field[y as usize * width + x as usize] = [average[0] - ix * off, average[1] - iy * off];
+            }
+        }
+    }
+    field
+}
+
+const PAPER: [(&str, &str); 5] =
+    [("levels", "1"), ("warps", "1"), ("smoothing", "0"), ("derivatives", "central"), ("alpha", "10")];
+
+#[test]
+fn horn_schunck_agrees_with_a_plain_one() {
+    let (clip, _) = linear_motion([[0.0, -0.01], [0.01, 0.0]], [0.3, -0.2]);
+    // More than are done at once while the rows are in the cache, and not a multiple of it.
+    let found = flow("horn-schunck", &[&PAPER[..], &[("iterations", "41")]].concat(), &clip);
+    let plain = plain_horn_schunck(&clip, 10.0, 41);
+    for (found, plain) in found.0.cells().iter().zip(plain) {
+        assert!((0..2).all(|i| (f64::from(found[i]) - plain[i]).abs() < 1e-4), "{found:?}, plainly {plain:?}");
+    }
+}
+
+#[test]
+fn all_solvers_come_to_the_same_field_and_the_faster_ones_sooner() {
+    let (clip, _) = linear_motion([[0.02, 0.0], [0.0, 0.02]], [0.3, 0.0]);
+    let solve = |solver, iterations| {
+        let more = [("solver", solver), ("iterations", iterations), ("relaxation", "1.7")];
+        flow("horn-schunck", &[&PAPER[..], &more].concat(), &clip)
+    };
+    let end = solve("jacobi", "1000");
+    let off = |other: &Flow| -> f32 {
+        let pairs = other.0.cells().iter().flatten().zip(end.0.cells().iter().flatten());
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+    };
+    assert!(off(&solve("gauss-seidel", "600")) < 1e-3 && off(&solve("sor", "300")) < 1e-3);
+    let [jacobi, gauss_seidel, sor] = ["jacobi", "gauss-seidel", "sor"].map(|solver| off(&solve(solver, "20")));
+    assert!(sor < gauss_seidel && gauss_seidel < jacobi, "{sor} {gauss_seidel} {jacobi}");
+}
+
+#[test]
+fn energy_never_rises_and_the_error_falls() {
+    let scene = synth::scene("sub-pixel").unwrap();
+    let clip = scene.clip(&scene.difficulty()).unwrap();
+    for solver in ["jacobi", "gauss-seidel", "sor"] {
+        let settings = [("levels", "1"), ("warps", "1"), ("iterations", "60"), ("solver", solver)];
+        let estimator = set("horn-schunck", &settings);
+        let energy = plotted(&*estimator, &clip, "Energy per pixel", "energy");
+        assert_eq!(energy.len(), 60);
+        assert!(energy.windows(2).all(|pair| pair[1] <= pair[0] * (1.0 + 1e-6)), "{solver}: {energy:?}");
+        let error = plotted(&*estimator, &clip, "Mean endpoint error", "error");
+        assert!(error[59] < 0.5 * error[0], "{solver}: {} px, then {}", error[0], error[59]);
+    }
+}
+
+#[test]
+fn horn_schunck_stops_when_little_changes() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [0.3, 0.1]);
+    let estimator = set("horn-schunck", &[&PAPER[..], &[("tolerance", "0.002"), ("iterations", "500")]].concat());
+    let mut walk = estimator.walk(&clip, 0).unwrap();
+    assert_eq!(walk.units(), None, "nobody knows before");
+    walk.jump(Move::End);
+    let units = walk.units().expect("the end is reached");
+    assert!((5..400).contains(&units), "{units} iterations");
+    assert_eq!(walk.output(), estimator.run(&clip, 0, &Threads::new(2).unwrap()).unwrap());
+    let change = plotted(&*estimator, &clip, "Mean change", "change");
+    assert!(change[units - 1] < 0.002 && change[units - 2] >= 0.002);
+}
+
+#[test]
+fn the_update_that_is_told_is_the_one_that_is_done() {
+    let (clip, _) = linear_motion([[0.01, 0.0], [0.0, 0.01]], [0.2, 0.4]);
+    for (solver, relaxation) in [("jacobi", 1.0), ("gauss-seidel", 1.0), ("sor", 1.9f32)] {
+        let estimator = set("horn-schunck", &[&PAPER[..], &[("solver", solver), ("relaxation", "1.9")]].concat());
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        walk.jump(Move::To(Cursor { unit: 6, event: usize::MAX }));
+        let focus = [40.0, 30.0];
+        let Output::Dense(field) = walk.output() else { panic!("a dense field") };
+        let step = walk.step(Some(focus));
+        let [before, mean, after] = ["before", "average", "after"].map(|name| point(&step, name));
+        assert_eq!(after, field.flow.at(40, 30).unwrap());
+        let [a, b, c] = plane(&step).lines[0].factors;
+        let off = (a * mean[0] + b * mean[1] + c) / (100.0 + a * a + b * b);
+        let update = [mean[0] - a * off, mean[1] - b * off];
+        let told = [0, 1].map(|i| before[i] + relaxation * (update[i] - before[i]));
+        assert!((0..2).all(|i| (told[i] - after[i]).abs() < 1e-4), "{solver}: {told:?}, done {after:?}");
+        // The numbers of the last line are what was done.
+        let last = equation(&step).pop().unwrap();
+        assert!((numbers(&last).pop().unwrap() - f64::from(after[1])).abs() < 2e-3, "{last}");
+        let said = step.sentence.plain();
+        assert_eq!(said.contains("SOR goes 1.90 times as far from where it was"), solver == "sor", "{said}");
+        if let [.., result] = &numbers(&said)[..] {
+            assert!((result - f64::from(after[1])).abs() < 2e-3, "{said}");
+        }
+        walk.jump(Move::Rung(4, Way::Back));
+        assert!(walk.step(Some(focus)).sentence.plain().contains("pixel (40, 30)"));
+    }
+}
+
+#[test]
+fn what_a_later_warp_tells_of_a_pixel_can_be_recomputed() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, -0.6]);
+    for id in ["horn-schunck", "clg", "tv-l1"] {
+        let estimator = set(id, &[("levels", "1"), ("warps", "2"), ("iterations", "30"), ("smoothing", "0")]);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        // The first event of an iteration in the middle of the second warp.
+        walk.jump(Move::To(Cursor { unit: 40, event: 1 }));
+        let step = walk.step(Some([40.0, 30.0]));
+        let [x, y, t] = numbers(&fact(&step, "I_x, I_y, I_t").unwrap())[..] else { panic!("three") };
+        let [u, v] = numbers(&fact(&step, "Warp (u₀, v₀)").unwrap())[..] else { panic!("two") };
+        assert!(t.abs() < 2.0 && (u - 1.3).abs() < 0.2 && (v + 0.6).abs() < 0.2, "{id}: little is left to find");
+        if id != "clg" {
+            let lines = equation(&step);
+            let c = numbers(&lines[1]).pop().unwrap();
+            assert!((c - (t - x * u - y * v)).abs() < 0.02 * (1.0 + c.abs()), "{id}: {lines:?}");
+            assert!(lines[2].contains(" + c"), "{id}: {lines:?}");
+        }
+    }
+}
+
+#[test]
+fn displacements_on_a_level_are_told_in_its_px_and_as_on_the_picture() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [2.4, -1.2]);
+    for id in ["horn-schunck", "clg", "tv-l1"] {
+        let estimator = set(id, &[("levels", "2"), ("warps", "1"), ("iterations", "20")]);
+        let coarse = told(&*estimator, &clip, 19, [40.0, 30.0]);
+        assert!(fact(&coarse, "Before").is_some_and(|value| value.ends_with("px of level 1")), "{id}");
+        let (on_level, on_picture) = (point(&coarse, "after"), numbers(&fact(&coarse, "On the picture").unwrap()));
+        for i in 0..2 {
+            assert!((2.0 * f64::from(on_level[i]) - on_picture[i]).abs() < 0.01, "{id}: {on_level:?}, {on_picture:?}");
+        }
+        let fine = told(&*estimator, &clip, 39, [40.0, 30.0]);
+        assert!(
+            fact(&fine, "Before").is_some_and(|value| value.ends_with(" px"))
+                && fact(&fine, "On the picture").is_none()
+        );
+    }
+}
+
+#[test]
+fn medians_are_told_where_they_are_taken() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [0.4, 0.2]);
+    for id in ["horn-schunck", "clg", "tv-l1"] {
+        let estimator = set(id, &[("levels", "2"), ("warps", "2"), ("iterations", "3")]);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let mut at = |unit, event| {
+            walk.jump(Move::To(Cursor { unit, event }));
+            let step = walk.step(None);
+            (estimator.info().pseudocode[step.line], step.sentence.plain())
+        };
+        let first = at(0, 1);
+        assert!(first.1.contains("nothing was found yet") && !first.0.contains("medians"), "{id}: {first:?}");
+        for (unit, is_enlarged) in [(3, false), (6, true), (9, false)] {
+            let (line, said) = at(unit, 1);
+            assert!(line.contains("medians") && said.contains("median"), "{id}: {line}: {said}");
+            assert_eq!(said.contains("enlarged"), is_enlarged, "{id}: {said}");
+            assert!(at(unit, 2).1.contains("brought back by what was found"), "{id}");
+        }
+    }
+}
+
+#[test]
+fn the_tolerance_is_in_px_of_the_picture_on_every_level() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, 0.8]);
+    let settings = [("levels", "3"), ("warps", "2"), ("tolerance", "0.004"), ("iterations", "400")];
+    let estimator = set("horn-schunck", &settings);
+    let mut walk = estimator.walk(&clip, 0).unwrap();
+    walk.jump(Move::End);
+    let change = plotted(&*estimator, &clip, "Mean change", "change");
+    let mut ends = 0;
+    for (unit, change) in change.iter().enumerate() {
+        walk.jump(Move::To(Cursor { unit: unit + 1, event: 1 }));
+        let is_last = walk.place()[3].index == 0;
+        if unit + 1 < walk.units().unwrap() {
+            assert_eq!(*change < 0.004, is_last, "iteration {unit} changes by {change}");
+        } else {
+            assert!(*change < 0.004);
+        }
+        ends += usize::from(*change < 0.004);
+    }
+    assert_eq!(ends, 6, "two warps on three levels");
+}
