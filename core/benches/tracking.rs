@@ -36,10 +36,12 @@ fn crowd(objects: usize, frames: usize) -> Clip {
 fn tracker(c: &mut Criterion) {
     const FRAMES: usize = 20;
     let (clip, pool) = (crowd(200, FRAMES), Threads::single());
-    let tracker = estimator("kalman-tracker").expect("it is registered");
-    c.bench_function(&format!("kalman-tracker, 200 objects, {FRAMES} frames"), |b| {
-        b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
-    });
+    for id in ["kalman-tracker", "blob-tracker"] {
+        let tracker = estimator(id).expect("it is registered");
+        c.bench_function(&format!("{id}, 200 objects, {FRAMES} frames"), |b| {
+            b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
+        });
+    }
 }
 
 criterion_group!(benches, filter, tracker);

@@ -70,9 +70,8 @@ struct Member {
     /// What it looks like by itself: mean gray, where that is known, and area in px.
     gray: Option<f64>,
     area_px: f64,
-    /// Width and height of its box in px.
-    size: [f32; 2],
-    /// Its centre in px, and its velocity in px/frame as it was when it was last seen by itself.
+    /// Its box and its centre in px, and its velocity in px/frame as it was when it was last seen by itself.
+    bounds: Bounds,
     center: [f64; 2],
     velocity: Option<[f64; 2]>,
 }
@@ -136,14 +135,19 @@ fn members_of(table: &Table, rows: &[usize]) -> Vec<Member> {
     members
 }
 
+fn moved(bounds: Bounds, by: [f64; 2]) -> Bounds {
+    let moved = |corner: [f32; 2]| [0, 1].map(|i| corner[i] + by[i] as f32);
+    Bounds { min: moved(bounds.min), max: moved(bounds.max) }
+}
+
 impl Member {
-    fn bounds(&self) -> Bounds {
-        Bounds::around(self.center.map(|c| c as f32), self.size)
+    fn moved(&mut self, by: [f64; 2]) {
+        self.center = [0, 1].map(|i| self.center[i] + by[i]);
+        self.bounds = moved(self.bounds, by);
     }
 
     fn object(&self, detection: Option<usize>) -> Object {
-        let Self { id, center, velocity, age, .. } = *self;
-        let bounds = self.bounds();
+        let Self { id, bounds, center, velocity, age, .. } = *self;
         Object { id, bounds, life: age.life, position: center, velocity, covariance: None, detection }
     }
 }
@@ -172,13 +176,11 @@ impl Body {
     /// Where it is expected in the next frame.
     fn expected(mut self) -> Self {
         let velocity = self.velocity().unwrap_or_default();
-        self.bounds.min = [0, 1].map(|i| self.bounds.min[i] + velocity[i] as f32);
-        self.bounds.max = [0, 1].map(|i| self.bounds.max[i] + velocity[i] as f32);
+        self.bounds = moved(self.bounds, velocity);
         let is_group = self.is_group();
         for member in &mut self.members {
             // In a group everyone goes on as before.
-            let own = if is_group { member.velocity.unwrap_or(velocity) } else { velocity };
-            member.center = [0, 1].map(|i| member.center[i] + own[i]);
+            member.moved(if is_group { member.velocity.unwrap_or(velocity) } else { velocity });
         }
         self
     }
@@ -191,21 +193,20 @@ impl Body {
             let (sum, count) = gray.fold((0.0, 0), |(sum, count), gray| (sum + gray, count + 1));
             member.gray = (count > 0).then(|| sum / f64::from(count));
             member.area_px = (member.area_px + blob.area_px) / 2.0;
-            (member.size, member.center, member.velocity) = (found.bounds.size(), blob.center(), velocity);
+            (member.bounds, member.center, member.velocity) = (found.bounds, blob.center(), velocity);
         }
     }
 
     /// Everyone is somewhere in the blob.
     fn seen_as_group(&mut self, blob: &Blob) {
-        let Bounds { min, max } = blob.detection.bounds;
-        let middle = blob.detection.bounds.center();
+        let all = blob.detection.bounds;
         for member in &mut self.members {
-            for i in 0..2 {
-                let half = member.size[i] / 2.0;
-                let (low, high) = (min[i] + half, max[i] - half);
-                let inside = member.center[i].clamp(f64::from(low.min(middle[i])), f64::from(high.max(middle[i])));
-                member.center[i] = if low <= high { inside } else { f64::from(middle[i]) };
-            }
+            let own = member.bounds;
+            let into = |i: usize| {
+                let (low, high) = (all.min[i] - own.min[i], all.max[i] - own.max[i]);
+                if low <= high { 0.0_f32.max(low).min(high) } else { all.center()[i] - own.center()[i] }
+            };
+            member.moved([0, 1].map(|i| f64::from(into(i))));
         }
     }
 }
@@ -237,7 +238,7 @@ impl BlobTracker {
             age: self.rules().begun(),
             gray: blob.gray,
             area_px: blob.area_px,
-            size: blob.detection.bounds.size(),
+            bounds: blob.detection.bounds,
             center: blob.center(),
             velocity: None,
         };

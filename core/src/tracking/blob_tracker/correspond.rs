@@ -187,7 +187,7 @@ mod tests {
     fn body((x, width): (f32, f32)) -> Body {
         let (bounds, age) = (bounds(x, width), Age { seen: 9, missed: 0, life: Life::Confirmed });
         let center = bounds.center().map(f64::from);
-        let member = Member { id: 1, age, gray: None, area_px: 1.0, size: bounds.size(), center, velocity: None };
+        let member = Member { id: 1, age, gray: None, area_px: 1.0, bounds, center, velocity: None };
         Body { bounds, centers: vec![center], members: vec![member] }
     }
 

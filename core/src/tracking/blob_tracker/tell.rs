@@ -359,9 +359,8 @@ fn draw_body(scene: &mut Scene, body: &Body, state: &State) {
     for member in &body.members {
         let (role, meaning) = tell::role(member.age.life);
         tell::trail(scene, &state.course, role, (member.id, member.center));
-        let bounds = member.bounds();
-        tell::rect(scene, role, bounds);
-        tell::label(scene, role, bounds.min, member.id.to_string());
+        tell::rect(scene, role, member.bounds);
+        tell::label(scene, role, member.bounds.min, member.id.to_string());
         scene.legend(role, meaning);
     }
 }
