@@ -40,6 +40,13 @@ pub fn vector([u, v]: [f32; 2]) -> String {
     format!("({},\u{a0}{})", number(u), number(v))
 }
 
+/// A place as a person reads it, to a hundredth of a px.
+pub fn place(at: [f32; 2]) -> String {
+    let [x, y] = at.map(|c| format!("{c:.2}").replace('-', "−"));
+    // A space at which no line is broken.
+    format!("({x},\u{a0}{y})")
+}
+
 /// `+ 3.1` or `− 3.1`.
 pub fn plus(v: f32) -> String {
     let number = number(v);
@@ -67,5 +74,6 @@ mod tests {
         let told = [0.0, -1e-7, -0.00123, 0.01234, 0.1234, -3.456, 12.34, -255.0].map(number);
         assert_eq!(told, ["0.00", "0.00000", "−0.00123", "0.0123", "0.123", "−3.46", "12.3", "−255"]);
         assert_eq!((plus(-2.0), plus(0.5)), ("− 2.00".into(), "+ 0.500".into()));
+        assert_eq!(place([126.737, -3.0]), "(126.74,\u{a0}−3.00)");
     }
 }

@@ -376,7 +376,8 @@ impl Estimator for BlobTracker {
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let blobs = Blob::all(clip, state.course.frame(), state.course.look(clip)?)?;
+        let is_gray_needed = self.identity == Identity::Appearance;
+        let blobs = Blob::all((clip, state.course.frame()), state.course.look(clip)?, is_gray_needed)?;
         observer.see(|| Event(What::Looked(Arc::new(blobs.clone()))));
         let bodies = std::mem::take(&mut state.bodies).into_iter();
         let bodies: Vec<Body> = bodies.map(|body| if self.predict { body.expected() } else { body }).collect();

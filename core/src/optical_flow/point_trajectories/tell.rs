@@ -11,6 +11,9 @@ use crate::{Grid, Role, Scene, Seen, Status, Step};
 /// How far tiles reach around a point, in px.
 const TILE_REACH_PX: isize = 4;
 
+/// What the trail and the place are that a point has as a feature.
+const AS_FEATURE: &str = "as a feature";
+
 fn px(length: f32) -> String {
     format!("{} px", words::number(length))
 }
@@ -26,19 +29,19 @@ fn moved(events: &[Event]) -> impl Iterator<Item = (&Pair, &Moved)> {
         .filter_map(|event| if let What::Moved(pair, moved) = &event.0 { Some((&**pair, moved)) } else { None })
 }
 
-/// Of the points that had their turn, the one that is nearest to where the person points, or else the last one.
-fn looked<'a>(seen: &Seen<'a, PointTrajectories>) -> Option<(&'a Pair, &'a Moved)> {
-    match (seen.focus, last(seen.events)?) {
-        (Some(point), _) => moved(seen.events)
-            .min_by(|(_, a), (_, b)| distance(a.live.at, point).total_cmp(&distance(b.live.at, point))),
-        (None, What::Moved(pair, moved)) => Some((pair, moved)),
-        (None, _) => None,
-    }
-}
-
 impl PointTrajectories {
+    /// Of the points that had their turn, the one that the person points at, or else the last one if it has it now.
+    fn looked<'a>(&self, seen: &Seen<'a, Self>) -> Option<(&'a Pair, &'a Moved)> {
+        let far = |moved: &Moved| seen.focus.map_or(f32::INFINITY, |point| distance(moved.live.at, point));
+        let nearest = moved(seen.events).min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
+        nearest.filter(|(_, moved)| far(moved) <= self.spacing as f32).or(match last(seen.events)? {
+            What::Moved(pair, moved) => Some((&**pair, moved)),
+            _ => None,
+        })
+    }
+
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
-        let line = match (last(seen.events), looked(seen)) {
+        let line = match (last(seen.events), self.looked(seen)) {
             (Some(What::Flow(_)), _) => 1,
             (Some(What::Begun(_)), _) => 2,
             (Some(_), Some((_, moved))) => match moved.feature.status {
@@ -56,7 +59,7 @@ impl PointTrajectories {
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
         let (said, state) = (Sentence::default(), seen.before);
         let (here, next) = (state.frame, state.frame + 1);
-        if let Some((_, moved)) = looked(seen) {
+        if let Some((_, moved)) = self.looked(seen) {
             return self.point(moved);
         }
         match last(seen.events) {
@@ -115,11 +118,11 @@ impl PointTrajectories {
             };
             return said.text(" is ").ink(Role::Rejected, "lost").text(why);
         };
-        let said = said.text(" is carried to ").ink(Role::Result, words::vector(to));
+        let said = said.text(" is carried to ").ink(Role::Result, words::place(to));
         let said = match (moved.twin_to(), moved.apart()) {
             (Some(twin), Some(apart)) => said
                 .text(". As a feature it comes to ")
-                .ink(Role::Predicted, words::vector(twin))
+                .ink(Role::Predicted, words::place(twin))
                 .text(": since it began, both have drifted ")
                 .ink(Role::Error, px(apart))
                 .text(" apart."),
@@ -128,7 +131,7 @@ impl PointTrajectories {
         match moved.truth {
             Some(truth) => said
                 .text(" It truly is at ")
-                .ink(Role::Truth, words::vector(truth))
+                .ink(Role::Truth, words::place(truth))
                 .text(format!(", {} from where the flow has carried it.", px(distance(to, truth)))),
             None => said,
         }
@@ -138,7 +141,7 @@ impl PointTrajectories {
         let Some(event) = last(seen.events) else { return Vec::new() };
         let mut facts =
             vec![Fact::new("Pair", format!("frames {} and {}", seen.before.frame, seen.before.frame + 1), None)];
-        let looked = looked(seen);
+        let looked = self.looked(seen);
         match (event, looked) {
             (_, Some((_, moved))) => facts.extend(self.facts(moved)),
             (What::Done(note), None) => facts.extend(note.facts()),
@@ -155,7 +158,7 @@ impl PointTrajectories {
     }
 
     fn facts(&self, moved: &Moved) -> Vec<Fact> {
-        let at = words::vector(moved.live.at);
+        let at = words::place(moved.live.at);
         let mut facts = vec![
             Fact::new("Point", format!("{} at {at}", moved.live.track + 1), Some(Role::Reference)),
             Fact::new("Smaller eigenvalue", format!("{} (gray levels per px)²", words::number(moved.structure)), None),
@@ -170,12 +173,12 @@ impl PointTrajectories {
             ));
         }
         if let Some(twin) = moved.twin {
-            let value = end(&twin).map_or(twin.status.name().into(), |to| format!("at {}", words::vector(to)));
+            let value = end(&twin).map_or(twin.status.name().into(), |to| format!("at {}", words::place(to)));
             facts.push(Fact::new("As a feature", value, Some(Role::Predicted)));
         }
         facts.extend(moved.apart().map(|apart| Fact::new("Drifted apart", px(apart), Some(Role::Error))));
         if let Some(truth) = moved.truth {
-            facts.push(Fact::new("Truth", format!("at {}", words::vector(truth)), Some(Role::Truth)));
+            facts.push(Fact::new("Truth", format!("at {}", words::place(truth)), Some(Role::Truth)));
             facts.extend(moved.to().map(|to| Fact::new("Flow off by", px(distance(to, truth)), None)));
             facts.extend(moved.twin_to().map(|to| Fact::new("Feature off by", px(distance(to, truth)), None)));
         }
@@ -191,10 +194,10 @@ impl PointTrajectories {
             Math::text(" + "),
             Math::Var("w"),
             Math::text(" = "),
-            Math::ink(Role::Reference, words::vector(at)),
+            Math::ink(Role::Reference, words::place(at)),
             Math::text(" + "),
             Math::ink(Role::Result, words::vector(there)),
-            Math::text(format!(" = {}", words::vector(to))),
+            Math::text(format!(" = {}", words::place(to))),
         ]);
         let Some([off, limit]) = moved.check(self) else { return Some(vec![step]) };
         let is_near = off <= limit;
@@ -224,8 +227,8 @@ impl PointTrajectories {
             // What begins in this frame has no trail yet.
             let tracks = [&state.tracks, &state.twins].map(|all| all.get(live.track as usize));
             if let [Some(track), Some(twin)] = tracks {
+                trails::trail(scene, (Role::Predicted, AS_FEATURE), twin, frame);
                 trails::trail(scene, (Role::Estimate, "trail by dense flow"), track, frame);
-                trails::trail(scene, (Role::Predicted, "trail as a feature"), twin, frame);
             }
         }
         let lost = done.iter().filter(|moved| moved.to().is_none());
@@ -233,7 +236,7 @@ impl PointTrajectories {
         let arrow = |moved: &&Moved| Some(Arrow { from: moved.live.at, to: moved.to()? });
         trails::displacements(scene, done.iter().filter_map(arrow).collect());
         draw_ends(scene, &done);
-        if let Some((_, moved)) = looked(seen) {
+        if let Some((_, moved)) = self.looked(seen) {
             trails::points(scene, Role::Reference, "point that is told of", vec![moved.live.at]);
         }
         scene.legend(Role::Result, "displacements found");
@@ -250,7 +253,7 @@ fn draw_ends(scene: &mut Scene, done: &[&Moved]) {
     };
     let known = |of: &dyn Fn(&Moved) -> Option<[f32; 2]>| done.iter().filter_map(|moved| of(moved)).collect();
     mark(Role::Truth, "true place", known(&|moved| moved.to().and(moved.truth)));
-    mark(Role::Predicted, "trail as a feature", known(&|moved| moved.to().and(moved.twin_to())));
+    mark(Role::Predicted, AS_FEATURE, known(&|moved| moved.to().and(moved.twin_to())));
     mark(Role::Result, "displacements found", known(&Moved::to));
     for (to, twin) in done.iter().filter_map(|moved| Some((moved.to()?, moved.twin_to()?))) {
         scene.mark(Picture::Next, Role::Error, Shape::Path { points: vec![to, twin], closed: false });

@@ -15,12 +15,12 @@ pub(super) struct Blob {
 }
 
 impl Blob {
-    /// What was detected in frame `t`; where only boxes are known, the pixels in them tell what it looks like.
+    /// What was detected in frame `t`; where only boxes are known and their gray is asked for, the pixels in them tell it.
     ///
     /// # Errors
     /// If the frame cannot be read.
-    pub fn all(clip: &Clip, t: usize, detections: Vec<Detection>) -> Result<Vec<Self>, Error> {
-        let has_boxes = detections.iter().any(|detection| detection.blob.is_none());
+    pub fn all((clip, t): (&Clip, usize), detections: Vec<Detection>, with_gray: bool) -> Result<Vec<Self>, Error> {
+        let has_boxes = with_gray && detections.iter().any(|detection| detection.blob.is_none());
         let frame = if has_boxes { Some(clip.frame(t)?) } else { None };
         let of = |detection: Detection| match (detection.blob, &frame) {
             (Some(blob), _) => Self { detection, gray: Some(f64::from(blob.gray)), area_px: f64::from(blob.area_px) },

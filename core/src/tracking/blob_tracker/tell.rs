@@ -175,11 +175,6 @@ impl BlobTracker {
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
         let course = &seen.after.unwrap_or(seen.before).course;
         let mut facts = vec![Fact::new("Frame", seen.before.course.frame().to_string(), None)];
-        let bodies = &seen.after.unwrap_or(seen.before).bodies;
-        let objects: usize = bodies.iter().map(|body| body.members.len()).sum();
-        facts.push(Fact::new("Objects", objects.to_string(), None));
-        let groups = bodies.iter().filter(|body| body.is_group()).count();
-        facts.push(Fact::new("Groups", groups.to_string(), None));
         let mut tables = Vec::new();
         match last(seen.events) {
             Some(What::Decided(decision)) => {
@@ -187,7 +182,13 @@ impl BlobTracker {
                 tables.extend(self.unlike_table(decision));
             }
             Some(What::Missed(body) | What::Ended(body) | What::Begun(body)) => facts.extend(body_facts(body)),
-            _ => {}
+            _ => {
+                let bodies = &seen.after.unwrap_or(seen.before).bodies;
+                let objects: usize = bodies.iter().map(|body| body.members.len()).sum();
+                facts.push(Fact::new("Objects", objects.to_string(), None));
+                let groups = bodies.iter().filter(|body| body.is_group()).count();
+                facts.push(Fact::new("Groups", groups.to_string(), None));
+            }
         }
         if let Some((table, decision)) = table_of(seen) {
             tables.extend(correspondence(table, decision));
