@@ -347,7 +347,8 @@ fn objects_and_masks_are_exported() {
     window.command(Command::ExportVectors);
     let tracks = folder.path().join("tracks.txt");
     write_to(&mut window, &tracks);
-    assert!(fs::read_to_string(&tracks).expect("it is written").starts_with("1,1,"));
+    let rows = fs::read_to_string(&tracks).expect("it is written");
+    assert!(rows.starts_with("1,") && rows.lines().all(|row| row.ends_with(",1,-1,-1,-1")), "{rows}");
     window.command(Command::ExportMasks);
     assert!(window.harness.query_by_label("Where to write it").is_none(), "a tracker makes no masks");
     choose(&mut window, "Frame difference");

@@ -33,6 +33,7 @@ fn what_looks_at_single_frames_is_seen_by_itself() {
     assert_eq!(pictures(&window), 1, "a frame by itself");
     choose(&mut window, "Diamond search");
     assert_eq!(pictures(&window), 2, "a pair again");
+    assert_eq!(pictures(&self::window("harris", "3.2")), 1, "as a session opens it");
 }
 
 #[test]

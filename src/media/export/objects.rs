@@ -117,7 +117,7 @@ fn trajectories(field: &ObjectField) -> Table<10> {
     let row = |of: &Trajectory, seen: &Sighting| {
         let [x, y] = seen.at.map(Cell::Real);
         let speed = |v: Option<[f64; 2]>| v.map_or(Cell::Empty, |[u, v]| Cell::Real(u.hypot(v)));
-        let heading = seen.velocity.filter(|v| *v != [0.0; 2]).map(|[u, v]| (-v).atan2(u).to_degrees());
+        let heading = seen.velocity.filter(|v| *v != [0.0; 2]).map(|[u, v]| (-v).atan2(u).to_degrees() + 0.0);
         let crossing = of.crossings.iter().find(|crossing| crossing.frame == seen.frame);
         let is_inside = of.stays.iter().any(|stay| (stay.entered..=stay.last).contains(&seen.frame));
         [

@@ -120,8 +120,8 @@ pub fn height_below(ui: &Ui, input: &Input<'_>, state: &mut State) -> f32 {
         if known.width != width || known.theme != input.theme {
             *known = Height { width, theme: input.theme, lines: 1 };
         }
-        // What is dragged must not slip away under the mouse.
-        if !ui.input(|i| i.pointer.any_down()) {
+        // What is dragged must not slip away under the mouse, nor where it is dropped.
+        if state.grip.is_none() && !ui.input(|i| i.pointer.any_down()) {
             known.lines = known.lines.max(lines);
         }
         height += known.lines as f32 * line_height(input.theme) + spacing;
