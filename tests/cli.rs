@@ -594,7 +594,7 @@ fn objects_are_tracked_from_detections_alone_and_scored() {
     assert!(rows.starts_with("1,1,") && rows.lines().all(|row| row.ends_with(",1,-1,-1,-1")), "{rows}");
     let table = fs::read_to_string(folder.path().join("out.csv")).unwrap();
     assert!(table.starts_with("frame,id,x_px,y_px,u_px,v_px,") && table.contains(",confirmed,"), "{table}");
-    let text = stdout(folder.path(), "run det.txt --truth gt.txt --estimator kalman-tracker");
+    let text = stdout(folder.path(), "run det.txt --estimator kalman-tracker");
     assert!(text.contains("scores      MOTA ") && text.contains("0 switches"), "{text}");
     let part = json(folder.path(), "run det.txt --estimator kalman-filter --frames 2..7 --json");
     assert_eq!((&part["frame"], &part["last_frame"], &part["metrics"]["objects"]), (&2.into(), &7.into(), &1.into()));
@@ -624,6 +624,9 @@ fn masks_are_written_one_for_each_frame() {
 fn what_is_wrong_with_detections_is_told() {
     let folder = tempfile::tempdir().unwrap();
     crossing(folder.path());
+    // No truth lies beside it there.
+    fs::create_dir(folder.path().join("alone")).unwrap();
+    fs::copy(folder.path().join("det.txt"), folder.path().join("alone/det.txt")).unwrap();
     fs::write(folder.path().join("bad.txt"), "1,-1,10,10,20,40,0.9\n2,-1,10,10,x,40,0.9\n").unwrap();
     for (line, told) in [
         ("run --detections bad.txt --estimator kalman-tracker", "line 2"),
@@ -635,8 +638,8 @@ fn what_is_wrong_with_detections_is_told() {
         ("run det.txt --estimator full-search --tracks a.txt", "no pictures"),
         ("run synth:traffic,frames=2 --estimator full-search --tracks a.txt", "no objects"),
         ("run det.txt --estimator kalman-tracker --masks m", "no masks"),
-        ("run det.txt --estimator kalman-tracker --set source=truth", "no true objects"),
-        ("run det.txt --estimator kalman-filter --set sensors=two-positions", "no true objects"),
+        ("run alone/det.txt --estimator kalman-tracker --set source=truth", "no true objects"),
+        ("run alone/det.txt --estimator kalman-filter --set sensors=two-positions", "no true objects"),
         ("run det.txt --estimator kalman-tracker --frames 5..5", "forwards"),
         ("run det.txt --estimator kalman-tracker --frames 5..99", "beyond 11, the last frame"),
     ] {
