@@ -281,7 +281,7 @@ fn draw_object(scene: &mut Scene, object: &Object, last: Option<&Sighting>) {
     };
     let Bounds { min, max } = object.bounds;
     scene.mark(Picture::Current, role, Shape::Rect { min, max });
-    scene.mark(Picture::Current, role, Shape::Text { at: min, text: object.id.to_string() });
+    scene.mark_of(object.id, Picture::Current, role, Shape::Text { at: min, text: object.id.to_string() });
     scene.legend(role, meaning);
     if let Some(Sighting { at, velocity: Some(velocity), .. }) = last {
         let (from, to) = (point(*at), point([0, 1].map(|i| at[i] + velocity[i])));
