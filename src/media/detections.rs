@@ -12,8 +12,8 @@ use super::{about, check_size};
 
 /// What lies around boxes where there are no pictures, in px.
 const MARGIN_PX: f32 = 16.0;
-/// So many frames are believed of a table of detections.
-const MOST_FRAMES: usize = 1_000_000;
+/// More detections in a frame are not shared out among objects in any sensible time.
+const MOST_IN_A_FRAME: usize = 5_000;
 
 /// What was detected in each frame, from frame 0 on, by the `det.txt` at `path`.
 ///
@@ -22,11 +22,16 @@ const MOST_FRAMES: usize = 1_000_000;
 pub fn read(path: &Path) -> Result<Vec<Vec<Detection>>, Error> {
     let rows = mot::rows(path)?;
     let last = rows.iter().map(|row| row.frame).max().unwrap_or(0);
-    if last >= MOST_FRAMES {
-        return Err(about(path, &Error::new(format!("frame {} is beyond all that can be shown", last + 1))));
-    }
     let mut frames = vec![Vec::new(); last + 1];
     for row in rows {
+        if frames[row.frame].len() == MOST_IN_A_FRAME {
+            let why = format!(
+                "line {}: frame {} has more than {MOST_IN_A_FRAME} detections; leave out those with low scores",
+                row.line,
+                row.frame + 1
+            );
+            return Err(about(path, &Error::new(why)));
+        }
         let bounds = Bounds { min: row.min, max: [row.min[0] + row.size[0], row.min[1] + row.size[1]] };
         frames[row.frame].push(Detection { bounds, center: bounds.center(), score: row.confidence, blob: None });
     }
@@ -69,8 +74,11 @@ pub fn open(path: &Path) -> Result<Clip, Error> {
         .iter()
         .flatten()
         .fold([1.0_f32; 2], |reach, found| [0, 1].map(|i| reach[i].max(found.bounds.max[i] + MARGIN_PX)));
-    let [width, height] = reach.map(|side| side.ceil().min(1e6) as usize);
-    check_size(width, height).map_err(|error| about(path, &error))?;
+    let [width, height] = reach.map(|side| side.ceil() as usize);
+    if check_size(width, height).is_err() {
+        let why = format!("its boxes need a picture of {width}×{height} px, which is too large; see the farthest ones");
+        return Err(about(path, &Error::new(why)));
+    }
     let clip = Clip::blank(file_name(path), (width, height), frames.len().max(2));
     Ok(clip.with_detections(frames))
 }
@@ -104,6 +112,8 @@ mod tests {
         let told = opened("1,-1,11,21,40,80,0.9\n2,-1,1,1,-4,80,1\n").unwrap_err().to_string();
         assert!(told.contains("det.txt") && told.contains("line 2"), "{told}");
         let told = opened("1,-1,1,1,4,4,1\n1,-1,1,1,900000,80,1\n").unwrap_err().to_string();
-        assert!(told.contains("px"), "{told}");
+        assert!(told.contains("its boxes need") && !told.contains("header"), "{told}");
+        let told = opened(&"1,-1,1,1,4,4,1\n".repeat(5001)).unwrap_err().to_string();
+        assert!(told.contains("line 5001") && told.contains("5000 detections"), "{told}");
     }
 }

@@ -13,8 +13,18 @@ use crate::media::cannot_read;
 /// More than any sequence of the benchmark by a factor of ten.
 const MOST_BYTES: u64 = 256 << 20;
 
+/// No picture is so large, in px: whatever is larger or farther away is a slip.
+const FARTHEST_PX: f64 = 1e6;
+/// Frames beyond these cannot be shown.
+const MOST_FRAMES: u32 = 1_000_000;
+/// The left and top edge of our first pixel lie at −0.5, those of theirs at 1.
+const FIRST_PX: f64 = 1.5;
+
 /// One row of a table.
+#[derive(Debug)]
 pub(crate) struct Row {
+    /// Its line in the file, counted from 1.
+    pub line: usize,
     /// The frame, counted from 0.
     pub frame: usize,
     /// The identity; `None` for a detection, which has none.
@@ -49,12 +59,12 @@ pub(crate) fn rows(path: &Path) -> Result<Vec<Row>, Error> {
 
 /// Whether a line is a row of such a table that tells of a detection, which has no identity.
 pub(crate) fn is_detection(line: &str) -> bool {
-    row(line).is_ok_and(|row| row.id.is_none())
+    row(1, line).is_ok_and(|row| row.id.is_none())
 }
 
 /// Whether a line is a row of such a table that tells of an object with an identity.
 pub(crate) fn is_object(line: &str) -> bool {
-    row(line).is_ok_and(|row| row.id.is_some())
+    row(1, line).is_ok_and(|row| row.id.is_some())
 }
 
 fn text(path: &Path) -> Result<String, Error> {
@@ -69,16 +79,15 @@ fn text(path: &Path) -> Result<String, Error> {
 
 fn parse(text: &str) -> Result<Vec<Row>, String> {
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let rows = lines.map(|(i, line)| row(line).map_err(|why| format!("line {}: {why}", i + 1)));
+    let rows = lines.map(|(i, line)| row(i + 1, line).map_err(|why| format!("line {}: {why}", i + 1)));
     rows.collect()
 }
 
 fn objects(text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, String> {
     let mut frames: BTreeMap<usize, Vec<ObjectBox>> = BTreeMap::new();
-    for (i, row) in parse(text)?.into_iter().enumerate().filter(|(_, row)| row.confidence != 0.0) {
-        let Row { frame, id, min: [x, y], size: [width, height], visibility, .. } = row;
-        let id =
-            id.ok_or_else(|| format!("line {}: identity -1 is a detection, not a track; give the gt.txt", i + 1))?;
+    for row in parse(text)?.into_iter().filter(|row| row.confidence != 0.0) {
+        let Row { line, frame, id, min: [x, y], size: [width, height], visibility, .. } = row;
+        let id = id.ok_or_else(|| format!("line {line}: identity -1 is a detection, not a track; give the gt.txt"))?;
         frames.entry(frame).or_default().push(ObjectBox { id, x, y, width, height, visibility });
     }
     if frames.is_empty() {
@@ -90,25 +99,39 @@ fn objects(text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, String> {
     Ok(frames)
 }
 
-fn row(line: &str) -> Result<Row, String> {
-    let cells = line.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+fn row(line: usize, text: &str) -> Result<Row, String> {
+    let cells = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
     let &[frame, id, left, top, width, height, ref rest @ ..] = cells.as_slice() else {
         return Err(format!(
             "{} values where at least 6 are needed (frame, id, left, top, width, height)",
             cells.len()
         ));
     };
-    let frame = whole("frame", frame, 1.0)? as usize - 1;
+    let frame = whole("frame", frame, 1.0)?;
+    if frame > MOST_FRAMES {
+        return Err(format!("frame {frame} is beyond {MOST_FRAMES}, the last that can be shown"));
+    }
     let id = if id == -1.0 { None } else { Some(whole("identity", id, 0.0)?) };
     if width <= 0.0 || height <= 0.0 {
         return Err(format!("a box of {width}×{height} px has no area"));
     }
+    let far = [left, top, width, height].into_iter().find(|side| side.abs() > FARTHEST_PX);
+    if let Some(far) = far {
+        return Err(format!("{far} px is more than {FARTHEST_PX} px, the most that a box may have"));
+    }
     // Nine columns end in the visibility; the older ten end in a place in the world.
     let visibility = if let &[_, _, visibility] = rest { visibility.clamp(0.0, 1.0) as f32 } else { 1.0 };
     let confidence = rest.first().map_or(1.0, |&confidence| confidence as f32);
-    // The left edge of our first pixel lies at −0.5, that of theirs at 1.
-    let min = [(left - 1.5) as f32, (top - 1.5) as f32];
-    Ok(Row { frame, id, min, size: [width as f32, height as f32], confidence, visibility })
+    if !confidence.is_finite() {
+        return Err(format!("confidence {} is too large", rest[0]));
+    }
+    let min = [left, top].map(|edge| (edge - FIRST_PX) as f32);
+    let size = [width, height].map(|side| side as f32);
+    // Less than a float can tell apart is nothing.
+    if size.iter().any(|side| *side <= 0.0) {
+        return Err(format!("a box of {width}×{height} px has no area"));
+    }
+    Ok(Row { line, frame: frame as usize - 1, id, min, size, confidence, visibility })
 }
 
 fn number(cell: &str) -> Result<f64, String> {
@@ -155,9 +178,16 @@ mod tests {
             ("1,1,nan,1,4,4", "“nan”"),
             ("1,1,1,1,0,4", "no area"),
             ("99999999999,1,1,1,4,4", "whole number"),
+            ("2000000,1,1,1,4,4", "beyond 1000000"),
+            ("1,1,-1e300,1,4,4", "more than 1000000 px"),
+            ("1,1,1,1,1e300,4", "more than 1000000 px"),
+            ("1,1,1,1,4,1e-300", "no area"),
+            ("1,1,1,1,4,4,1e300", "confidence"),
         ] {
             assert!(told(row).starts_with("line 2: ") && told(row).contains(why), "{row}: {}", told(row));
         }
+        let told = objects("1,1,1,1,4,4\n\n\n1,1,9,1,4,4,0\n1,-1,1,1,4,4\n").unwrap_err();
+        assert!(told.starts_with("line 5: identity"), "blank lines and those left out count: {told}");
         assert!(objects("").is_err());
     }
 
@@ -179,8 +209,18 @@ mod tests {
         }
 
         #[test]
-        fn anything_is_read_or_told(text in "[0-9,.e\\-\n ]{0,40}") {
-            let _ = objects(&text);
+        fn anything_is_read_as_finite_numbers_or_told(
+            cells in prop::collection::vec("[1-9]|-1|0|-?[0-9]{1,3}(\\.[0-9])?(e-?[0-9]{1,3})?|", 5..10),
+        ) {
+            match parse(&cells.join(",")) {
+                Err(told) => prop_assert!(told.starts_with("line 1: "), "{}", told),
+                Ok(rows) => for row in rows {
+                    let numbers = [row.min, row.size].concat();
+                    prop_assert!(numbers.iter().all(|v| v.is_finite()) && row.confidence.is_finite(), "{:?}", row);
+                    let ends = [0, 1].map(|i| row.min[i] + row.size[i] - row.min[i]);
+                    prop_assert!(ends.iter().all(|v| v.is_finite()) && row.size.iter().all(|v| *v > 0.0), "{:?}", row);
+                },
+            }
         }
     }
 }
