@@ -19,15 +19,15 @@ subtraction_params! {
         modes: usize = 5, 1..=8;
         /// How much a frame counts: the larger, the sooner something that stands still becomes background.
         rate: f32 = 0.005, 0.0..=1.0;
-        /// A pixel belongs to a mode if it is not farther from it than so many standard deviations.
+        /// A pixel belongs to a mode if it is not farther from it than so many σ, the root of the mean squared distance of the mode's pixels, all channels together. Stauffer and Grimson took 2.5, Zivkovic 3.
         threshold: f32 = 4.0, 0.5..=20.0, "σ";
         /// The heaviest modes that together have this share of the weight are the background.
         background: f32 = 0.9, 0.0..=1.0;
         /// How much evidence a mode needs to last, as a share of the data: without it its weight falls to nothing; 0 keeps all modes, as Stauffer and Grimson did.
         prune: f32 = 0.05, 0.0..=0.5;
-        /// Standard deviation of a new mode, in gray levels.
+        /// σ of a new mode, in gray levels: the root of the mean squared distance from its mean, all channels together. In colour that is √3 of what one channel strays.
         first_sigma: f32 = 4.0, 0.5..=50.0;
-        /// No standard deviation becomes less than this, in gray levels.
+        /// No σ becomes less than this, in gray levels.
         min_sigma: f32 = 2.0, 0.5..=50.0;
         /// Take shadows off the foreground: what has a background's colour, but is darker. Gray pictures do not tell.
         shadows: bool = true;
@@ -37,7 +37,7 @@ subtraction_params! {
     open: 1, close: 2
 }
 
-/// No standard deviation becomes more than so many times that of a new mode.
+/// No σ becomes more than so many times that of a new mode.
 const MAX_SIGMAS: f32 = 2.25;
 
 impl Background for MixtureOfGaussians {

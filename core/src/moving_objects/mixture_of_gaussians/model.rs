@@ -8,19 +8,19 @@ use crate::subtraction::Found;
 use crate::wide::{LANES, widest};
 use crate::{Frame, Mask, Threads};
 
-/// A normal distribution with the same variance along all channels, which have none in common.
+/// What a pixel may look like: a mean, and how far its frames stray from that in any direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
     /// Its share of the frames, 0 to 1.
     pub weight: f32,
-    /// The mean of |I − μ|² over the frames, all channels together.
+    /// The mean of |I − μ|² over the frames, all channels together: of n channels that stray alike, n times the variance of one.
     pub variance: f32,
     /// The mean: the gray value, or red, green and blue.
     pub mean: Vec<f32>,
 }
 
 impl Mode {
-    /// How far a pixel is from the mean, in standard deviations.
+    /// How far a pixel is from the mean, in roots of that.
     pub fn distance(&self, pixel: &[f32]) -> f32 {
         let square: f32 = pixel.iter().zip(&self.mean).map(|(pixel, mean)| (pixel - mean) * (pixel - mean)).sum();
         (square / self.variance).sqrt()
