@@ -177,11 +177,7 @@ impl Objects {
             believed.map(|object| object.id).collect::<Vec<_>>()
         };
         let ids: BTreeSet<u32> = field.frames.iter().flat_map(confirmed).collect();
-        // Where nobody tracks there is nothing to score.
-        let scores = match truth.filter(|_| !ids.is_empty()) {
-            Some(truth) => score::scores(field, truth)?,
-            None => None,
-        };
+        let scores = truth.map(|truth| score::scores(field, truth)).transpose()?.flatten();
         Ok(Self {
             frames: field.frames.len(),
             detections: field.frames.iter().map(|frame| frame.detections.len()).sum(),

@@ -593,7 +593,10 @@ fn objects_are_tracked_from_detections_alone_and_scored() {
     let rows = fs::read_to_string(folder.path().join("out.txt")).unwrap();
     assert!(rows.starts_with("1,1,") && rows.lines().all(|row| row.ends_with(",1,-1,-1,-1")), "{rows}");
     let table = fs::read_to_string(folder.path().join("out.csv")).unwrap();
-    assert!(table.starts_with("frame,id,x_px,y_px,u_px,v_px,") && table.contains(",confirmed,"), "{table}");
+    assert!(
+        table.starts_with("frame,id,x_px,y_px,u_px_per_frame,v_px_per_frame,") && table.contains(",confirmed,"),
+        "{table}"
+    );
     let text = stdout(folder.path(), "run det.txt --estimator kalman-tracker");
     assert!(text.contains("scores      MOTA ") && text.contains("0 switches"), "{text}");
     let part = json(folder.path(), "run det.txt --estimator kalman-filter --frames 2..7 --json");

@@ -57,7 +57,7 @@ pub use histogram::{Counted, Histogram};
 pub use interpolation::Interpolation;
 pub use levels::{Floor, Level, Levels, Stack};
 pub use lockstep::{Beside, Lockstep, Pace};
-pub use objects::{Blob, Bounds, Detection, Life, Mask, Object, ObjectField, ObjectFrame};
+pub use objects::{Blob, Bounds, Detection, Followed, Life, Mask, Object, ObjectField, ObjectFrame, PackedMask};
 pub use output::{
     Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Feature, Output, PointField, Status, Track,
     TrackField, predict,

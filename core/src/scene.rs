@@ -484,10 +484,10 @@ pub struct Matrix {
     /// Its entries.
     pub entries: Grid<f64>,
     /// What stands for each row, as `x` and `v_x`; nothing where that is clear.
-    pub rows: Vec<&'static str>,
+    pub rows: Vec<String>,
     /// The same for the columns.
-    pub columns: Vec<&'static str>,
-    /// The entries that this step has changed.
+    pub columns: Vec<String>,
+    /// The entries that this step has changed, or is about.
     pub changed: Option<Grid<bool>>,
 }
 

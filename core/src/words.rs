@@ -65,6 +65,18 @@ pub fn pixel((x, y): (usize, usize)) -> String {
     format!("({x},\u{a0}{y})")
 }
 
+/// Words at the beginning of a sentence.
+pub fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect()
+}
+
+/// A share of 0 to 1 in percent, as exactly as a person typed it.
+pub fn percent(share: f32) -> String {
+    let digits = format!("{:.4}", 100.0 * share);
+    format!("{} %", digits.trim_end_matches('0').trim_end_matches('.'))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,5 +87,6 @@ mod tests {
         assert_eq!(told, ["0.00", "0.00000", "−0.00123", "0.0123", "0.123", "−3.46", "12.3", "−255"]);
         assert_eq!((plus(-2.0), plus(0.5)), ("− 2.00".into(), "+ 0.500".into()));
         assert_eq!(place([126.737, -3.0]), "(126.74,\u{a0}−3.00)");
+        assert_eq!([0.9999, 0.99, 0.5].map(percent), ["99.99 %", "99 %", "50 %"]);
     }
 }

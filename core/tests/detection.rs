@@ -62,7 +62,12 @@ fn objects(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
 
 /// The masks of all frames but the first.
 fn masks(estimator: &dyn AnyEstimator, clip: &Clip) -> Vec<Mask> {
-    objects(estimator, clip).frames.iter().skip(1).map(|frame| frame.mask.clone().expect("a mask")).collect()
+    objects(estimator, clip)
+        .frames
+        .iter()
+        .skip(1)
+        .map(|frame| frame.mask.as_ref().expect("a mask").unpacked())
+        .collect()
 }
 
 /// The masks that a plain model of a pixel gives, which is made of its values in the first frame.

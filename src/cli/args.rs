@@ -84,7 +84,7 @@ Examples:
         #[arg(long)]
         list: bool,
     },
-    /// Runs an estimator on a pair of frames and tells its time and errors.
+    /// Runs an estimator on a pair of frames, or through several, and tells its time and errors.
     #[command(after_help = "\
 Examples:
   motionscope run frame10.png --estimator full-search --truth flow10.flo --json
@@ -250,7 +250,7 @@ pub struct RunArgs {
     /// Writes the dense flow: Middlebury .flo, KITTI .png or .npy; `-` is a .flo on standard output.
     #[arg(long, value_name = "FILE")]
     pub flow: Option<PathBuf>,
-    /// Writes the vectors as CSV; `-` is standard output.
+    /// Writes vectors, points, objects or detections as CSV; `-` is standard output.
     #[arg(long, value_name = "FILE.csv")]
     pub table: Option<PathBuf>,
     /// Writes the objects that were tracked: .txt as MOTChallenge rows, .csv with units, .npy; `-` is standard output.

@@ -57,7 +57,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
         files.push((path, export::csv(&output).into_bytes()));
     }
     if let Some((path, format)) = outputs.tracks {
-        files.push((path, format.encode(objects(&output, &task)?)));
+        files.push((path, format.encode(objects(&output, &task)?)?));
     }
     let masks = args.masks.as_ref().map(|_| export::masks(objects(&output, &task)?)).transpose()?;
     let is_piped = files.iter().any(|(path, _)| *path == Path::new("-"));

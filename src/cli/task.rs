@@ -73,9 +73,13 @@ impl Task {
                 return Err(Error::new(format!("--frames {first}..{last} goes beyond {}, the last frame", end)));
             }
             task.frame = first;
-            task.estimator.set("frames", &(last - first + 1).to_string()).map_err(|_| {
-                Error::new(format!("{} works on one pair of frames; give --frame in the place of --frames", info.id))
-            })?;
+            if !task.estimator.values().iter().any(|(name, _)| *name == "frames") {
+                return Err(Error::new(format!(
+                    "{} works on one pair of frames; give --frame in the place of --frames",
+                    info.id
+                )));
+            }
+            task.estimator.set("frames", &(last - first + 1).to_string())?;
         }
         for setting in &args.set {
             task.company.set(&mut *task.estimator, setting)?;

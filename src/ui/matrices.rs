@@ -10,8 +10,9 @@ use crate::paint::{Face, Theme, number};
 
 /// Between two matrices, in letters.
 const GAP_LETTERS: f32 = 1.6;
-/// Width of a column, in letters.
+/// Least width of a column, in letters, and what lies between one and what stands in the next.
 const COLUMN_LETTERS: f32 = 5.4;
+const COLUMN_GAP_LETTERS: f32 = 1.2;
 /// Height of a row, in letters.
 const ROW_LETTERS: f32 = 1.6;
 
@@ -42,12 +43,16 @@ struct Place {
 fn one(ui: &mut Ui, matrix: &Matrix, theme: Theme) {
     let small = theme.sizes().small;
     let (width, height) = matrix.entries.size();
-    let named = |names: &[&str], letters: f32| if names.is_empty() { 0.0 } else { letters * small };
+    let long = |text: String| ui.painter().layout_no_wrap(text, ink::font(Face::Sans, small), Color32::WHITE).size().x;
+    let longest = |texts: &mut dyn Iterator<Item = String>| texts.map(long).fold(0.0, f32::max);
+    let widest = longest(&mut matrix.entries.cells().iter().map(|value| number(*value as f32)));
+    let widest = widest.max(longest(&mut matrix.columns.iter().cloned())) + COLUMN_GAP_LETTERS * small;
+    let rows = longest(&mut matrix.rows.iter().cloned());
     let place = Place {
         head: 1.9 * small,
-        columns: named(&matrix.columns, ROW_LETTERS),
-        rows: named(&matrix.rows, 2.2),
-        cell: vec2(COLUMN_LETTERS, ROW_LETTERS) * small,
+        columns: if matrix.columns.is_empty() { 0.0 } else { ROW_LETTERS * small },
+        rows: if matrix.rows.is_empty() { 0.0 } else { (rows + small).max(2.2 * small) },
+        cell: vec2(widest.max(COLUMN_LETTERS * small), ROW_LETTERS * small),
     };
     let body = vec2(place.rows + place.cell.x * width as f32, place.columns + place.cell.y * height as f32);
     let name = ui.painter().layout_no_wrap(heading(matrix), ink::font(Face::Sans, small), Color32::WHITE);
@@ -76,6 +81,9 @@ fn head(ui: &mut Ui, matrix: &Matrix, theme: Theme) {
 fn entries(ui: &Ui, matrix: &Matrix, origin: egui::Pos2, place: &Place, theme: Theme) {
     let (chrome, small) = (theme.chrome(), theme.sizes().small);
     let (width, height) = matrix.entries.size();
+    if width == 0 || height == 0 {
+        return;
+    }
     let painter = ui.painter();
     let cell = |x: usize, y: usize| Rect::from_min_size(origin + place.cell * vec2(x as f32, y as f32), place.cell);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {

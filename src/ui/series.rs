@@ -40,7 +40,12 @@ pub fn show(ui: &mut Ui, input: Input<'_>) -> Response {
     sections(&painter, &plot, series, theme);
     let lines = painter.with_clip_rect(plot.rect.expand(4.0).intersect(area));
     for (_, role, points) in &series.lines {
-        line(&lines, &plot, *role, points, theme);
+        if are_marks(series, *role, points) {
+            let stroke = Stroke::new(1.5, ink::color(theme.word(*role)));
+            points.iter().for_each(|&point| _ = lines.circle_stroke(plot.at(point), 4.0, stroke));
+        } else {
+            line(&lines, &plot, *role, points, theme);
+        }
     }
     let hovered = sensed.hover_pos().map(|at| plot.x.value(at.x));
     if let Some(x) = hovered.and_then(|x| nearest(series, x)) {
@@ -167,6 +172,12 @@ fn named(places: &[(f32, bool)], widths: &[f32], end: f32) -> Vec<bool> {
         }
     }
     is_named
+}
+
+/// Whether points mark values of another line that were rejected: these have nothing between them.
+fn are_marks(series: &Series, role: Role, points: &[[f32; 2]]) -> bool {
+    let Some(first) = points.first().filter(|_| role == Role::Rejected) else { return false };
+    series.lines.iter().any(|(_, other, points)| *other != role && points.contains(first))
 }
 
 /// A line in its role's colour. A best value holds until it is beaten: it goes in steps.
@@ -344,6 +355,15 @@ mod tests {
             [None, Some(537.0), Some(537.0), Some(511.0)]
         );
         assert_eq!(value(Role::Candidate, &series.lines[0].2, 2.5), None);
+    }
+
+    #[test]
+    fn rejected_values_of_another_line_are_marked() {
+        let mut series = series(10);
+        let some = vec![series.lines[0].2[3], series.lines[0].2[7]];
+        assert!(are_marks(&series, Role::Rejected, &some) && !are_marks(&series, Role::Error, &some));
+        series.lines[0].2.clear();
+        assert!(!are_marks(&series, Role::Rejected, &some), "a line of its own");
     }
 
     #[test]

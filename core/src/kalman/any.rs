@@ -3,7 +3,6 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::{Acceleration, Estimate, Motion, Sensor, Turn, Velocity, smoothed};
-use crate::objects::{Bounds, Life, Object};
 use crate::{Grid, choices};
 
 /// What is believed, and how it moves.
@@ -133,10 +132,6 @@ fn begun<const N: usize>(motion: &impl Motion<N>, first: &Measurement, speed: f6
     deviations[..2].fill(first.place_deviation);
     let mut state = SVector::zeros();
     (state[0], state[1]) = first.place.into();
-    if let Some((velocity, deviation)) = first.velocity {
-        deviations[2..4].fill(deviation);
-        (state[2], state[3]) = velocity.into();
-    }
     let covariance = SMatrix::from_diagonal(&SVector::from(deviations).map(|deviation| deviation * deviation));
     Estimate { state, covariance }
 }
@@ -187,12 +182,24 @@ fn grid<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> Grid<f64
 }
 
 impl Filter {
-    /// What is believed after a first measurement of something whose speed may be about `speed` px/frame.
+    /// What is believed after a first measurement of something whose speed may be about `speed` px/frame; how it moves is not
+    /// taken from the measurement.
     pub fn begun(model: Model, first: &Measurement, speed: f64) -> Self {
         match model {
             Model::Velocity(motion) => Self::Velocity(motion, begun(&motion, first, speed)),
             Model::Acceleration(motion) => Self::Acceleration(motion, begun(&motion, first, speed)),
             Model::Turn(motion) => Self::Turn(motion, begun(&motion, first, speed)),
+        }
+    }
+
+    /// The same belief of something that goes on by another model of the same kind.
+    #[must_use]
+    pub fn going_by(&self, model: Model) -> Self {
+        match (*self, model) {
+            (Self::Velocity(_, estimate), Model::Velocity(motion)) => Self::Velocity(motion, estimate),
+            (Self::Acceleration(_, estimate), Model::Acceleration(motion)) => Self::Acceleration(motion, estimate),
+            (Self::Turn(_, estimate), Model::Turn(motion)) => Self::Turn(motion, estimate),
+            (same, _) => same,
         }
     }
 
@@ -265,19 +272,6 @@ impl Filter {
         let ([x, y], [[xx, xy], [yx, yy]]) = (self.place(), self.place_covariance());
         let place = Estimate::<2> { state: [x, y].into(), covariance: SMatrix::from([[xx, yx], [xy, yy]]) };
         place.squared_error(&truth.into())
-    }
-
-    /// The object that it follows, in a box of this size around its place.
-    pub fn object(&self, id: u32, size: [f32; 2], life: Life) -> Object {
-        Object {
-            id,
-            bounds: Bounds::around(self.place().map(|c| c as f32), size),
-            life,
-            position: self.place(),
-            velocity: Some(self.velocity()),
-            covariance: Some(self.place_covariance()),
-            detection: None,
-        }
     }
 
     /// How far what is known of the next frame reaches back, C of [`smoothed`]; `None` where the covariance of the prediction is

@@ -10,8 +10,8 @@ use crate::scene::{Chart, Step};
 use crate::span::Span;
 use crate::subtraction::{HasSettings, cleaned, sifted, subtraction_params};
 use crate::{
-    Clip, Detection, Error, Estimator, Frame, Grid, Info, Mask, ObjectFrame, Observer, Output, Progress, Promise, Rung,
-    Scene, Seen, Threads, choices,
+    Clip, Detection, Error, Estimator, Frame, Grid, Info, Mask, ObjectFrame, Observer, Output, PackedMask, Progress,
+    Promise, Rung, Scene, Seen, Threads, choices,
 };
 
 use super::FrameDifference;
@@ -109,7 +109,7 @@ impl ConnectedComponents {
         });
         let [kept, dropped] = sifted(self.settings(), finals.detections(&state.labelling, given.frame.luma()));
         observer.see(|| Event::Kept(Arc::clone(given), Arc::new([kept.clone(), dropped])));
-        let found = ObjectFrame { mask: Some(given.mask.clone()), detections: kept, objects: Vec::new() };
+        let found = ObjectFrame { mask: Some(PackedMask::new(&given.mask)), detections: kept, objects: Vec::new() };
         state.record.note(found);
         (state.frame, state.row, state.given) = (state.frame + 1, 0, None);
         state.labelling = Arc::new(Labelling::new(self.connectivity));

@@ -73,7 +73,7 @@ impl Background for FrameDifference {
         rungs: &["clip", "frame", "stage"],
         frames: 2,
     };
-    const SHOWN: &'static str = "|I(t) − I(t−1)|";
+    const SHOWN: &'static str = "|I(t) − B|, B the frame before, of two the nearer one";
     /// The frames before, the last one first.
     type Model = Vec<Arc<Frame>>;
 
@@ -92,18 +92,23 @@ impl Background for FrameDifference {
         f32::from(model[0].luma()[place])
     }
 
+    fn compared_with(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32 {
+        // Of two frames before, the one that is nearer to the value decides.
+        let value = f32::from(frame.luma()[place]);
+        let before = model.iter().map(|earlier| f32::from(earlier.luma()[place]));
+        before.reduce(|a, b| if (b - value).abs() < (a - value).abs() { b } else { a }).unwrap_or(value)
+    }
+
     fn difference(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32 {
-        let off = |before: &Arc<Frame>| f32::from(before.luma()[place].abs_diff(frame.luma()[place]));
-        model.iter().map(off).fold(f32::INFINITY, f32::min)
+        (f32::from(frame.luma()[place]) - self.compared_with(model, frame, place)).abs()
     }
 
     fn explain(&self, [before, _]: [Option<&Self::Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
         let value = f32::from(frame.luma()[place]);
-        // Of two frames before, the one that is nearer to the value decides.
         let of = |earlier: &Arc<Frame>| f32::from(earlier.luma()[place]);
-        let nearest = before.iter().map(of).reduce(|a, b| if (b - value).abs() < (a - value).abs() { b } else { a });
-        let mut explanation = compared(value, (nearest.unwrap_or(value), "B"), self.threshold as f32);
+        let nearest = self.compared_with(before, frame, place);
+        let mut explanation = compared(value, (nearest, "B"), self.threshold as f32);
         if let [last, earlier] = &before[..] {
             let [last, earlier] = [last, earlier].map(|frame| words::number(of(frame)));
             explanation.facts.push(Fact::new(

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::lives::{Age, Rules};
 use super::source::{Detector, Given, Noise, Source};
-use super::{Bounds, Detection, Life, Object, ObjectField, ObjectFrame};
+use super::{Bounds, Detection, Followed, Life, Object, ObjectField, ObjectFrame};
 use crate::params::Spots;
 use crate::span::Span;
 use crate::{Clip, Error, Progress, Rung};
@@ -26,7 +26,7 @@ macro_rules! tracker_params {
                 source: $crate::objects::source::Source = $crate::objects::source::Source::Auto;
                 /// Places in frames, clicked on the picture, that stand for what a detector finds.
                 clicks: $crate::params::Spots = $crate::params::Spots::default();
-                /// Detections with a lower score are left out.
+                /// Detections beside the clip with a lower score are left out.
                 min_score: f32 = 0.3, -1000.0..=1000.0;
                 /// Standard deviation of the noise that a true place is measured with.
                 added_noise: f32 = 2.0, 0.0..=100.0, "px";
@@ -35,11 +35,11 @@ macro_rules! tracker_params {
                 $($own)*
                 /// An object is believed in once it was seen in so many frames.
                 confirm: usize = 3, 1..=50;
-                /// An object is given up after so many frames in a row in which it was not seen; one that is not believed in after the first.
+                /// An object is given up once it was not seen in more than so many frames in a row; one that is not believed in after the first.
                 patience: usize = 15, 0..=500;
-                /// Once an object is believed in, it counts from where it was first seen.
+                /// Once an object is believed in, it counts from where it was first seen. This looks back in time: a live camera could not tell so early.
                 backdate: bool = true;
-                /// Where an object comes back after some frames, it is put in between as well, on a straight line.
+                /// Where an object comes back after some frames, it is put in between as well, on a straight line. This looks back in time: a live camera would have shown the gap.
                 bridge: bool = true;
             }
         }
@@ -107,14 +107,23 @@ impl Course {
         &self.frames
     }
 
-    /// What is detected in the frame that comes next.
+    /// What is detected in the frame that comes next, and how much of it is left out because of its score.
     ///
     /// # Errors
     /// If the frame or the truth cannot be read.
-    pub fn look(&self, clip: &Clip) -> Result<Vec<Detection>, Error> {
+    pub fn look(&self, clip: &Clip) -> Result<(Vec<Detection>, usize), Error> {
         let mut detections = self.detector.look(clip, self.frame())?;
-        detections.retain(|detection| detection.score >= self.min_score);
-        Ok(detections)
+        let found = detections.len();
+        if self.detector.tells_scores() {
+            detections.retain(|detection| detection.score >= self.min_score);
+        }
+        let left_out = found - detections.len();
+        Ok((detections, left_out))
+    }
+
+    /// Width and height of the picture in px.
+    pub fn picture(&self) -> (usize, usize) {
+        self.picture
     }
 
     /// The identity of a new object.
@@ -154,8 +163,15 @@ impl Course {
             let bounds = Bounds { min: between(from.bounds.min, now.min), max: between(from.bounds.max, now.max) };
             if let Some(i) = frame.objects.iter().position(|other| other.id == object.id) {
                 let other = &mut Arc::make_mut(frame).objects[i];
-                (other.bounds, other.life) = (bounds, Life::Confirmed);
-                other.position = bounds.center().map(f64::from);
+                // Where it was is known by now, but how it moved and how sure that is was only predicted.
+                *other = Object {
+                    bounds,
+                    life: Life::Confirmed,
+                    position: bounds.center().map(f64::from),
+                    velocity: None,
+                    covariance: None,
+                    ..*other
+                };
             }
         }
     }
@@ -180,6 +196,7 @@ impl Course {
     /// What all frames came to.
     pub fn field(&self) -> ObjectField {
         ObjectField {
+            followed: Followed::All,
             picture: self.picture,
             first: self.span.first,
             frames: self.frames.clone(),

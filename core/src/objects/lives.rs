@@ -7,7 +7,7 @@ use super::Life;
 pub(crate) struct Rules {
     /// An object is believed in once it was seen in so many frames.
     pub confirm: usize,
-    /// It is given up after so many frames in a row in which it was not seen; one that is not believed in after the first.
+    /// It is given up once it was not seen in more than so many frames in a row; one that is not believed in after the first.
     pub patience: usize,
     /// Once it is believed in, it counts from where it was first seen.
     pub backdate: bool,

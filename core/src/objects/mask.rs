@@ -85,6 +85,48 @@ impl Mask {
     }
 }
 
+/// A mask that takes little memory, to be kept: a bit for each of its words, and only the words that are not 0.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PackedMask {
+    size: (usize, usize),
+    is_there: Vec<u64>,
+    words: Vec<u64>,
+}
+
+impl PackedMask {
+    /// The same pixels.
+    pub fn new(mask: &Mask) -> Self {
+        let bits = mask
+            .words
+            .chunks(BITS)
+            .map(|words| words.iter().enumerate().fold(0, |bits, (i, word)| bits | u64::from(*word != 0) << i));
+        let words = mask.words.iter().copied().filter(|word| *word != 0);
+        Self { size: mask.size(), is_there: bits.collect(), words: words.collect() }
+    }
+
+    /// The mask that it was made of.
+    pub fn unpacked(&self) -> Mask {
+        let (width, height) = self.size;
+        let mut mask = Mask::new(width, height);
+        let mut words = self.words.iter();
+        for (words_of_bits, bits) in mask.words.chunks_mut(BITS).zip(&self.is_there) {
+            let there = words_of_bits.iter_mut().enumerate().filter(|(i, _)| bits >> i & 1 == 1);
+            there.zip(&mut words).for_each(|((_, word), packed)| *word = *packed);
+        }
+        mask
+    }
+
+    /// How many pixels are set.
+    pub fn count(&self) -> usize {
+        self.words.iter().map(|word| word.count_ones() as usize).sum()
+    }
+
+    /// Memory that it takes, in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.is_there[..]) + size_of_val(&self.words[..])
+    }
+}
+
 impl fmt::Debug for Mask {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Mask {}×{}, {} set: {:x?}", self.width, self.height, self.count(), self.words)
@@ -101,6 +143,20 @@ pub(super) mod tests {
             let hash = ((x as u64 * 0x9E37_79B9) ^ (y as u64 * 0x85EB_CA6B)).wrapping_mul(0x2545_F491_4F6C_DD1D);
             (hash >> 33) % 100 < share
         })
+    }
+
+    #[test]
+    fn a_packed_mask_is_the_same_and_small() {
+        for (width, height) in [(1, 1), (65, 2), (640, 48), (1920, 70)] {
+            for share in [0, 1, 50, 100] {
+                let mask = scattered(width, height, share);
+                let packed = PackedMask::new(&mask);
+                assert_eq!((packed.unpacked(), packed.count()), (mask.clone(), mask.count()));
+                assert!(packed.bytes() <= mask.bytes() + mask.bytes().div_ceil(BITS) + 8);
+            }
+        }
+        let object = Mask::from_fn(1920, 1080, |x, y| (900..1000).contains(&x) && (400..600).contains(&y));
+        assert!(40 * PackedMask::new(&object).bytes() < object.bytes() * 2, "one object of 100×200 px");
     }
 
     #[test]

@@ -4,6 +4,7 @@ pub mod assignment;
 mod components;
 pub(crate) mod course;
 pub mod directions;
+mod extent;
 pub(crate) mod lives;
 mod mask;
 mod morphology;
@@ -13,10 +14,12 @@ pub mod source;
 pub(crate) mod tell;
 pub mod trajectory;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
-pub use mask::Mask;
+pub use extent::Extent;
+pub use mask::{Mask, PackedMask};
 pub use morphology::MAX_RADIUS_PX;
 pub use record::Record;
 
@@ -46,6 +49,13 @@ impl Bounds {
     /// Width and height.
     pub fn size(&self) -> [f32; 2] {
         [0, 1].map(|i| self.max[i] - self.min[i])
+    }
+
+    /// The same rectangle elsewhere.
+    #[must_use]
+    pub fn moved(&self, by: [f32; 2]) -> Self {
+        let add = |corner: [f32; 2]| [0, 1].map(|i| corner[i] + by[i]);
+        Self { min: add(self.min), max: add(self.max) }
     }
 
     /// The area in px².
@@ -156,16 +166,29 @@ pub struct Object {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjectFrame {
     /// The pixels that do not belong to the background, where that was asked.
-    pub mask: Option<Mask>,
+    pub mask: Option<PackedMask>,
     /// What was detected.
     pub detections: Vec<Detection>,
-    /// The objects, by identity; none where nobody tracks them.
+    /// The objects, by identity; none where [`Followed::Nobody`] is.
     pub objects: Vec<Object>,
+}
+
+/// Whom an estimator follows from frame to frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Followed {
+    /// Nobody: each frame is looked at by itself.
+    Nobody,
+    /// One object at a time, with the true identities that these had, as far as they are known.
+    One(BTreeSet<u32>),
+    /// All.
+    All,
 }
 
 /// What was found in frame after frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectField {
+    /// Whom it is about.
+    pub followed: Followed,
     /// Width and height of the picture in px.
     pub picture: (usize, usize),
     /// The first frame.
@@ -180,7 +203,7 @@ impl ObjectFrame {
     /// Memory that it takes, in bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Self>()
-            + self.mask.as_ref().map_or(0, Mask::bytes)
+            + self.mask.as_ref().map_or(0, PackedMask::bytes)
             + size_of_val(&self.detections[..])
             + size_of_val(&self.objects[..])
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Mask, ObjectField, ObjectFrame};
+use super::{Followed, ObjectField, ObjectFrame, PackedMask};
 
 /// What frame after frame came to; copies share it.
 #[derive(Clone, Debug, Default)]
@@ -14,7 +14,7 @@ pub struct Record {
 impl Record {
     /// Adds what the next frame came to.
     pub fn note(&mut self, frame: ObjectFrame) {
-        Arc::make_mut(&mut self.pixels).push(frame.mask.as_ref().map_or(0, Mask::count) as u32);
+        Arc::make_mut(&mut self.pixels).push(frame.mask.as_ref().map_or(0, PackedMask::count) as u32);
         Arc::make_mut(&mut self.frames).push(Arc::new(frame));
     }
 
@@ -30,7 +30,8 @@ impl Record {
 
     /// All of it, of a run on pictures of that size from frame `first` on.
     pub fn field(&self, picture: (usize, usize), first: usize) -> ObjectField {
-        ObjectField { picture, first, frames: Vec::clone(&self.frames), trajectories: Vec::new() }
+        let frames = Vec::clone(&self.frames);
+        ObjectField { followed: Followed::Nobody, picture, first, frames, trajectories: Vec::new() }
     }
 
     /// Memory that it takes by itself, in bytes: what earlier frames came to is shared with the records before.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::assignment::least_cost;
-use super::{Bounds, Life, ObjectField};
+use super::{Bounds, Followed, Life, ObjectField};
 use crate::{Error, Grid, Truth};
 
 /// From here on, as intersection over union, an object counts as found.
@@ -47,15 +47,25 @@ fn overlaps(truth: &Boxes, told: &Boxes) -> Grid<f64> {
     Grid::from_fn(told.len(), truth.len(), |x, y| f64::from(truth[y].1.iou(&told[x].1)))
 }
 
-/// Scores the confirmed objects of a run beside the truth; `None` where nothing is known of its frames.
+/// Scores the confirmed objects of a run beside the truth, where one was followed beside that one; `None` where nothing is known
+/// of its frames, or nobody is followed in them.
 ///
 /// # Errors
 /// If the truth cannot be read.
 pub fn scores(field: &ObjectField, truth: &dyn Truth) -> Result<Option<Scores>, Error> {
+    let counts = |id: u32| match &field.followed {
+        Followed::Nobody => false,
+        Followed::One(ids) => ids.contains(&id),
+        Followed::All => true,
+    };
+    if field.followed == Followed::Nobody {
+        return Ok(None);
+    }
     let mut frames = Vec::new();
     for (i, frame) in field.frames.iter().enumerate() {
         let Some(objects) = truth.objects(field.first + i)? else { return Ok(None) };
-        let known = objects.iter().map(|object| (object.id, Bounds::from(object))).collect();
+        let known = objects.iter().filter(|object| counts(object.id));
+        let known = known.map(|object| (object.id, Bounds::from(object))).collect();
         let confirmed = frame.objects.iter().filter(|object| object.life == Life::Confirmed);
         frames.push((known, confirmed.map(|object| (object.id, object.bounds)).collect()));
     }

@@ -26,7 +26,7 @@ choices! {
 }
 
 /// An object of which less can be seen is not detected.
-const LEAST_VISIBLE: f32 = 0.25;
+const LEAST_VISIBLE: f32 = 0.3;
 /// So many frames are the background the median of.
 const SAMPLES: usize = 9;
 /// Frames of a clip of unknown length that these are taken from.
@@ -130,6 +130,11 @@ impl Detector {
         [2, 3, 4, 5].map(|stream| gaussian(hash(of_object, stream, 0)))
     }
 
+    /// Whether the scores of what it detects tell how sure it is; they do in rows beside a clip.
+    pub fn tells_scores(&self) -> bool {
+        matches!(self.eye, Eye::Detections)
+    }
+
     /// Memory that it takes, in bytes; its copies share it.
     pub fn bytes(&self) -> usize {
         match &self.eye {
@@ -169,10 +174,15 @@ fn background(clip: &Clip, span: &Span) -> Result<Gray, Error> {
     }
     let (width, height) = clip.size();
     Ok(Grid::from_fn(width, height, |x, y| {
-        let mut values: Vec<u8> = frames.iter().map(|frame| frame.luma()[(x, y)]).collect();
-        let middle = values.len() / 2;
-        *values.select_nth_unstable(middle).1
+        median(&mut frames.iter().map(|frame| frame.luma()[(x, y)]).collect::<Vec<u8>>())
     }))
+}
+
+/// The value in the middle, of an even number the mean of both that are there.
+fn median(values: &mut [u8]) -> u8 {
+    values.sort_unstable();
+    let [low, high] = [values[(values.len() - 1) / 2], values[values.len() / 2]].map(u32::from);
+    (low + high).div_ceil(2) as u8
 }
 
 fn moving(background: &Gray, frame: &Frame) -> Vec<Detection> {
@@ -189,4 +199,15 @@ pub fn truth_of(clip: &Clip, t: usize, id: u32) -> Result<Option<[f64; 2]>, Erro
     let Some(truth) = clip.truth() else { return Ok(None) };
     let objects = truth.objects(t)?.unwrap_or_default();
     Ok(objects.iter().find(|object| object.id == id).map(center))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_of_an_even_number_is_not_what_is_bright() {
+        assert_eq!([median(&mut [90, 10]), median(&mut [30, 200, 10, 40])], [50, 35]);
+        assert_eq!([median(&mut [9]), median(&mut [7, 1, 200])], [9, 7]);
+    }
 }

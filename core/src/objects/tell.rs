@@ -1,9 +1,11 @@
 //! How trackers of many objects are told and drawn, as far as they share it.
 
+use std::ops::Range;
+
 use super::course::Course;
 use super::{Bounds, Detection, Life, ObjectFrame};
-use crate::scene::{Matrix, Picture, Readout, Series, Shape};
-use crate::words::heading;
+use crate::scene::{Fact, Matrix, Picture, Readout, Sentence, Series, Shape};
+use crate::words::{heading, number};
 pub(crate) use crate::words::{counted as count, number_64 as short};
 use crate::{Grid, Role, Scene};
 
@@ -12,27 +14,75 @@ const TRAIL_FRAMES: usize = 40;
 /// So many rows and columns of a table are shown.
 const SHOWN: usize = 12;
 
+/// What was detected in a frame, in words; so many detections have a score below `min_score`.
+pub(crate) fn looked((all, one): (usize, &str), frame: usize, (left_out, min_score): (usize, f32)) -> Sentence {
+    Sentence::default().ink(Role::Measured, format!("{} in frame {frame}", count(all, one))).text(match left_out {
+        0 => ".".into(),
+        _ => format!("; {left_out} more with a score below {} left out.", number(min_score)),
+    })
+}
+
 /// A velocity in words.
 pub(crate) fn speed([u, v]: [f64; 2]) -> String {
     format!("{} px/frame towards {}", short(u.hypot(v)), heading([u, v]))
 }
 
-/// A table of objects, a row each, beside detections; `None` where one of both is missing.
-pub(crate) fn table(
-    (symbol, name): (&'static str, &'static str),
-    entries: &Grid<f64>,
-    is_lit: impl Fn(usize, usize) -> bool,
-) -> Option<Matrix> {
-    let (width, height) = (entries.width().min(SHOWN), entries.height().min(SHOWN));
-    (width > 0 && height > 0).then(|| Matrix {
-        symbol,
-        name,
-        role: None,
-        entries: Grid::from_fn(width, height, |x, y| entries[(x, y)]),
-        rows: Vec::new(),
-        columns: Vec::new(),
-        changed: Some(Grid::from_fn(width, height, is_lit)),
-    })
+/// What stands for the rows and columns of a table of objects, a row each, beside detections.
+pub(crate) struct Names {
+    pub rows: Vec<String>,
+    pub columns: Vec<String>,
+}
+
+impl Names {
+    /// Objects by what they are called, and detections by their numbers from 1.
+    pub fn new(rows: impl IntoIterator<Item = String>, columns: impl IntoIterator<Item = usize>) -> Self {
+        let columns = columns.into_iter().map(|column| (column + 1).to_string()).collect();
+        Self { rows: rows.into_iter().collect(), columns }
+    }
+
+    /// How much of the table is shown, where that is not all.
+    pub fn shown(&self) -> Option<Fact> {
+        let shown = |names: &[String]| format!("{} of {}", names.len().min(SHOWN), names.len());
+        let is_larger = self.rows.len().max(self.columns.len()) > SHOWN;
+        is_larger.then(|| {
+            let text = format!("{} rows, {} columns", shown(&self.rows), shown(&self.columns));
+            Fact::new("Shown of the table", text, None)
+        })
+    }
+
+    /// A table; where there is not room for all of it, the part around what is lit. `None` where rows or columns are missing.
+    pub fn table(
+        &self,
+        (symbol, name): (&'static str, &'static str),
+        entries: &Grid<f64>,
+        is_lit: impl Fn(usize, usize) -> bool,
+    ) -> Option<Matrix> {
+        let (width, height) = entries.size();
+        let lit = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|&(x, y)| is_lit(x, y));
+        let (columns, rows) = (window(width, lit().map(|(x, _)| x)), window(height, lit().map(|(_, y)| y)));
+        let place = |x: usize, y: usize| (columns.start + x, rows.start + y);
+        (!columns.is_empty() && !rows.is_empty()).then(|| Matrix {
+            symbol,
+            name,
+            role: None,
+            entries: Grid::from_fn(columns.len(), rows.len(), |x, y| entries[place(x, y)]),
+            rows: self.rows[rows.clone()].to_vec(),
+            columns: self.columns[columns.clone()].to_vec(),
+            changed: Some(Grid::from_fn(columns.len(), rows.len(), |x, y| {
+                let (x, y) = place(x, y);
+                is_lit(x, y)
+            })),
+        })
+    }
+}
+
+/// As many of `all` rows or columns as are shown: those that are lit in their middle if there is room for them.
+fn window(all: usize, lit: impl Iterator<Item = usize>) -> Range<usize> {
+    let [low, high] = lit.fold([usize::MAX, 0], |[low, high], i| [low.min(i), high.max(i)]);
+    let spare = SHOWN.saturating_sub((high + 1).saturating_sub(low));
+    let first = if low > high { 0 } else { low.saturating_sub(spare / 2) };
+    let first = first.min(all.saturating_sub(SHOWN));
+    first..all.min(first + SHOWN)
 }
 
 pub(crate) fn rect(scene: &mut Scene, role: Role, Bounds { min, max }: Bounds) {
@@ -108,4 +158,22 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame) -> String {
     let of = |life| of_life(frame, life);
     let [seen, coasting, tentative] = [Life::Confirmed, Life::Coasting, Life::Tentative].map(of);
     format!("Frame {number} is over: {seen} seen, {coasting} coasting, {tentative} tentative.")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_table_shows_what_it_is_about_with_its_names() {
+        let entries = Grid::from_fn(40, 15, |x, y| (100 * y + x) as f64);
+        let names = Names::new((0..15).map(|i| (i + 200).to_string()), 0..40);
+        let table = names.table(("C", "costs"), &entries, |x, y| (x, y) == (30, 13)).expect("there is one");
+        assert_eq!(table.entries.size(), (12, 12));
+        let lit = table.changed.expect("lit");
+        let (x, y) = (0..144).map(|i| (i % 12, i / 12)).find(|&place| lit[place]).expect("the pair");
+        assert_eq!((table.entries[(x, y)], &*table.rows[y], &*table.columns[x]), (1330.0, "213", "31"));
+        assert_eq!(names.shown().expect("not all").value, "12 of 15 rows, 12 of 40 columns");
+        assert_eq!([window(5, [4].into_iter()), window(40, [].into_iter()), window(40, 0..40)], [0..5, 0..12, 0..12]);
+    }
 }

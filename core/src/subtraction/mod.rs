@@ -18,8 +18,8 @@ use crate::params::inner_params;
 use crate::scene::{Chart, Step};
 use crate::span::Span;
 use crate::{
-    Clip, Detection, Error, Estimator, Explained, Frame, Gray, Grid, Info, Mask, ObjectFrame, Observer, Output, Params,
-    Progress, Promise, Rung, Scene, Seen, Threads,
+    Clip, Detection, Error, Estimator, Explained, Frame, Gray, Grid, Info, Mask, ObjectFrame, Observer, Output,
+    PackedMask, Params, Progress, Promise, Rung, Scene, Seen, Threads,
 };
 
 /// A model of the background.
@@ -46,6 +46,11 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
 
     /// The gray value that is expected of a pixel.
     fn expected(&self, model: &Self::Model, place: (usize, usize)) -> f32;
+
+    /// The gray value that a pixel of a frame is compared with, which is the expected one unless there are several.
+    fn compared_with(&self, model: &Self::Model, _frame: &Frame, place: (usize, usize)) -> f32 {
+        self.expected(model, place)
+    }
 
     /// How far a pixel is from what is expected, as [`Background::SHOWN`] says.
     fn difference(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32;
@@ -139,7 +144,7 @@ pub(crate) fn blobs(
     observer.see(|| Event::Labelled(Arc::new(finals.grid(&labelling, mask.size())), finals.count));
     let [kept, dropped] = sifted(settings, finals.detections(&labelling, picture));
     observer.see(|| Event::Kept(Arc::new([kept.clone(), dropped])));
-    ObjectFrame { mask: Some(mask), detections: kept, objects: Vec::new() }
+    ObjectFrame { mask: Some(PackedMask::new(&mask)), detections: kept, objects: Vec::new() }
 }
 
 /// The mask opened and closed.
@@ -175,7 +180,8 @@ impl<M: Background> Subtraction<M> {
             state.model = Some(Arc::new(self.0.begin(&frame)));
             observer.see(|| Event::Begun(frame));
             let (width, height) = state.picture;
-            return state.record.note(ObjectFrame { mask: Some(Mask::new(width, height)), ..ObjectFrame::default() });
+            let mask = Some(PackedMask::new(&Mask::new(width, height)));
+            return state.record.note(ObjectFrame { mask, ..ObjectFrame::default() });
         };
         observer.see(|| {
             let (width, height) = frame.size();

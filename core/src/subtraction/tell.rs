@@ -7,7 +7,7 @@ use crate::differential::tell;
 use crate::objects::Record;
 use crate::scene::{Fact, Picture, Readout, Sentence, Series, Shape, Step, Tile};
 use crate::span::Span;
-use crate::words::pixel;
+use crate::words::{counted as count, pixel};
 use crate::{Detection, Frame, Mask, Role, Scene, Seen};
 
 /// How far tiles reach around the pixel that is explained, in px.
@@ -89,22 +89,23 @@ impl<'a> Account<'a> {
         Some(match self.events.last()? {
             Event::Opened(_) => said
                 .text("Opening takes off what is smaller than the square: ")
-                .ink(Role::Rejected, format!("{gone} pixels"))
+                .ink(Role::Rejected, count(gone, "pixel"))
                 .text("."),
             Event::Closed(_) => said
                 .text("Closing fills gaps that are smaller than the square: ")
-                .ink(Role::Estimate, format!("{new} pixels"))
+                .ink(Role::Estimate, count(new, "pixel"))
                 .text("."),
-            Event::Labelled(_, count) => said
+            Event::Labelled(_, all) => said
                 .text("Pixels that touch belong together: ")
-                .ink(Role::Candidate, format!("{count} connected components"))
+                .ink(Role::Candidate, count(*all as usize, "connected component"))
                 .text("."),
             Event::Kept(blobs) => {
                 let [kept, dropped] = &**blobs;
-                said.ink(Role::Result, format!("{} blobs", kept.len()))
-                    .text(format!(" have {least} px or more and are kept. "))
-                    .ink(Role::Rejected, format!("{} smaller ones", dropped.len()))
-                    .text(" are dropped.")
+                let are = |count: usize| if count == 1 { "is" } else { "are" };
+                said.ink(Role::Result, count(kept.len(), "blob"))
+                    .text(format!(" of {least} px or more {} kept. ", are(kept.len())))
+                    .ink(Role::Rejected, count(dropped.len(), "smaller one"))
+                    .text(format!(" {} dropped.", are(dropped.len())))
             }
             _ => return None,
         })
@@ -121,8 +122,8 @@ impl<'a> Account<'a> {
                 Event::Shadows(_, mask) => {
                     Some(Fact::new("Shadows", format!("{} px", mask.count()), Some(Role::Rejected)))
                 }
-                Event::Opened(mask) => Some(Fact::new("Opened", format!("{} px", mask.count()), None)),
-                Event::Closed(mask) => Some(Fact::new("Closed", format!("{} px", mask.count()), None)),
+                Event::Opened(mask) => Some(Fact::new("After opening", format!("{} px", mask.count()), None)),
+                Event::Closed(mask) => Some(Fact::new("After closing", format!("{} px", mask.count()), None)),
                 Event::Labelled(_, count) => Some(Fact::new("Components", count.to_string(), None)),
                 Event::Kept(blobs) => Some(Fact::new("Blobs", blobs[0].len().to_string(), Some(Role::Result))),
                 _ => None,
@@ -266,8 +267,8 @@ impl<M: Background> Subtraction<M> {
                 M::SHOWN
             )),
             Event::Decided(mask) => said
-                .ink(Role::Candidate, format!("{} pixels", mask.count()))
-                .text(format!(" are foreground: those that {}.", self.0.rule())),
+                .ink(Role::Candidate, count(mask.count(), "pixel"))
+                .text(format!(" counted as foreground: those that {}.", self.0.rule())),
             Event::Shadows(_, shadows) => said
                 .ink(Role::Rejected, format!("{} of them", shadows.count()))
                 .text(" are darker and of the same colour: shadows, which are taken off."),
@@ -308,7 +309,12 @@ impl<M: Background> Subtraction<M> {
         let tile = |label, role, values, range| Tile { label, role, values, range };
         Some(vec![
             tile("Frame t", Some(Role::Measured), around(&|place| f32::from(frame.luma()[place])), [0.0, 255.0]),
-            tile("Background", Some(Role::Predicted), around(&|place| self.0.expected(model, place)), [0.0, 255.0]),
+            tile(
+                "Background",
+                Some(Role::Predicted),
+                around(&|place| self.0.compared_with(model, frame, place)),
+                [0.0, 255.0],
+            ),
             tile("Difference", None, difference, [0.0, most]),
         ])
     }

@@ -82,8 +82,8 @@ pub struct Event(What);
 
 #[derive(Clone, Debug)]
 enum What {
-    /// What was detected.
-    Looked(Arc<Vec<Blob>>),
+    /// What was detected, and how much of it is left out.
+    Looked(Arc<Vec<Blob>>, usize),
     /// Where all objects are expected.
     Expected(Arc<Vec<Body>>),
     /// Which objects and blobs correspond.
@@ -377,8 +377,9 @@ impl Estimator for BlobTracker {
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let is_gray_needed = self.identity == Identity::Appearance;
-        let blobs = Blob::all((clip, state.course.frame()), state.course.look(clip)?, is_gray_needed)?;
-        observer.see(|| Event(What::Looked(Arc::new(blobs.clone()))));
+        let (found, left_out) = state.course.look(clip)?;
+        let blobs = Blob::all((clip, state.course.frame()), found, is_gray_needed)?;
+        observer.see(|| Event(What::Looked(Arc::new(blobs.clone()), left_out)));
         let bodies = std::mem::take(&mut state.bodies).into_iter();
         let bodies: Vec<Body> = bodies.map(|body| if self.predict { body.expected() } else { body }).collect();
         observer.see(|| Event(What::Expected(Arc::new(bodies.clone()))));

@@ -1,31 +1,25 @@
 //! The Kalman filter on one object: predict, gate and update in each frame, and at the end a walk back.
 
 mod matrices;
+mod sensors;
 mod tell;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::{is_far_outside, object_of};
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
 use crate::objects::source::{Detector, Given, Noise, Source, center, truth_of};
-use crate::objects::{Detection, Life, Object, ObjectField, ObjectFrame};
+use crate::objects::{Extent, Followed, Life, Object, ObjectField, ObjectFrame};
 use crate::params::Spots;
 use crate::scene::Chart;
 use crate::span::Span;
 use crate::{
-    Clip, Error, Estimator, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices, params,
+    Clip, Detection, Error, Estimator, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step,
+    choices, params,
 };
 
-choices! {
-    /// What measures the object.
-    pub enum Sensors {
-        /// One that tells where it is.
-        One = "one" "One position",
-        /// Two that tell where it is, each with its own noise.
-        Two = "two-positions" "Two positions",
-        /// One that tells where it is, and one that tells where it is and how it moves.
-        WithVelocity = "position-and-velocity" "Position, and position with velocity",
-    }
-}
+use sensors::{Look, Sensed, Sensors};
 
 choices! {
     /// How much of what may be an ellipse holds.
@@ -67,13 +61,13 @@ params! {
         source: Source = Source::Auto;
         /// Places in frames, clicked on the picture, that stand for what a detector finds.
         clicks: Spots = Spots::default();
-        /// Which object is followed, in the order in which they stand in the first frame that shows any; detections are ranked by their score and their size.
+        /// Which object is followed, of those in the first frame that shows any: true ones by their number, detections by their score, all others as they were found or clicked.
         object: usize = 1, 1..=1000;
         /// Standard deviation of the noise that a true place is measured with.
         added_noise: f32 = 2.0, 0.0..=100.0, "px";
         /// Which noise that is.
         seed: u32 = 1, 0..=9999;
-        /// What measures the object.
+        /// What measures the object, each sensor by itself: where the first sees nothing, the second goes on.
         sensors: Sensors = Sensors::One;
         /// Standard deviation of what the second sensor says of the place, if there is one.
         second_noise: f32 = 4.0, 0.01..=100.0, "px";
@@ -81,11 +75,11 @@ params! {
         velocity_noise: f32 = 1.0, 0.01..=100.0, "px/frame";
         /// A measurement is taken if it lies where this share of all measurements of the object would lie.
         gate: f32 = 0.99, 0.5..=0.9999;
-        /// The first frame of the run, counted from 0, in which nothing is measured, if there are such.
+        /// The first frame of the run, counted from 0, in which the first sensor sees nothing, if there are such.
         drop_from: usize = 0, 0..=10_000;
-        /// In so many frames nothing is measured, as if something hid the object.
+        /// In so many frames the first sensor sees nothing, as if something hid the object.
         drop_frames: usize = 0, 0..=1000;
-        /// The filter gives the object up after so many frames in a row without a measurement, and begins anew.
+        /// After more than so many frames in a row without a measurement the filter gives the object up and begins anew; sooner where it is believed to be outside the picture by more than the picture's size.
         patience: usize = 30, 1..=1000;
         /// How fast the object may be at first.
         first_speed: f32 = 30.0, 0.1..=500.0, "px/frame";
@@ -103,14 +97,16 @@ pub struct State {
     detector: Detector,
     /// Who is followed, once that is known: its true identity, where there is truth.
     truth_id: Option<u32>,
+    /// All who were followed so far.
+    truth_ids: BTreeSet<u32>,
     /// What is believed now, unless nothing was seen yet or the object was given up.
     filter: Option<Filter>,
     /// Frames in a row without a measurement.
     missed: usize,
     /// How many objects there were before this one: its identity less 1.
     begun: u32,
-    /// Size of its box, if boxes are detected.
-    size: [f32; 2],
+    /// Its box, once it has begun.
+    extent: Option<Extent>,
     /// What each frame came to.
     moments: Vec<Arc<Moment>>,
     /// Frames that are smoothed, counted from the last; `None` while frames are filtered.
@@ -122,61 +118,76 @@ pub struct State {
 #[derive(Clone, Debug, Default)]
 struct Moment {
     detections: Arc<Vec<Detection>>,
-    /// What was measured of the object.
-    measured: Vec<[f64; 2]>,
-    /// What was expected.
-    predicted: Option<Filter>,
+    /// What was measured beside what was expected, whether it was taken or not, in its order.
+    gated: Vec<Gated>,
     /// What was believed then.
     filtered: Option<Filter>,
     /// What is believed with all that came later.
     smoothed: Option<Filter>,
     /// Whether the object is another one than in the frame before.
     begins: bool,
-    /// Normalised innovation squared of each measurement that was taken, with its degrees of freedom.
-    nis: Vec<(f64, usize)>,
     truth: Option<[f64; 2]>,
     object: Option<Object>,
 }
 
 impl Moment {
+    /// Memory of its own, in bytes.
+    fn own_bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&self.gated[..])
+    }
+
     fn bytes(&self) -> usize {
-        size_of::<Self>() + size_of_val(&self.detections[..])
+        self.own_bytes() + size_of_val(&self.detections[..])
+    }
+
+    /// What a sensor measured.
+    fn of_sensor(&self, sensor: usize) -> Option<&Gated> {
+        self.gated.iter().find(|gated| gated.sensed.sensor == sensor)
     }
 }
 
 /// What happens in a frame.
 #[derive(Clone, Debug)]
 pub enum Event {
-    /// What was detected, and of that what is measured of the object.
-    Looked(Arc<Vec<Detection>>, Vec<Measurement>, Option<[f64; 2]>),
-    /// The frame is one of those in which the object is not to be seen.
-    Hidden(Option<[f64; 2]>),
     /// A time step.
     Predicted(Box<[Filter; 2]>),
-    /// A measurement is compared with what is expected: which sensor's, its squared distance and the limit of that.
+    /// What was detected, and what is measured of the object.
+    Looked(Arc<Look>),
+    /// A measurement is compared with what is expected.
     Gated(Box<Gated>),
-    /// A measurement was taken: what was believed before and is believed after it.
+    /// A measurement was taken, and what is believed after it.
     Updated(Box<(Gated, Filter)>),
-    /// The first measurement of an object.
-    Begun(Box<Filter>),
-    /// Nothing was measured: the prediction stands, or there is none.
+    /// The first measurement of an object, one of so many.
+    Begun(Box<Filter>, usize),
+    /// Nothing was taken: the prediction stands, or there is none.
     Missed(Option<Box<Filter>>),
     /// The object was given up.
-    Lost(Box<Filter>),
+    Lost(Box<Filter>, Loss),
     /// A frame, with what is known of the next one: what was believed, and what is now.
     Smoothed(Box<[Filter; 2]>),
     /// There is no next frame to learn from.
     Kept(Option<Box<Filter>>),
 }
 
+/// Why an object was given up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Loss {
+    /// It was not seen for too long.
+    Unseen,
+    /// It is believed to be far outside the picture.
+    Outside,
+}
+
 /// A measurement beside what is expected.
 #[derive(Clone, Copy, Debug)]
 pub struct Gated {
     expected: Filter,
-    measurement: Measurement,
-    /// 0 or 1.
-    sensor: usize,
+    /// Whether another measurement of the frame is part of what is expected.
+    is_updated: bool,
+    sensed: Sensed,
+    /// Normalised innovation squared, NIS.
     squared_distance: f64,
+    /// It is taken up to here.
     limit: f64,
 }
 
@@ -184,72 +195,29 @@ impl Gated {
     fn is_inside(&self) -> bool {
         self.squared_distance <= self.limit
     }
+
+    fn measurement(&self) -> &Measurement {
+        &self.sensed.measurement
+    }
 }
 
 impl KalmanFilter {
-    fn is_dropped(&self, index: usize) -> bool {
-        index.checked_sub(self.drop_from).is_some_and(|index| index < self.drop_frames)
-    }
-
-    /// What the first sensor says of a detection.
-    fn first(&self, detection: &Detection) -> Measurement {
-        let place = detection.center.map(f64::from);
-        Measurement { place, place_deviation: f64::from(self.measurement_noise), velocity: None }
-    }
-
-    /// What the second sensor says, of a true place: it has a noise of its own.
-    fn second(&self, clip: &Clip, state: &State, t: usize) -> Result<Option<Measurement>, Error> {
-        let (Some(id), false) = (state.truth_id, self.sensors == Sensors::One) else { return Ok(None) };
-        let places = [t.checked_sub(1), Some(t), t.checked_add(1)].map(|t| match t {
-            Some(t) => truth_of(clip, t, id),
-            None => Ok(None),
-        });
-        let [before, now, after] = places;
-        let (before, Some(now), after) = (before?, now?, after?) else { return Ok(None) };
-        let [x, y, u, v] = state.detector.chances(id, t);
-        let deviation = f64::from(self.second_noise);
-        let place = [now[0] + deviation * x, now[1] + deviation * y];
-        let velocity = match (self.sensors, before, after) {
-            (Sensors::WithVelocity, Some(before), _) => Some([0, 1].map(|i| now[i] - before[i])),
-            (Sensors::WithVelocity, None, Some(after)) => Some([0, 1].map(|i| after[i] - now[i])),
-            _ => None,
-        };
-        let deviation_v = f64::from(self.velocity_noise);
-        let velocity = velocity.map(|[tu, tv]| ([tu + deviation_v * u, tv + deviation_v * v], deviation_v));
-        Ok(Some(Measurement { place, place_deviation: deviation, velocity }))
-    }
-
-    /// The detection that is nearest to what is expected.
-    fn nearest(&self, expected: &Filter, detections: &[Detection]) -> Option<Measurement> {
-        let all = detections.iter().map(|detection| self.first(detection));
-        let far = |measurement: &Measurement| expected.squared_distance(measurement).unwrap_or(f64::INFINITY);
-        all.min_by(|a, b| far(a).total_cmp(&far(b)))
-    }
-
-    /// The detection that the object begins with.
-    fn begin_with<'a>(&self, detections: &'a [Detection]) -> Option<&'a Detection> {
-        let mut ranked: Vec<&Detection> = detections.iter().collect();
-        // Of a stable order: those of one score keep theirs.
-        let rank = |found: &Detection| (found.score, found.bounds.area());
-        ranked.sort_by(|a, b| rank(b).partial_cmp(&rank(a)).unwrap_or(std::cmp::Ordering::Equal));
-        ranked.get(self.object - 1).or(ranked.last()).copied()
-    }
-
     /// Compares a measurement with what is expected, and takes it if it lies in the gate.
     fn take(
         &self,
-        (expected, sensor, measurement): (Filter, usize, Measurement),
+        (expected, is_updated): (Filter, bool),
+        sensed: Sensed,
         moment: &mut Moment,
         observer: &mut impl Observer<Event>,
     ) -> Option<Filter> {
-        let (updated, squared_distance) = expected.updated(&measurement)?;
-        let limit = chi_square::quantile(f64::from(self.gate), measurement.numbers());
-        let gated = Gated { expected, measurement, sensor, squared_distance, limit };
+        let (updated, squared_distance) = expected.updated(&sensed.measurement)?;
+        let limit = chi_square::quantile(f64::from(self.gate), sensed.measurement.numbers());
+        let gated = Gated { expected, is_updated, sensed, squared_distance, limit };
+        moment.gated.push(gated);
         observer.see(|| Event::Gated(Box::new(gated)));
         if !gated.is_inside() {
             return None;
         }
-        moment.nis.push((squared_distance, measurement.numbers()));
         observer.see(|| Event::Updated(Box::new((gated, updated))));
         Some(updated)
     }
@@ -260,77 +228,75 @@ impl KalmanFilter {
         state: &mut State,
         observer: &mut impl Observer<Event>,
     ) -> Result<Moment, Error> {
-        let (index, t) = (state.moments.len(), state.span.first + state.moments.len());
-        let mut moment = Moment::default();
-        if let Some(before) = state.filter {
+        let t = state.span.first + state.moments.len();
+        let predicted = state.filter.map(|before| {
             let predicted = before.predicted();
             observer.see(|| Event::Predicted(Box::new([before, predicted])));
-            moment.predicted = Some(predicted);
-        }
-        moment.truth = state.truth_id.map(|id| truth_of(clip, t, id)).transpose()?.flatten();
-        let measurements = if self.is_dropped(index) {
-            observer.see(|| Event::Hidden(moment.truth));
-            Vec::new()
-        } else {
-            moment.detections = Arc::new(state.detector.look(clip, t)?);
-            let first = match moment.predicted {
-                Some(expected) => self.nearest(&expected, &moment.detections),
-                None => self.begin_with(&moment.detections).map(|detection| self.first(detection)),
-            };
-            let second = first.and(self.second(clip, state, t)?);
-            let all: Vec<Measurement> = first.into_iter().chain(second).collect();
-            observer.see(|| Event::Looked(Arc::clone(&moment.detections), all.clone(), moment.truth));
-            all
-        };
-        moment.measured = measurements.iter().map(|measurement| measurement.place).collect();
-        match moment.predicted {
-            None => self.begin((clip, t), state, (&mut moment, measurements.first()), observer)?,
+            predicted
+        });
+        let look = Arc::new(self.look((clip, t), state, predicted.as_ref())?);
+        observer.see(|| Event::Looked(Arc::clone(&look)));
+        let mut moment = Moment { detections: Arc::clone(&look.detections), truth: look.truth, ..Moment::default() };
+        let mut taken = None;
+        match predicted {
+            None => taken = self.begin((clip, t), state, (&mut moment, &look), observer)?,
             Some(predicted) => {
-                let mut filter = predicted;
-                for (sensor, measurement) in measurements.into_iter().enumerate() {
-                    filter = self.take((filter, sensor, measurement), &mut moment, observer).unwrap_or(filter);
+                let (mut filter, mut is_seen) = (predicted, false);
+                for sensed in &look.measured {
+                    if let Some(updated) = self.take((filter, is_seen), *sensed, &mut moment, observer) {
+                        (filter, is_seen, taken) = (updated, true, taken.or(sensed.detection));
+                    }
                 }
-                self.go_on(state, (filter, !moment.nis.is_empty()), observer);
+                self.go_on(state, (filter, is_seen), observer);
             }
+        }
+        if let Some(found) = taken.map(|i| &look.detections[i]) {
+            state.extent = Some(state.extent.map_or(Extent::of(found), |extent| extent.towards(found)));
         }
         moment.filtered = state.filter;
         let life = if state.missed == 0 { Life::Confirmed } else { Life::Coasting };
-        moment.object = state.filter.map(|filter| filter.object(state.begun, state.size, life));
+        moment.object = state.filter.zip(state.extent).map(|(filter, extent)| Object {
+            detection: taken,
+            ..object_of(&filter, state.begun, extent.around(filter.place()), life)
+        });
         Ok(moment)
     }
 
-    /// Begins an object with its first measurement, if there is one.
+    /// Begins an object with its first measurement, if there is one; gives the detection that it is.
     fn begin(
         &self,
         (clip, t): (&Clip, usize),
         state: &mut State,
-        (moment, first): (&mut Moment, Option<&Measurement>),
+        (moment, look): (&mut Moment, &Look),
         observer: &mut impl Observer<Event>,
-    ) -> Result<(), Error> {
-        let Some(first) = first else {
+    ) -> Result<Option<usize>, Error> {
+        let Some(first) = look.measured.first() else {
             observer.see(|| Event::Missed(None));
-            return Ok(());
+            return Ok(None);
         };
-        let filter =
-            Filter::begun(self.motion.model(self.process_noise, self.turn_noise), first, f64::from(self.first_speed));
-        observer.see(|| Event::Begun(Box::new(filter)));
-        (state.filter, state.missed, moment.begins) = (Some(filter), 0, true);
+        let model = self.motion.model(self.process_noise, self.turn_noise);
+        let filter = Filter::begun(model, &first.measurement, f64::from(self.first_speed));
+        observer.see(|| Event::Begun(Box::new(filter), look.detections.len()));
+        (state.filter, state.missed, state.extent, moment.begins) = (Some(filter), 0, None, true);
         state.begun += 1;
-        state.truth_id = nearest_object(clip, t, first.place)?;
+        state.truth_id = nearest_object(clip, t, first.measurement.place)?;
+        state.truth_ids.extend(state.truth_id);
         moment.truth = state.truth_id.map(|id| truth_of(clip, t, id)).transpose()?.flatten();
-        if let Some(found) = moment.detections.iter().find(|found| found.center.map(f64::from) == first.place) {
-            state.size = found.bounds.size();
-        }
-        Ok(())
+        Ok(first.detection)
     }
 
-    /// Keeps what is believed, or gives the object up if it was not seen for too long.
+    /// Keeps what is believed, or gives the object up if it was not seen for too long or is far away.
     fn go_on(&self, state: &mut State, (filter, is_seen): (Filter, bool), observer: &mut impl Observer<Event>) {
         state.filter = Some(filter);
         state.missed = if is_seen { 0 } else { state.missed + 1 };
-        if state.missed > self.patience {
-            observer.see(|| Event::Lost(Box::new(filter)));
-            state.filter = None;
+        let loss = match is_seen {
+            true => None,
+            false if state.missed > self.patience => Some(Loss::Unseen),
+            false => is_far_outside(filter.place(), state.picture).then_some(Loss::Outside),
+        };
+        if let Some(loss) = loss {
+            observer.see(|| Event::Lost(Box::new(filter), loss));
+            (state.filter, state.truth_id) = (None, None);
         } else if !is_seen {
             observer.see(|| Event::Missed(Some(Box::new(filter))));
         }
@@ -351,10 +317,11 @@ impl KalmanFilter {
             (Some(filtered), Some(_), Some(smoothed)) => Event::Smoothed(Box::new([filtered, smoothed])),
             (filtered, ..) => Event::Kept(filtered.map(Box::new)),
         });
-        moment.object = moment
-            .object
-            .zip(smoothed)
-            .map(|(object, smoothed)| smoothed.object(object.id, object.bounds.size(), object.life));
+        moment.object = moment.object.zip(smoothed).map(|(object, smoothed)| {
+            let moved = [0, 1].map(|i| (smoothed.place()[i] - object.position[i]) as f32);
+            let bounds = object.bounds.moved(moved);
+            Object { detection: object.detection, ..object_of(&smoothed, object.id, bounds, object.life) }
+        });
     }
 }
 
@@ -380,6 +347,7 @@ impl Estimator for KalmanFilter {
             "for each frame t",
             "  predict: x ← f(x), P ← F P F^T + Q",
             "  z ← what is measured in frame t, if anything is",
+            "  without an object: begin one, x ← z with velocity 0, P ← what is uncertain of both",
             "  gate: ν ← z − H x, S ← H P H^T + R; taken if ν^T S⁻¹ ν ≤ limit",
             "  update: K ← P H^T S⁻¹, x ← x + K ν",
             "    P ← (I − K H) P (I − K H)^T + K R K^T",
@@ -411,10 +379,11 @@ impl Estimator for KalmanFilter {
             span,
             detector,
             truth_id: None,
+            truth_ids: BTreeSet::new(),
             filter: None,
             missed: 0,
             begun: 0,
-            size: [8.0; 2],
+            extent: None,
             moments: Vec::new(),
             back: None,
             picture: clip.size(),
@@ -452,8 +421,10 @@ impl Estimator for KalmanFilter {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        // What earlier frames came to is shared with the states before.
-        size_of::<State>() + size_of_val(&state.moments[..]) + state.moments.last().map_or(0, |moment| moment.bytes())
+        // What earlier frames came to is shared with the states before, up to where it was smoothed: then it is a copy.
+        let smoothed = state.moments.iter().rev().take(state.back.unwrap_or(0)).map(|moment| moment.own_bytes());
+        let last = state.moments.last().map_or(0, |moment| moment.bytes());
+        size_of::<State>() + size_of_val(&state.moments[..]) + last + smoothed.sum::<usize>()
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
@@ -464,7 +435,7 @@ impl Estimator for KalmanFilter {
     fn landmark(&self, event: &Event) -> Option<Role> {
         match event {
             Event::Gated(gated) if !gated.is_inside() => Some(Role::Rejected),
-            Event::Lost(_) => Some(Role::Error),
+            Event::Lost(..) => Some(Role::Error),
             Event::Missed(Some(_)) => Some(Role::Predicted),
             _ => None,
         }
@@ -485,6 +456,7 @@ impl Estimator for KalmanFilter {
         };
         let frames = state.moments.iter().map(frame).collect();
         Output::Objects(ObjectField {
+            followed: Followed::One(state.truth_ids.clone()),
             picture: state.picture,
             first: state.span.first,
             frames,

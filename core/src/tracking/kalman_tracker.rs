@@ -4,11 +4,12 @@ mod tell;
 
 use std::sync::Arc;
 
-use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
+use super::{is_far_outside, object_of};
+use crate::kalman::{Filter, Measurement, Model, MotionModel, chi_square};
 use crate::objects::assignment::{least_cost, nearest_first};
 use crate::objects::course::{Course, tracker_params};
 use crate::objects::lives::Age;
-use crate::objects::{Bounds, Detection, Object, ObjectFrame};
+use crate::objects::{Bounds, Detection, Extent, Object, ObjectFrame};
 use crate::scene::Chart;
 use crate::{
     Clip, Error, Estimator, Grid, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices,
@@ -41,11 +42,11 @@ tracker_params! {
     pub struct KalmanTracker {
         /// How objects are thought to move.
         motion: MotionModel = MotionModel::Velocity;
-        /// Standard deviation of what disturbs the motion in a frame, as a share of the height of the object.
+        /// Standard deviation of what disturbs the motion, in px/frame² for each px of the height that the object has by then.
         process_noise: f32 = 0.02, 0.0..=2.0;
         /// Standard deviation of what disturbs the rate of a coordinated turn.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
-        /// Standard deviation of a measured place along each axis, as a share of the height of the object.
+        /// Standard deviation of a measured place along each axis, as a share of the height of its box.
         measurement_noise: f32 = 0.1, 0.001..=2.0;
         /// How pairs of objects and detections are chosen.
         association: Association = Association::Assignment;
@@ -53,7 +54,7 @@ tracker_params! {
         cost: PairCost = PairCost::Both;
         /// A pair is allowed if the detection lies where this share of all measurements of the object would lie.
         gate: f32 = 0.999, 0.5..=0.9999;
-        /// A pair is allowed if both boxes have at least this in common, as intersection over union.
+        /// A pair is allowed if both boxes have at least this in common, as intersection over union; with 0 they need only overlap.
         min_overlap: f32 = 0.2, 0.0..=0.95;
     }
 }
@@ -70,16 +71,15 @@ pub struct State {
 pub struct Track {
     id: u32,
     filter: Filter,
-    /// Width and height of its box in px.
-    size: [f64; 2],
+    extent: Extent,
     age: Age,
 }
 
 /// What happens in a frame.
 #[derive(Clone, Debug)]
 pub enum Event {
-    /// What was detected.
-    Looked(Arc<Vec<Detection>>),
+    /// What was detected, and how much of it is left out.
+    Looked(Arc<Vec<Detection>>, usize),
     /// All objects go on by a time step.
     Predicted(Arc<Vec<Track>>),
     /// What each pair would cost; infinite where it is not allowed.
@@ -102,7 +102,7 @@ pub enum Event {
 #[derive(Clone, Debug)]
 pub struct Costs {
     tracks: Vec<Track>,
-    detections: Vec<Detection>,
+    detections: Arc<Vec<Detection>>,
     /// Squared Mahalanobis distances and overlaps; a row for each object.
     distances: Grid<f64>,
     overlaps: Grid<f64>,
@@ -117,12 +117,11 @@ pub struct Costs {
 impl Track {
     /// Its box, around where it is believed to be.
     fn bounds(&self) -> Bounds {
-        Bounds::around(self.filter.place().map(|c| c as f32), self.size.map(|side| side as f32))
+        self.extent.around(self.filter.place())
     }
 
     fn object(&self, detection: Option<usize>) -> Object {
-        let size = self.size.map(|side| side as f32);
-        Object { detection, ..self.filter.object(self.id, size, self.age.life) }
+        Object { detection, ..object_of(&self.filter, self.id, self.bounds(), self.age.life) }
     }
 }
 
@@ -146,7 +145,7 @@ impl KalmanTracker {
     }
 
     /// What each pair of `tracks` and `detections` would cost, and who belongs to whom.
-    fn costs(&self, tracks: Vec<Track>, detections: Vec<Detection>) -> Costs {
+    fn costs(&self, tracks: Vec<Track>, detections: Arc<Vec<Detection>>) -> Costs {
         let size = (detections.len(), tracks.len());
         let measured: Vec<Measurement> = detections.iter().map(|detection| self.measurement(detection)).collect();
         let distances = Grid::from_fn(size.0, size.1, |x, y| {
@@ -178,19 +177,27 @@ impl KalmanTracker {
     fn updated(&self, track: &Track, detection: &Detection) -> Track {
         let measurement = self.measurement(detection);
         let filter = track.filter.updated(&measurement).map_or(track.filter, |(filter, _)| filter);
-        let found = detection.bounds.size().map(f64::from);
-        // Sizes change slowly: half of what is new, and none of the filter's making.
-        let size = [0, 1].map(|i| (track.size[i] + found[i]) / 2.0);
-        Track { filter, size, age: self.rules().seen(track.age), id: track.id }
+        let extent = track.extent.towards(detection);
+        Track { filter, extent, age: self.rules().seen(track.age), id: track.id }
     }
 
     fn begun(&self, detection: &Detection, id: u32) -> Track {
-        let size = detection.bounds.size().map(f64::from);
-        let height_px = size[1].max(1.0);
-        let model = self.motion.model(self.process_noise * height_px as f32, self.turn_noise);
+        let extent = Extent::of(detection);
         // In a frame hardly anything goes as far as half its height.
-        let filter = Filter::begun(model, &self.measurement(detection), height_px / 4.0);
-        Track { id, filter, size, age: self.rules().begun() }
+        let speed = extent.height_px() / 4.0;
+        let filter = Filter::begun(self.model(&extent), &self.measurement(detection), speed);
+        Track { id, filter, extent, age: self.rules().begun() }
+    }
+
+    /// How something of this size is thought to move.
+    fn model(&self, extent: &Extent) -> Model {
+        self.motion.model(self.process_noise * extent.height_px() as f32, self.turn_noise)
+    }
+
+    /// What becomes of an object that was not seen in a picture of this size; `None` where it is given up.
+    fn missed(&self, track: &Track, picture: (usize, usize)) -> Option<Track> {
+        let age = self.rules().missed(track.age).filter(|_| !is_far_outside(track.filter.place(), picture))?;
+        Some(Track { age, ..track.clone() })
     }
 }
 
@@ -229,11 +236,12 @@ impl Estimator for KalmanTracker {
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let detections = state.course.look(clip)?;
-        observer.see(|| Event::Looked(Arc::new(detections.clone())));
+        let (detections, left_out) = state.course.look(clip)?;
+        let detections = Arc::new(detections);
+        observer.see(|| Event::Looked(Arc::clone(&detections), left_out));
         let mut tracks = std::mem::take(&mut state.tracks);
         for track in &mut tracks {
-            track.filter = track.filter.predicted();
+            track.filter = track.filter.going_by(self.model(&track.extent)).predicted();
         }
         observer.see(|| Event::Predicted(Arc::new(tracks.clone())));
         let costs = Arc::new(self.costs(tracks, detections));
@@ -242,7 +250,7 @@ impl Estimator for KalmanTracker {
             observer.see(|| Event::Paired(Arc::clone(&costs), [row, column]));
         }
         let objects = self.share_out(state, &costs, observer);
-        let frame = Arc::new(ObjectFrame { mask: None, detections: costs.detections.clone(), objects });
+        let frame = Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&costs.detections), objects });
         observer.see(|| Event::Done(Arc::clone(&frame)));
         Ok(state.course.note(clip, frame))
     }
@@ -305,7 +313,7 @@ impl KalmanTracker {
                     Some(updated)
                 }
                 None => {
-                    let missed = self.rules().missed(track.age).map(|age| Track { age, ..track.clone() });
+                    let missed = self.missed(track, state.course.picture());
                     observer.see(|| match &missed {
                         Some(track) => Event::Missed(Box::new(track.clone())),
                         None => Event::Ended(Box::new(track.clone())),

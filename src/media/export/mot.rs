@@ -8,15 +8,22 @@ pub fn mot(frames: &[Vec<ObjectBox>]) -> String {
     let rows = frames.iter().enumerate().flat_map(|(t, objects)| objects.iter().map(move |object| (t + 1, object)));
     rows.map(|(frame, object)| {
         let ObjectBox { id, x, y, width, height, visibility } = *object;
-        // The left edge of our first pixel lies at −0.5, that of theirs at 1.
-        let [left, top, width, height, visibility] = [x + 1.5, y + 1.5, width, height, visibility].map(brief);
+        let ([left, top, width, height], visibility) = (rect([x, y, width, height]), brief(visibility));
         format!("{frame},{id},{left},{top},{width},{height},1,1,{visibility}\n")
     })
     .collect()
 }
 
+/// A box by its left and top edge, width and height, as they count pixels: the edge of our first one lies at −0.5, that of theirs at 1.
+pub(super) fn rect([x, y, width, height]: [f32; 4]) -> [f64; 4] {
+    [x + FIRST_PX, y + FIRST_PX, width, height].map(brief)
+}
+
+/// From where our first pixel begins to where theirs does.
+const FIRST_PX: f32 = 1.5;
+
 /// Four decimals at most.
-pub(super) fn brief(value: f32) -> f64 {
+fn brief(value: f32) -> f64 {
     (f64::from(value) * 1e4).round() / 1e4
 }
 

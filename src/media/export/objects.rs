@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use motionscope_core::objects::trajectory::{Sighting, Trajectory};
-use motionscope_core::{Bounds, Detection, Error, Grid, Life, Mask, Object, ObjectField};
+use motionscope_core::{Bounds, Detection, Error, Followed, Grid, Life, Object, ObjectField, PackedMask};
 
 use super::{Cell, Table, objects_npy};
 
@@ -38,24 +38,28 @@ impl TrackFormat {
     }
 
     /// The bytes of the file.
-    pub fn encode(self, field: &ObjectField) -> Vec<u8> {
-        match self {
-            Self::Mot => tracks(field).into_bytes(),
+    ///
+    /// # Errors
+    /// If nobody is followed.
+    pub fn encode(self, field: &ObjectField) -> Result<Vec<u8>, Error> {
+        let rows = tracks(field)?;
+        Ok(match self {
+            Self::Mot => rows.into_bytes(),
             Self::Csv => objects(field).csv().into_bytes(),
             Self::Npy => objects_npy(field),
-        }
+        })
     }
 }
 
 /// One row for each place of a trajectory where these were looked at; else for each object in each frame, or for each detection
-/// where nobody tracks them.
+/// where nobody is followed. Velocities are in px/frame; the edge of the first pixel lies at −0.5 px.
 pub fn csv(field: &ObjectField) -> String {
     if !field.trajectories.is_empty() {
         trajectories(field).csv()
-    } else if field.frames.iter().any(|frame| !frame.objects.is_empty()) {
-        objects(field).csv()
-    } else {
+    } else if field.followed == Followed::Nobody {
         detections(field).csv()
+    } else {
+        objects(field).csv()
     }
 }
 
@@ -75,8 +79,8 @@ fn objects(field: &ObjectField) -> Table<13> {
         "id",
         "x_px",
         "y_px",
-        "u_px",
-        "v_px",
+        "u_px_per_frame",
+        "v_px_per_frame",
         "left_px",
         "top_px",
         "width_px",
@@ -169,17 +173,24 @@ fn detections(field: &ObjectField) -> Table<12> {
 
 /// The objects seen in each frame as MOTChallenge's results: frame, id, left, top, width, height, 1, −1, −1, −1; frames and
 /// pixels counted from 1. Tentative objects and those that coast are left out.
-pub fn tracks(field: &ObjectField) -> String {
+///
+/// # Errors
+/// If nobody is followed.
+pub fn tracks(field: &ObjectField) -> Result<String, Error> {
+    if field.followed == Followed::Nobody {
+        return Err(Error::new(
+            "each frame was looked at by itself, so there are no tracks; choose a tracker, or --table",
+        ));
+    }
     let seen = |object: &&Object| object.life == Life::Confirmed;
     let row = |t: usize, object: &Object| {
         let ([x, y], [width, height]) = (object.bounds.min, object.bounds.size());
-        // The left edge of our first pixel lies at −0.5, that of theirs at 1.
-        let [left, top, width, height] = [x + 1.5, y + 1.5, width, height].map(super::mot::brief);
+        let [left, top, width, height] = super::mot::rect([x, y, width, height]);
         format!("{},{},{left},{top},{width},{height},1,-1,-1,-1\n", t + 1, object.id)
     };
     let frames = field.frames.iter().enumerate();
     let rows = frames.flat_map(|(i, frame)| frame.objects.iter().filter(seen).map(move |o| row(field.first + i, o)));
-    rows.collect()
+    Ok(rows.collect())
 }
 
 /// The mask of each frame that has one as a PNG, white where something was found, and what its file is called: `mask_0007.png`.
@@ -188,7 +199,8 @@ pub fn tracks(field: &ObjectField) -> String {
 /// If there are no masks.
 pub fn masks(field: &ObjectField) -> Result<Vec<(String, Vec<u8>)>, Error> {
     let masks = field.frames.iter().enumerate().filter_map(|(i, frame)| Some((field.first + i, frame.mask.as_ref()?)));
-    let picture = |(t, mask): (usize, &Mask)| {
+    let picture = |(t, mask): (usize, &PackedMask)| {
+        let mask = mask.unpacked();
         let (width, height) = mask.size();
         let pixels = Grid::from_fn(width, height, |x, y| if mask.get(x, y) { 255 } else { 0 });
         Ok((format!("mask_{t:04}.png"), super::png(width, height, super::Pixels::Gray(pixels.cells()))?))
@@ -238,12 +250,14 @@ pub(super) mod tests {
             Arc::new(ObjectFrame { mask: None, detections: vec![found], objects: Vec::new() }),
             Arc::new(ObjectFrame { mask: None, detections: Vec::new(), objects: all }),
         ];
-        ObjectField { picture: (32, 24), first: 4, frames, trajectories: Vec::new() }
+        ObjectField { followed: Followed::All, picture: (32, 24), first: 4, frames, trajectories: Vec::new() }
     }
 
     #[test]
     fn results_count_frames_and_pixels_from_one() {
-        assert_eq!(tracks(&field()), "6,3,1,11,4,2.5,1,-1,-1,-1\n");
+        assert_eq!(tracks(&field()), Ok("6,3,1,11,4,2.5,1,-1,-1,-1\n".into()));
+        let nobody = ObjectField { followed: Followed::Nobody, ..field() };
+        assert!(tracks(&nobody).unwrap_err().to_string().contains("choose a tracker"));
     }
 
     #[test]
@@ -272,6 +286,11 @@ pub(super) mod tests {
         assert!(all.contains("\n5,4,1.5,10.75,1,-0.5,-0.5,9.5,4,2.5,coasting,2,1.5\n"), "{all}");
         let mut found = field();
         found.frames.truncate(1);
+        assert!(
+            csv(&found).starts_with("frame,id,x_px,y_px,u_px_per_frame,"),
+            "whoever tracks nobody has the same columns"
+        );
+        found.followed = Followed::Nobody;
         let all = csv(&found);
         assert!(all.contains("\n4,1.5,10.75,-0.5,9.5,4,2.5,0.5,10,0,2,90\n"), "{all}");
     }

@@ -109,7 +109,7 @@ pub fn vectors(path: &Path, output: &Receiver<Output>, progress: &dyn Progress) 
     let is_table = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
     let (bytes, lost) = match &output {
         _ if is_table => (export::csv(&output).into_bytes(), None),
-        Output::Objects(field) => (TrackFormat::of(path)?.encode(field), None),
+        Output::Objects(field) => (TrackFormat::of(path)?.encode(field)?, None),
         _ => FlowFormat::of(path)?.encode(&export::flow(&output)?)?,
     };
     export::save(path, &bytes)?;

@@ -20,6 +20,11 @@ fn name(run: Run) -> String {
     }
 }
 
+/// A verb as it stands behind a run: pixels touch, and a pixel touches.
+fn verb(run: &Run, many: &'static str, one: &'static str) -> &'static str {
+    if run.end - run.start == 1 { one } else { many }
+}
+
 /// Labels are told from 1, as components are.
 fn label(label: u32) -> String {
     format!("label {}", label + 1)
@@ -118,35 +123,38 @@ impl ConnectedComponents {
                 })
             }
             Some(Event::Run(LabelEvent::Made(run))) => said
-                .ink(Role::Candidate, capital(&name(*run)))
-                .text(" touch no run of the row above: ")
+                .ink(Role::Candidate, words::capital(&name(*run)))
+                .text(format!(" {} no run of the row above: ", verb(run, "touch", "touches")))
                 .ink(Role::Best, format!("{} is new", label(run.label)))
                 .text("."),
             Some(Event::Run(LabelEvent::Took(run, above))) => said
-                .ink(Role::Candidate, capital(&name(*run)))
-                .text(" touch ")
+                .ink(Role::Candidate, words::capital(&name(*run)))
+                .text(format!(" {} ", verb(run, "touch", "touches")))
                 .ink(Role::Reference, name(*above))
-                .text(" and take ")
+                .text(format!(" and {} ", verb(run, "take", "takes")))
                 .ink(Role::Best, label(run.label))
                 .text(match run.label == above.label {
                     true => ".".into(),
                     false => format!(", the root of {}.", label(above.label)),
                 }),
             Some(Event::Run(LabelEvent::Met(run, other))) => said
-                .ink(Role::Candidate, capital(&name(*run)))
-                .text(" touch ")
+                .ink(Role::Candidate, words::capital(&name(*run)))
+                .text(format!(" {} ", verb(run, "touch", "touches")))
                 .ink(Role::Reference, name(*other))
                 .text(" as well, which has the same root."),
             Some(Event::Run(LabelEvent::Merged(run, other, [root, child]))) => said
-                .ink(Role::Candidate, capital(&name(*run)))
-                .text(" touch ")
+                .ink(Role::Candidate, words::capital(&name(*run)))
+                .text(format!(" {} ", verb(run, "touch", "touches")))
                 .ink(Role::Reference, name(*other))
                 .text(" as well: two labels meet, and ")
                 .ink(Role::Result, format!("{} becomes a child of {}", label(*child), label(*root)))
                 .text("."),
             Some(Event::Final(_, _, count)) => said
-                .text(format!("{} labels have ", state.labelling.parents().len()))
-                .ink(Role::Result, format!("{count} roots"))
+                .text(match state.labelling.parents().len() {
+                    1 => "1 label has ".into(),
+                    labels => format!("{labels} labels have "),
+                })
+                .ink(Role::Result, words::counted(*count as usize, "root"))
                 .text(": each is a connected component, counted in raster order of its first pixel."),
             Some(Event::Kept(_, blobs)) => {
                 let events = [subtraction::Event::Kept(Arc::clone(blobs))];
@@ -243,9 +251,4 @@ fn draw_waiting(scene: &mut Scene, given: &Given, row: usize) {
     (0..row).for_each(|y| mask.row_mut(y).fill(0));
     scene.mark(Picture::Current, Role::Rejected, Shape::Mask(Arc::new(mask)));
     scene.legend(Role::Rejected, "pixel that waits for a label");
-}
-
-fn capital(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect()
 }

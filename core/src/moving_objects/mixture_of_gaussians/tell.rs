@@ -157,7 +157,6 @@ fn matrices(modes: &[Mode], pixel: &[f32], after: Option<Vec<Mode>>) -> Vec<Matr
 
 /// A row for each mode.
 fn table(symbol: &'static str, name: &'static str, modes: &[Mode], pixel: &[f32]) -> Matrix {
-    const NAMES: [&str; 8] = ["1", "2", "3", "4", "5", "6", "7", "8"];
     let columns = match pixel {
         [_] => vec!["w", "μ", "σ", "|I − μ| / σ"],
         _ => vec!["w", "R", "G", "B", "σ", "|I − μ| / σ"],
@@ -171,6 +170,7 @@ fn table(symbol: &'static str, name: &'static str, modes: &[Mode], pixel: &[f32]
             Some(_) => mode.distance(pixel),
         })
     });
-    let rows = NAMES[..modes.len()].to_vec();
+    let rows = (1..=modes.len()).map(|number| number.to_string()).collect();
+    let columns = columns.into_iter().map(String::from).collect();
     Matrix { symbol, name, role: Some(Role::Predicted), entries, rows, columns, changed: None }
 }

@@ -1,7 +1,7 @@
 //! How the tracker is told and drawn.
 
 use super::{BlobTracker, Body, Decision, Event, Identity, Member, State, Table, What};
-use crate::objects::tell::{self, count, short};
+use crate::objects::tell::{self, Names, count, short};
 use crate::objects::{Bounds, Life};
 use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Sentence, Shape};
 use crate::{Role, Scene, Seen, Step};
@@ -17,6 +17,11 @@ fn listed(all: impl IntoIterator<Item = usize>) -> String {
 
 fn ids<'a>(members: impl IntoIterator<Item = &'a Member>) -> String {
     listed(members.into_iter().map(|member| member.id as usize))
+}
+
+/// `1`, `1+2`.
+fn ids_short(members: &[Member]) -> String {
+    members.iter().map(|member| member.id.to_string()).collect::<Vec<_>>().join("+")
 }
 
 /// `Object 3`, or `The group of objects 1 and 2`.
@@ -44,7 +49,7 @@ impl BlobTracker {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match last(seen.events) {
             None | Some(What::Done(_)) => 0,
-            Some(What::Looked(_)) => 1,
+            Some(What::Looked(..)) => 1,
             Some(What::Expected(_)) => 2,
             Some(What::Corresponded(_)) => 3,
             Some(What::Decided(decision)) if decision.is_split() => 7,
@@ -68,9 +73,7 @@ impl BlobTracker {
                        otherwise objects merge or split.");
         };
         match what {
-            What::Looked(all) => {
-                said.ink(Role::Measured, format!("{} in frame {frame}", count(all.len(), "blob"))).text(".")
-            }
+            What::Looked(all, left_out) => tell::looked((all.len(), "blob"), frame, (*left_out, self.min_score)),
             What::Expected(bodies) if bodies.is_empty() => {
                 said.text("There is no object yet whose place could be expected.")
             }
@@ -191,7 +194,10 @@ impl BlobTracker {
             }
         }
         if let Some((table, decision)) = table_of(seen) {
-            tables.extend(correspondence(table, decision));
+            let rows = table.bodies.iter().map(|body| ids_short(&body.members));
+            let names = Names::new(rows, 0..table.blobs.len());
+            facts.extend(names.shown());
+            tables.extend(correspondence(table, &names, decision));
         }
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
@@ -212,12 +218,13 @@ impl BlobTracker {
             }
             Identity::Place => "from where each would be, in px: objects down, blobs across",
         };
-        tell::table(("D", name), decision.unlike.as_ref()?, is_paired)
+        let names = Names::new(members.iter().map(|member| member.id.to_string()), decision.columns.iter().copied());
+        names.table(("D", name), decision.unlike.as_ref()?, is_paired)
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let looked =
-            seen.events.iter().find_map(|event| if let What::Looked(all) = &event.0 { Some(all) } else { None });
+            seen.events.iter().find_map(|event| if let What::Looked(all, _) = &event.0 { Some(all) } else { None });
         let blobs = looked.into_iter().flat_map(|all| all.iter());
         tell::draw_detections(scene, blobs.clone().map(|blob| &blob.detection));
         if seen.after.is_none() {
@@ -283,14 +290,14 @@ fn table_of<'a>(seen: &Seen<'a, BlobTracker>) -> Option<(&'a Table, Option<&'a D
 }
 
 /// What objects and blobs have in common, with who goes on with whom lit.
-fn correspondence(table: &Table, decision: Option<&Decision>) -> impl Iterator<Item = Matrix> {
+fn correspondence(table: &Table, names: &Names, decision: Option<&Decision>) -> impl Iterator<Item = Matrix> {
     let is_lit = |x: usize, y: usize| {
         table.links[(x, y)]
             && decision.is_none_or(|decision| decision.rows.contains(&y) && decision.columns.contains(&x))
     };
     let shares = ("O", "in common, as a share of the smaller box: objects down, blobs across");
     let overlaps = ("IoU", "intersection over union, by which pairs are chosen");
-    [tell::table(shares, &table.shares, is_lit), tell::table(overlaps, &table.overlaps, is_lit)].into_iter().flatten()
+    [names.table(shares, &table.shares, is_lit), names.table(overlaps, &table.overlaps, is_lit)].into_iter().flatten()
 }
 
 /// The objects in the middle of a frame: those that were done already as they are now, the others where they are expected.

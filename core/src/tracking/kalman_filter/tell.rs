@@ -1,15 +1,15 @@
 //! How the filter is told and drawn.
 
 use super::matrices::matrices;
-use super::{Event, Gated, KalmanFilter, Moment, State};
-use crate::kalman::{Filter, chi_square, ellipse};
+use super::sensors::{Look, Sensed, Sensors};
+use super::{Event, Gated, KalmanFilter, Loss, Moment, State};
+use crate::kalman::{Filter, Measurement, chi_square, ellipse};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Series, Shape};
-use crate::words::number;
+use crate::words::{counted as count, number_64 as short, percent};
 use crate::{Role, Scene, Seen, Step};
 
-fn short(value: f64) -> String {
-    number(value as f32)
-}
+/// A line of a plot: its name, its role and its points.
+type Line = (&'static str, Role, Vec<[f32; 2]>);
 
 /// A place as a person reads it.
 fn place([x, y]: [f64; 2]) -> String {
@@ -48,14 +48,14 @@ impl KalmanFilter {
                 Event::Predicted(both) => now.predicted = Some(both[1]),
                 Event::Gated(gated) => now.gated.push(gated),
                 Event::Updated(update) => now.after = Some(update.1),
-                Event::Begun(filter) => now.after = Some(**filter),
+                Event::Begun(filter, _) => now.after = Some(**filter),
                 Event::Missed(filter) => now.after = filter.as_deref().copied(),
-                Event::Lost(filter) => now.after = Some(**filter),
+                Event::Lost(filter, _) => now.after = Some(**filter),
                 Event::Smoothed(all) => (now.before, now.after) = (Some(all[0]), Some(all[1])),
                 Event::Kept(filter) => {
                     (now.before, now.after) = (filter.as_deref().copied(), filter.as_deref().copied())
                 }
-                Event::Looked(..) | Event::Hidden(_) => {}
+                Event::Looked(_) => {}
             }
         }
         now
@@ -65,12 +65,13 @@ impl KalmanFilter {
         let line = match seen.events.last() {
             None => 0,
             Some(Event::Predicted(_)) => 1,
-            Some(Event::Looked(..) | Event::Hidden(_) | Event::Begun(_)) => 2,
-            Some(Event::Gated(_)) => 3,
-            Some(Event::Updated(_)) => 4,
-            Some(Event::Missed(_) | Event::Lost(_)) => 6,
-            Some(Event::Smoothed(_)) => 8,
-            Some(Event::Kept(_)) => 7,
+            Some(Event::Looked(_)) => 2,
+            Some(Event::Begun(..)) => 3,
+            Some(Event::Gated(_)) => 4,
+            Some(Event::Updated(_)) => 5,
+            Some(Event::Missed(_) | Event::Lost(..)) => 7,
+            Some(Event::Smoothed(_)) => 9,
+            Some(Event::Kept(_)) => 8,
         };
         let now = self.now(seen);
         Step { line, sentence: self.sentence(seen, &now), readouts: self.readouts(seen, &now) }
@@ -98,17 +99,7 @@ impl KalmanFilter {
                         short(after)
                     ))
             }
-            Some(Event::Looked(_, measured, _)) => match measured.first() {
-                None => said.text(format!("Nothing is detected in frame {frame}.")),
-                Some(first) => said.ink(Role::Measured, format!("Measured: {}", place(first.place))).text(format!(
-                    ", with a standard deviation of {} px{}.",
-                    short(first.place_deviation),
-                    if measured.len() > 1 { "; a second sensor measures as well" } else { "" }
-                )),
-            },
-            Some(Event::Hidden(_)) => {
-                said.text(format!("Frame {frame} is one of those in which nothing is to be seen of the object."))
-            }
+            Some(Event::Looked(look)) => looked(frame, look),
             Some(Event::Gated(gated)) => {
                 let said = said
                     .ink(
@@ -116,46 +107,68 @@ impl KalmanFilter {
                         format!("{} is a squared distance of {}", sensor(gated), short(gated.squared_distance)),
                     )
                     .text(" from what is expected, in units of what is uncertain about both. ");
-                let (share, limit) = (short(100.0 * f64::from(self.gate)), short(gated.limit));
+                let (share, limit) = (percent(self.gate), short(gated.limit));
                 if gated.is_inside() {
-                    said.text(format!("{share} % of all measurements of the object stay within {limit}: it is taken."))
+                    said.text(format!("{share} of all measurements of the object stay within {limit}: it is taken."))
                 } else {
                     said.ink(
                         Role::Error,
-                        format!("{share} % of all measurements of the object stay within {limit}: it is not taken."),
+                        format!("{share} of all measurements of the object stay within {limit}: it is not taken."),
                     )
                 }
             }
             Some(Event::Updated(update)) => {
                 let (gated, after) = (&update.0, &update.1);
-                let share = self.moved_share(gated);
+                let from = gated.expected.place();
                 said.text("What is believed moves ").ink(Role::Estimate, format!("to {}", place(after.place()))).text(
                     format!(
-                        ", {} % of the way to the measurement, and its standard deviation goes from {} to {} px.",
-                        short(100.0 * share),
+                        ", by {} px; the measurement is {} px away. Its standard deviation goes from {} to {} px.",
+                        short(distance(from, after.place())),
+                        short(distance(from, gated.measurement().place)),
                         short(deviation(&gated.expected)),
                         short(deviation(after))
                     ),
                 )
             }
-            Some(Event::Begun(filter)) => said
+            Some(Event::Begun(filter, there)) => said
                 .text("An object begins with its first measurement, at ")
                 .ink(Role::Estimate, place(filter.place()))
                 .text(format!(
                     ". How it moves is not known: each component of its velocity is 0 ± {} px/frame.",
                     short(f64::from(self.first_speed))
-                )),
-            Some(Event::Missed(None)) => {
-                said.text(format!("Nothing was ever measured up to frame {frame}: there is nothing to believe."))
-            }
-            Some(Event::Missed(Some(filter))) => said
-                .text("Without a measurement the prediction stands: ")
+                ))
+                .text(if self.object > *there {
+                    format!(" Object {} was asked for and {} there: it is the last one.", self.object, are(*there))
+                } else {
+                    String::new()
+                }),
+            Some(Event::Missed(None)) => said.text(match seen.before.begun {
+                0 => format!("Nothing was ever measured up to frame {frame}: there is nothing to believe."),
+                _ => format!(
+                    "The object was given up, and nothing is measured in frame {frame} that could begin another."
+                ),
+            }),
+            Some(Event::Missed(Some(filter))) => {
+                let refused = now.gated.len();
+                said.text(match refused {
+                    0 => "Without a measurement the prediction stands: ",
+                    1 => "The measurement lies outside the gate, so the prediction stands: ",
+                    _ => "All measurements lie outside the gate, so the prediction stands: ",
+                })
                 .ink(Role::Estimate, place(filter.place()))
-                .text(format!(". It is {} frames since the object was seen.", seen.before.missed + 1)),
-            Some(Event::Lost(_)) => said.text(format!(
-                "The object was not seen for more than {} frames and is given up; the next measurement begins another.",
-                self.patience
-            )),
+                .text(format!(
+                    ". For {} nothing was measured that belongs to the object.",
+                    count(seen.before.missed + 1, "frame")
+                ))
+            }
+            Some(Event::Lost(filter, loss)) => said
+                .text(match loss {
+                    Loss::Unseen => format!("The object was not seen for more than {}", count(self.patience, "frame")),
+                    Loss::Outside => {
+                        format!("The object is believed to be at {}, far outside the picture,", place(filter.place()))
+                    }
+                })
+                .text(" and is given up; the next measurement begins another."),
             Some(Event::Smoothed(all)) => {
                 let far = distance(all[0].place(), all[1].place());
                 said.text(format!(
@@ -177,18 +190,11 @@ impl KalmanFilter {
         }
     }
 
-    /// How far the estimate moves towards a measurement, as a share of the way.
-    fn moved_share(&self, gated: &Gated) -> f64 {
-        let (from, to) = (gated.expected.place(), gated.measurement.place);
-        let after = gated.expected.updated(&gated.measurement).map_or(from, |(filter, _)| filter.place());
-        let way = distance(from, to);
-        if way > 0.0 { distance(from, after) / way } else { 0.0 }
-    }
-
     fn readouts(&self, seen: &Seen<Self>, now: &Now) -> Vec<Readout> {
         let mut readouts = vec![Readout::Facts(self.facts(seen, now))];
         readouts.extend(self.equation(seen.events.last()));
-        let matrices = matrices(seen.events.last(), now.believed());
+        let moments = seen.before.moments.iter().map(|moment| &**moment);
+        let matrices = matrices(seen.events.last(), now.believed(), moments);
         if !matrices.is_empty() {
             readouts.push(Readout::Matrices(matrices));
         }
@@ -214,10 +220,10 @@ impl KalmanFilter {
             ));
         }
         if let Some(gated) = now.gated.last() {
-            facts.push(Fact::new("Measured", format!("{} px", place(gated.measurement.place)), Some(Role::Measured)));
+            facts.push(Fact::new("Measured", format!("{} px", place(gated.measurement().place)), Some(Role::Measured)));
             facts.push(Fact::new(
                 "NIS",
-                format!("{} of at most {}", short(gated.squared_distance), short(gated.limit)),
+                format!("{}, taken up to {}", short(gated.squared_distance), short(gated.limit)),
                 None,
             ));
         }
@@ -262,7 +268,7 @@ impl KalmanFilter {
                 ]
             }
             Event::Gated(gated) => {
-                let numbers = gated.expected.update_numbers(&gated.measurement)?;
+                let numbers = gated.expected.update_numbers(gated.measurement())?;
                 vec![Math::Row(vec![
                     Math::power(var("ν"), text("T")),
                     Math::power(var("S"), text("−1")),
@@ -277,7 +283,7 @@ impl KalmanFilter {
             }
             Event::Updated(update) => {
                 let (gated, after) = (&update.0, &update.1);
-                let numbers = gated.expected.update_numbers(&gated.measurement)?;
+                let numbers = gated.expected.update_numbers(gated.measurement())?;
                 let (gain, residual) = (numbers.gain[(0, 0)], numbers.residual[0]);
                 vec![
                     Math::Row(vec![var("x"), text(" ← "), var("x"), text(" + "), var("K"), var("ν")]),
@@ -305,12 +311,16 @@ impl KalmanFilter {
         let line = |of: &dyn Fn(&Moment) -> Option<f64>| -> Vec<[f32; 2]> {
             moments().filter_map(|(i, moment)| Some([x(i), of(moment)? as f32])).collect()
         };
-        let bound = |p: f64| -> Vec<[f32; 2]> {
-            let value = chi_square::quantile(p, 2) as f32;
-            [0, state.moments.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
+        // Two-sided: a filter that is far too unsure lies below the lower one.
+        let bounds = |dof: usize| -> Vec<Line> {
+            let at = |p: f64| {
+                let value = chi_square::quantile(p, dof) as f32;
+                [0, state.moments.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
+            };
+            vec![("95 % from here", Role::Window, at(0.025)), ("to here", Role::Window, at(0.975))]
         };
         let x_max = state.span.first + state.span.frames().map_or(state.moments.len(), |frames| frames - 1);
-        let series = |title, y_label, lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>| {
+        let series = |title, y_label, lines: Vec<Line>| {
             Readout::Series(Series {
                 title,
                 x_label: "frame",
@@ -324,29 +334,43 @@ impl KalmanFilter {
         if state.moments.len() < 2 {
             return Vec::new();
         }
-        let nis = line(&|moment| moment.nis.iter().find(|(_, numbers)| *numbers == 2).map(|(nis, _)| *nis));
         let sigma = line(&|moment| moment.filtered.as_ref().map(deviation));
         let smoothed = line(&|moment| moment.smoothed.as_ref().map(deviation));
         let mut deviations = vec![("filtered", Role::Estimate, sigma)];
         if !smoothed.is_empty() {
             deviations.push(("smoothed", Role::Result, smoothed));
         }
-        let mut all = vec![
-            series("NIS", "squared distance", vec![("NIS", Role::Measured, nis), ("95 %", Role::Window, bound(0.95))]),
-            series("Standard deviation", "px", deviations),
-        ];
+        let names = if self.sensors == Sensors::One {
+            ["NIS"; 2]
+        } else {
+            ["NIS of the first sensor", "NIS of the second sensor"]
+        };
+        let mut all = Vec::new();
+        for (sensor, title) in names.into_iter().enumerate() {
+            let all_of = line(&|moment| Some(moment.of_sensor(sensor)?.squared_distance));
+            let refused = line(&|moment| {
+                let gated = moment.of_sensor(sensor).filter(|gated| !gated.is_inside())?;
+                Some(gated.squared_distance)
+            });
+            let dof = moments().find_map(|(_, moment)| Some(moment.of_sensor(sensor)?.measurement().numbers()));
+            let Some(dof) = dof else { continue };
+            let mut lines = vec![("NIS", Role::Measured, all_of)];
+            if !refused.is_empty() {
+                lines.push(("outside the gate", Role::Rejected, refused));
+            }
+            lines.extend(bounds(dof));
+            all.push(series(title, "squared distance", lines));
+        }
+        all.push(series("Standard deviation", "px", deviations));
         let nees = line(&|moment| moment.filtered?.squared_error(moment.truth?));
         if nees.len() > 1 {
             let off = |of: fn(&Moment) -> Option<Filter>| {
                 line(&move |moment: &Moment| Some(distance(of(moment)?.place(), moment.truth?)))
             };
-            all.push(series(
-                "NEES",
-                "squared distance",
-                vec![("NEES", Role::Error, nees), ("95 %", Role::Window, bound(0.95))],
-            ));
+            let lines = [vec![("NEES", Role::Error, nees)], bounds(2)].concat();
+            all.push(series("NEES", "squared distance", lines));
             let mut errors = vec![("filtered", Role::Estimate, off(|moment| moment.filtered))];
-            let measured = line(&|moment| Some(distance(*moment.measured.first()?, moment.truth?)));
+            let measured = line(&|moment| Some(distance(moment.of_sensor(0)?.measurement().place, moment.truth?)));
             errors.push(("measured", Role::Measured, measured));
             if state.back.is_some() {
                 errors.push(("smoothed", Role::Result, off(|moment| moment.smoothed)));
@@ -360,7 +384,7 @@ impl KalmanFilter {
         let (state, now) = (seen.before, self.now(seen));
         trails(seen, scene);
         let detections = seen.events.iter().find_map(|event| match event {
-            Event::Looked(detections, ..) => Some(detections),
+            Event::Looked(look) => Some(&look.detections),
             _ => None,
         });
         for found in detections.into_iter().flat_map(|all| all.iter()) {
@@ -372,7 +396,7 @@ impl KalmanFilter {
         if let Some(predicted) = now.predicted {
             self.belief(&predicted, (Role::Predicted, "predicted"), scene);
         }
-        if let (Some(gated), None) = (now.gated.last(), now.after) {
+        if let Some(Event::Gated(gated)) = seen.events.last() {
             gate(gated, scene);
         }
         measured(seen, &now, scene);
@@ -391,7 +415,7 @@ impl KalmanFilter {
         }
     }
 
-    /// Where something is believed to be, with its ellipse and where it goes in the next frame.
+    /// Where something is believed to be, with its ellipse.
     fn belief(&self, filter: &Filter, (role, meaning): (Role, &'static str), scene: &mut Scene) {
         let center = filter.place();
         if let Some(shape) = ellipse(center, filter.place_covariance(), self.confidence.share()) {
@@ -409,6 +433,36 @@ impl KalmanFilter {
     }
 }
 
+/// What there is to see of a frame, in words.
+fn looked(frame: &usize, look: &Look) -> Sentence {
+    let said = Sentence::default();
+    let [first, second] = [0, 1].map(|sensor| look.measured.iter().find(|sensed| sensed.sensor == sensor));
+    let measured = |sensed: &Sensed| {
+        let Measurement { place: at, place_deviation, .. } = sensed.measurement;
+        (place(at), format!(", with a standard deviation of {} px", short(place_deviation)))
+    };
+    let said = match first.map(measured) {
+        Some((at, sure)) => said.ink(Role::Measured, format!("Measured: {at}")).text(format!("{sure}.")),
+        None if look.is_hidden && second.is_some() => {
+            said.text(format!("Frame {frame} is one of those in which the first sensor sees nothing of the object."))
+        }
+        None if look.is_hidden => {
+            said.text(format!("Frame {frame} is one of those in which nothing is to be seen of the object."))
+        }
+        None => said.text(format!("Nothing is detected in frame {frame}.")),
+    };
+    match second.map(measured) {
+        Some((at, sure)) => {
+            said.ink(Role::Measured, format!(" The second sensor measures {at}")).text(format!("{sure}."))
+        }
+        None => said,
+    }
+}
+
+fn are(there: usize) -> String {
+    if there == 1 { "only one is".into() } else { format!("only {there} are") }
+}
+
 /// The frame at work.
 fn frame_of(state: &State) -> usize {
     let count = state.moments.len();
@@ -416,7 +470,7 @@ fn frame_of(state: &State) -> usize {
 }
 
 fn sensor(gated: &Gated) -> &'static str {
-    if gated.sensor == 0 { "The measurement" } else { "The second sensor's measurement" }
+    if gated.sensed.sensor == 0 { "The measurement" } else { "The second sensor's measurement" }
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -432,7 +486,7 @@ fn deviation(filter: &Filter) -> f64 {
 /// The true place in the frame at hand.
 fn truth(seen: &Seen<KalmanFilter>) -> Option<[f64; 2]> {
     let told = seen.events.iter().find_map(|event| match event {
-        Event::Looked(.., truth) | Event::Hidden(truth) => *truth,
+        Event::Looked(look) => look.truth,
         _ => None,
     });
     let index = frame_of(seen.before) - seen.before.span.first;
@@ -462,7 +516,7 @@ fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
             scene.legend(role, meaning);
         }
     };
-    draw(|moment| moment.filtered, Role::Estimate, "estimated");
+    draw(|moment| moment.filtered, Role::Estimate, if state.back.is_some() { "filtered" } else { "estimated" });
     if state.back.is_some() {
         draw(|moment| moment.smoothed, Role::Result, "smoothed");
     }
@@ -470,7 +524,7 @@ fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
 
 /// The region in which a measurement is taken.
 fn gate(gated: &Gated, scene: &mut Scene) {
-    let Some(numbers) = gated.expected.update_numbers(&gated.measurement) else { return };
+    let Some(numbers) = gated.expected.update_numbers(gated.measurement()) else { return };
     let covariance = [0, 1].map(|i| [0, 1].map(|j| numbers.covariance[(j, i)]));
     // The share that lies within this limit in the plane of places.
     let share = chi_square::share(gated.limit, 2);
@@ -483,19 +537,20 @@ fn gate(gated: &Gated, scene: &mut Scene) {
 /// What was measured, and the way there from what was expected.
 fn measured(seen: &Seen<KalmanFilter>, now: &Now, scene: &mut Scene) {
     let looked = seen.events.iter().find_map(|event| match event {
-        Event::Looked(_, measured, _) => Some(measured),
+        Event::Looked(look) => Some(&look.measured),
         _ => None,
     });
     let Some(all) = looked.filter(|all| !all.is_empty()) else { return };
-    let points = all.iter().map(|measurement| point(measurement.place)).collect();
+    let points = all.iter().map(|sensed| point(sensed.measurement.place)).collect();
     scene.mark(Picture::Current, Role::Measured, Shape::Points(points));
-    scene.legend(Role::Measured, "measured");
     let arrows: Vec<Arrow> = now
         .gated
         .iter()
-        .map(|gated| Arrow { from: point(gated.expected.place()), to: point(gated.measurement.place) })
+        .map(|gated| Arrow { from: point(gated.expected.place()), to: point(gated.measurement().place) })
         .collect();
-    if !arrows.is_empty() {
+    if arrows.is_empty() {
+        scene.legend(Role::Measured, "measured");
+    } else {
         scene.mark(Picture::Current, Role::Measured, Shape::Arrows(arrows));
         scene.legend(Role::Measured, "measured; the arrow is the innovation ν");
     }

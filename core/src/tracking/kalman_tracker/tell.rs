@@ -3,7 +3,7 @@
 use super::{Costs, Event, KalmanTracker, PairCost, Track};
 use crate::kalman::ellipse;
 use crate::objects::Life;
-use crate::objects::tell::{self, count, short};
+use crate::objects::tell::{self, Names, count, short};
 use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Sentence, Shape};
 use crate::{Role, Scene, Seen, Step};
 
@@ -19,7 +19,7 @@ impl KalmanTracker {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None | Some(Event::Done(_)) => 0,
-            Some(Event::Looked(_)) => 1,
+            Some(Event::Looked(..)) => 1,
             Some(Event::Predicted(_)) => 2,
             Some(Event::Costs(_)) => 3,
             Some(Event::Paired(..)) => 4,
@@ -42,9 +42,7 @@ impl KalmanTracker {
                 .text(" in a frame is shared out among them, and each moves to its own.");
         };
         match event {
-            Event::Looked(all) => {
-                said.ink(Role::Measured, format!("{} in frame {frame}", count(all.len(), "detection"))).text(".")
-            }
+            Event::Looked(all, left_out) => tell::looked((all.len(), "detection"), frame, (*left_out, self.min_score)),
             Event::Predicted(tracks) if tracks.is_empty() => {
                 said.text("There is no object yet whose place could be predicted.")
             }
@@ -80,12 +78,13 @@ impl KalmanTracker {
                 }
             }
             Event::Missed(track) => said.ink(Role::Predicted, named(track)).text(format!(
-                " was not seen for {} and coasts: its ellipse grows. After {} it is given up.",
+                " was not seen for {} and coasts: its ellipse grows. After more than {} it is given up.",
                 count(track.age.missed, "frame"),
                 count(self.patience, "frame")
             )),
             Event::Ended(track) => said.ink(Role::Rejected, named(track)).text(match track.age.life {
                 Life::Tentative => " was not seen again and is dropped: it was not yet believed in.",
+                _ if track.age.missed < self.patience => " is believed to be far outside the picture and is given up.",
                 _ => " was not seen for too long and is given up.",
             }),
             Event::Begun(track) => said
@@ -98,7 +97,10 @@ impl KalmanTracker {
 
     fn limits(&self, costs: &Costs) -> String {
         let near = format!("their squared distance is at most {}", short(costs.limit));
-        let shared = format!("they have at least {} in common", short(f64::from(self.min_overlap)));
+        let shared = match self.min_overlap > 0.0 {
+            true => format!("they have at least {} in common", short(f64::from(self.min_overlap))),
+            false => "their boxes overlap".into(),
+        };
         match self.cost {
             PairCost::Mahalanobis => near,
             PairCost::Overlap => shared,
@@ -123,33 +125,37 @@ impl KalmanTracker {
                 None,
             ));
         }
-        let mut readouts = vec![Readout::Facts(facts)];
+        let mut tables = Vec::new();
         if let Some((costs, pair)) = costs_of(seen) {
-            let tables = self.tables(costs, pair);
-            readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
+            let names = Names::new(costs.tracks.iter().map(|track| track.id.to_string()), 0..costs.detections.len());
+            facts.extend(names.shown());
+            tables = self.tables(costs, &names, pair);
         }
+        let mut readouts = vec![Readout::Facts(facts)];
+        readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         readouts.extend(tell::series(&seen.after.unwrap_or(state).course));
         readouts
     }
 
     /// The tables of costs, the pairs that were chosen lit.
-    fn tables(&self, costs: &Costs, pair: Option<[usize; 2]>) -> Vec<Matrix> {
+    fn tables(&self, costs: &Costs, names: &Names, pair: Option<[usize; 2]>) -> Vec<Matrix> {
         let is_paired = |x: usize, y: usize| match pair {
             Some(pair) => pair == [y, x],
             None => costs.pairs[y] == Some(x),
         };
-        let mut all = vec![tell::table(("C", "costs: objects down, detections across"), &costs.costs, is_paired)];
+        let mut all = vec![names.table(("C", "costs: objects down, detections across"), &costs.costs, is_paired)];
         if self.cost != PairCost::Overlap {
-            all.push(tell::table(("d²", "squared Mahalanobis distances"), &costs.distances, is_paired));
+            all.push(names.table(("d²", "squared Mahalanobis distances"), &costs.distances, is_paired));
         }
         if self.cost != PairCost::Mahalanobis {
-            all.push(tell::table(("IoU", "overlaps"), &costs.overlaps, is_paired));
+            all.push(names.table(("IoU", "overlaps"), &costs.overlaps, is_paired));
         }
         all.into_iter().flatten().collect()
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let looked = seen.events.iter().find_map(|event| if let Event::Looked(all) = event { Some(all) } else { None });
+        let looked =
+            seen.events.iter().find_map(|event| if let Event::Looked(all, _) = event { Some(all) } else { None });
         tell::draw_detections(scene, looked.into_iter().flat_map(|all| all.iter()));
         let after = seen.after.map(|state| &state.tracks);
         match (after, seen.events.last()) {

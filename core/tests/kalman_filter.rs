@@ -1,0 +1,272 @@
+//! The Kalman filter on one object, as it runs through clips.
+
+mod common;
+
+use common::set;
+use motionscope_core::kalman::chi_square;
+use motionscope_core::objects::score::scores;
+use motionscope_core::scene::{Matrix, Readout, Series};
+use motionscope_core::{
+    AnyEstimator, Bounds, Clip, Detection, Life, Move, ObjectField, Output, Role, Threads, Walk, synth,
+};
+
+fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
+    match estimator.run(clip, 0, &Threads::single()).expect("a run") {
+        Output::Objects(field) => field,
+        other => panic!("{other:?} are no objects"),
+    }
+}
+
+fn scene(id: &str) -> Clip {
+    synth::make(id, &synth::scene(id).expect("it is bundled").difficulty()).expect("a clip")
+}
+
+fn found(center: [f32; 2], size: [f32; 2], score: f32) -> Detection {
+    Detection { bounds: Bounds::around(center, size), center, score, blob: None }
+}
+
+fn rows(frames: Vec<Vec<Detection>>) -> Clip {
+    Clip::blank("rows", (640, 480), frames.len()).with_detections(frames)
+}
+
+/// Where the true object `id` is in frame `t`.
+fn truth(clip: &Clip, t: usize, id: u32) -> [f64; 2] {
+    let objects = clip.truth().expect("exact").objects(t).expect("readable").expect("objects");
+    let object = objects.iter().find(|object| object.id == id).expect("it is there");
+    [object.x + object.width / 2.0, object.y + object.height / 2.0].map(f64::from)
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// What the steps of a run show, from the first to the last.
+fn steps(estimator: &dyn AnyEstimator, clip: &Clip, mut look: impl FnMut(&dyn Walk)) {
+    let mut walk = estimator.walk(clip, 0).expect("a run");
+    while !walk.at_end() {
+        walk.jump(Move::Rung(2, motionscope_core::Way::Forward));
+        look(&*walk);
+    }
+}
+
+fn matrices(walk: &dyn Walk) -> Vec<Matrix> {
+    let all = walk.step(None).readouts.into_iter();
+    all.filter_map(|readout| if let Readout::Matrices(all) = readout { Some(all) } else { None }).flatten().collect()
+}
+
+fn series(estimator: &dyn AnyEstimator, clip: &Clip, title: &str) -> Series {
+    let mut walk = estimator.walk(clip, 0).expect("a run");
+    walk.jump(Move::End);
+    let all = walk.step(None).readouts.into_iter();
+    let mut all = all.filter_map(|readout| if let Readout::Series(series) = readout { Some(series) } else { None });
+    all.find(|series| series.title == title).expect("it is plotted")
+}
+
+#[test]
+fn detections_are_ranked_by_score_whatever_their_boxes_are() {
+    // Not numbers, and infinite: a sort by them has no order.
+    let wild = |i: usize| match i % 3 {
+        0 => found([f32::NAN; 2], [f32::INFINITY; 2], f32::NAN),
+        1 => found([50.0, 50.0], [f32::NAN, 5.0], 0.9),
+        _ => found([60.0 + i as f32, 50.0], [1.0 + i as f32, 5.0], 0.5 + (i % 5) as f32),
+    };
+    let clip = rows(vec![(0..90).map(wild).collect(); 3]);
+    run(&*set("kalman-filter", &[]), &clip);
+    let order = |object: &str| {
+        let frame = vec![
+            found([100.0, 100.0], [10.0; 2], 0.5),
+            found([200.0, 100.0], [99.0; 2], 0.5),
+            found([300.0, 100.0], [10.0; 2], 0.9),
+        ];
+        run(&*set("kalman-filter", &[("object", object)]), &rows(vec![frame; 2])).frames[0].objects[0].position[0]
+    };
+    assert_eq!(["1", "2", "3"].map(order), [300.0, 100.0, 200.0], "of one score they keep their order");
+    let mut told = String::new();
+    let few = rows(vec![vec![found([100.0; 2], [10.0; 2], 1.0)]; 2]);
+    steps(&*set("kalman-filter", &[("object", "7")]), &few, |walk| told += &walk.step(None).sentence.plain());
+    assert!(told.contains("Object 7 was asked for and only one is there"), "{told}");
+}
+
+#[test]
+fn the_noise_does_not_change_who_is_followed() {
+    for (id, object, wanted) in [("traffic", "1", 1), ("traffic", "2", 2), ("crossing-stars", "1", 1)] {
+        let clip = scene(id);
+        for seed in 1..=20 {
+            let settings = [("object", object), ("seed", &*seed.to_string()), ("added-noise", "1")];
+            let field = run(&*set("kalman-filter", &settings), &clip);
+            let first = field.frames.iter().position(|frame| !frame.objects.is_empty()).expect("it begins");
+            let off = distance(field.frames[first].objects[0].position, truth(&clip, first, wanted));
+            assert!(off < 5.0, "{id}, object {object}, noise {seed}: {off} px off");
+        }
+    }
+}
+
+#[test]
+fn the_box_follows_what_is_measured() {
+    let side = |t: usize| 20.0 + 6.0 * t as f32;
+    let clip = rows((0..20).map(|t| vec![found([300.0, 240.0], [side(t); 2], 0.9)]).collect());
+    for frame in run(&*set("kalman-filter", &[("smooth", "on")]), &clip).frames.iter().zip(0..20) {
+        let (frame, t) = frame;
+        let iou = frame.objects[0].bounds.iou(&Bounds::around([300.0, 240.0], [side(t); 2]));
+        assert!(iou > 0.6, "frame {t}: {iou}");
+        assert_eq!(frame.objects[0].detection, Some(0));
+    }
+}
+
+#[test]
+fn a_box_stays_where_it_is_around_a_centroid() {
+    for id in ["kalman-filter", "kalman-tracker"] {
+        let at = |t: usize| {
+            let bounds = Bounds::around([100.0 + 4.0 * t as f32, 200.0], [30.0, 60.0]);
+            Detection { bounds, center: [bounds.min[0] + 5.0, bounds.max[1] - 8.0], score: 1.0, blob: None }
+        };
+        let field = run(&*set(id, &[]), &rows((0..20).map(|t| vec![at(t)]).collect()));
+        let iou = field.frames[19].objects[0].bounds.iou(&at(19).bounds);
+        assert!(iou > 0.9, "{id}: {iou}");
+    }
+}
+
+#[test]
+fn one_is_scored_against_the_one_that_it_follows() {
+    let clip = scene("traffic");
+    let exact = set("kalman-filter", &[("added-noise", "0"), ("measurement-noise", "0.5")]);
+    let found = scores(&run(&*exact, &clip), &**clip.truth().expect("exact")).expect("readable").expect("objects");
+    assert!(found.mota > 0.6 && found.recall > 0.7, "the others are not missed: {found:?}");
+}
+
+#[test]
+fn an_inconsistent_filter_shows_in_the_plot() {
+    // A thrown ball is not of constant velocity: what is measured falls out of the gate, and counts all the same.
+    let (clip, filter) = (scene("fast-ball"), set("kalman-filter", &[("process-noise", "0.1"), ("smooth", "off")]));
+    let Series { lines, .. } = series(&*filter, &clip, "NIS");
+    let named = |name: &str| lines.iter().find(|(other, ..)| *other == name).map(|(.., points)| points.clone());
+    let (all, refused) = (named("NIS").expect("a line"), named("outside the gate").expect("marked"));
+    let limit = chi_square::quantile(0.99, 2) as f32;
+    assert!(!refused.is_empty() && refused.iter().all(|point| point[1] > limit && all.contains(point)), "{refused:?}");
+    let bounds: Vec<f32> = lines.iter().filter(|(_, role, _)| *role == Role::Window).map(|line| line.2[0][1]).collect();
+    assert_eq!(bounds, [0.025, 0.975].map(|p| chi_square::quantile(p, 2) as f32));
+    let nees = series(&*filter, &clip, "NEES");
+    assert_eq!(nees.lines.iter().filter(|(_, role, _)| *role == Role::Window).count(), 2);
+}
+
+#[test]
+fn each_sensor_has_its_own_plot() {
+    let clip = scene("crossing-stars");
+    let filter = set("kalman-filter", &[("sensors", "position-and-velocity"), ("smooth", "off")]);
+    for (title, dof) in [("NIS of the first sensor", 2), ("NIS of the second sensor", 4)] {
+        let Series { lines, .. } = series(&*filter, &clip, title);
+        let upper = lines.last().expect("a bound").2[0][1];
+        assert_eq!(upper, chi_square::quantile(0.975, dof) as f32, "{title}");
+        assert!(lines[0].2.len() > 15, "{title}");
+    }
+}
+
+/// Mean over 100 seeds of the squared error of the estimate in each frame, from frame 2 on while the object is in the picture.
+fn mean_nees(clip: &Clip, settings: &[(&str, &str)]) -> Vec<f64> {
+    let mut sums: Vec<f64> = Vec::new();
+    let objects = |t| clip.truth().expect("exact").objects(t).expect("readable").unwrap_or_default();
+    let is_there = |t: &usize| objects(*t).iter().any(|object| object.id == 1);
+    let frames = (0..clip.info().frames.expect("known")).take_while(is_there).count();
+    for seed in 1..=100 {
+        let mut filter = set("kalman-filter", settings);
+        filter.set("seed", &seed.to_string()).expect("in range");
+        let field = run(&*filter, clip);
+        sums.resize(frames, 0.0);
+        for (t, sum) in sums.iter_mut().enumerate() {
+            let object = &field.frames[t].objects[0];
+            let [[xx, xy], [yx, yy]] = object.covariance.expect("it is known");
+            let [x, y] = object.position;
+            let true_place = truth(clip, t, 1);
+            let (dx, dy) = (true_place[0] - x, true_place[1] - y);
+            *sum += (yy * dx * dx - (xy + yx) * dx * dy + xx * dy * dy) / (xx * yy - xy * yx) / 100.0;
+        }
+    }
+    sums.split_off(2)
+}
+
+#[test]
+fn the_estimator_is_consistent_on_clips_over_a_hundred_seeds() {
+    let [low, high] = [0.025, 0.975].map(|p| chi_square::quantile(p, 200) / 100.0);
+    let common = [("source", "truth"), ("smooth", "off"), ("gate", "0.9999")];
+    // Stars turn a little on their way; a ball falls.
+    for (id, model) in [
+        ("crossing-stars", [("motion", "velocity"), ("process-noise", "0.4")]),
+        ("fast-ball", [("motion", "acceleration"), ("process-noise", "0.3")]),
+    ] {
+        let means = mean_nees(&scene(id), &[&common[..], &model[..]].concat());
+        let inside = means.iter().filter(|mean| (low..high).contains(*mean)).count();
+        // Nineteen of twenty are expected of independent frames; these follow from each other, so one mishap lasts for some.
+        assert!(5 * inside >= 4 * means.len(), "{id}: {inside} of {} in {low}..{high}: {means:?}", means.len());
+    }
+    let wrong = mean_nees(&scene("fast-ball"), &[&common[..], &[("process-noise", "0.05")]].concat());
+    assert!(wrong.iter().any(|mean| *mean > 10.0 * high), "a wrong model shows: {wrong:?}");
+}
+
+#[test]
+fn a_second_sensor_bridges_what_hides_the_first() {
+    let clip = scene("crossing-stars");
+    let hidden = [("drop-from", "8"), ("drop-frames", "6"), ("smooth", "off")];
+    let of = |sensors| run(&*set("kalman-filter", &[&hidden[..], &[("sensors", sensors)]].concat()), &clip);
+    let (one, two) = (of("one"), of("two-positions"));
+    for t in 8..14 {
+        assert_eq!([&one, &two].map(|field| field.frames[t].objects[0].life), [Life::Coasting, Life::Confirmed]);
+    }
+    let deviation = |field: &ObjectField| field.frames[13].objects[0].covariance.expect("it is known")[0][0].sqrt();
+    assert!(deviation(&two) < 0.6 * deviation(&one), "{} and {} px", deviation(&two), deviation(&one));
+}
+
+#[test]
+fn what_has_left_the_picture_is_given_up() {
+    let at = |t: usize| found([100.0 * t as f32, 240.0], [400.0; 2], 1.0);
+    let clip = rows((0..40).map(|t| if t < 6 { vec![at(t)] } else { vec![] }).collect());
+    for (id, settings) in [
+        ("kalman-filter", vec![("first-speed", "200"), ("patience", "200")]),
+        ("kalman-tracker", vec![("patience", "200")]),
+    ] {
+        let field = run(&*set(id, &settings), &clip);
+        let last = field.frames.iter().rposition(|frame| !frame.objects.is_empty()).expect("it is followed");
+        assert!((7..25).contains(&last), "{id} gives it up after frame {last}");
+        assert!(field.frames[last].objects.iter().all(|object| object.position[0] < 2.0 * 640.0));
+    }
+}
+
+#[test]
+fn what_is_told_is_true_of_the_step() {
+    let mut frames = vec![vec![found([100.0, 100.0], [10.0; 2], 1.0)]; 3];
+    frames.push(vec![found([400.0, 300.0], [10.0; 2], 1.0)]);
+    frames.extend([vec![], vec![]]);
+    let (mut told, mut legends) = (Vec::new(), Vec::new());
+    steps(&*set("kalman-filter", &[("patience", "1"), ("gate", "0.9999")]), &rows(frames), |walk| {
+        told.push(walk.step(None).sentence.plain());
+        let scene = walk.scene(None);
+        let meaning = |role| scene.legend.iter().find(|(other, _)| *other == role).map(|(_, meaning)| *meaning);
+        legends.push((meaning(Role::Measured), meaning(Role::Estimate)));
+    });
+    let all = told.join("\n");
+    assert!(all.contains("99.99 % of all measurements"), "{all}");
+    assert!(all.contains("lies outside the gate, so the prediction stands"), "{all}");
+    assert!(all.contains("For 1 frame nothing was measured"), "{all}");
+    assert!(all.contains("was given up, and nothing is measured in frame 5"), "{all}");
+    assert!(!all.contains("Nothing was ever measured"), "{all}");
+    assert!(legends.iter().any(|(measured, _)| measured.is_some_and(|text| text.contains("innovation"))));
+    assert!(legends.iter().any(|(_, estimate)| *estimate == Some("filtered")), "{legends:?}");
+}
+
+#[test]
+fn all_matrices_that_change_are_lit() {
+    let clip = scene("crossing-stars");
+    let mut lit: Vec<(&str, usize)> = Vec::new();
+    steps(&*set("kalman-filter", &[("motion", "turn"), ("smooth", "off")]), &clip, |walk| {
+        for matrix in matrices(walk) {
+            let count = matrix.changed.map_or(0, |changed| changed.cells().iter().filter(|lit| **lit).count());
+            lit.push((matrix.symbol, count));
+        }
+    });
+    let most = |symbol| lit.iter().filter(|(other, _)| *other == symbol).map(|(_, count)| *count).max();
+    for symbol in ["x", "P", "F", "ν", "S", "K"] {
+        assert!(most(symbol) > Some(0), "{symbol}");
+    }
+    for symbol in ["H", "R", "Q"] {
+        assert_eq!(most(symbol), Some(0), "{symbol} never changes");
+    }
+}
