@@ -121,6 +121,11 @@ impl Course {
         Ok((detections, left_out))
     }
 
+    /// Whether the scores of what is detected tell how sure that is.
+    pub fn tells_scores(&self) -> bool {
+        self.detector.tells_scores()
+    }
+
     /// Width and height of the picture in px.
     pub fn picture(&self) -> (usize, usize) {
         self.picture

@@ -1,19 +1,21 @@
 //! Many objects, each with a Kalman filter: in every frame detections are shared out among them.
 
+mod share;
 mod tell;
 
 use std::sync::Arc;
 
 use super::{is_far_outside, object_of};
-use crate::kalman::{Filter, Measurement, Model, MotionModel, chi_square};
-use crate::objects::assignment::{least_cost, nearest_first};
+use crate::kalman::{Filter, Measurement, Model, MotionModel};
 use crate::objects::course::{Course, tracker_params};
 use crate::objects::lives::Age;
 use crate::objects::{Bounds, Detection, Extent, Object, ObjectFrame};
 use crate::scene::Chart;
 use crate::{
-    Clip, Error, Estimator, Grid, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices,
+    Clip, Error, Estimator, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices,
 };
+
+pub use share::Costs;
 
 choices! {
     /// How pairs of objects and detections are chosen.
@@ -56,6 +58,12 @@ tracker_params! {
         gate: f32 = 0.999, 0.5..=0.9999;
         /// A pair is allowed if both boxes have at least this in common, as intersection over union; with 0 they need only overlap.
         min_overlap: f32 = 0.2, 0.0..=0.95;
+        /// Objects that are believed in choose first, tentative ones from what is left; otherwise all at once, as in SORT.
+        in_turns: bool = true;
+        /// Detections beside the clip with at least this score are surely objects: these are shared out first, and only these begin new ones. Those with less only go on with objects that were seen in the frame before, as in ByteTrack.
+        sure_score: f32 = 0.6, -1000.0..=1000.0;
+        /// An object for which nothing is left where it is expected may take what overlaps the box in which it was last seen: it may have stopped while it was hidden (OC-SORT).
+        recover: bool = true;
     }
 }
 
@@ -72,6 +80,8 @@ pub struct Track {
     id: u32,
     filter: Filter,
     extent: Extent,
+    /// The box in which it was last seen.
+    last: Bounds,
     age: Age,
 }
 
@@ -96,22 +106,6 @@ pub enum Event {
     Begun(Box<Track>),
     /// The frame is over.
     Done(Arc<ObjectFrame>),
-}
-
-/// Objects beside detections.
-#[derive(Clone, Debug)]
-pub struct Costs {
-    tracks: Vec<Track>,
-    detections: Arc<Vec<Detection>>,
-    /// Squared Mahalanobis distances and overlaps; a row for each object.
-    distances: Grid<f64>,
-    overlaps: Grid<f64>,
-    /// What a pair costs, infinite where it is not allowed.
-    costs: Grid<f64>,
-    /// The limit of the squared distances.
-    limit: f64,
-    /// The detection of each object.
-    pairs: Vec<Option<usize>>,
 }
 
 impl Track {
@@ -144,41 +138,12 @@ impl KalmanTracker {
         Measurement { place: detection.center.map(f64::from), place_deviation, velocity: None }
     }
 
-    /// What each pair of `tracks` and `detections` would cost, and who belongs to whom.
-    fn costs(&self, tracks: Vec<Track>, detections: Arc<Vec<Detection>>) -> Costs {
-        let size = (detections.len(), tracks.len());
-        let measured: Vec<Measurement> = detections.iter().map(|detection| self.measurement(detection)).collect();
-        let distances = Grid::from_fn(size.0, size.1, |x, y| {
-            tracks[y].filter.squared_distance(&measured[x]).unwrap_or(f64::INFINITY)
-        });
-        let boxes: Vec<Bounds> = tracks.iter().map(Track::bounds).collect();
-        let overlaps = Grid::from_fn(size.0, size.1, |x, y| f64::from(boxes[y].iou(&detections[x].bounds)));
-        let limit = chi_square::quantile(f64::from(self.gate), 2);
-        let least = f64::from(self.min_overlap);
-        let costs = Grid::from_fn(size.0, size.1, |x, y| {
-            let (distance, overlap) = (distances[(x, y)], overlaps[(x, y)]);
-            let (is_near, has_overlap) = (distance <= limit, overlap > 0.0 && overlap >= least);
-            let apart = (1.0 - overlap) / (1.0 - least);
-            match self.cost {
-                PairCost::Mahalanobis if is_near => distance,
-                PairCost::Overlap if has_overlap => 1.0 - overlap,
-                PairCost::Both if is_near && has_overlap => (distance / limit + apart) / 2.0,
-                _ => f64::INFINITY,
-            }
-        });
-        let pairs = match self.association {
-            Association::Nearest => nearest_first(&costs),
-            Association::Assignment => least_cost(&costs),
-        };
-        Costs { tracks, detections, distances, overlaps, costs, limit, pairs }
-    }
-
     /// An object moves to its detection.
     fn updated(&self, track: &Track, detection: &Detection) -> Track {
         let measurement = self.measurement(detection);
         let filter = track.filter.updated(&measurement).map_or(track.filter, |(filter, _)| filter);
         let extent = track.extent.towards(detection);
-        Track { filter, extent, age: self.rules().seen(track.age), id: track.id }
+        Track { filter, extent, last: detection.bounds, age: self.rules().seen(track.age), id: track.id }
     }
 
     fn begun(&self, detection: &Detection, id: u32) -> Track {
@@ -186,7 +151,7 @@ impl KalmanTracker {
         // In a frame hardly anything goes as far as half its height.
         let speed = extent.height_px() / 4.0;
         let filter = Filter::begun(self.model(&extent), &self.measurement(detection), speed);
-        Track { id, filter, extent, age: self.rules().begun() }
+        Track { id, filter, extent, last: detection.bounds, age: self.rules().begun() }
     }
 
     /// How something of this size is thought to move.
@@ -207,19 +172,20 @@ impl Estimator for KalmanTracker {
         name: "Kalman tracker",
         family: "Tracking",
         summary: "Follows many objects: predicts each, shares the detections of a frame out among them, and moves each to its own.",
-        source: "A. Bewley, Z. Ge, L. Ott, F. Ramos and B. Upcroft, Simple online and realtime tracking, ICIP 2016; gate and life \
-                 of tracks: S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999; assignment: H. W. \
+        source: "A. Bewley, Z. Ge, L. Ott, F. Ramos and B. Upcroft, Simple online and realtime tracking, ICIP 2016; less sure \
+                 detections: Y. Zhang and others, ByteTrack, ECCV 2022; last box: J. Cao and others, Observation-centric SORT, CVPR \
+                 2023; gate and life of tracks: S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999; assignment: H. W. \
                  Kuhn 1955, R. Jonker and A. Volgenant 1987",
         pseudocode: &[
             "for each frame t",
             "  detect objects",
             "  predict every track: x ← F x, P ← F P F^T + Q",
             "  cost of each pair: Mahalanobis distance, overlap, or both; ∞ outside the gate",
-            "  choose pairs of tracks and detections",
+            "  choose pairs: believed tracks first, less sure detections and last boxes with what is left",
             "  for each pair: update the track",
             "  for each track without a detection",
             "    coast, or end if it was not seen for too long",
-            "  for each detection without a track",
+            "  for each sure detection without a track",
             "    begin a track, tentative until it was seen often enough",
         ],
         rungs: &["clip", "frame", "step"],
@@ -244,10 +210,11 @@ impl Estimator for KalmanTracker {
             track.filter = track.filter.going_by(self.model(&track.extent)).predicted();
         }
         observer.see(|| Event::Predicted(Arc::new(tracks.clone())));
-        let costs = Arc::new(self.costs(tracks, detections));
+        let is_sure = |found: &Detection| !state.course.tells_scores() || found.score >= self.sure_score;
+        let costs = Arc::new(self.costs(tracks, detections, is_sure));
         observer.see(|| Event::Costs(Arc::clone(&costs)));
-        for (row, column) in costs.pairs.iter().enumerate().filter_map(|(row, column)| Some((row, (*column)?))) {
-            observer.see(|| Event::Paired(Arc::clone(&costs), [row, column]));
+        for (row, pair) in costs.pairs.iter().enumerate().filter_map(|(row, pair)| Some((row, (*pair)?))) {
+            observer.see(|| Event::Paired(Arc::clone(&costs), [row, pair.column]));
         }
         let objects = self.share_out(state, &costs, observer);
         let frame = Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&costs.detections), objects });
@@ -301,15 +268,16 @@ impl KalmanTracker {
     fn share_out(&self, state: &mut State, costs: &Costs, observer: &mut impl Observer<Event>) -> Vec<Object> {
         let mut objects = Vec::new();
         for (track, pair) in costs.tracks.iter().zip(&costs.pairs) {
-            let next = match pair {
+            let column = pair.map(|pair| pair.column);
+            let next = match column {
                 Some(column) => {
-                    let detection = &costs.detections[*column];
+                    let detection = &costs.detections[column];
                     let updated = self.updated(track, detection);
                     observer.see(|| {
                         let both = Box::new([track.clone(), updated.clone()]);
                         Event::Updated(both, self.measurement(detection))
                     });
-                    state.course.look_back(self.rules(), &updated.object(*pair), track.age);
+                    state.course.look_back(self.rules(), &updated.object(Some(column)), track.age);
                     Some(updated)
                 }
                 None => {
@@ -321,11 +289,11 @@ impl KalmanTracker {
                     missed
                 }
             };
-            objects.extend(next.iter().map(|track| track.object(*pair)));
+            objects.extend(next.iter().map(|track| track.object(column)));
             state.tracks.extend(next);
         }
         for (column, detection) in costs.detections.iter().enumerate() {
-            if costs.pairs.contains(&Some(column)) {
+            if !costs.is_sure[column] || costs.pairs.iter().flatten().any(|pair| pair.column == column) {
                 continue;
             }
             let track = self.begun(detection, state.course.next_id());

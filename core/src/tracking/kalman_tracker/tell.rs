@@ -1,6 +1,7 @@
 //! How the tracker is told and drawn.
 
-use super::{Costs, Event, KalmanTracker, PairCost, Track};
+use super::share::{Costs, Turn};
+use super::{Event, KalmanTracker, PairCost, Track};
 use crate::kalman::ellipse;
 use crate::objects::Life;
 use crate::objects::tell::{self, Names, count, short};
@@ -58,11 +59,23 @@ impl KalmanTracker {
                     self.limits(costs)
                 ))
             }
-            Event::Paired(costs, [row, column]) => said
-                .ink(Role::Predicted, named(&costs.tracks[*row]))
-                .text(" belongs to ")
-                .ink(Role::Measured, format!("detection {}", column + 1))
-                .text(format!(", at a cost of {}.", short(costs.costs[(*column, *row)]))),
+            Event::Paired(costs, [row, column]) => {
+                let pair = costs.pairs[*row];
+                let why = match pair.map(|pair| pair.turn) {
+                    None | Some(Turn::First) => "",
+                    Some(Turn::LessSure) => {
+                        " The detection is less sure; it may only go on with an object seen in the frame before."
+                    }
+                    Some(Turn::Tentative) => " Those that are believed in have left it over.",
+                    Some(Turn::LastBox) => {
+                        " It is not where the object is expected, but overlaps the box in which that was last seen."
+                    }
+                };
+                said.ink(Role::Predicted, named(&costs.tracks[*row]))
+                    .text(" belongs to ")
+                    .ink(Role::Measured, format!("detection {}", column + 1))
+                    .text(format!(", at a cost of {}.{why}", short(pair.map_or(0.0, |pair| pair.cost))))
+            }
             Event::Updated(both, _) => {
                 let [before, after] = &**both;
                 let said =
@@ -141,7 +154,7 @@ impl KalmanTracker {
     fn tables(&self, costs: &Costs, names: &Names, pair: Option<[usize; 2]>) -> Vec<Matrix> {
         let is_paired = |x: usize, y: usize| match pair {
             Some(pair) => pair == [y, x],
-            None => costs.pairs[y] == Some(x),
+            None => costs.pairs[y].is_some_and(|pair| pair.column == x),
         };
         let mut all = vec![names.table(("C", "costs: objects down, detections across"), &costs.costs, is_paired)];
         if self.cost != PairCost::Overlap {

@@ -1,0 +1,192 @@
+//! The Kalman tracker on detections made for one question each.
+
+mod common;
+
+use common::set;
+use motionscope_core::scene::Readout;
+use motionscope_core::{
+    AnyEstimator, Bounds, Clip, Detection, Life, Move, ObjectField, Output, Threads, Walk, Way, synth,
+};
+
+fn run(settings: &[(&str, &str)], clip: &Clip) -> ObjectField {
+    match set("kalman-tracker", settings).run(clip, 0, &Threads::single()).expect("a run") {
+        Output::Objects(field) => field,
+        other => panic!("{other:?} are no objects"),
+    }
+}
+
+fn found(center: [f32; 2], size: [f32; 2], score: f32) -> Detection {
+    Detection { bounds: Bounds::around(center, size), center, score, blob: None }
+}
+
+fn rows(frames: Vec<Vec<Detection>>) -> Clip {
+    Clip::blank("rows", (640, 480), frames.len()).with_detections(frames)
+}
+
+/// The identities in a frame that are seen there.
+fn seen(field: &ObjectField, t: usize) -> Vec<u32> {
+    let objects = field.frames[t].objects.iter().filter(|object| object.life == Life::Confirmed);
+    objects.map(|object| object.id).collect()
+}
+
+const BOX: [f32; 2] = [40.0, 80.0];
+
+/// An object that goes 4 px/frame to the right, not found in the frames `hidden`.
+fn walker(frames: usize, hidden: std::ops::Range<usize>) -> Clip {
+    let at = |t: usize| found([100.0 + 4.0 * t as f32, 200.0], BOX, 0.9);
+    rows((0..frames).map(|t| if hidden.contains(&t) { vec![] } else { vec![at(t)] }).collect())
+}
+
+fn sentences(estimator: &dyn AnyEstimator, clip: &Clip) -> String {
+    let (mut walk, mut told): (Box<dyn Walk>, _) = (estimator.walk(clip, 0).expect("a run"), String::new());
+    while !walk.at_end() {
+        walk.jump(Move::Rung(2, Way::Forward));
+        told += &format!("{}\n", walk.step(None).sentence.plain());
+    }
+    told
+}
+
+#[test]
+fn bridging_and_backdating_look_back_and_nothing_else_does() {
+    let clip = walker(20, 8..12);
+    let causal = [("bridge", "off"), ("backdate", "off")];
+    let of = |settings: &[(&str, &str)]| {
+        let field = run(settings, &clip);
+        (0..20).map(|t| !seen(&field, t).is_empty()).collect::<Vec<_>>()
+    };
+    let at = |frames: &dyn Fn(usize) -> bool| (0..20).map(frames).collect::<Vec<_>>();
+    assert_eq!(of(&causal), at(&|t| (2..8).contains(&t) || t >= 12));
+    assert_eq!(of(&[("bridge", "off")]), at(&|t| !(8..12).contains(&t)));
+    assert_eq!(of(&[("backdate", "off")]), at(&|t| t >= 2));
+    assert_eq!(of(&[]), at(&|_| true));
+    // What is put in between is a place, and nothing is known of how the object moved there.
+    let bridged = run(&[], &clip);
+    let object = &bridged.frames[10].objects[0];
+    assert!((object.position[0] - 140.0).abs() < 3.0, "{:?}", object.position);
+    assert_eq!((object.velocity, object.covariance, object.detection), (None, None, None));
+    // A run that ends earlier says the same of its frames.
+    let (whole, part) = (run(&causal, &clip), run(&[&causal[..], &[("frames", "14")]].concat(), &clip));
+    assert_eq!(whole.frames[..14], part.frames[..]);
+}
+
+#[test]
+fn patience_is_the_most_frames_that_may_be_missed() {
+    for (patience, hidden, same) in [("4", 8..12, true), ("3", 8..12, false), ("0", 8..9, false)] {
+        let field = run(&[("patience", patience)], &walker(20, hidden.clone()));
+        assert_eq!(seen(&field, 19) == seen(&field, 7), same, "{patience} frames for {hidden:?}");
+    }
+}
+
+#[test]
+fn scores_count_where_a_detector_tells_them() {
+    let frame = |score: f32| vec![found([100.0, 200.0], BOX, 0.9), found([400.0, 200.0], BOX, score)];
+    let count = |score: f32| seen(&run(&[], &rows(vec![frame(score); 8])), 7).len();
+    assert_eq!([0.2, 0.5, 0.7].map(count), [1, 1, 2], "left out, not sure enough to begin, and sure");
+    // What was seen surely goes on where it is seen less surely, but not after it was lost from sight.
+    let fading = |gap: usize| {
+        let of = |t: usize| match t {
+            0..5 => vec![found([400.0, 200.0], BOX, 0.9)],
+            _ if t < 5 + gap => vec![],
+            _ => vec![found([400.0, 200.0], BOX, 0.4)],
+        };
+        seen(&run(&[("bridge", "off")], &rows((0..12).map(of).collect())), 11)
+    };
+    assert_eq!((fading(0), fading(2)), (vec![1], vec![]));
+    let told = sentences(&*set("kalman-tracker", &[]), &rows(vec![frame(0.2); 4]));
+    assert!(told.contains("1 detection in frame 1; 1 more with a score below 0.300 left out."), "{told}");
+    // The visibility of a true object is no score.
+    let clip = synth::make("traffic", &synth::scene("traffic").expect("bundled").difficulty()).expect("a clip");
+    assert_eq!(run(&[("min-score", "900"), ("source", "truth")], &clip), run(&[("source", "truth")], &clip));
+}
+
+#[test]
+fn those_that_are_believed_in_choose_first() {
+    // A false alarm of two frames is nearer to where the walker is found next than the walker's own prediction.
+    let mut frames: Vec<Vec<Detection>> = (0..8).map(|_| vec![found([100.0, 200.0], BOX, 0.9)]).collect();
+    frames[6] = vec![found([100.0, 200.0], BOX, 0.9), found([122.0, 200.0], BOX, 0.9)];
+    frames[7] = vec![found([113.0, 200.0], BOX, 0.9)];
+    let of = |in_turns: &str| seen(&run(&[("in-turns", in_turns)], &rows(frames.clone())), 7);
+    assert_eq!((of("on"), of("off")), (vec![1], vec![]));
+}
+
+#[test]
+fn who_has_stopped_while_hidden_is_found_by_its_last_box() {
+    // It walks 12 px a frame, and stands still for the ten frames in which it is hidden.
+    let frames = (0..24).map(|t| match t {
+        0..10 => vec![found([100.0 + 12.0 * t as f32, 200.0], BOX, 0.9)],
+        10..20 => vec![],
+        _ => vec![found([214.0, 200.0], BOX, 0.9)],
+    });
+    let clip = rows(frames.collect());
+    let of = |recover: &str| seen(&run(&[("recover", recover)], &clip), 23);
+    assert_eq!((of("on"), of("off")), (vec![1], vec![2]));
+    assert!(sentences(&*set("kalman-tracker", &[]), &clip).contains("overlaps the box in which that was last seen"));
+}
+
+#[test]
+fn all_at_once_pairs_more_than_nearest_first() {
+    // Two walkers in a row, found a bit ahead: the nearest pair is the wrong one.
+    let at = |t: usize, ahead: f32| {
+        let x = 100.0 + 2.0 * t as f32 + ahead;
+        vec![found([x, 200.0], BOX, 0.9), found([x + 24.0, 200.0], BOX, 0.9)]
+    };
+    let mut frames: Vec<Vec<Detection>> = (0..8).map(|t| at(t, 0.0)).collect();
+    frames.push(at(8, 14.0));
+    let clip = rows(frames);
+    let of = |association: &str| {
+        let field = run(&[("association", association), ("recover", "off"), ("gate", "0.9999")], &clip);
+        (0..2).map(|i| field.frames[8].objects[i].detection).collect::<Vec<_>>()
+    };
+    assert_eq!(of("assignment"), [Some(0), Some(1)]);
+    assert_eq!(of("nearest")[1], Some(0), "the first detection is nearest to the second walker");
+}
+
+#[test]
+fn each_cost_has_its_own_gate() {
+    // It jumps by 30 px: the boxes have 1/7 in common, and for a filter so unsure that is not far.
+    let mut frames: Vec<Vec<Detection>> = (0..6).map(|_| vec![found([100.0, 200.0], BOX, 0.9)]).collect();
+    frames.push(vec![found([130.0, 200.0], BOX, 0.9)]);
+    let clip = rows(frames);
+    let of = |cost: &str, least: &str| {
+        let settings = [("cost", cost), ("min-overlap", least), ("measurement-noise", "0.3"), ("recover", "off")];
+        seen(&run(&settings, &clip), 6) == [1]
+    };
+    assert_eq!([of("mahalanobis", "0.5"), of("overlap", "0.2"), of("both", "0.2")], [true, false, false]);
+    assert_eq!([of("overlap", "0.1"), of("both", "0.1"), of("both", "0")], [true; 3]);
+    let told = sentences(&*set("kalman-tracker", &[("min-overlap", "0")]), &clip);
+    assert!(told.contains("their boxes overlap") && !told.contains("at least 0.00"), "{told}");
+}
+
+#[test]
+fn the_noise_of_the_motion_grows_with_the_object() {
+    let of = |height: &dyn Fn(usize) -> f32| {
+        let at = |t: usize| found([300.0, 240.0], [height(t) / 2.0, height(t)], 0.9);
+        let clip = rows((0..34).map(|t| if t < 30 { vec![at(t)] } else { vec![] }).collect());
+        let field = run(&[("cost", "mahalanobis"), ("gate", "0.9999")], &clip);
+        field.frames[33].objects[0].covariance.expect("it coasts")[0][0].sqrt()
+    };
+    let (grown, large) = (of(&|t| if t < 10 { 20.0 } else { 100.0 }), of(&|_| 100.0));
+    assert!((grown / large - 1.0).abs() < 0.1, "{grown} and {large} px");
+}
+
+#[test]
+fn a_pair_is_shown_in_a_table_with_names() {
+    let crowd = |t: usize| (0..20).map(|i| found([20.0 + 30.0 * i as f32 + t as f32, 200.0], [20.0; 2], 0.9)).collect();
+    let mut walk = set("kalman-tracker", &[]).walk(&rows((0..3).map(crowd).collect()), 0).expect("a run");
+    let mut about = 0;
+    while !walk.at_end() {
+        walk.jump(Move::Rung(2, Way::Forward));
+        let step = walk.step(None);
+        let Some(pair) = step.sentence.plain().strip_prefix("Object 19 belongs to ").map(String::from) else {
+            continue;
+        };
+        let tables = step.readouts.iter().find_map(|r| if let Readout::Matrices(all) = r { Some(all) } else { None });
+        let table = &tables.expect("tables")[0];
+        let row = table.rows.iter().position(|name| name == "19").expect("the object has a row");
+        let column =
+            table.columns.iter().position(|name| pair.starts_with(&format!("detection {name},"))).expect("found");
+        assert!(table.changed.as_ref().expect("lit")[(column, row)], "{pair}");
+        about += 1;
+    }
+    assert_eq!(about, 2, "two frames have pairs");
+}
