@@ -599,8 +599,34 @@ fn objects_are_tracked_from_detections_alone_and_scored() {
     );
     let text = stdout(folder.path(), "run det.txt --estimator kalman-tracker");
     assert!(text.contains("scores      MOTA ") && text.contains("0 switches"), "{text}");
+    // Without looking back the first frames of each object are missing, and the one in which nothing was found.
+    let share = 2.0 * (12.0 - 3.0) / 24.0;
+    assert_eq!((&metrics["recall"], &told["live"]["recall"]), (&1.0.into(), &share.into()), "{told}");
+    assert!(text.contains("live        MOTA ") && text.contains("without looking back"), "{text}");
+    let causal = "run det.txt --truth gt.txt --estimator kalman-tracker --set bridge=off --set backdate=off";
+    assert!(!stdout(folder.path(), causal).contains("live "));
     let part = json(folder.path(), "run det.txt --estimator kalman-filter --frames 2..7 --json");
     assert_eq!((&part["frame"], &part["last_frame"], &part["metrics"]["objects"]), (&2.into(), &7.into(), &1.into()));
+}
+
+#[test]
+fn whoever_finds_nobody_is_scored_and_has_a_table_with_the_same_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    crossing(folder.path());
+    let line = "run det.txt --truth gt.txt --estimator kalman-tracker --set min-score=900 --table out.csv --json";
+    let told = json(folder.path(), line);
+    assert_eq!((&told["metrics"]["mota"], &told["metrics"]["recall"]), (&0.0.into(), &0.0.into()), "{told}");
+    let table = fs::read_to_string(folder.path().join("out.csv")).unwrap();
+    assert!(table.starts_with("frame,id,x_px,y_px,u_px_per_frame,"), "{table}");
+    // A detector follows nobody.
+    let detector = "run synth:traffic,width=160,height=120,frames=6 --estimator frame-difference";
+    assert!(json(folder.path(), &format!("{detector} --json"))["metrics"]["mota"].is_null());
+    assert!(refusal(folder.path(), &format!("{detector} --tracks t.txt")).contains("choose a tracker"));
+    assert!(!folder.path().join("t.txt").exists());
+    let long: String = (1..=20_001).map(|t| format!("{t},-1,9,9,9,9,1\n")).collect();
+    fs::write(folder.path().join("long.txt"), long).unwrap();
+    let told = refusal(folder.path(), "run long.txt --estimator kalman-tracker --frames 0..20000");
+    assert!(told.contains("frames") && told.contains("10000") && !told.contains("one pair"), "{told}");
 }
 
 #[test]

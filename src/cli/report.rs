@@ -28,6 +28,9 @@ pub struct Report {
     metrics: Quality,
     #[serde(skip_serializing_if = "Option::is_none")]
     consistency: Option<Checked>,
+    /// The scores of the tracker where it may not look back in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    live: Option<TrackScores>,
 }
 
 /// The check with the reverse pair in numbers.
@@ -75,7 +78,7 @@ impl Report {
     pub fn new(
         task: &Task,
         output: &Output,
-        (metrics, check): (Quality, Option<Check>),
+        (metrics, check, live): (Quality, Option<Check>, Option<TrackScores>),
         extent: Extent,
         timing: Timing,
     ) -> Self {
@@ -100,12 +103,13 @@ impl Report {
             ms: Milliseconds { median, min: times.first().copied().map_or(0.0, ms) },
             metrics,
             consistency: check.map(Checked::of),
+            live,
         }
     }
 
     /// The same for a person.
     pub fn text(&self) -> String {
-        let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, metrics, consistency } =
+        let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, metrics, consistency, live } =
             self;
         let params: Vec<_> = params.iter().map(|(name, value)| format!("{name}={}", bare(value))).collect();
         let mut text = format!("{estimator} on {clip}, frame {frame} to {last_frame}\n");
@@ -129,6 +133,12 @@ impl Report {
                      found       precision {:.1} %, recall {:.1} % of {true_objects} true objects, at IoU 0.5\n",
                     100.0 * precision,
                     100.0 * recall
+                );
+            }
+            if let Some(TrackScores { mota, motp, idf1, hota, switches, .. }) = live {
+                text += &format!(
+                    "live        MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches, with bridge and \
+                     backdate off: without looking back in time\n"
                 );
             }
         }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use motionscope_core::params::Value;
 use motionscope_core::{Consistency, Error, Levels, Move, ObjectField, Output, Threads};
 
 use super::args::RunArgs;
@@ -12,7 +13,7 @@ use super::task::Task;
 use crate::media::export::{self, FlowFormat, TrackFormat};
 use crate::motion::{Check, Reverse};
 use crate::paint::{FlowLayer, LevelShown};
-use crate::quality::Quality;
+use crate::quality::{Quality, TrackScores};
 use crate::shot::{self, Format, Still};
 
 /// Runs what `args` ask for. Files are made in full before the first is written.
@@ -41,7 +42,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     }
     let reverse = Reverse::new(&*task.estimator, &task.clip, task.frame);
     let check = check(&task, args, &output, &reverse)?;
-    let report = Report::new(&task, &output, (quality, check), extent, Timing { threads: threads.count(), times });
+    let live = live_scores(&task, &threads, &quality)?;
+    let timing = Timing { threads: threads.count(), times };
+    let report = Report::new(&task, &output, (quality, check, live), extent, timing);
     let mut files = Vec::new();
     if let Some((path, format)) = outputs.overlay {
         files.push((path, overlay(&task, args, format, &reverse)?));
@@ -130,6 +133,20 @@ fn timed(task: &Task, threads: &Threads, repeat: u32) -> Result<(Output, Vec<std
     let (output, first) = run()?;
     let rest = (1..repeat).map(|_| run().map(|(_, time)| time)).collect::<Result<Vec<_>, Error>>()?;
     Ok((output, [vec![first], rest].concat()))
+}
+
+/// The scores of the same tracker with a live camera, where it was scored and has looked back in time.
+fn live_scores(task: &Task, threads: &Threads, quality: &Quality) -> Result<Option<TrackScores>, Error> {
+    let is_scored = quality.objects.is_some_and(|objects| objects.scores.is_some());
+    let looks_back = ["bridge", "backdate"].map(|name| (name, Value::Switch(true)));
+    let looks_back = looks_back.map(|value| task.estimator.values().contains(&value).then_some(value.0));
+    if !is_scored || looks_back == [None; 2] {
+        return Ok(None);
+    }
+    let mut tracker = task.estimator.boxed_clone();
+    looks_back.into_iter().flatten().try_for_each(|name| tracker.set(name, "off"))?;
+    let output = tracker.run(&task.clip, task.frame, threads)?;
+    Ok(Quality::of(&task.clip, task.frame, &output)?.objects.and_then(|objects| objects.scores))
 }
 
 /// The check with the reverse pair, if it is asked for of a flow that has one.

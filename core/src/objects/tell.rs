@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::course::Course;
 use super::{Bounds, Detection, Life, ObjectFrame};
 use crate::scene::{Fact, Matrix, Picture, Readout, Sentence, Series, Shape};
-use crate::words::{heading, number};
 pub(crate) use crate::words::{counted as count, number_64 as short};
+use crate::words::{heading, number};
 use crate::{Grid, Role, Scene};
 
 /// So many frames back a trail reaches.
