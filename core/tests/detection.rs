@@ -413,12 +413,19 @@ fn what_a_stage_does_can_be_seen() {
     assert_eq!(walk.at_frame(), 11);
 }
 
-/// A clip of which a frame is damaged.
+/// So many frames has [`Broken`].
+const FRAMES: usize = 12;
+
+/// A clip of which a frame is damaged, unless that is one that it has not got.
 struct Broken(Clip, usize);
 
 impl FrameSource for Broken {
     fn frame(&self, index: usize, _: &Stop) -> Result<Arc<Frame>, Error> {
         if index == self.1 { Err(Error::new("frame 7 is damaged")) } else { self.0.frame(index) }
+    }
+
+    fn has_frame(&self, index: usize, stop: &Stop) -> Result<bool, Error> {
+        if index < FRAMES { self.frame(index, stop).map(|_| true) } else { Ok(false) }
     }
 
     fn cached(&self, index: usize) -> Option<Arc<Frame>> {
@@ -428,11 +435,13 @@ impl FrameSource for Broken {
 
 #[test]
 fn a_damaged_frame_ends_the_run_and_what_was_done_stays() {
-    let clip = colorful(12);
+    let clip = colorful(FRAMES);
     let info = clip.info().clone();
     let broken = Clip::new(info.clone(), Arc::new(Broken(clip.clone(), 7)));
-    // Nobody knows how many frames there are: the clip ends where none comes, and damage is no end.
-    let endless = Clip::new(ClipInfo { frames: None, ..info }, Arc::new(Broken(clip, 7)));
+    // Where nobody knows how many frames there are, damage is no end either; the clip ends where none comes.
+    let unknown =
+        |damaged| Clip::new(ClipInfo { frames: None, ..info.clone() }, Arc::new(Broken(clip.clone(), damaged)));
+    let (endless, whole) = (unknown(7), unknown(FRAMES));
     for estimator in estimators().into_iter().filter(|e| e.promise() == Promise::Objects) {
         let id = estimator.info().id;
         let error = estimator.run(&broken, 0, &Threads::single()).expect_err("a damaged frame").to_string();
@@ -441,7 +450,9 @@ fn a_damaged_frame_ends_the_run_and_what_was_done_stays() {
         walk.jump(Move::End);
         assert!(walk.failure().is_some(), "{id}");
         assert_eq!(walk.output().objects().expect("objects").frames.len(), 7, "{id}");
-        assert!(estimator.run(&endless, 0, &Threads::single()).is_err(), "{id}: damage is no end");
+        let error = estimator.run(&endless, 0, &Threads::single()).expect_err("a damaged frame").to_string();
+        assert!(error.contains("damaged"), "{id}: {error}");
+        assert_eq!(objects(&*estimator, &whole).frames.len(), FRAMES, "{id}");
     }
 }
 

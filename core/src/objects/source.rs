@@ -165,12 +165,12 @@ fn background(clip: &Clip, span: &Span) -> Result<Gray, Error> {
     let samples = count.min(SAMPLES);
     let mut frames = Vec::new();
     for i in 0..samples {
-        // A clip of unknown length may be shorter.
-        match clip.frame(span.first + i * (count - 1) / (samples - 1).max(1)) {
-            Ok(frame) => frames.push(frame),
-            Err(error) if span.frames().is_some() || frames.is_empty() => return Err(error),
-            Err(_) => break,
+        let t = span.first + i * (count - 1) / (samples - 1).max(1);
+        // A clip of unknown length may be shorter; a damaged frame, or one that nobody wants any more, is no end.
+        if span.frames().is_none() && !clip.has_frame(t)? {
+            break;
         }
+        frames.push(clip.frame(t)?);
     }
     let (width, height) = clip.size();
     Ok(Grid::from_fn(width, height, |x, y| {
