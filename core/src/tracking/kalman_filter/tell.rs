@@ -5,16 +5,15 @@ use super::sensors::{Look, Sensed, Sensors};
 use super::{Event, Gated, KalmanFilter, Loss, Moment, State};
 use crate::kalman::{Filter, Measurement, chi_square, ellipse};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Series, Shape};
-use crate::words::{counted as count, number_64 as short, percent};
+use crate::words::{self, counted as count, number_64 as short, percent};
 use crate::{Role, Scene, Seen, Step};
 
 /// A line of a plot: its name, its role and its points.
 type Line = (&'static str, Role, Vec<[f32; 2]>);
 
 /// A place as a person reads it.
-fn place([x, y]: [f64; 2]) -> String {
-    // A space at which no line is broken.
-    format!("({},\u{a0}{})", short(x), short(y))
+fn place(place: [f64; 2]) -> String {
+    words::place(point(place))
 }
 
 fn point(place: [f64; 2]) -> [f32; 2] {
