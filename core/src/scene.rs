@@ -506,7 +506,7 @@ pub struct Series {
     pub events: Vec<usize>,
     /// Where something else is at hand from then on, in the order of x: what is on either side cannot be compared.
     pub sections: Vec<Section>,
-    /// The lines: name, role, and `(x, y)` points.
+    /// The lines: name, role, and `(x, y)` points. A line is broken where y is NaN: nothing is known there.
     pub lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
 }
 

@@ -270,3 +270,22 @@ fn all_matrices_that_change_are_lit() {
         assert_eq!(most(symbol), Some(0), "{symbol} never changes");
     }
 }
+
+#[test]
+fn a_click_chooses_the_object_that_another_source_detects() {
+    let clip = scene("traffic");
+    let truth = clip.truth().expect("exact");
+    let cars = truth.objects(3).expect("readable").expect("objects");
+    for car in cars.iter().filter(|car| car.visibility > 0.9) {
+        let [x, y] = [car.x + car.width / 2.0, car.y + car.height / 2.0];
+        let click = format!("3:{x},{y}");
+        let settings = [("source", "truth"), ("added-noise", "0"), ("clicks", &*click), ("smooth", "off")];
+        let field = run(&*set("kalman-filter", &settings), &clip);
+        assert!(field.frames[..3].iter().all(|frame| frame.objects.is_empty()), "it begins where it was clicked");
+        let [u, v] = field.frames[3].objects[0].position;
+        assert!((u - f64::from(x)).hypot(v - f64::from(y)) < 1e-3, "{u}, {v} where {click} was clicked");
+    }
+    let nothing = [("source", "truth"), ("clicks", "3:-900,-900"), ("smooth", "off")];
+    let field = run(&*set("kalman-filter", &nothing), &clip);
+    assert!(field.frames.iter().all(|frame| frame.objects.is_empty()), "nobody is there");
+}

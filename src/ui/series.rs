@@ -185,16 +185,20 @@ fn line(painter: &Painter, plot: &Plot, role: Role, points: &[[f32; 2]], theme: 
     let color = ink::color(theme.word(role));
     let holds = role == Role::Best;
     let width = theme.ink(role).width * if holds { 1.0 } else { 0.6 };
-    let points = if holds { steps(points) } else { thinned(points, plot) };
-    let places: Vec<Pos2> = points.iter().map(|&point| plot.at(point)).collect();
-    let Some(&last) = places.last() else { return };
     let stroke = Stroke::new(width, if holds { color } else { color.gamma_multiply(0.85) });
-    painter.extend(primitives::line(&places, stroke, theme.ink(role).dash));
-    if places.len() <= FEW && !holds {
-        for &place in &places {
-            painter.circle_filled(place, 1.0 + width, color);
+    let mut last = None;
+    for run in points.split(|point| point[1].is_nan()).filter(|run| !run.is_empty()) {
+        let run = if holds { steps(run) } else { thinned(run, plot) };
+        let places: Vec<Pos2> = run.iter().map(|&point| plot.at(point)).collect();
+        painter.extend(primitives::line(&places, stroke, theme.ink(role).dash));
+        if places.len() == 1 || points.len() <= FEW && !holds {
+            for &place in &places {
+                painter.circle_filled(place, 1.0 + width, color);
+            }
         }
+        last = places.last().copied();
     }
+    let Some(last) = last else { return };
     painter.circle(last, 2.0 + width, color, Stroke::new(1.5, ink::color(theme.chrome().panel)));
 }
 
@@ -241,7 +245,7 @@ fn nearest(series: &Series, x: f32) -> Option<f32> {
 fn value(role: Role, points: &[[f32; 2]], x: f32) -> Option<f32> {
     let before = points.partition_point(|point| point[0] <= x).checked_sub(1)?;
     let [at, value] = points[before];
-    (at == x || role == Role::Best).then_some(value)
+    (at == x || role == Role::Best).then_some(value).filter(|value| !value.is_nan())
 }
 
 /// What is plotted, and the values under the pointer.
@@ -279,7 +283,8 @@ fn header(painter: &Painter, plot: &Plot, area: Rect, input: Input<'_>, hovered:
 
 fn summary(series: &Series) -> String {
     let last = series.lines.iter().filter_map(|(name, _, points)| {
-        points.last().map(|[x, y]| format!(", {name} {} at {} {}", number(*y), series.x_label, number(*x)))
+        let known = points.iter().rev().find(|point| !point[1].is_nan());
+        known.map(|[x, y]| format!(", {name} {} at {} {}", number(*y), series.x_label, number(*x)))
     });
     format!("{}, {}{}", series.title, series.y_label, last.collect::<String>())
 }

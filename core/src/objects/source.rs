@@ -135,6 +135,21 @@ impl Detector {
         matches!(self.eye, Eye::Detections)
     }
 
+    /// What its measurements are, to follow a place.
+    pub fn told(&self) -> &'static str {
+        match self.eye {
+            Eye::Clicks(_) => "where someone clicked",
+            Eye::Detections => "as the detector says",
+            Eye::Truth => "the true place with noise added",
+            Eye::Moving(_) => "the middle of what moves there",
+        }
+    }
+
+    /// Whether places that were clicked are what it detects.
+    pub fn takes_clicks(&self) -> bool {
+        matches!(self.eye, Eye::Clicks(_))
+    }
+
     /// Memory that it takes, in bytes; its copies share it.
     pub fn bytes(&self) -> usize {
         match &self.eye {

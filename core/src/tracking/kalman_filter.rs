@@ -59,7 +59,7 @@ params! {
         measurement_noise: f32 = 2.0, 0.01..=100.0, "px";
         /// Who detects the object.
         source: Source = Source::Auto;
-        /// Places in frames, clicked on the picture, that stand for what a detector finds.
+        /// Places in frames, clicked on the picture: what is measured, or where another source is chosen, which object is followed and from when on.
         clicks: Spots = Spots::default();
         /// Which object is followed, of those in the first frame that shows any: true ones by their number, detections by their score, all others as they were found or clicked.
         object: usize = 1, 1..=1000;
@@ -356,7 +356,7 @@ impl Estimator for KalmanFilter {
             "  smooth: C ← P F^T P⁻¹(t+1|t), x ← x + C (x(t+1) − x(t+1|t))",
             "    P ← P + C (P(t+1) − P(t+1|t)) C^T",
         ],
-        rungs: &["clip", "frame", "step"],
+        rungs: &["pass", "frame", "step"],
         frames: 2,
     };
     const PROMISE: Promise = Promise::Objects;
@@ -410,8 +410,9 @@ impl Estimator for KalmanFilter {
     }
 
     fn place(&self, state: &State) -> Vec<Rung> {
-        let done = state.moments.len() + state.back.unwrap_or(0);
-        vec![Rung { index: 0, of: Some(1) }, Rung { index: done, of: self.units(state) }]
+        let passes = Some(if self.smooth { 2 } else { 1 });
+        let (pass, done) = state.back.map_or((0, state.moments.len()), |done| (1, done));
+        vec![Rung { index: pass, of: passes }, Rung { index: done, of: state.span.frames() }]
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::{KalmanFilter, State};
 use crate::kalman::{Filter, Measurement};
-use crate::objects::Detection;
 use crate::objects::source::truth_of;
+use crate::objects::{Bounds, Detection};
 use crate::{Clip, Error, choices};
 
 choices! {
@@ -56,7 +56,7 @@ impl KalmanFilter {
         let detections = Arc::new(if is_hidden { Vec::new() } else { state.detector.look(clip, t)? });
         let chosen = match expected {
             Some(expected) => self.nearest(expected, &detections),
-            None => self.begin_with(state, &detections),
+            None => self.begin_with((state, t), &detections),
         };
         let first = chosen.map(|i| Sensed { sensor: 0, measurement: self.first(&detections[i]), detection: Some(i) });
         // An object that has not begun has no truth that could be measured.
@@ -101,7 +101,12 @@ impl KalmanFilter {
     }
 
     /// The detection that the object begins with: in the order of the source, the surest first where it tells how sure it is.
-    fn begin_with(&self, state: &State, detections: &[Detection]) -> Option<usize> {
+    ///
+    /// Whoever clicked on an object has chosen it, unless clicks are what is measured: it begins in that frame.
+    fn begin_with(&self, (state, t): (&State, usize), detections: &[Detection]) -> Option<usize> {
+        if !self.clicks.all().is_empty() && !state.detector.takes_clicks() {
+            return self.clicks.of_frame(t).find_map(|click| nearest_to(click, detections));
+        }
         let mut ranked: Vec<usize> = (0..detections.len()).collect();
         if state.detector.tells_scores() {
             // Of a stable order: those of one score keep theirs.
@@ -110,6 +115,22 @@ impl KalmanFilter {
         ranked.get(self.object - 1).or(ranked.last()).copied()
     }
 }
+
+/// The detection that someone means who clicked at a place: the one whose box reaches nearest to it, if one does.
+fn nearest_to(click: [f32; 2], detections: &[Detection]) -> Option<usize> {
+    let far = |i: &usize| {
+        let Bounds { min, max } = detections[*i].bounds;
+        let off = [0, 1].map(|axis| (min[axis] - click[axis]).max(click[axis] - max[axis]).max(0.0));
+        // Of boxes that hold the place the one whose middle is nearest.
+        let middle = [0, 1].map(|axis| detections[*i].center[axis] - click[axis]);
+        (off[0].hypot(off[1]), middle[0].hypot(middle[1]))
+    };
+    let order = |a: &usize, b: &usize| far(a).0.total_cmp(&far(b).0).then(far(a).1.total_cmp(&far(b).1));
+    (0..detections.len()).min_by(order).filter(|i| far(i).0 <= CLICK_REACH_PX)
+}
+
+/// A click means a box that is at most so far away.
+const CLICK_REACH_PX: f32 = 24.0;
 
 /// The velocity in px/frame by the places in the frame before, in this one and in the next: from the one to the other where both
 /// are known, so that a steady acceleration does not change it.

@@ -98,7 +98,7 @@ impl KalmanFilter {
                         short(after)
                     ))
             }
-            Some(Event::Looked(look)) => looked(frame, look),
+            Some(Event::Looked(look)) => looked(frame, look, seen.before.detector.told()),
             Some(Event::Gated(gated)) => {
                 let said = said
                     .ink(
@@ -346,7 +346,9 @@ impl KalmanFilter {
         };
         let mut all = Vec::new();
         for (sensor, title) in names.into_iter().enumerate() {
-            let all_of = line(&|moment| Some(moment.of_sensor(sensor)?.squared_distance));
+            // Where nothing was measured the line is broken.
+            let all_of =
+                line(&|moment| Some(moment.of_sensor(sensor).map_or(f64::NAN, |gated| gated.squared_distance)));
             let refused = line(&|moment| {
                 let gated = moment.of_sensor(sensor).filter(|gated| !gated.is_inside())?;
                 Some(gated.squared_distance)
@@ -433,7 +435,7 @@ impl KalmanFilter {
 }
 
 /// What there is to see of a frame, in words.
-fn looked(frame: &usize, look: &Look) -> Sentence {
+fn looked(frame: &usize, look: &Look, how: &str) -> Sentence {
     let said = Sentence::default();
     let [first, second] = [0, 1].map(|sensor| look.measured.iter().find(|sensed| sensed.sensor == sensor));
     let measured = |sensed: &Sensed| {
@@ -441,7 +443,7 @@ fn looked(frame: &usize, look: &Look) -> Sentence {
         (place(at), format!(", with a standard deviation of {} px", short(place_deviation)))
     };
     let said = match first.map(measured) {
-        Some((at, sure)) => said.ink(Role::Measured, format!("Measured: {at}")).text(format!("{sure}.")),
+        Some((at, sure)) => said.ink(Role::Measured, format!("Measured: {at}")).text(format!(", {how}{sure}.")),
         None if look.is_hidden && second.is_some() => {
             said.text(format!("Frame {frame} is one of those in which the first sensor sees nothing of the object."))
         }
@@ -540,17 +542,20 @@ fn measured(seen: &Seen<KalmanFilter>, now: &Now, scene: &mut Scene) {
         _ => None,
     });
     let Some(all) = looked.filter(|all| !all.is_empty()) else { return };
-    let points = all.iter().map(|sensed| point(sensed.measurement.place)).collect();
-    scene.mark(Picture::Current, Role::Measured, Shape::Points(points));
-    let arrows: Vec<Arrow> = now
-        .gated
-        .iter()
-        .map(|gated| Arrow { from: point(gated.expected.place()), to: point(gated.measurement().place) })
-        .collect();
-    if arrows.is_empty() {
-        scene.legend(Role::Measured, "measured");
-    } else {
-        scene.mark(Picture::Current, Role::Measured, Shape::Arrows(arrows));
-        scene.legend(Role::Measured, "measured; the arrow is the innovation ν");
+    let is_refused =
+        |sensed: &&Sensed| now.gated.iter().any(|gated| gated.sensed.sensor == sensed.sensor && !gated.is_inside());
+    let (refused, taken): (Vec<&Sensed>, Vec<&Sensed>) = all.iter().partition(is_refused);
+    for (role, sensed) in [(Role::Measured, taken), (Role::Rejected, refused)] {
+        if !sensed.is_empty() {
+            let points = sensed.iter().map(|sensed| point(sensed.measurement.place)).collect();
+            scene.mark(Picture::Current, role, Shape::Points(points));
+            scene.legend(role, if role == Role::Rejected { "measured, and refused by the gate" } else { "measured" });
+        }
+    }
+    // The innovation of the sensor at work: one that was refused moves nothing.
+    if let Some(gated) = now.gated.last().filter(|gated| gated.is_inside()) {
+        let arrow = Arrow { from: point(gated.expected.place()), to: point(gated.measurement().place) };
+        scene.mark(Picture::Current, Role::Best, Shape::Arrows(vec![arrow]));
+        scene.legend(Role::Best, "innovation ν");
     }
 }

@@ -5,8 +5,8 @@ use super::{Event, KalmanTracker, PairCost, Track};
 use crate::kalman::ellipse;
 use crate::objects::Life;
 use crate::objects::tell::{self, Names, count, short};
-use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Sentence, Shape};
-use crate::{Role, Scene, Seen, Step};
+use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Sentence, Shape};
+use crate::{Grid, Role, Scene, Seen, Step};
 
 fn named(track: &Track) -> String {
     format!("Object {}", track.id)
@@ -138,16 +138,52 @@ impl KalmanTracker {
                 None,
             ));
         }
-        let mut tables = Vec::new();
+        let (mut tables, mut equation) = (Vec::new(), None);
         if let Some((costs, pair)) = costs_of(seen) {
             let names = Names::new(costs.tracks.iter().map(|track| track.id.to_string()), 0..costs.detections.len());
             facts.extend(names.shown());
             tables = self.tables(costs, &names, pair);
+            equation = self.equation(costs, pair);
         }
         let mut readouts = vec![Readout::Facts(facts)];
+        readouts.extend(equation.map(Readout::Equation));
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         readouts.extend(tell::series(&seen.after.unwrap_or(state).course));
         readouts
+    }
+
+    /// What a pair costs, and for one pair with its numbers.
+    fn equation(&self, costs: &Costs, pair: Option<[usize; 2]>) -> Option<Vec<Math>> {
+        let cost = |shown: [Math; 4]| {
+            let [distance, limit, overlap, least] = shown;
+            let from_one = |math: Math| Math::Row(vec![Math::text("1 − "), math]);
+            match self.cost {
+                PairCost::Mahalanobis => distance,
+                PairCost::Overlap => from_one(overlap),
+                PairCost::Both => Math::Row(vec![
+                    Math::text("½ ("),
+                    Math::Frac(Box::new(distance), Box::new(limit)),
+                    Math::text(" + "),
+                    Math::Frac(Box::new(from_one(overlap)), Box::new(from_one(least))),
+                    Math::text(")"),
+                ]),
+            }
+        };
+        let squared = Math::power(Math::Var("d"), Math::text("2"));
+        let symbols = cost([squared, Math::text("limit"), Math::text("IoU"), Math::text("min-overlap")]);
+        let mut lines = vec![Math::Row(vec![Math::Var("C"), Math::text(" = "), symbols])];
+        if let Some([row, column]) = pair {
+            let of = |grid: &Grid<f64>| grid[(column, row)];
+            // A pair of the last box has a cost of its own.
+            if !of(&costs.costs).is_finite() {
+                return None;
+            }
+            let least = f64::from(self.min_overlap);
+            let shown = [of(&costs.distances), costs.limit, of(&costs.overlaps), least].map(|v| Math::text(short(v)));
+            let total = Math::ink(Role::Best, short(of(&costs.costs)));
+            lines.push(Math::Row(vec![Math::text("= "), cost(shown), Math::text(" = "), total]));
+        }
+        Some(lines)
     }
 
     /// The tables of costs, the pairs that were chosen lit.
