@@ -69,7 +69,7 @@ fn speed_heading_counts_and_stays_are_those_of_the_objects() {
 #[test]
 fn who_goes_against_the_others_is_told_and_nobody_else() {
     let stream = (0..6).map(|i| (10 * i, [20.0, 100.0], [5.0, 0.0], 50));
-    let against: Vec<_> = stream.chain([(70, [260.0, 104.0], [-5.0, 0.0], 40)]).collect();
+    let against: Vec<_> = stream.chain([(70, [310.0, 118.0], [-5.0, 0.0], 40)]).collect();
     let field = run(&*analysis(&[]), &clip(&against, 115));
     let unusual: Vec<_> =
         field.trajectories.iter().filter(|of| of.sightings.iter().any(|s| s.unusual.is_some())).collect();

@@ -356,7 +356,7 @@ impl Estimator for KalmanFilter {
             "  smooth: C ← P F^T P⁻¹(t+1|t), x ← x + C (x(t+1) − x(t+1|t))",
             "    P ← P + C (P(t+1) − P(t+1|t)) C^T",
         ],
-        rungs: &["pass", "frame", "step"],
+        rungs: &["clip", "pass", "frame", "step"],
         frames: 2,
     };
     const PROMISE: Promise = Promise::Objects;
@@ -412,7 +412,8 @@ impl Estimator for KalmanFilter {
     fn place(&self, state: &State) -> Vec<Rung> {
         let passes = Some(if self.smooth { 2 } else { 1 });
         let (pass, done) = state.back.map_or((0, state.moments.len()), |done| (1, done));
-        vec![Rung { index: pass, of: passes }, Rung { index: done, of: state.span.frames() }]
+        let clip = Rung { index: 0, of: Some(1) };
+        vec![clip, Rung { index: pass, of: passes }, Rung { index: done, of: state.span.frames() }]
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
