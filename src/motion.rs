@@ -149,6 +149,12 @@ impl Motion {
             return Ok(motion);
         }
         let flows = found.flows();
+        // Before anything has moved colours would be a veil that says nothing.
+        let is_still = |flow: &Arc<Flow>| !flow.0.cells().iter().any(|[u, v]| u.hypot(*v) > 0.0);
+        if !site.walk.at_end() && matches!(layer, FlowLayer::Wheel | FlowLayer::Magnitude) && flows.iter().all(is_still)
+        {
+            return Ok(motion);
+        }
         if shows_streaks {
             let spacing = |flow: &Flow| want.spacing_px.map_or_else(|| usual_spacing(flow), usize::from);
             motion.streaks = flows.iter().map(|flow| Arc::new(Streaks::new(flow, spacing(flow)))).collect();
@@ -210,7 +216,14 @@ fn usual_spacing(flow: &Flow) -> usize {
 
 fn true_flow(site: Site<'_>) -> Result<Arc<Flow>, Error> {
     let truth = site.clip.truth().map(|truth| truth.flow(site.walk.at_frame())).transpose()?.flatten();
-    truth.ok_or_else(|| Error::new("there is no true flow for this frame; choose another frame or another layer"))
+    let truth = truth
+        .ok_or_else(|| Error::new("there is no true flow for this frame; choose another frame or another layer"))?;
+    match truth.0.cells().iter().any(|uv| uv.iter().all(|c| c.is_finite())) {
+        true => Ok(truth),
+        false => {
+            Err(Error::new("nothing is known of the true flow of this frame; choose another frame or another layer"))
+        }
+    }
 }
 
 /// What is known of motion where a run stands.

@@ -221,8 +221,10 @@ pub struct AgainstTruth {
     pub r2_0: f64,
     /// Mean angular error in degrees.
     pub aae_deg: f64,
-    /// Pixels compared.
+    /// Pixels compared: those whose motion is known and was found.
     pub known: usize,
+    /// Their share of all whose motion is known, of fields.
+    pub coverage: Option<f64>,
 }
 
 impl AgainstTruth {
@@ -239,7 +241,11 @@ impl AgainstTruth {
         let Some(error) = metrics::flow_error(&flow, &truth)? else { return Ok(None) };
         let distribution = metrics::distribution(&metrics::endpoint_errors(&flow, &truth)?, &error);
         let FlowError { epe_px, epe_median_px, epe_p95_px, beyond: [r0_5, r1_0, r2_0], aae_deg, known } = error;
-        Ok(Some((Self { epe_px, epe_median_px, epe_p95_px, r0_5, r1_0, r2_0, aae_deg, known }, distribution)))
+        let all = truth.0.cells().iter().filter(|uv| uv.iter().all(|c| c.is_finite())).count();
+        let is_field = matches!(output, Output::Blocks(_) | Output::Dense(_));
+        let coverage = is_field.then(|| known as f64 / all.max(1) as f64);
+        let against = Self { epe_px, epe_median_px, epe_p95_px, r0_5, r1_0, r2_0, aae_deg, known, coverage };
+        Ok(Some((against, distribution)))
     }
 }
 
@@ -332,17 +338,18 @@ impl Quality {
             facts.extend([fact("Prediction", prediction.psnr()), fact(sent, prediction.coding())]);
         }
         if let Some(truth) = self.truth {
-            facts.push(fact("Endpoint error", format!("{:.3} px", truth.epe_px)));
+            facts.push(fact("Mean endpoint error", format!("{:.3} px", truth.epe_px)));
             // A few that are far off say little of single points.
             facts.extend(self.features.map(|_| fact("Median error", format!("{:.3} px", truth.epe_median_px))));
-            facts.push(fact("Angular error", format!("{:.2}°", truth.aae_deg)));
+            facts.push(fact("Mean angular error", format!("{:.2}°", truth.aae_deg)));
             facts.push(fact(
-                "Known motion",
-                format!(
-                    "{} {}",
-                    grouped(truth.known),
-                    if self.features.is_some() { "displacements" } else { "pixels" }
-                ),
+                "Errors of",
+                match (self.features, truth.coverage) {
+                    (None, Some(coverage)) => {
+                        format!("{} pixels, {:.0} % of those of known motion", grouped(truth.known), 100.0 * coverage)
+                    }
+                    _ => format!("{} displacements", grouped(truth.known)),
+                },
             ));
         }
         if let Some(error) = &self.truth_error {

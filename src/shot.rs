@@ -251,7 +251,7 @@ fn told(estimator: &dyn AnyEstimator) -> String {
     let all = specs.iter().zip(estimator.values());
     let chosen = all.filter(|(spec, (_, value))| specs.len() <= ALL_TOLD || spec.default != *value);
     let words: Vec<String> = chosen.map(|(spec, (_, value))| said(spec, value)).collect();
-    if words.is_empty() { "all parameters as declared".into() } else { words.join(" · ") }
+    if words.is_empty() { "parameters as they are at first".into() } else { words.join(" · ") }
 }
 
 /// A parameter with its value: `block 16 px`.

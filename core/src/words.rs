@@ -17,6 +17,13 @@ pub fn number(v: f32) -> String {
     if is_negative { format!("−{digits}") } else { digits }
 }
 
+/// A number with two decimals, however large: one that large ones nearly cancel to.
+pub fn fine(v: f32) -> String {
+    let digits = format!("{:.2}", v.abs());
+    let is_negative = v < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b));
+    if is_negative { format!("−{digits}") } else { digits }
+}
+
 /// The same of a number that is known more exactly than it is told.
 pub fn number_64(v: f64) -> String {
     number(v as f32)
@@ -85,6 +92,7 @@ mod tests {
     fn numbers_are_short_and_have_a_true_sign() {
         let told = [0.0, -1e-7, -0.00123, 0.01234, 0.1234, -3.456, 12.34, -255.0].map(number);
         assert_eq!(told, ["0.00", "0.00000", "−0.00123", "0.0123", "0.123", "−3.46", "12.3", "−255"]);
+        assert_eq!([fine(1403.247), fine(-0.001), fine(-12.0)], ["1403.25", "0.00", "−12.00"]);
         assert_eq!((plus(-2.0), plus(0.5)), ("− 2.00".into(), "+ 0.500".into()));
         assert_eq!(place([126.737, -3.0]), "(126.74,\u{a0}−3.00)");
         assert_eq!([0.9999, 0.99, 0.5].map(percent), ["99.99 %", "99 %", "50 %"]);

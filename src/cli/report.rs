@@ -148,12 +148,13 @@ impl Report {
             text += &format!("entropy     {} ({sent})\n", prediction.coding());
         }
         text += &match &metrics.truth {
-            Some(AgainstTruth { epe_px, epe_median_px, epe_p95_px, r0_5, r1_0, r2_0, aae_deg, known }) => {
+            Some(AgainstTruth { epe_px, epe_median_px, epe_p95_px, r0_5, r1_0, r2_0, aae_deg, known, coverage }) => {
                 let what = if metrics.features.is_some() { "displacements" } else { "pixels" };
+                let share = coverage.map_or_else(String::new, |share| format!(", {:.0} % of them", 100.0 * share));
                 let [r0_5, r1_0, r2_0] = [r0_5, r1_0, r2_0].map(|share| 100.0 * share);
                 format!(
                     "error       {epe_px:.3} px endpoint (median {epe_median_px:.3}, 95 % below {epe_p95_px:.3}), \
-                     {aae_deg:.2}° angular, over {known} {what} of known motion\n\
+                     {aae_deg:.2}° angular, over {known} {what} of known motion{share}\n\
                      beyond      {r0_5:.1} % by more than 0.5 px, {r1_0:.1} % by 1 px, {r2_0:.1} % by 2 px\n"
                 )
             }

@@ -160,7 +160,7 @@ impl Account<'_> {
     pub fn facts(&self) -> Vec<Fact> {
         let fact = |label, value: String, role| Fact { label, value, role };
         let mut facts = vec![
-            fact("Level", format!("{} of {} to 0", self.level, self.pyramids[0].len() - 1), None),
+            fact("Level", format!("{}, from {} down to 0", self.level, self.pyramids[0].len() - 1), None),
             fact("Guess", self.px(self.guess), Some(Role::Predicted)),
         ];
         if let Some(tensor) = self.tensor() {

@@ -233,8 +233,10 @@ impl<M: Measure> Corners<M> {
             (Stage::Suppression | Stage::Choice, _) if peaks.is_over(x, y) => M::shown(state.map[(x, y)]),
             _ => f32::NAN,
         });
-        scene.mark(Picture::Current, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
-        scene.heat = Some(M::SHOWN);
+        if values.cells().iter().any(|value| value.is_finite()) {
+            scene.mark(Picture::Current, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
+            scene.heat = Some(M::SHOWN);
+        }
     }
 
     fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {

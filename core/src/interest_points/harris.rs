@@ -58,11 +58,11 @@ impl Measure for Harris {
         ]);
         let numbers = Math::Row(vec![
             Math::text(" = "),
-            Math::ink(Role::Reference, words::number(xx * yy - xy * xy)),
+            Math::ink(Role::Reference, words::fine(xx * yy - xy * xy)),
             Math::text(format!(" − {} · ", self.k)),
-            Math::power(Math::ink(Role::Reference, words::number(xx + yy)), Math::text("2")),
+            Math::power(Math::ink(Role::Reference, words::fine(xx + yy)), Math::text("2")),
             Math::text(" = "),
-            Math::ink(Role::Result, words::number(self.response([xx, xy, yy]))),
+            Math::ink(Role::Result, words::fine(self.response([xx, xy, yy]))),
         ]);
         [symbols, numbers]
     }

@@ -49,13 +49,13 @@ impl Measure for ShiTomasi {
         let half = (xx + yy) / 2.0;
         let numbers = Math::Row(vec![
             Math::text(" = "),
-            Math::ink(Role::Reference, words::number(half)),
+            Math::ink(Role::Reference, words::fine(half)),
             Math::text(" − √("),
-            Math::power(Math::ink(Role::Reference, words::number(half)), Math::text("2")),
+            Math::power(Math::ink(Role::Reference, words::fine(half)), Math::text("2")),
             Math::text(" − "),
-            Math::ink(Role::Reference, words::number(xx * yy - xy * xy)),
+            Math::ink(Role::Reference, words::fine(xx * yy - xy * xy)),
             Math::text(") = "),
-            Math::ink(Role::Result, words::number(self.response([xx, xy, yy]))),
+            Math::ink(Role::Result, words::fine(self.response([xx, xy, yy]))),
         ]);
         [symbols, numbers]
     }

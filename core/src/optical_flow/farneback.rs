@@ -290,7 +290,7 @@ impl Farneback {
         let of = state.frames.count() - 1;
         let (x, y) = looked.place;
         let mut facts = vec![
-            fact("Level", format!("{} of {of} to 0, {width}×{height} px", looked.level), None),
+            fact("Level", format!("{}, from {of} down to 0, {width}×{height} px", looked.level), None),
             fact("Iteration", format!("{} of {}", state.iteration + 1, self.iterations), None),
             fact("Pixel", format!("({x}, {y}) of the level"), Some(Role::Reference)),
             fact("Before", px(looked.from()), Some(Role::Best)),

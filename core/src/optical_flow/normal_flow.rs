@@ -107,7 +107,7 @@ impl Estimator for NormalFlow {
                  Visual Motion, MIT Press 1979",
         pseudocode: &[
             "smooth both frames",
-            "I_x, I_y, I_t ← derivatives of the pair",
+            "I_x, I_y ← derivatives of the mean of both frames, smoothed; I_t ← their difference",
             "for each pixel",
             "  the gradient constraint I_x u + I_y v + I_t = 0 is a line in (u, v)",
             "  if |∇I| < threshold, then nothing can be said",

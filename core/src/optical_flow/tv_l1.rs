@@ -197,13 +197,13 @@ impl Pixel {
         let to = looked.to();
         match step {
             FITTED => self.fitting(model, looked),
-            SMOOTHED => [("u", "p_u", 0), ("v", "p_v", 1)]
+            SMOOTHED => [("u", 0), ("v", 1)]
                 .into_iter()
-                .flat_map(|(name, p, i)| smoothing(model, (name, p), (self.fitted[i], self.divergence[i], to[i])))
+                .flat_map(|(name, i)| smoothing(model, name, (self.fitted[i], self.divergence[i], to[i])))
                 .collect(),
-            _ => [("u", "p_u", 0), ("v", "p_v", 1)]
+            _ => [("u", 0), ("v", 1)]
                 .into_iter()
-                .flat_map(|(name, p, i)| turning(model, (name, p), (self.p[0][i], self.gradients[i], self.p[1][i])))
+                .flat_map(|(name, i)| turning(model, name, (self.p[0][i], self.gradients[i], self.p[1][i])))
                 .collect(),
         }
     }
@@ -260,8 +260,13 @@ impl Pixel {
     }
 }
 
+/// The dual variable of u or v.
+fn dual(name: &'static str) -> Math {
+    Math::indexed(Math::Var("p"), Math::Var(name))
+}
+
 /// u = u_f + θ div p, in symbols and numbers.
-fn smoothing(model: &TvL1, (name, p): (&'static str, &'static str), (fitted, div, to): (f32, f32, f32)) -> [Math; 1] {
+fn smoothing(model: &TvL1, name: &'static str, (fitted, div, to): (f32, f32, f32)) -> [Math; 1] {
     [Math::Row(vec![
         Math::Var(name),
         Math::text(" = "),
@@ -269,7 +274,7 @@ fn smoothing(model: &TvL1, (name, p): (&'static str, &'static str), (fitted, div
         Math::text(" + "),
         Math::Var("θ"),
         Math::text(" div "),
-        Math::Var(p),
+        dual(name),
         Math::text(" = "),
         Math::ink(Role::Predicted, words::number(fitted)),
         Math::text(format!(" + {} · {} = ", words::number(model.theta), words::factor(div))),
@@ -278,21 +283,17 @@ fn smoothing(model: &TvL1, (name, p): (&'static str, &'static str), (fitted, div
 }
 
 /// The new p of one part of the field, in symbols and numbers.
-fn turning(
-    model: &TvL1,
-    (name, p): (&'static str, &'static str),
-    (from, gradient, to): ([f32; 2], [f32; 2], [f32; 2]),
-) -> [Math; 2] {
+fn turning(model: &TvL1, name: &'static str, (from, gradient, to): ([f32; 2], [f32; 2], [f32; 2])) -> [Math; 2] {
     let rate = || Math::Frac(Box::new(Math::Var("τ")), Box::new(Math::Var("θ")));
     let gradient_of = || Math::Row(vec![Math::text("∇"), Math::Var(name)]);
-    let top = vec![Math::Var(p), Math::text(" + "), rate(), Math::text(" "), gradient_of()];
+    let top = vec![dual(name), Math::text(" + "), rate(), Math::text(" "), gradient_of()];
     let bottom = vec![Math::text("1 + "), rate(), Math::text(" "), Math::Abs(Box::new(gradient_of()))];
     let times = words::number(model.tau / model.theta);
     let top_numbers = format!("{} + {times} · {}", words::vector(from), words::vector(gradient));
     let bottom_numbers = format!("1 + {times} · {}", words::number(gradient[0].hypot(gradient[1])));
     [
         Math::Row(vec![
-            Math::Var(p),
+            dual(name),
             Math::text(" ← "),
             Math::Frac(Box::new(Math::Row(top)), Box::new(Math::Row(bottom))),
         ]),

@@ -59,7 +59,7 @@ impl<M: Model> Variational<M> {
         let (width, height) = state.fixed.frames.size(state.level);
         let of = state.fixed.frames.count() - 1;
         let mut facts = vec![
-            fact("Level", format!("{} of {of} to 0, {width}×{height} px", state.level), None),
+            fact("Level", format!("{}, from {of} down to 0, {width}×{height} px", state.level), None),
             fact("Iteration", format!("{} of {}", state.iteration + 1, self.settings().iterations), None),
         ];
         if let Some((looked, more)) = looked {

@@ -4,6 +4,7 @@
 ///
 /// Letters at the start of a word and letters in a row count most.
 pub fn score(query: &str, text: &str) -> Option<i32> {
+    let (query, text) = (&*plain(query), &*plain(text));
     let letters: Vec<char> = query.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).collect();
     let text: Vec<char> = text.chars().flat_map(char::to_lowercase).collect();
     let starts = (0..text.len()).filter(|&at| Some(&text[at]) == letters.first());
@@ -12,6 +13,19 @@ pub fn score(query: &str, text: &str) -> Option<i32> {
     }
     let scattered = starts.filter_map(|at| from(&letters, &text, at)).max()?;
     Some(scattered + words(query, &text.iter().collect::<String>()))
+}
+
+/// As a keyboard types it: small letters without marks, and plain hyphens.
+fn plain(text: &str) -> String {
+    let letter = |c: char| match c {
+        'ä' | 'á' | 'à' | 'â' => 'a',
+        'é' | 'è' | 'ê' => 'e',
+        'ö' | 'ó' | 'ô' => 'o',
+        'ü' | 'ú' => 'u',
+        '–' | '—' | '−' => '-',
+        c => c,
+    };
+    text.to_lowercase().chars().map(letter).collect()
 }
 
 /// What whole stretches of `text` are worth: any word that is written out counts more than letters strewn about.
@@ -55,6 +69,7 @@ mod tests {
         assert_eq!(best("dark", &themes), "Dark theme");
         assert!(score("them", "Dark theme") > score("them", "To the end of the frame").map(|score| score + 100));
         assert_eq!(score("xyz", "Full screen"), None);
+        assert!(score("lucas-kanade", "Lucas–Kanade").is_some() && score("farneback", "Farnebäck") > Some(200));
         assert_eq!(score("", "anything"), Some(0));
     }
 }

@@ -28,6 +28,8 @@ struct Entry {
     icon: Icon,
     text: String,
     tip: String,
+    /// What it is called in scripts.
+    also: &'static str,
     keys: String,
     action: Action,
 }
@@ -124,7 +126,11 @@ fn row(ui: &mut Ui, entry: &Entry, lit: bool, theme: Theme) -> egui::Response {
 fn found(query: &str, input: &Input) -> Vec<Entry> {
     let mut scored: Vec<(i32, Entry)> = entries(input)
         .into_iter()
-        .filter_map(|entry| fuzzy::score(query, &entry.text).map(|score| (score, entry)))
+        .filter_map(|entry| {
+            // What it is of is worth less than what it is called.
+            let of = || fuzzy::score(query, &format!("{} {}", entry.tip, entry.also)).map(|score| score - 100);
+            fuzzy::score(query, &entry.text).or_else(of).map(|score| (score, entry))
+        })
         .collect();
     // Equal scores stay in the order of the menus.
     scored.sort_by_key(|(score, _)| -score);
@@ -135,21 +141,22 @@ fn entries(input: &Input) -> Vec<Entry> {
     let wanted = |c: &&Command| **c != Command::Palette && c.is_listed(&input.rungs) && c.enabled(&input.now);
     let commands = Command::ALL.iter().filter(wanted).map(|command| {
         let (text, keys, tip) = (command.text(&input.rungs), command.key(), String::new());
-        Entry { icon: command.face().icon, text, tip, keys, action: Action::Command(*command) }
+        Entry { icon: command.face().icon, text, tip, also: "", keys, action: Action::Command(*command) }
     });
     let estimators = estimators().into_iter().map(|estimator| {
         let info = estimator.info();
         let (text, tip) = (format!("Estimator: {}", info.name), info.family.to_owned());
-        Entry { icon: Icon::Grid3x3, text, tip, keys: String::new(), action: Action::Choose(info.id) }
+        Entry { icon: Icon::Grid3x3, text, tip, also: info.id, keys: String::new(), action: Action::Choose(info.id) }
     });
     let samples = synth::SCENES.iter().map(|sample| {
         let text = format!("Sample: {}", sample.title);
-        Entry { icon: Icon::Film, text, tip: String::new(), keys: String::new(), action: Action::OpenSample(sample) }
+        let action = Action::OpenSample(sample);
+        Entry { icon: Icon::Film, text, tip: String::new(), also: sample.id, keys: String::new(), action }
     });
     let recent = input.recent.iter().map(|path| {
         let text = format!("Open {}", widgets::elide(&path.display().to_string(), 56));
         let action = Action::Open(path.into());
-        Entry { icon: Icon::History, text, tip: String::new(), keys: String::new(), action }
+        Entry { icon: Icon::History, text, tip: String::new(), also: "", keys: String::new(), action }
     });
     commands.chain(estimators).chain(samples).chain(recent).collect()
 }

@@ -118,7 +118,7 @@ pub fn height_below(ui: &Ui, input: &Input<'_>, state: &mut State) -> f32 {
         let lines = legend_lines(input, ui, width).max(now);
         let known = &mut state.legend_height;
         if known.width != width || known.theme != input.theme {
-            *known = Height { width, theme: input.theme, lines: 1 };
+            *known = Height { width, theme: input.theme, lines: USUAL_LINES };
         }
         // What is dragged must not slip away under the mouse, nor where it is dropped.
         if state.grip.is_none() && !ui.input(|i| i.pointer.any_down()) {
@@ -154,6 +154,8 @@ struct Items {
     theme: Theme,
 }
 
+/// Room for the legend that most steps need: where it grew at a click, the picture would move under the mouse.
+const USUAL_LINES: usize = 2;
 const BAR: egui::Vec2 = vec2(96.0, 8.0);
 const GAP: f32 = 8.0;
 

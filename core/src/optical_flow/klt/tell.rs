@@ -6,7 +6,7 @@ use crate::features::trails::{self, points};
 use crate::features::{Account, Detection, follow, why};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Shape, Tile};
 use crate::words;
-use crate::{Feature, Grid, Role, Scene, Seen, Status, Step};
+use crate::{Feature, Grid, Role, Scene, Seen, Status, Step, Track};
 
 fn px(uv: [f32; 2]) -> String {
     format!("{} px", words::vector(uv))
@@ -186,6 +186,7 @@ impl Klt {
                 _ => None,
             });
             let mut facts = vec![Fact::new("Tracked", format!("{} features", seen.before.live.len()), None)];
+            facts.extend(lost(seen.before).map(|lost| Fact::new("Lost so far", lost, Some(Role::Rejected))));
             // Each number from the step on that finds it.
             let stage = seen.events.len();
             let sifted = found.filter(|_| stage > 1);
@@ -368,6 +369,22 @@ fn views(account: &Account, live: &Live, fit: &Fit) -> Vec<Tile> {
         tile("Now", Some(Role::Best), now, [0.0, 255.0]),
         tile("Difference", None, difference, [-most, most]),
     ]
+}
+
+/// How many features were lost so far, by reason.
+fn lost(state: &State) -> Option<String> {
+    let last = |track: &Track| track.points.last().map(|point| point.status);
+    let of = |status: Status| state.tracks.iter().filter(|track| last(track) == Some(status)).count();
+    let reasons = [
+        (Status::Outside, "outside"),
+        (Status::Flat, "flat"),
+        (Status::Unlike, "unlike"),
+        (Status::Astray, "astray"),
+        (Status::Changed, "changed"),
+    ];
+    let told = reasons.into_iter().map(|(status, name)| (of(status), name)).filter(|(count, _)| *count > 0);
+    let told: Vec<String> = told.map(|(count, name)| format!("{count} {name}")).collect();
+    (!told.is_empty()).then(|| told.join(", "))
 }
 
 fn plots(state: &State) -> Option<Readout> {
