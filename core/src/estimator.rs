@@ -100,6 +100,13 @@ pub enum Promise {
     AlongGradient,
 }
 
+impl Info {
+    /// Whether a unit of a run is a frame of the clip.
+    pub fn is_by_frame(&self) -> bool {
+        self.rungs.iter().rev().nth(1) == Some(&"frame")
+    }
+}
+
 impl Promise {
     /// Whether it is about frames by themselves, and nothing is said of how pixels of one lie in the next.
     pub fn is_of_single_frames(self) -> bool {

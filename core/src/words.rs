@@ -34,11 +34,18 @@ pub fn counted(count: usize, one: &str) -> String {
     if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
 }
 
+/// Where a velocity leads, in degrees from right, against the clock: more than −180 up to 180.
+pub fn heading_deg([u, v]: [f64; 2]) -> f64 {
+    // Not `-v`: left would be −180 where v is 0.
+    (0.0 - v).atan2(u).to_degrees()
+}
+
 /// Where a velocity leads: `45°`, from right, against the clock, as a person reads a picture.
 pub fn heading([u, v]: [f64; 2]) -> String {
-    let degrees = (-v).atan2(u).to_degrees().round();
-    // No minus in front of nothing.
-    format!("{}°", if degrees == 0.0 { 0.0 } else { degrees }).replace('-', "−")
+    let degrees = heading_deg([u, v]).round();
+    // No minus in front of nothing, and one name for left.
+    let degrees = if degrees == -180.0 { 180.0 } else { degrees + 0.0 };
+    format!("{degrees}°").replace('-', "−")
 }
 
 /// A displacement as a person reads it.
@@ -93,6 +100,8 @@ mod tests {
         let told = [0.0, -1e-7, -0.00123, 0.01234, 0.1234, -3.456, 12.34, -255.0].map(number);
         assert_eq!(told, ["0.00", "0.00000", "−0.00123", "0.0123", "0.123", "−3.46", "12.3", "−255"]);
         assert_eq!([fine(1403.247), fine(-0.001), fine(-12.0)], ["1403.25", "0.00", "−12.00"]);
+        let headings = [[2.0, 0.0], [0.0, -3.0], [-1.0, 0.0], [0.0, 4.0], [-9.0, 0.01]].map(heading);
+        assert_eq!(headings, ["0°", "90°", "180°", "−90°", "180°"]);
         assert_eq!((plus(-2.0), plus(0.5)), ("− 2.00".into(), "+ 0.500".into()));
         assert_eq!(place([126.737, -3.0]), "(126.74,\u{a0}−3.00)");
         assert_eq!([0.9999, 0.99, 0.5].map(percent), ["99.99 %", "99 %", "50 %"]);

@@ -392,3 +392,16 @@ fn a_feature_that_is_pointed_at_is_explained_with_its_way_through_the_levels() {
     assert!((0..2).all(|i| (floors[1][i] * 2.0 - floors[0][i]).abs() < 1e-4), "a place of the picture on each level");
     assert_eq!(walk.scene(None).levels.expect("a pyramid").at_work, 1);
 }
+
+#[test]
+fn points_that_were_clicked_are_tracked_where_they_lie_in_the_picture() {
+    let clip = moving([1.25, -0.5]);
+    let clicks = "0:40.5,30 0:60,50.25 0:-40,5 0:60,900 1:20,20";
+    let found = points("pyramidal-lucas-kanade", &[("points", "clicks"), ("clicks", clicks)], &clip);
+    assert_eq!(found.iter().map(|point| point.at).collect::<Vec<_>>(), [[40.5, 30.0], [60.0, 50.25]]);
+    for point in &found {
+        let [u, v] = point.displacement.expect("it is tracked");
+        assert!((u - 1.25).hypot(v + 0.5) < 0.05, "({u}, {v})");
+    }
+    assert_eq!(points("pyramidal-lucas-kanade", &[("points", "clicks")], &clip), []);
+}

@@ -290,3 +290,15 @@ fn a_click_chooses_the_object_that_another_source_detects() {
     let field = run(&*set("kalman-filter", &nothing), &clip);
     assert!(field.frames.iter().all(|frame| frame.objects.is_empty()), "nobody is there");
 }
+
+#[test]
+fn clicks_are_not_scored_as_boxes() {
+    let clip = scene("traffic");
+    let clicks = "0:30,144 1:37,144 2:44,144 3:51,144 4:58,144 5:65,144";
+    let truth = clip.truth().expect("exact");
+    for id in ["kalman-filter", "kalman-tracker"] {
+        let field = run(&*set(id, &[("clicks", clicks), ("frames", "6")]), &clip);
+        assert!(field.frames.iter().any(|frame| !frame.objects.is_empty()), "{id} follows what was clicked");
+        assert_eq!(scores(&field, &**truth).expect("readable").map(|scores| scores.mota), None, "{id}");
+    }
+}

@@ -132,3 +132,29 @@ fn a_step_never_knows_what_comes_later() {
     let told = format!("{:?}", walk.step(None));
     assert!(told.contains(&counted[10]), "going back tells what was told before");
 }
+
+#[test]
+fn who_goes_down_and_who_goes_left_have_a_heading() {
+    let down = (0, [100.0, 20.0], [0.0, 4.0], 30);
+    let left = (0, [300.0, 120.0], [-4.0, 0.0], 30);
+    let field = run(&*analysis(&[]), &clip(&[down, left], 32));
+    let last = |i: usize| field.trajectories[i].sightings.last().and_then(|seen| seen.heading_deg()).expect("it moves");
+    assert!((last(0) + 90.0).abs() < 1.0, "{}", last(0));
+    assert!(last(1) > 179.0 && last(1) <= 180.0, "{}", last(1));
+}
+
+#[test]
+fn who_ends_in_the_zone_is_not_counted_there_for_ever() {
+    let clip = clip(&[(0, [20.0, 60.0], [4.0, 0.0], 20), (0, [20.0, 160.0], [4.0, 0.0], 60)], 60);
+    let analysis = analysis(&[("zone", "60,20,160,100")]);
+    let mut walk = analysis.walk(&clip, 0).expect("it starts");
+    let mut inside = |unit: usize| {
+        walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+        let readouts = walk.step(None).readouts;
+        let facts =
+            readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts.clone()) } else { None });
+        let facts = facts.expect("facts");
+        facts.iter().find(|fact| fact.label == "In the zone").expect("it counts").value.clone()
+    };
+    assert_eq!([inside(5), inside(18), inside(58)], ["0", "1", "0"]);
+}

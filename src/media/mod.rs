@@ -171,8 +171,8 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
 
 /// The same clip with the detections that lie beside it, if there are any; with a warning if they cannot be read.
 fn with_detections_beside(clip: Clip, path: &Path) -> Clip {
-    let folder = if path.is_dir() { Some(path) } else { path.parent() };
-    let Some(file) = folder.and_then(detections::beside) else { return clip };
+    // What lies beside a video may be of another one.
+    let Some(file) = Some(path).filter(|path| path.is_dir()).and_then(detections::beside) else { return clip };
     match detections::read(&file) {
         Ok(found) => clip.with_detections(found),
         Err(error) => {

@@ -150,11 +150,15 @@ impl App {
     }
 
     fn edit(&mut self, command: Command) {
+        let before = self.document.estimator().info().id;
         let was_single = self.is_of_single_frames();
         match command {
             Command::Undo => drop(self.document.undo()),
             Command::Redo => drop(self.document.redo()),
             _ => self.document.reset(Owner::Estimator),
+        }
+        if self.document.estimator().info().id != before {
+            self.states.stage.placing = None;
         }
         self.suit_view(was_single);
         self.restart();
@@ -223,6 +227,7 @@ impl App {
             Ok(chosen) => {
                 let was_single = self.is_of_single_frames();
                 let before = self.document.estimator().info();
+                self.states.stage.placing = None;
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.suit_view(was_single);
                 self.restart_from(before);
@@ -234,8 +239,8 @@ impl App {
     /// Runs another estimator, from where that called `before` stands if its units are such as well: where they are frames, from
     /// the frame that is shown.
     fn restart_from(&mut self, before: &Info) {
-        let by_frame = |info: &Info| info.rungs.len() >= 2 && info.rungs[info.rungs.len() - 2] == "frame";
-        let place = match (by_frame(before), by_frame(self.document.estimator().info()), &self.view.shown) {
+        let now = self.document.estimator().info();
+        let place = match (before.is_by_frame(), now.is_by_frame(), &self.view.shown) {
             (true, true, _) | (false, false, _) => return self.restart(),
             (false, true, Some(shown)) => {
                 let unit = shown.frame.saturating_sub(self.document.frame());

@@ -56,11 +56,15 @@ pub fn facts(document: &Document) -> String {
     }
     facts.push(match info.container.as_str() {
         "synthetic" => "synthetic".to_owned(),
+        _ if clip.is_blank() => "detections, no pictures".to_owned(),
         container if container == info.codec => container.to_owned(),
         container => format!("{} in {container}", info.codec),
     });
     if let Some(truth) = clip.truth() {
         facts.push(format!("true {} known", truth.kinds().join(", ")));
+    }
+    if clip.detections(0).is_some() {
+        facts.push("objects detected".into());
     }
     facts.join(" · ")
 }

@@ -183,6 +183,7 @@ impl App {
         self.error = None;
         self.states.stage.fit();
         self.states.stage.leave_end();
+        self.states.stage.placing = None;
         self.ctx.send_viewport_cmd(ViewportCommand::Title(title(&self.document)));
     }
 

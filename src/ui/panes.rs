@@ -142,7 +142,10 @@ impl Panes<'_> {
         let (index, estimator) = (self.states.stage.placing?, self.document.estimator());
         let spec = estimator.specs().get(index)?;
         match estimator.value(index) {
-            Value::Placed(now) => Some(stage::Placing { index, spec, now, frame: shown.frame }),
+            Value::Placed(now) => {
+                let is_by_frame = estimator.info().is_by_frame();
+                Some(stage::Placing { index, spec, now, frame: shown.frame, is_by_frame })
+            }
             _ => None,
         }
     }
@@ -162,7 +165,10 @@ impl Panes<'_> {
             // The next place is one in the next frame.
             stage::Gesture::SettledFrame => {
                 self.actions.ask(Action::Settle);
-                self.actions.ask(Action::Seek(Cursor { unit: shown.cursor.unit + 1, event: usize::MAX }));
+                let next = placing.frame + 1;
+                let last = shown.subject.clip.info().frames.map_or(next, |frames| frames - 1);
+                let unit = next.min(last).saturating_sub(shown.subject.frame);
+                self.actions.ask(Action::Seek(Cursor { unit, event: usize::MAX }));
             }
             stage::Gesture::Done => self.actions.ask(Action::Place(None)),
         }

@@ -73,27 +73,37 @@ impl Plot {
         let min = area.min + vec2(4.6 * small, 2.4 * small);
         let max = area.max - vec2(2.0 * small, 3.6 * small);
         let rect = Rect::from_min_max(min, max.max(min + vec2(8.0, 8.0)));
-        let values = series.lines.iter().flat_map(|(_, _, points)| points).map(|p| p[1]).filter(|y| y.is_finite());
+        // What was rejected may be anything: it does not set the scale, and stands at its edge where it is beyond.
+        let rejected = series.lines.iter().filter(|(_, role, points)| are_marks(series, *role, points));
+        let rejected: Vec<[f32; 2]> = rejected.flat_map(|(_, _, points)| points).copied().collect();
+        let all = || series.lines.iter().flat_map(|(_, _, points)| points).filter(|p| p[1].is_finite());
+        let counts = |point: &&[f32; 2]| !rejected.contains(point);
+        let some = all().any(|point| counts(&point));
+        let values = all().filter(|point| !some || counts(point)).map(|point| point[1]);
         let low = values.clone().fold(f32::INFINITY, f32::min);
         let high = values.fold(f32::MIN_POSITIVE, f32::max);
+        let least = low.min(0.0);
         let logarithmic = logarithmic && low > 0.0 && low.is_finite();
-        let rough = Axis { values: [0.0, high], places: [rect.max.y, rect.min.y] };
+        let rough = Axis { values: [least, high], places: [rect.max.y, rect.min.y] };
         // The axis ends on a tick, so that it seldom changes while values come in.
         let step = rough.ticks(3.0 * small, 0.0).windows(2).map(|w| w[1] - w[0]).next().unwrap_or(high);
         let top = (high / step).ceil().max(1.0) * step;
+        let bottom = (least / step).floor() * step;
         // From one power of ten to another.
         let decades = [low.log10().floor(), high.log10().ceil().max(low.log10().floor() + 1.0)];
         Self {
             rect,
             x: Axis { values: [0.0, series.x_max.max(1) as f32], places: [rect.min.x, rect.max.x] },
-            y: Axis { values: if logarithmic { decades } else { [0.0, top] }, places: [rect.max.y, rect.min.y] },
+            y: Axis { values: if logarithmic { decades } else { [bottom, top] }, places: [rect.max.y, rect.min.y] },
             logarithmic,
             small,
         }
     }
 
     fn at(&self, [x, y]: [f32; 2]) -> Pos2 {
-        pos2(self.x.place(x), self.y.place(if self.logarithmic { y.log10() } else { y }))
+        let [low, high] = self.y.values;
+        let y = if self.logarithmic { y.log10() } else { y };
+        pos2(self.x.place(x), self.y.place(y.clamp(low, high)))
     }
 
     /// The ticks of the values, each with its place on the axis.

@@ -53,7 +53,7 @@ pub(crate) fn turnover(title: &'static str, counts: &[u32], tracks: &[Arc<Track>
     let series = Series {
         title,
         x_label: "pair",
-        y_label: "features",
+        y_label: "how many",
         x_max: span.frames().map_or(line.len(), |frames| frames - 1),
         events: Vec::new(),
         sections: Vec::new(),

@@ -1,5 +1,6 @@
 //! What trackers of many objects have beside their tracks: parameters, a detector, and the frames that are done.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::lives::{Age, Rules};
@@ -201,7 +202,8 @@ impl Course {
     /// What all frames came to.
     pub fn field(&self) -> ObjectField {
         ObjectField {
-            followed: Followed::All,
+            // A click has no size that could be compared with a true box.
+            followed: if self.detector.takes_clicks() { Followed::One(BTreeSet::new()) } else { Followed::All },
             picture: self.picture,
             first: self.span.first,
             frames: self.frames.clone(),

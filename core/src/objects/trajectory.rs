@@ -2,6 +2,7 @@
 
 use super::Bounds;
 use crate::params::Line;
+use crate::words::heading_deg;
 
 /// Where an object was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +50,14 @@ pub struct Stay {
     pub last: usize,
     /// Whether it has been seen elsewhere since.
     pub is_over: bool,
+}
+
+impl Sighting {
+    /// Where it goes, in degrees from right, against the clock, more than −180 up to 180; `None` where it stands or is seen for
+    /// the first time.
+    pub fn heading_deg(&self) -> Option<f64> {
+        self.velocity.filter(|velocity| *velocity != [0.0; 2]).map(heading_deg)
+    }
 }
 
 impl Stay {
@@ -137,7 +146,7 @@ impl Trajectory {
 
     /// The length of its way in px.
     pub fn length_px(&self) -> f64 {
-        self.sightings.windows(2).map(|pair| apart(pair[0].at, pair[1].at)).sum()
+        self.sightings.windows(2).map(|pair| apart(pair[0].at, pair[1].at)).fold(0.0, |sum, step| sum + step)
     }
 
     /// From its first place to its last, as a share of the length of its way: 1 where it went straight on.

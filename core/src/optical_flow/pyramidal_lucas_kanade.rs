@@ -8,6 +8,7 @@ use crate::features::follow::{self, Follow, Followed};
 use crate::features::tracker::Level;
 use crate::features::{Account, Trace, detect};
 use crate::interest_points::ShiTomasi;
+use crate::params::Spots;
 use crate::pyramid::halvings;
 use crate::scene::{Arrow, Chart, Fact, Picture, Readout, Sentence, Shape};
 use crate::words;
@@ -23,6 +24,8 @@ choices! {
         Detect = "detect" "Detected corners",
         /// Those of an even grid.
         Grid = "grid" "Grid",
+        /// Those that someone has clicked in the frame.
+        Clicks = "clicks" "Clicked points",
         /// Every pixel: a dense field, which is not known where a pixel is lost.
         Dense = "dense" "Every pixel",
     }
@@ -33,6 +36,8 @@ params! {
     pub struct PyramidalLucasKanade {
         /// Which points are tracked.
         points: Points = Points::Detect;
+        /// Places in frames, clicked on the picture, where clicked points are tracked.
+        clicks: Spots = Spots::default();
         /// At most so many points, of corners the strongest; not where every pixel is tracked.
         max_points: usize = 500, 1..=5000;
         /// Side of the window around each point, on every level; an even one reaches as far as the next odd one.
@@ -140,6 +145,7 @@ impl PyramidalLucasKanade {
                 detect(&detector, Arc::clone(&pair[0]), threads).iter().map(|feature| feature.at).collect()
             }
             Points::Grid => grid(clip.size(), self.max_points),
+            Points::Clicks => self.clicks.of_frame(frame).filter(|at| is_in(*at, clip.size())).collect(),
             Points::Dense => grid(clip.size(), usize::MAX),
         };
         let group = if self.points == Points::Dense { clip.size().0 } else { 1 };
@@ -154,6 +160,11 @@ impl PyramidalLucasKanade {
         let Self { iterations, epsilon, threshold, max_residual, .. } = *self;
         Follow { reach: self.reach(), iterations, epsilon, threshold, max_residual }
     }
+}
+
+/// Whether a place lies in a picture.
+fn is_in([x, y]: [f32; 2], (width, height): (usize, usize)) -> bool {
+    (-0.5..width as f32 - 0.5).contains(&x) && (-0.5..height as f32 - 0.5).contains(&y)
 }
 
 /// The points of an even grid on a picture of a `size`, at most `most` of them.
@@ -424,7 +435,10 @@ impl PyramidalLucasKanade {
         let fixed = &seen.before.fixed;
         match (looked, seen.events.is_empty()) {
             (Some(looked), _) => looked.account().sentence(),
-            (None, false) => Sentence::default().text("The picture has no corner: there is nothing to track."),
+            (None, false) => Sentence::default().text(match self.points {
+                Points::Clicks => "No point was clicked in this frame: there is nothing to track.",
+                _ => "The picture has no corner: there is nothing to track.",
+            }),
             (None, true) => {
                 let said = Sentence::default().text(match self.points {
                     Points::Dense => "Every pixel is tracked, row by row".into(),

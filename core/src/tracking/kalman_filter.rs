@@ -458,7 +458,11 @@ impl Estimator for KalmanFilter {
         };
         let frames = state.moments.iter().map(frame).collect();
         Output::Objects(ObjectField {
-            followed: Followed::One(state.truth_ids.clone()),
+            // A click has no size that could be compared with a true box.
+            followed: Followed::One(match state.detector.takes_clicks() {
+                true => BTreeSet::new(),
+                false => state.truth_ids.clone(),
+            }),
             picture: state.picture,
             first: state.span.first,
             frames,

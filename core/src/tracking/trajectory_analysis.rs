@@ -41,7 +41,7 @@ params! {
         /// Detections with a lower score are left out.
         min_score: f32 = 0.3, -1000.0..=1000.0;
         /// Standard deviation of the noise that a true place is measured with.
-        added_noise: f32 = 1.0, 0.0..=100.0, "px";
+        added_noise: f32 = 2.0, 0.0..=100.0, "px";
         /// Which noise that is.
         seed: u32 = 1, 0..=9999;
     }
@@ -101,7 +101,9 @@ struct Lesson {
 impl TrajectoryAnalysis {
     fn tracker(&self) -> KalmanTracker {
         let Self { frames, source, clicks, min_score, added_noise, seed, .. } = self.clone();
-        KalmanTracker { frames, source, clicks, min_score, added_noise, seed, ..KalmanTracker::default() }
+        // As a live camera would have it: what is analysed is what was seen.
+        let live = KalmanTracker { backdate: false, bridge: false, ..KalmanTracker::default() };
+        KalmanTracker { frames, source, clicks, min_score, added_noise, seed, ..live }
     }
 
     fn places(&self) -> Places {

@@ -17,7 +17,7 @@ pub use flo::flo;
 pub use kitti::{Kitti, kitti};
 pub use mot::mot;
 pub use npy::{npy, objects_npy};
-pub use objects::{TrackFormat, masks, tracks, write_masks};
+pub use objects::{TrackFormat, mask_name, masks, tracks, write_masks};
 pub use picture::{Pixels, png};
 pub use save::{make_folder, save};
 pub use table::{Cell, Table};

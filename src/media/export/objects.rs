@@ -121,7 +121,6 @@ fn trajectories(field: &ObjectField) -> Table<10> {
     let row = |of: &Trajectory, seen: &Sighting| {
         let [x, y] = seen.at.map(Cell::Real);
         let speed = |v: Option<[f64; 2]>| v.map_or(Cell::Empty, |[u, v]| Cell::Real(u.hypot(v)));
-        let heading = seen.velocity.filter(|v| *v != [0.0; 2]).map(|[u, v]| (-v).atan2(u).to_degrees() + 0.0);
         let crossing = of.crossings.iter().find(|crossing| crossing.frame == seen.frame);
         let is_inside = of.stays.iter().any(|stay| (stay.entered..=stay.last).contains(&seen.frame));
         [
@@ -130,7 +129,7 @@ fn trajectories(field: &ObjectField) -> Table<10> {
             x,
             y,
             speed(seen.velocity),
-            heading.map_or(Cell::Empty, Cell::Real),
+            seen.heading_deg().map_or(Cell::Empty, Cell::Real),
             speed(seen.step),
             Cell::Int(crossing.map_or(0, |crossing| if crossing.is_forward { 1 } else { -1 })),
             Cell::Int(i64::from(is_inside)),
@@ -203,13 +202,18 @@ pub fn masks(field: &ObjectField) -> Result<Vec<(String, Vec<u8>)>, Error> {
         let mask = mask.unpacked();
         let (width, height) = mask.size();
         let pixels = Grid::from_fn(width, height, |x, y| if mask.get(x, y) { 255 } else { 0 });
-        Ok((format!("mask_{t:04}.png"), super::png(width, height, super::Pixels::Gray(pixels.cells()))?))
+        Ok((mask_name(t), super::png(width, height, super::Pixels::Gray(pixels.cells()))?))
     };
     let files = masks.map(picture).collect::<Result<Vec<_>, Error>>()?;
     if files.is_empty() {
         return Err(Error::new("no pixels were told apart, so there are no masks; choose a background model"));
     }
     Ok(files)
+}
+
+/// What the file of the mask of a frame is called.
+pub fn mask_name(frame: usize) -> String {
+    format!("mask_{frame:04}.png")
 }
 
 /// Writes masks into a folder, which is made if there is none; says how many.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
 use motionscope_core::Cursor;
 
+use crate::media::export;
 use crate::shot::{Format, Look, Steps};
 use crate::ui::action::{Action, Actions, Browse};
 use crate::ui::commands::Rungs;
@@ -93,6 +94,8 @@ pub struct State {
     from: String,
     to: String,
     rung: usize,
+    /// The first frame of the run.
+    first: usize,
     focused: bool,
     /// The target that was looked up, and what lies there already.
     found: Option<(PathBuf, bool)>,
@@ -123,6 +126,7 @@ impl State {
             from: from.to_string(),
             to: to.to_string(),
             rung: Rungs::new(shown.info.rungs).event(),
+            first: shown.subject.frame,
             focused: false,
             found: None,
         }
@@ -147,7 +151,7 @@ impl State {
     fn is_there(&mut self, target: &Path) -> bool {
         let file = match self.kind {
             Kind::Steps => target.join(Steps::file_name(0, self.format())),
-            Kind::Masks => target.join("mask_0000.png"),
+            Kind::Masks => target.join(export::mask_name(self.first)),
             _ => target.to_owned(),
         };
         // Looking may take a while on a drive far away: once for each name.

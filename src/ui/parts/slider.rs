@@ -120,7 +120,8 @@ impl Scale {
     /// The value on the steps nearest to `value`.
     fn nearest(&self, value: f64) -> f64 {
         let (min, max) = self.range;
-        let stepped = min + ((value - min) / self.step).round() * self.step;
+        // Round values, whatever the least one is.
+        let stepped = (value / self.step).round() * self.step;
         // Steps like 0.1 are not exact; what is shown is.
         let clean = (stepped * 1e6).round() / 1e6;
         clean.clamp(min, max)

@@ -23,6 +23,8 @@ pub struct Placing {
     pub now: Placed,
     /// The frame in which points are placed.
     pub frame: usize,
+    /// Whether a place in one frame is followed by the next.
+    pub is_by_frame: bool,
 }
 
 /// What became of placing in a frame of the window.
@@ -42,8 +44,8 @@ pub enum Gesture {
 /// What the mouse holds.
 #[derive(Clone, Debug)]
 pub enum Grip {
-    /// A handle.
-    Handle(usize),
+    /// A handle of what was there when it was taken.
+    Handle(usize, Placed),
     /// The far end of something that began at a place.
     New([f32; 2]),
 }
@@ -53,6 +55,9 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
     let Some(placing) = input.placing else { return };
     let what = placing.spec.label.to_lowercase();
     let told = match placing.now.figure() {
+        Figure::Spots if !placing.is_by_frame => {
+            "Click on points of the picture, or drag one. A right click takes one away.".into()
+        }
         Figure::Spots => format!(
             "Click where it is in frame {}; the next frame follows. A right click takes one away.",
             placing.frame
@@ -94,19 +99,14 @@ pub fn act(
         && let Some(origin) = ui.input(|i| i.pointer.press_origin())
     {
         let new = || (now.figure() != Figure::Spots).then(|| Grip::New(place(lens, origin)));
-        state.grip = handle_at(origin).map(Grip::Handle).or_else(new);
+        state.grip = handle_at(origin).map(|index| Grip::Handle(index, now.clone())).or_else(new);
     }
     if let (Some(grip), Some(at)) = (&state.grip, at) {
         let to = place(lens, at);
         response.placed = Some(match grip {
-            Grip::Handle(index) => now.moved(*frame, *index, to),
+            Grip::Handle(index, from) => from.moved(*frame, *index, to),
             Grip::New(from) => now.figure().spanned(*from, to),
         });
-    }
-    // The corner that is held stays held where a rectangle is turned inside out.
-    if let (Some(Grip::Handle(index)), Some(placed), Some(at)) = (&mut state.grip, &response.placed, at) {
-        let to = place(lens, at);
-        *index = placed.handles(*frame).iter().position(|handle| *handle == to).unwrap_or(*index);
     }
     let is_gripped = state.grip.is_some();
     if sensed.drag_stopped() && state.grip.take().is_some() {
@@ -121,7 +121,7 @@ pub fn act(
     if let Some(at) = at.filter(|at| sensed.clicked() && now.figure() == Figure::Spots && lens.pixel_at(*at).is_some())
     {
         response.placed = Some(now.with(Spot { frame: *frame, at: place(lens, at) }));
-        response.placing = Gesture::SettledFrame;
+        response.placing = if placing.is_by_frame { Gesture::SettledFrame } else { Gesture::Settled };
     }
     is_gripped
 }

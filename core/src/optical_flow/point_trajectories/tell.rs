@@ -220,9 +220,9 @@ impl PointTrajectories {
         let frame = seen.before.frame;
         let done: Vec<&Moved> = moved(seen.events).map(|(_, moved)| moved).collect();
         let is_over = seen.after.is_some();
-        let waiting = if is_over { &[][..] } else { &seen.before.live };
-        let waits = waiting.iter().filter(|live| !done.iter().any(|moved| moved.live.track == live.track));
-        trails::points(scene, Role::Measured, "point", waits.clone().map(|live| live.at).collect());
+        // They have their turns in their order.
+        let waits = if is_over { &[][..] } else { seen.before.live.get(done.len()..).unwrap_or_default() };
+        trails::points(scene, Role::Measured, "point", waits.iter().map(|live| live.at).collect());
         for live in done.iter().map(|moved| &moved.live).chain(waits) {
             // What begins in this frame has no trail yet.
             let tracks = [&state.tracks, &state.twins].map(|all| all.get(live.track as usize));

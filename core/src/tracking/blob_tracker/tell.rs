@@ -98,7 +98,7 @@ impl BlobTracker {
             }
             What::Decided(decision) => self.decided(decision),
             What::Missed(body) => said.ink(Role::Predicted, named(body)).text(format!(
-                " has no blob and coasts for {}. After {} it is given up.",
+                " has no blob and coasts for {}. After more than {} it is given up.",
                 count(body.members.iter().map(|member| member.age.missed).max().unwrap_or(0), "frame"),
                 count(self.patience, "frame")
             )),

@@ -5,7 +5,7 @@ use super::sensors::{Look, Sensed, Sensors};
 use super::{Event, Gated, KalmanFilter, Loss, Moment, State};
 use crate::kalman::{Filter, Measurement, chi_square, ellipse};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Series, Shape};
-use crate::words::{self, counted as count, number_64 as short, percent};
+use crate::words::{self, counted as count, fine, number_64 as short, percent};
 use crate::{Role, Scene, Seen, Step};
 
 /// A line of a plot: its name, its role and its points.
@@ -289,11 +289,11 @@ impl KalmanFilter {
                     Math::Row(vec![
                         sub("x", "x"),
                         text(" = "),
-                        Math::ink(Role::Predicted, short(gated.expected.place()[0])),
+                        Math::ink(Role::Predicted, fine(gated.expected.place()[0] as f32)),
                         text(&format!(" + {} · ", short(gain))),
-                        Math::ink(Role::Measured, short(residual)),
+                        Math::ink(Role::Measured, fine(residual as f32)),
                         text(" + … = "),
-                        Math::ink(Role::Estimate, short(after.place()[0])),
+                        Math::ink(Role::Estimate, fine(after.place()[0] as f32)),
                     ]),
                 ]
             }
@@ -316,7 +316,7 @@ impl KalmanFilter {
                 let value = chi_square::quantile(p, dof) as f32;
                 [0, state.moments.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
             };
-            vec![("95 % from here", Role::Window, at(0.025)), ("to here", Role::Window, at(0.975))]
+            vec![("95 % lie above", Role::Window, at(0.025)), ("and below", Role::Window, at(0.975))]
         };
         let x_max = state.span.first + state.span.frames().map_or(state.moments.len(), |frames| frames - 1);
         let series = |title, y_label, lines: Vec<Line>| {
@@ -390,8 +390,8 @@ impl KalmanFilter {
         });
         for found in detections.into_iter().flat_map(|all| all.iter()) {
             let shape = Shape::Rect { min: found.bounds.min, max: found.bounds.max };
-            scene.mark(Picture::Current, Role::Rejected, shape);
-            scene.legend(Role::Rejected, "detected");
+            scene.mark(Picture::Current, Role::Reference, shape);
+            scene.legend(Role::Reference, "detected");
         }
         self.truth(seen, scene);
         if let Some(predicted) = now.predicted {
@@ -450,6 +450,9 @@ fn looked(frame: &usize, look: &Look, how: &str) -> Sentence {
         None if look.is_hidden => {
             said.text(format!("Frame {frame} is one of those in which nothing is to be seen of the object."))
         }
+        None if !look.detections.is_empty() => said
+            .ink(Role::Measured, format!("{} in frame {frame}", count(look.detections.len(), "detection")))
+            .text(", and none of them is where someone clicked: the object begins where it is."),
         None => said.text(format!("Nothing is detected in frame {frame}.")),
     };
     match second.map(measured) {
@@ -553,9 +556,10 @@ fn measured(seen: &Seen<KalmanFilter>, now: &Now, scene: &mut Scene) {
         }
     }
     // The innovation of the sensor at work: one that was refused moves nothing.
-    if let Some(gated) = now.gated.last().filter(|gated| gated.is_inside()) {
+    if let Some(gated) = now.gated.last() {
         let arrow = Arrow { from: point(gated.expected.place()), to: point(gated.measurement().place) };
-        scene.mark(Picture::Current, Role::Best, Shape::Arrows(vec![arrow]));
+        let role = if gated.is_inside() { Role::Best } else { Role::Rejected };
+        scene.mark(Picture::Current, role, Shape::Arrows(vec![arrow]));
         scene.legend(Role::Best, "innovation ν");
     }
 }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::{Event, State, TrajectoryAnalysis, near};
 use crate::objects::directions::Directions;
 use crate::objects::trajectory::{Sighting, Trajectory};
-use crate::objects::{Bounds, Life, Object};
+use crate::objects::{Bounds, Life, Object, ObjectFrame};
 use crate::scene::{Arrow, Fact, Picture, Readout, Sentence, Series, Shape};
-use crate::words::{counted, heading, number, number_64};
+use crate::words::{counted, heading, heading_deg, number, number_64};
 use crate::{Role, Scene, Seen, Step};
 
 /// Trajectories of objects that were not seen for longer are not drawn.
@@ -41,7 +41,13 @@ impl TrajectoryAnalysis {
                 .ink(Role::Error, "where the others do not")
                 .text(". Line and zone are placed on the picture from among the parameters.");
         };
-        let name = |trajectory: &Trajectory| format!("Object {}", trajectory.id);
+        // What became of an object before it was believed in is known only now.
+        let name = |trajectory: &Trajectory| {
+            let frame =
+                trajectory.sightings.last().map(|last| last.frame).filter(|frame| *frame != frame_of(seen.before));
+            let when = frame.map_or_else(String::new, |frame| format!("In frame {frame}, not yet believed in: "));
+            format!("{when}Object {}", trajectory.id)
+        };
         match event {
             Event::Tracked(frame) => {
                 let seen = frame.objects.iter().filter(|object| object.life == Life::Confirmed).count();
@@ -95,8 +101,18 @@ impl TrajectoryAnalysis {
                 if speed < f64::from(self.min_speed) {
                     return said.text(": too slow for a heading.");
                 }
-                said.text(format!(" towards {}, over its last {}.", heading(velocity), counted(self.window, "frame")))
+                said.text(format!(" towards {}, {}.", heading(velocity), self.over(trajectory)))
             }
+        }
+    }
+
+    /// Over which frames the velocity of the last sighting is taken, in words.
+    fn over(&self, trajectory: &Trajectory) -> String {
+        let sightings = || trajectory.sightings.iter().rev();
+        let last = sightings().next().map_or(0, |seen| seen.frame);
+        match sightings().take_while(|seen| seen.frame + self.window > last).last() {
+            Some(first) if first.frame < last => format!("over {}", counted(last - first.frame + 1, "frame")),
+            _ => "since it was seen before".into(),
         }
     }
 
@@ -108,7 +124,10 @@ impl TrajectoryAnalysis {
             facts.push(Fact::new("Counted", format!("{forward} to the right, {back} to the left"), Some(Role::Window)));
         }
         if self.zone.is_some() {
-            let inside = now(seen).iter().filter(|of| of.stays.last().is_some_and(|stay| !stay.is_over)).count();
+            let frame = frame_at(seen);
+            let is_here = |of: &Trajectory| frame.is_some_and(|frame| frame.objects.iter().any(|o| o.id == of.id));
+            let is_inside = |of: &&Arc<Trajectory>| is_here(of) && of.stays.last().is_some_and(|stay| !stay.is_over);
+            let inside = now(seen).iter().filter(is_inside).count();
             facts.push(Fact::new("In the zone", inside.to_string(), Some(Role::Reference)));
         }
         let subject = self.subject(seen);
@@ -175,10 +194,7 @@ impl TrajectoryAnalysis {
                 scene.mark_of(trajectory.id, Picture::Current, Role::Estimate, path);
             }
         }
-        let frame =
-            seen.events.iter().find_map(|event| if let Event::Tracked(frame) = event { Some(frame) } else { None });
-        let before = seen.before.tracked.frames().last();
-        for object in frame.or(before).iter().flat_map(|frame| &frame.objects) {
+        for object in frame_at(seen).iter().flat_map(|frame| &frame.objects) {
             let of = all.iter().find(|trajectory| trajectory.id == object.id);
             draw_object(
                 scene,
@@ -195,8 +211,8 @@ impl TrajectoryAnalysis {
         if let Some(Event::Unusual(of, unusual)) = seen.events.last()
             && let Some(last) = of.sightings.last()
         {
-            scene.mark(Picture::Current, Role::Predicted, chevron(last.at, unusual.usual, self.part as f64));
-            scene.legend(Role::Predicted, "where others go");
+            scene.mark(Picture::Current, Role::Rejected, chevron(last.at, unusual.usual, self.part as f64));
+            scene.legend(Role::Rejected, "where others go");
         }
     }
 
@@ -211,7 +227,8 @@ impl TrajectoryAnalysis {
         scene.mark(Picture::Current, Role::Window, path);
         let [u, v] = [0, 1].map(|i| line.to[i] - line.from[i]);
         let length = u.hypot(v);
-        let middle = [0, 1].map(|i| (line.from[i] + line.to[i]) / 2.0);
+        // Near its end, where fewer go than in its middle.
+        let middle = [0, 1].map(|i| line.to[i] - 0.12 * (line.to[i] - line.from[i]));
         let [forward, back] = counts(seen);
         // To the right of who looks along it, as y points down.
         for (side, text) in [(1.0, format!("+{forward}")), (-1.0, format!("−{back}"))] {
@@ -224,10 +241,17 @@ impl TrajectoryAnalysis {
     fn draw_directions(&self, directions: &Directions, scene: &mut Scene) {
         for (at, usual) in directions.all(self.least_others) {
             let shape = chevron(at.map(f64::from), usual.direction, directions.side_px as f64 * usual.agreement);
-            scene.mark(Picture::Current, Role::Predicted, shape);
-            scene.legend(Role::Predicted, "where others go");
+            scene.mark(Picture::Current, Role::Rejected, shape);
+            scene.legend(Role::Rejected, "where others go");
         }
     }
+}
+
+/// The objects of the frame at hand, or of the one before it.
+fn frame_at<'a>(seen: &Seen<'a, TrajectoryAnalysis>) -> Option<&'a Arc<ObjectFrame>> {
+    let at_hand =
+        seen.events.iter().find_map(|event| if let Event::Tracked(frame) = event { Some(frame) } else { None });
+    at_hand.or(seen.before.tracked.frames().last())
 }
 
 /// All trajectories as they are at the step.
@@ -290,6 +314,18 @@ fn draw_object(scene: &mut Scene, object: &Object, last: Option<&Sighting>) {
     }
 }
 
+/// The same broken where it goes through the left: from 180° to −180° is no turn.
+fn unwrapped(points: Vec<[f32; 2]>) -> Vec<[f32; 2]> {
+    let mut broken: Vec<[f32; 2]> = Vec::with_capacity(points.len());
+    for point in points {
+        if let Some(last) = broken.last().filter(|last| (point[1] - last[1]).abs() > 180.0).copied() {
+            broken.push([(last[0] + point[0]) / 2.0, f32::NAN]);
+        }
+        broken.push(point);
+    }
+    broken
+}
+
 /// Speed and heading from frame to frame.
 fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
     let line = |of: &dyn Fn(&Sighting) -> Option<f64>| -> Vec<[f32; 2]> {
@@ -310,11 +346,10 @@ fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
         ("since seen before", Role::Measured, line(&|seen| seen.step.map(speed))),
         ("smoothed", Role::Result, line(&|seen| seen.velocity.map(speed))),
     ];
-    // Up is positive, as in mathematics.
-    let degrees = |v: [f64; 2]| (v != [0.0; 2]).then(|| (-v[1]).atan2(v[0]).to_degrees());
+    let degrees = |v: [f64; 2]| (v != [0.0; 2]).then(|| heading_deg(v));
     let headings = vec![
-        ("since seen before", Role::Measured, line(&|seen| seen.step.and_then(degrees))),
-        ("smoothed", Role::Result, line(&|seen| seen.velocity.and_then(degrees))),
+        ("since seen before", Role::Measured, unwrapped(line(&|seen| seen.step.and_then(degrees)))),
+        ("smoothed", Role::Result, unwrapped(line(&|seen| seen.velocity.and_then(degrees)))),
     ];
     if trajectory.sightings.len() < 3 {
         return Vec::new();
