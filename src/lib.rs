@@ -7,6 +7,7 @@ pub mod comparison;
 pub mod media;
 pub mod motion;
 pub mod paint;
+pub mod pixel;
 pub mod quality;
 pub mod session;
 pub mod shot;

@@ -7,6 +7,7 @@
 //! pace = "block"                   # of those in lockstep: the same block, or the same budget
 //! frame = 12
 //! step = "35.412"
+//! pixel = "303,202"                # the one that is held to be explained by itself
 //!
 //! [set]
 //! block = 8
@@ -32,6 +33,7 @@ use serde::{Deserialize, Serialize};
 use crate::company::Company;
 use crate::media::{self, export};
 use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
+use crate::pixel::Pixel;
 use crate::shot::Look;
 use crate::source::Source;
 
@@ -54,6 +56,8 @@ pub struct Session {
     pub frame: usize,
     /// Where the run stands; `None` for its end.
     pub cursor: Option<Cursor>,
+    /// The pixel that is held to be explained by itself.
+    pub pixel: Option<Pixel>,
     /// How it is looked at.
     pub look: Wanted,
     /// Which part of the picture is seen, if not all of it.
@@ -184,6 +188,8 @@ struct Text {
     frame: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     step: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pixel: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pace: Option<String>,
     #[serde(default)]
@@ -373,6 +379,7 @@ impl Session {
             company,
             frame: text.frame,
             cursor: text.step.map(|step| step.parse()).transpose()?,
+            pixel: text.pixel.map(|pixel| pixel.parse()).transpose()?,
             look: text.picture.look()?,
             sight: text.sight.filter(Sight::is_sound),
         })
@@ -403,6 +410,7 @@ impl Session {
             estimator: self.estimator.info().id.into(),
             frame: self.frame,
             step: self.cursor.map(|cursor| cursor.to_string()),
+            pixel: self.pixel.map(|pixel| pixel.to_string()),
             pace: (!self.company.is_empty()).then(|| self.company.pace.to_value().to_string()),
             set,
             beside: self.company.beside.iter().map(|one| Companion::of(&**one, &*self.estimator)).collect(),
@@ -565,8 +573,8 @@ mod tests {
         let look =
             Look { view: Some(View::Blend), level, share, theme: Theme::Projector, legend: true, ..Look::default() };
         let sight = Some(Sight { center: [10.5, 3.0], zoom: 4.0 });
-        let cursor = Some(Cursor { unit: 35, event: 412 });
-        Session { source, truth: None, estimator, company, frame: 12, cursor, look: look.into(), sight }
+        let (cursor, pixel) = (Some(Cursor { unit: 35, event: 412 }), Some(Pixel { x: 303, y: 202 }));
+        Session { source, truth: None, estimator, company, frame: 12, cursor, pixel, look: look.into(), sight }
     }
 
     #[test]
@@ -581,6 +589,7 @@ mod tests {
             let read = Session::load(&path).unwrap();
             assert_eq!(read.estimator.values(), saved.estimator.values());
             assert_eq!((read.frame, read.cursor, read.sight), (saved.frame, saved.cursor, saved.sight));
+            assert_eq!(read.pixel, saved.pixel);
             assert_eq!(read.look, saved.look);
             assert!(read.company == saved.company, "those beside it have their own parameters");
             match (read.source, source) {
@@ -609,6 +618,17 @@ mod tests {
             assert_eq!(slashed(&relative(&clip, &folder)).unwrap(), told, "{}", folder.display());
         }
         assert_eq!(folder_of(Path::new("one.motionscope")), Path::new("."));
+    }
+
+    #[test]
+    fn a_pixel_is_named_only_where_one_is_held() {
+        let saved = session(Source::parse("synth:pillar").unwrap());
+        let names = |session: &Session| session.text(Path::new(".")).unwrap().contains("\npixel = \"303,202\"\n");
+        assert!(names(&saved));
+        let free = Session { pixel: None, ..saved };
+        let text = free.text(Path::new(".")).unwrap();
+        assert!(!text.contains("\npixel"), "{text}");
+        assert_eq!(Session::parse(&text, Path::new(".")).unwrap().pixel, None);
     }
 
     #[cfg(target_os = "linux")]
@@ -678,6 +698,7 @@ mod tests {
             ("motionscope = 2\nclip = \"a\"\nestimator = \"full-search\"", "its format is 2"),
             (&format!("{start}estimator = \"magic\""), "full-search"),
             (&format!("{start}estimator = \"full-search\"\nstep = \"x\""), "UNIT.EVENT"),
+            (&format!("{start}estimator = \"full-search\"\npixel = \"303\""), "X,Y"),
             (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"magic\""), "no estimator magic"),
             (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"full-search\""), "beside itself"),
             (&format!("{start}estimator = \"full-search\"\npace = \"slow\""), "block, budget"),

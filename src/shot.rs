@@ -13,6 +13,7 @@ use crate::paint::{
     ArrowStyle, Caption, ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Part, Phase, Pictures, Plate,
     PlateOptions, Share, Style, Theme, View, export_png, export_svg,
 };
+use crate::pixel::Chosen;
 use crate::tile::{self, Tile, endings, predicted, tiles};
 
 /// An SVG can be looked at from near: it has the marks of a PNG of this scale.
@@ -127,18 +128,19 @@ pub struct Still {
 }
 
 impl Still {
-    /// Where `walk` stands, which runs on `pair` of `clip`, with what `want` wants to see of motion.
+    /// Where `walk` stands, which runs on `pair` of `clip`, with the pixel `focus` explained and what `want` wants to see of
+    /// motion.
     ///
     /// # Errors
     /// If what that takes, as the truth or the reverse pair, cannot be had.
     pub fn of(
-        walk: &dyn Walk,
+        (walk, focus): (&dyn Walk, Option<[f32; 2]>),
         (clip, pair): (&Clip, &Pictures),
         want: &Want,
         reverse: &Reverse<'_>,
     ) -> Result<Self, Error> {
-        let mut tiles = tiles(walk, None, &endings(walk, clip, pair));
-        let (mut pictures, scene) = (pictures(walk, pair), tile::scene(walk, None, &tiles));
+        let mut tiles = tiles(walk, focus, &endings(walk, clip, pair));
+        let (mut pictures, scene) = (pictures(walk, pair), tile::scene(walk, focus, &tiles));
         let site = Site { walk, clip, scene: &scene };
         let motion = Motion::of(site, want, || reverse.flow().map(Some))?;
         motion.put(&mut pictures, &mut tiles);
@@ -146,7 +148,7 @@ impl Still {
             frame: walk.at_frame(),
             cursor: walk.cursor(),
             at_end: walk.at_end(),
-            step: walk.step(None),
+            step: walk.step(focus),
             scene,
             pictures,
             tiles,
@@ -281,6 +283,8 @@ pub struct Steps {
     pub scale: u32,
     /// How they look.
     pub look: Look,
+    /// The pixel that is explained wherever it can be, in the place of the one at work.
+    pub pixel: Option<Chosen>,
 }
 
 impl Steps {
@@ -299,7 +303,8 @@ impl Steps {
     /// Writes `step_00000.png` … into `folder`, each whole or not at all; gives how many.
     ///
     /// # Errors
-    /// If the run cannot start or breaks off, a file cannot be written, or the work was cancelled.
+    /// If the run cannot start or breaks off, a pixel that is asked for cannot be explained at the first step, a file cannot be
+    /// written, or the work was cancelled.
     pub fn write(
         &self,
         (estimator, company): (&dyn AnyEstimator, &Company),
@@ -319,11 +324,13 @@ impl Steps {
         if self.rung + 1 < walk.info().rungs.len() && walk.cursor().event < walk.events() {
             travel(&mut *walk, Move::Rung(self.rung, Way::Forward), 0, progress)?;
         }
+        self.pixel.map(|pixel| pixel.here(&*walk, clip)).transpose()?;
         export::make_folder(folder)?;
         let mut written = 0;
         while walk.cursor() <= self.to {
             let pair = pairs.of(&*walk, clip)?;
-            let still = Still::of(&*walk, (clip, pair), &self.look.want(), &reverse)?;
+            let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*walk));
+            let still = Still::of((&*walk, focus), (clip, pair), &self.look.want(), &reverse)?;
             let picture = still.moment(estimator).encode(&self.look, self.format, self.scale)?;
             export::save(&folder.join(Self::file_name(written, self.format)), &picture)?;
             written += 1;

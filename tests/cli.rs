@@ -251,6 +251,58 @@ fn a_session_brings_all_that_the_command_line_needs() {
 }
 
 #[test]
+fn the_pixel_that_is_asked_for_is_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let flow = "--estimator horn-schunck --set iterations=6 --caption";
+    let session = |pixel: &str| {
+        let text = format!(
+            "motionscope = 1\nclip = \"{SMALL}\"\nestimator = \"horn-schunck\"\nstep = \"3.1\"\n{pixel}\n\
+             [set]\niterations = 6\n[picture]\ncaption = true\n"
+        );
+        fs::write(here.join("lesson.motionscope"), text).unwrap();
+    };
+    let read = |name: &str| fs::read(here.join(name)).unwrap();
+    let paint = |line: &str| {
+        stdout(here, &format!("{line} --overlay it.png"));
+        read("it.png")
+    };
+    session("pixel = \"7,9\"");
+    let asked = paint(&format!("run {SMALL} {flow} --step 3.1 --pixel 7,9"));
+    assert!(asked != paint(&format!("run {SMALL} {flow} --step 3.1")), "another pixel is at work");
+    assert!(asked == paint("run lesson.motionscope"), "a session keeps its pixel");
+    let other = paint("run lesson.motionscope --pixel 50,30");
+    assert!(other != asked && other == paint(&format!("run {SMALL} {flow} --step 3.1 --pixel 50,30")));
+    stdout(here, &format!("export {SMALL} {flow} --pixel 7,9 --steps 3.1..4.1 --out steps"));
+    stdout(here, "export lesson.motionscope --steps 3.1..4.1 --out kept");
+    let last = paint(&format!("run {SMALL} {flow} --step 4.1 --pixel 7,9"));
+    let files = fs::read_dir(here.join("steps")).unwrap().count() - 1;
+    for folder in ["steps", "kept"] {
+        let step = |index: usize| read(&format!("{folder}/step_{index:05}.png"));
+        assert!(step(0) == asked && step(files) == last, "{folder}");
+    }
+    // What a session holds is left alone where nothing explains it.
+    assert!(
+        paint("run lesson.motionscope --estimator full-search")
+            == paint(&format!("run {SMALL} --estimator full-search --step 3.1 --caption"))
+    );
+    session("pixel = \"64,9\"");
+    assert!(paint("run lesson.motionscope") == paint(&format!("run {SMALL} {flow} --step 3.1")));
+    // Whoever steps from pixel to pixel hears of the next one, unless one is asked for.
+    let rows = format!("{SMALL} --estimator normal-flow --caption");
+    let text =
+        format!("motionscope = 1\nclip = \"{SMALL}\"\nestimator = \"normal-flow\"\nstep = \"20.5\"\npixel = \"7,9\"\n");
+    fs::write(here.join("lesson.motionscope"), text).unwrap();
+    stdout(here, "export lesson.motionscope --caption --steps 20.5..20.6 --out next");
+    stdout(here, &format!("export {rows} --pixel 7,9 --steps 20.5..20.6 --out asked"));
+    for (event, index) in [(5, 0), (6, 1)] {
+        let [next, asked] = ["next", "asked"].map(|folder| read(&format!("{folder}/step_{index:05}.png")));
+        assert!(next == paint(&format!("run {rows} --step 20.{event}")));
+        assert!(asked == paint(&format!("run {rows} --step 20.{event} --pixel 7,9")) && asked != next);
+    }
+}
+
+#[test]
 fn a_blend_has_the_share_that_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let paint = |look: &str| {
@@ -330,6 +382,17 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
             format!("run {SMALL} --estimator hierarchical --set levels=2 --level 2 --overlay o.png"),
             "levels 0 to 1, and not 2",
         ),
+        (run(SMALL, "--pixel 7"), "X,Y"),
+        (run(SMALL, "--step 3.7 --pixel 7,9"), "full-search does not explain pixel (7, 9) by itself at step 3.7"),
+        (run(SMALL, "--beside diamond --pixel 7,9"), "by itself"),
+        (run(SMALL, "--pixel 64,9"), "no pixel (64, 9): the picture has 64×48 px"),
+        (format!("run {SMALL} --estimator horn-schunck --pixel 7,9"), "--overlay"),
+        (
+            format!("run {SMALL} --estimator normal-flow --step 3.7 --pixel 7,9 --overlay o.png"),
+            "its turn at step 10.8, and this is step 3.7",
+        ),
+        (format!("export {SMALL} --estimator horn-schunck --steps 1..2 --pixel 7,48 --out o"), "no pixel (7, 48)"),
+        (format!("export {SMALL} --estimator normal-flow --steps 3..11 --pixel 7,9 --out o"), "its turn"),
         (run(SMALL, "--pace budget"), "--beside"),
         (run(SMALL, "--beside diamond --step 13"), "ends at 12"),
         (format!("run {SMALL} --estimator full-search --beside diamond"), "--overlay"),

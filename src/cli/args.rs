@@ -7,6 +7,7 @@ use clap::{Args as Group, Parser, Subcommand};
 use motionscope_core::{Cursor, Pace, Threads};
 
 use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
+use crate::pixel::Pixel;
 use crate::session;
 
 const EXAMPLES: &str = "\
@@ -93,6 +94,7 @@ Examples:
   motionscope run synth:pillar --estimator full-search --beside diamond,three-step --step 35.9 --overlay three.png
   motionscope run synth:pillar --estimator hierarchical --step 15.9 --level 2 --overlay coarse.png
   motionscope run frame10.png --estimator horn-schunck --layer error --legend --overlay error.png
+  motionscope run frame10.png --estimator horn-schunck --step 20.1 --pixel 303,202 --caption --overlay pixel.png
   motionscope run synth:pillar --estimator lucas-kanade --layer consistency --json
   motionscope run hall.mp4 --estimator mixture-of-gaussians --frames 0..99 --masks masks
   motionscope run --detections det.txt --truth gt.txt --estimator kalman-tracker --tracks tracks.txt --json
@@ -221,6 +223,9 @@ pub struct LookArgs {
     /// Streaklines in the place of arrows, at this moment of a particle's life, from 0 to 1.
     #[arg(long, value_name = "MOMENT", value_parser = phase)]
     pub streaks: Option<Phase>,
+    /// The pixel that is explained, from 0, in the place of the one at work, by estimators that explain single pixels.
+    #[arg(long, value_name = "X,Y", value_parser = pixel)]
+    pub pixel: Option<Pixel>,
     /// What the marks mean, below the picture.
     #[arg(long)]
     pub legend: bool,
@@ -317,6 +322,10 @@ fn lengthen(text: &str) -> Result<Lengthen, String> {
 
 fn phase(text: &str) -> Result<Phase, String> {
     Phase::new(text.parse().unwrap_or(f32::NAN)).map_err(|error| error.to_string())
+}
+
+fn pixel(text: &str) -> Result<Pixel, String> {
+    text.parse().map_err(|error: motionscope_core::Error| error.to_string())
 }
 
 fn theme(id: &str) -> Result<Theme, String> {

@@ -22,6 +22,7 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         format: if args.format == "svg" { Format::Svg } else { Format::Png },
         scale: args.look.scale,
         look: task.look(&args.look)?,
+        pixel: task.pixel(&args.look),
     };
     let written = steps.write((&*task.estimator, &task.company), &task.clip, task.frame, &args.out, None)?;
     let pictures = if written == 1 { "picture" } else { "pictures" };

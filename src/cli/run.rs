@@ -26,6 +26,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     if !args.task.beside.is_empty() && outputs.overlay.is_none() {
         return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
     }
+    if args.look.pixel.is_some() && outputs.overlay.is_none() {
+        return Err(Error::new("--pixel is for the picture; give --overlay FILE as well"));
+    }
     let threads = args.threads.map_or_else(Threads::all, |n| Threads::new(n as usize))?;
     // Decoded here, so that the time is of the estimation alone.
     task.clip.pair_or_last(task.frame)?;
@@ -178,7 +181,8 @@ fn overlay(task: &Task, args: &RunArgs, format: Format, reverse: &Reverse<'_>) -
         )));
     }
     let pair = shot::pair(&task.clip, walk.at_frame())?;
-    let still = Still::of(&*walk, (&task.clip, &pair), &look.want(), reverse)?;
+    let focus = task.pixel(&args.look).map_or(Ok(None), |pixel| pixel.here(&*walk, &task.clip))?;
+    let still = Still::of((&*walk, focus), (&task.clip, &pair), &look.want(), reverse)?;
     if let Some((layer, why)) = args.look.layer.and_then(|layer| Some((layer, still.offer().why_not(layer)?))) {
         return Err(Error::new(format!("there is no layer {} here: {why}; choose another --layer", layer.id())));
     }

@@ -6,6 +6,7 @@ use super::args::{LookArgs, TaskArgs};
 use crate::company::Company;
 use crate::media::Open;
 use crate::paint::View;
+use crate::pixel::{Chosen, Pixel};
 use crate::session::{Named, Session, Wanted};
 use crate::shot::Look;
 
@@ -25,6 +26,8 @@ pub struct Task {
     pub truth_by_hand: bool,
     /// Where a session stands.
     pub cursor: Option<Cursor>,
+    /// The pixel that a session holds.
+    pub held: Option<Pixel>,
     /// How a session is looked at.
     pub look: Look,
 }
@@ -44,15 +47,15 @@ impl Task {
         let Named { source, truth, session } = Named::find(&clip, args.truth.clone())?;
         let missing = || Error::new("which estimator? Give --estimator ID; `motionscope list` names them");
         let chosen = args.estimator.as_deref().map(estimator).transpose()?;
-        let (estimator, mut company, frame, cursor, look) = match session {
-            Some(Session { estimator, mut company, frame, cursor, look, .. }) => {
+        let (estimator, mut company, frame, (cursor, held), look) = match session {
+            Some(Session { estimator, mut company, frame, cursor, pixel, look, .. }) => {
                 // Its own estimator once more, with the parameters that it gives, or another one.
                 let other = chosen.filter(|chosen| chosen.info().id != estimator.info().id);
                 let leader = other.unwrap_or_else(|| estimator.boxed_clone());
                 company.relieve(&*estimator, &*leader);
-                (leader, company, frame, cursor, look)
+                (leader, company, frame, (cursor, pixel), look)
             }
-            None => (chosen.ok_or_else(missing)?, Company::default(), 0, None, Wanted::default()),
+            None => (chosen.ok_or_else(missing)?, Company::default(), 0, (None, None), Wanted::default()),
         };
         let pace = args.pace.unwrap_or(company.pace);
         if !args.beside.is_empty() {
@@ -64,7 +67,7 @@ impl Task {
         company.pace = pace;
         let (name, look, truth_by_hand) = (source.to_string(), look.over(Look::default()), truth.is_some());
         let clip = source.open(&Open { truth, detections, ..Open::default() })?;
-        let mut task = Self { name, clip, estimator, company, frame, truth_by_hand, cursor, look };
+        let mut task = Self { name, clip, estimator, company, frame, truth_by_hand, cursor, held, look };
         task.frame = args.frame.unwrap_or(task.frame);
         if let Some((first, last)) = args.frames {
             let info = task.estimator.info();
@@ -86,6 +89,11 @@ impl Task {
         }
         task.company.check(&*task.estimator)?;
         Ok(task)
+    }
+
+    /// The pixel that `args` ask for, or else that which the session holds.
+    pub fn pixel(&self, args: &LookArgs) -> Option<Chosen> {
+        args.pixel.map(Chosen::Asked).or(self.held.map(Chosen::Held))
     }
 
     /// The look that `args` ask for, over that of the session.

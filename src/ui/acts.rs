@@ -244,7 +244,7 @@ impl App {
             (true, true, _) | (false, false, _) => return self.restart(),
             (false, true, Some(shown)) => {
                 let unit = shown.frame.saturating_sub(self.document.frame());
-                Place { cursor: Cursor { unit, event: usize::MAX }, near: None }
+                Place { cursor: Cursor { unit, event: usize::MAX }, ..Place::default() }
             }
             _ => Place::default(),
         };
@@ -324,7 +324,7 @@ impl App {
         self.document.keep_company(row.estimator.boxed_clone(), Company::default());
         self.states.explained = 0;
         let unit = row.figures.first_missed_unit().unwrap_or(0);
-        let place = Place { cursor: Cursor { unit, event: usize::MAX }, near: None };
+        let place = Place { cursor: Cursor { unit, event: usize::MAX }, ..Place::default() };
         if let Some(job) = self.document.job_at(place) {
             self.walker.start(job);
         }

@@ -14,7 +14,7 @@ use super::app::{App, Overlay, title};
 use super::dialogs::open as open_dialog;
 use super::dialogs::save::{self, Kind};
 use super::model::loader::{Loading, Opened};
-use super::model::snapshot::{Place, Snapshot, Subject};
+use super::model::snapshot::{Hold, Place, Snapshot, Subject};
 use super::model::writer::{self, Order, What, Writing};
 use super::stage::Zoom;
 use crate::company::Company;
@@ -112,7 +112,7 @@ impl App {
         self.document.open(clip, source, None);
         self.begin();
         let near = Some([width as f32 * FIRST_PLACE[0], height as f32 * FIRST_PLACE[1]]);
-        self.walk_from(Place { cursor: Cursor { unit: 0, event: FIRST_LOOK }, near });
+        self.walk_from(Place { cursor: Cursor { unit: 0, event: FIRST_LOOK }, near, ..Place::default() });
     }
 
     fn opened(&mut self, opened: Opened, path: &Path) {
@@ -128,7 +128,7 @@ impl App {
             self.walk_from(Place::default());
             return;
         };
-        let Session { estimator, company, frame, cursor, look, sight, .. } = session;
+        let Session { estimator, company, frame, cursor, pixel, look, sight, .. } = session;
         let was_single = self.is_of_single_frames();
         self.document.restore(estimator, company, frame);
         self.tell_of_frame(frame);
@@ -139,7 +139,8 @@ impl App {
         if let Some(Sight { center, zoom }) = sight {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }
-        self.walk_from(cursor.map_or(Place::END, |cursor| Place { cursor, near: None }));
+        let place = cursor.map_or(Place::END, |cursor| Place { cursor, ..Place::default() });
+        self.walk_from(Place { hold: Hold::Set(pixel), ..place });
     }
 
     /// Takes a tracker where there are no pictures to be looked at.
@@ -303,6 +304,7 @@ impl App {
             company: company.clone(),
             frame: *frame,
             cursor: Some(shown.cursor),
+            pixel: shown.held(),
             look: self.look().into(),
             sight,
         }

@@ -1,5 +1,7 @@
 //! What the window opens and writes.
 
+use std::ffi::OsStr;
+
 use super::*;
 
 #[test]
@@ -68,7 +70,7 @@ fn a_range_of_steps_is_exported() {
     }
 }
 
-fn write_to(window: &mut Window, path: &Path) {
+pub(super) fn write_to(window: &mut Window, path: &Path) {
     window.harness.get_by_label("Where to write it").set_text_value_accesskit(&path.display().to_string());
     window.settle();
     let exists = path.is_file();
@@ -198,11 +200,15 @@ fn a_session_keeps_truth_and_look_and_the_command_line_paints_the_same() {
 }
 
 /// The picture that the command line makes of a session.
-fn paint(session: &Path, scale: u32, file: &Path) {
+pub(super) fn paint(session: &Path, scale: u32, file: &Path) {
     let scale = scale.to_string();
     let words = ["motionscope".as_ref(), "run".as_ref(), session.as_os_str(), "--scale".as_ref(), scale.as_ref()];
-    let words = words.into_iter().chain(["--overlay".as_ref(), file.as_os_str()]).map(OsString::from);
-    let code = motionscope::cli::main(words);
+    command_line(&[&words[..], &["--overlay".as_ref(), file.as_os_str()]].concat());
+}
+
+/// Has the command line do what `words` say.
+pub(super) fn command_line(words: &[&OsStr]) {
+    let code = motionscope::cli::main(words.iter().map(OsString::from));
     assert_eq!(format!("{code:?}"), format!("{:?}", std::process::ExitCode::SUCCESS));
 }
 

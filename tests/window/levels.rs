@@ -81,7 +81,7 @@ fn a_session_keeps_the_level_and_a_picture_is_what_is_shown() {
     let mut walk = estimator.walk(clip, 0).unwrap();
     walk.jump(motionscope_core::Move::To(window.cursor()));
     let reverse = Reverse::new(estimator, clip, 0);
-    let still = Still::of(&*walk, (clip, &shot::pair(clip, 0).unwrap()), &look.want(), &reverse).unwrap();
+    let still = Still::of((&*walk, None), (clip, &shot::pair(clip, 0).unwrap()), &look.want(), &reverse).unwrap();
     let drawn = still.moment(estimator).encode(&look, Format::Png, 1).unwrap();
     assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
     let session = Session::load(&folder.path().join("one.motionscope")).unwrap();

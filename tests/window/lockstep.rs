@@ -149,7 +149,7 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     walk.jump(motionscope_core::Move::To(here));
     let pair = shot::pair(clip, shown.subject.frame).unwrap();
     let reverse = Reverse::new(estimator, clip, shown.subject.frame);
-    let still = Still::of(&*walk, (clip, &pair), &look.want(), &reverse).unwrap();
+    let still = Still::of((&*walk, None), (clip, &pair), &look.want(), &reverse).unwrap();
     let drawn = still.moment(estimator).encode(&look, Format::Png, 1).unwrap();
     assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
     let path: OsString = folder.path().join("one.motionscope").into();

@@ -1,5 +1,6 @@
 //! Single pixels that are pointed at, and held.
 
+use super::files::{command_line, paint, write_to};
 use super::*;
 use motionscope::ui::model::snapshot::Pointed;
 
@@ -28,7 +29,7 @@ fn on_stage(window: &Window, [x, y]: [f32; 2]) -> Pos2 {
 
 fn status(window: &Window) -> String {
     let line = window.harness.query_all_by_role(Role::Label).filter_map(|node| node.accesskit_node().value());
-    line.into_iter().find(|line| line.contains("row ") && line.contains("of the work")).expect("the status line")
+    line.into_iter().find(|line| line.contains(" % of the work")).expect("the status line")
 }
 
 #[test]
@@ -81,6 +82,88 @@ fn an_iteration_goes_on_about_the_pixel_that_is_held() {
     window.harness.hover_at(Pos2::new(700.0, 880.0));
     window.key(Key::ArrowRight);
     assert_eq!(pointed(&window), Some(held), "all pixels change at every step");
+}
+
+/// Holds a pixel of `estimator` at `step` in a picture with a caption, and saves that; gives the window and the file.
+fn held(folder: &Path, estimator: &str, step: &str) -> (Window, std::path::PathBuf) {
+    let file = folder.join("lesson.motionscope");
+    let lines = format!(
+        "motionscope = 1\nclip = \"synth:pillar,frames=2\"\nestimator = \"{estimator}\"\nstep = \"{step}\"\n\
+         [picture]\ncaption = true\n"
+    );
+    fs::write(&file, lines).expect("it is written");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(file.clone().into()) });
+    let place = on_stage(&window, [0.4, 0.3]);
+    window.click_at(place);
+    window.harness.hover_at(Pos2::new(700.0, 880.0));
+    window.command(Command::SaveSession);
+    write_to(&mut window, &file);
+    (window, file)
+}
+
+#[test]
+fn a_pixel_that_is_held_stays_held_in_a_session() {
+    for (estimator, step) in [("horn-schunck", "2.1"), ("normal-flow", "150.20")] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut window, file) = held(folder.path(), estimator, step);
+        let pixel = pointed(&window).filter(|pixel| pixel.is_held).expect("it is held");
+        let [mine, line, other] = ["window.png", "line.png", "other.png"].map(|name| folder.path().join(name));
+        window.command(Command::ExportPicture);
+        window.click_role(Role::Button, "1×");
+        write_to(&mut window, &mine);
+
+        let mut again = Window::with(vec2(1440.0, 900.0), Start { open: Some(file.clone().into()) });
+        assert_eq!(pointed(&again), Some(pixel), "{estimator}");
+        assert!(again.told() == window.told(), "{estimator}: another step is told");
+        assert!(status(&again).contains("Esc lets go"));
+        paint(&file, 1, &line);
+        assert!(fs::read(&mine).expect("a picture") == fs::read(&line).expect("a picture"), "the pictures differ");
+
+        // The same session with none.
+        let free = folder.path().join("free.motionscope");
+        Session { pixel: None, ..Session::load(&file).expect("a session") }.save(&free).expect("it is written");
+        paint(&free, 1, &other);
+        assert!(fs::read(&mine).expect("a picture") != fs::read(&other).expect("a picture"), "the pixel is not seen");
+        again.harness.state_mut().open(&free);
+        again.settle();
+        assert_eq!(pointed(&again), None, "what another session held is let go");
+        assert!(again.told() != window.told());
+    }
+}
+
+#[test]
+fn steps_are_written_about_the_pixel_that_is_held() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, file) = held(folder.path(), "horn-schunck", "2.1");
+    let [mine, lines] = ["mine", "lines"].map(|name| folder.path().join(name));
+    let look = Session::load(&file).expect("a session").look.over(Look::default());
+    let (from, to) = (Cursor { unit: 1, event: 1 }, Cursor { unit: 3, event: 1 });
+    let what = What::Steps { from, to, rung: window.shown().info.rungs.len() - 1, format: Format::Png };
+    window.harness.state_mut().write(Order { what, path: mine.clone(), scale: 1, look });
+    window.settle();
+    let words = ["motionscope", "export", "LESSON", "--steps", "2.1..4.1", "--out", "LINES"].map(|word| match word {
+        "LESSON" => file.as_os_str(),
+        "LINES" => lines.as_os_str(),
+        word => word.as_ref(),
+    });
+    command_line(&words);
+    let line = folder.path().join("line.png");
+    paint(&file, 1, &line);
+    let read = |file: &Path| fs::read(file).expect("a picture");
+    assert!(read(&mine.join("step_00000.png")) == read(&line), "the first is that of the session");
+    let count = fs::read_dir(&mine).expect("the folder").count();
+    assert!(count > 2 && fs::read_dir(&lines).expect("the folder").count() == count);
+    for index in 0..count {
+        let name = format!("step_{index:05}.png");
+        assert!(read(&mine.join(&name)) == read(&lines.join(&name)), "{name}: the pictures differ");
+    }
+    // The last is about the same pixel as well.
+    let Pointed { at, .. } = pointed(&window).expect("it is held");
+    window.harness.state_mut().open(&file);
+    window.settle();
+    window.command(Command::Over);
+    window.command(Command::Over);
+    assert_eq!(pointed(&window).map(|pointed| pointed.at), Some(at));
 }
 
 #[test]

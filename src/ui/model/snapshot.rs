@@ -8,6 +8,7 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Pace, Role, Rung
 use crate::company::Company;
 use crate::motion::Offer;
 use crate::paint::Pictures;
+use crate::pixel::Pixel;
 use crate::source::Source;
 use crate::tile::Tile;
 
@@ -27,6 +28,16 @@ pub struct Subject {
     pub frame: usize,
 }
 
+/// Which pixel is held where a run begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Hold {
+    /// The one that was held before, in the same clip.
+    #[default]
+    Kept,
+    /// This one, or none, as a session has it.
+    Set(Option<Pixel>),
+}
+
 /// A place in a run that is there in runs with other parameters as well.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
@@ -34,11 +45,13 @@ pub struct Place {
     pub cursor: Cursor,
     /// The pixel whose unit is meant, if that is known better than its number.
     pub near: Option<[f32; 2]>,
+    /// The pixel that is held there.
+    pub hold: Hold,
 }
 
 impl Place {
     /// The end of the run.
-    pub const END: Self = Self { cursor: Cursor { unit: usize::MAX, event: usize::MAX }, near: None };
+    pub const END: Self = Self { cursor: Cursor { unit: usize::MAX, event: usize::MAX }, near: None, hold: Hold::Kept };
 
     /// Where `shown` stands: the end of the run or of a unit stays one.
     pub fn of(shown: &Snapshot) -> Self {
@@ -49,7 +62,7 @@ impl Place {
         let event = if event > 0 && event == shown.events { usize::MAX } else { event };
         // What is pointed at is not where the run stands.
         let near = shown.reference().filter(|_| shown.pointed.is_none());
-        Self { cursor: Cursor { unit, event }, near }
+        Self { cursor: Cursor { unit, event }, near, ..Self::default() }
     }
 
     /// Where several go on in lockstep from what is `shown`: as many candidates into the same block.
@@ -64,12 +77,12 @@ impl Place {
         };
         // Where the budget counts, a unit is one of the leader, on whatever level.
         let near = place.near.filter(|_| pace == Pace::Block);
-        Self { cursor: Cursor { unit: shown.leader().unit, event }, near }
+        Self { cursor: Cursor { unit: shown.leader().unit, event }, near, ..Self::default() }
     }
 
     /// Where the leader goes on alone from what is `shown` of several.
     pub fn alone(shown: &Snapshot) -> Self {
-        if shown.at_end { Self::END } else { Self { cursor: shown.leader(), near: None } }
+        if shown.at_end { Self::END } else { Self { cursor: shown.leader(), ..Self::default() } }
     }
 }
 
@@ -140,6 +153,11 @@ impl Snapshot {
             }
             _ => None,
         })
+    }
+
+    /// The pixel that was clicked and is explained.
+    pub fn held(&self) -> Option<Pixel> {
+        self.pointed.filter(|pointed| pointed.is_held).map(|pointed| Pixel::of(pointed.at))
     }
 
     /// Where the run of the estimator itself stands: the same place unless several go in lockstep.

@@ -14,9 +14,10 @@ use std::time::{Duration, Instant};
 use motionscope_core::scene::{Fact, Readout};
 use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Histogram, Move, Output, Scene, Step, Stop, Walk};
 
-use super::snapshot::{Job, Place, Pointed, Snapshot, Subject};
+use super::snapshot::{Hold, Job, Place, Pointed, Snapshot, Subject};
 use crate::motion::{Motion, Offer, Site, Want, backward};
 use crate::paint::{FlowLayer, Pictures};
+use crate::pixel::{Pixel, is_explained, walks_pixels};
 use crate::quality::Quality;
 use crate::shot::{LastPair, pictures};
 use crate::tile::{self, Ending, add_facts, add_quality, endings, tiles};
@@ -159,7 +160,7 @@ impl Walker {
             desk.requests.retain(|request| matches!(request, Request::Visit(_)));
             desk.requests.push_front(Request::Stay);
             if let Some(job) = &mut desk.job {
-                job.place = Place::default();
+                job.place = Place { hold: job.place.hold, ..Place::default() };
             }
         });
     }
@@ -357,9 +358,7 @@ impl<'a> Worker<'a> {
             }
             Task::Request(Request::Go(to)) => {
                 let Some(run) = &self.run else { return };
-                // Who steps from pixel to pixel wants to hear of the next one; where all change at once, of the same.
-                let walks_pixels = |at: &[f32; 2]| matches!(run.walk.explained(*at), Some(Explained::From(_)));
-                self.held = self.held.filter(|at| !walks_pixels(at));
+                self.held = self.held.filter(|at| !walks_pixels(&*run.walk, *at));
                 self.go(to);
             }
             Task::Request(Request::GoAt(point, side)) => self.go_at(point, side),
@@ -428,12 +427,15 @@ impl<'a> Worker<'a> {
     fn open(&mut self, Job { subject, place }: Job) -> Result<bool, Error> {
         // A pixel stays held when parameters change, but not in another clip.
         let other = self.run.take().is_some_and(|run| run.clip.info().name != subject.clip.info().name);
-        self.held = self.held.filter(|_| !other);
+        self.held = match place.hold {
+            Hold::Kept => self.held.filter(|_| !other),
+            Hold::Set(pixel) => pixel.map(Pixel::point),
+        };
         let clip = subject.clip.clone().until(self.shared.stop.clone());
         let mut pairs = LastPair::default();
         let walk = subject.company.walk(&*subject.estimator, &clip, subject.frame)?;
         let pair = pairs.of(&*walk, &clip)?.clone();
-        let Place { mut cursor, near } = place;
+        let Place { mut cursor, near, .. } = place;
         if let Some(unit) = near.and_then(|point| walk.unit_at(point)) {
             cursor.unit = unit;
         }
@@ -466,7 +468,7 @@ impl<'a> Worker<'a> {
 
     /// The pixel that was clicked, where it can be explained.
     fn held(&self) -> Option<[f32; 2]> {
-        self.held.filter(|at| self.run.as_ref().is_some_and(|run| run.explains(*at)))
+        self.held.filter(|at| self.run.as_ref().is_some_and(|run| is_explained(&*run.walk, *at)))
     }
 
     /// Works on a move until it is done or another one is wanted more; gives whether it is done.
@@ -503,7 +505,8 @@ impl<'a> Worker<'a> {
             (desk.focus, desk.want)
         };
         let held = self.held();
-        let pointed = held.or(focus.filter(|at| run.explains(*at))).map(|at| Pointed { at, is_held: held.is_some() });
+        let pointed =
+            held.or(focus.filter(|at| is_explained(&*run.walk, *at))).map(|at| Pointed { at, is_held: held.is_some() });
         let mut shown = Snapshot { pointed, ..run.snapshot(held.or(focus), want) };
         let before = self.shared.desk().view.shown.clone();
         // What looks the same is the same, so that nobody paints it anew.
@@ -562,11 +565,6 @@ impl Run {
             tested: walk.evaluations().partition_point(|event| *event <= walk.cursor().event),
             tiles,
         }
-    }
-
-    /// Whether the pixel at `point` is explained when it is pointed at.
-    fn explains(&self, point: [f32; 2]) -> bool {
-        self.walk.explained(point).is_some_and(|explained| explained.at(self.walk.cursor()))
     }
 
     /// What `want` wants to see of motion; the pixel that is explained makes no difference.

@@ -9,6 +9,7 @@ use super::background::Background;
 use super::snapshot::{Snapshot, Subject};
 use crate::media::Progress;
 use crate::media::export::{self, FlowFormat, TrackFormat};
+use crate::pixel::Chosen;
 use crate::shot::{Format, Look, Moment, Steps};
 
 /// What to write.
@@ -93,7 +94,8 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
 /// As [`Steps::write`].
 pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
     let What::Steps { from, to, rung, format } = order.what else { return picture(order, shown) };
-    let steps = Steps { from, to, rung, format, scale: order.scale, look: order.look };
+    let pixel = shown.held().map(Chosen::Held);
+    let steps = Steps { from, to, rung, format, scale: order.scale, look: order.look, pixel };
     let Subject { clip, estimator, company, frame, .. } = &*shown.subject;
     let count = steps.write((estimator.as_ref(), company), clip, *frame, &order.path, Some(progress))?;
     let plural = if count == 1 { "" } else { "s" };

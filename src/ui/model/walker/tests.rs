@@ -127,7 +127,8 @@ fn nobody_waits_for_a_frame_that_is_not_wanted_any_more() {
 #[test]
 fn a_run_begins_where_it_is_wanted() {
     let walker = Walker::new(|| {}).unwrap();
-    walker.start(Job { place: Place { cursor: Cursor { unit: 0, event: 5 }, near: Some([40.0, 20.0]) }, ..job() });
+    let place = Place { cursor: Cursor { unit: 0, event: 5 }, near: Some([40.0, 20.0]), ..Place::default() };
+    walker.start(Job { place, ..job() });
     assert_eq!(cursor(&walker), Cursor { unit: 6, event: 5 });
     walker.go_at([1.0, 1.0], Side::End);
     assert_eq!((cursor(&walker).unit, cursor(&walker).event > 1), (0, true));
