@@ -266,7 +266,7 @@ pub struct Timeline<E: Estimator> {
 
 impl<E: Estimator> Timeline<E> {
     /// Memory that checkpoints may take unless told otherwise.
-    pub const BUDGET_BYTES: usize = 256 << 20;
+    pub const BUDGET_BYTES: usize = 384 << 20;
 
     /// The run of `estimator` on `frame`, at its start.
     ///

@@ -77,15 +77,7 @@ impl Background for MixtureOfGaussians {
     }
 
     fn difference(&self, model: &Mixture, frame: &Frame, place: (usize, usize)) -> f32 {
-        let pixel = model.pixel(frame, place);
-        let modes = model.modes(place);
-        let background = modes.iter().scan(0.0, |heavier, mode| {
-            let is_background = *heavier < self.background;
-            *heavier += mode.weight;
-            is_background.then(|| mode.distance(&pixel))
-        });
-        let nearest = background.fold(f32::INFINITY, f32::min);
-        if nearest.is_finite() { nearest } else { modes.first().map_or(0.0, |mode| mode.distance(&pixel)) }
+        model.distance(frame, place, self.background)
     }
 
     fn explain(&self, models: [Option<&Mixture>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {

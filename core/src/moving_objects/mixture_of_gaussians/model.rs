@@ -206,6 +206,39 @@ impl Mixture {
         modes
     }
 
+    /// How far a pixel is from the nearest mode of the background, in standard deviations; from the heaviest where no mode is.
+    /// The heaviest modes whose weight adds up to `background` are the background.
+    pub fn distance(&self, frame: &Frame, (x, y): (usize, usize), background: f32) -> f32 {
+        let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
+        let part = self.part();
+        let start = self.starts.get(group).copied().unwrap_or(group * self.most * part);
+        let cells = &self.cells[start..][..usize::from(self.counts[group]) * part];
+        let gray = f32::from(frame.luma()[(x, y)]);
+        let pixel = match (self.channels, frame.color()) {
+            (3, Some(color)) => color[(x, y)].map(f32::from),
+            _ => [gray; 3],
+        };
+        let weights =
+            || cells.chunks_exact(part).map(|mode| mode[lane]).enumerate().filter(|(_, weight)| *weight > 0.0);
+        let (mut nearest, mut of_heaviest) = (f32::INFINITY, [0.0; 2]);
+        for (index, weight) in weights() {
+            let is_before =
+                |(other, heavier): &(usize, f32)| *heavier > weight || (*heavier == weight && *other < index);
+            let heavier: f32 = weights().filter(is_before).map(|(_, weight)| weight).sum();
+            let mode = &cells[index * part..][..part];
+            let means = mode[2 * LANES..].chunks_exact(LANES).map(|mean| mean[lane]);
+            let square: f32 = pixel.iter().zip(means).map(|(pixel, mean)| (pixel - mean) * (pixel - mean)).sum();
+            let distance = (square / mode[LANES + lane]).sqrt();
+            if heavier < background {
+                nearest = nearest.min(distance);
+            }
+            if weight > of_heaviest[0] {
+                of_heaviest = [weight, distance];
+            }
+        }
+        if nearest.is_finite() { nearest } else { of_heaviest[1] }
+    }
+
     /// A pixel as it is compared with modes.
     pub fn pixel(&self, frame: &Frame, place: (usize, usize)) -> Vec<f32> {
         match (self.channels, frame.color()) {
@@ -478,4 +511,48 @@ pub fn is_darker<const C: usize>(pixel: [f32; C], mean: [f32; C], (darkest, limi
     }
     // In the dark the pixel strays less as well. A black mean has no colour: its light is not a number.
     light >= darkest && light <= 1.0 && off <= limit * light * light
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Grid;
+
+    #[test]
+    fn a_distance_is_that_of_the_modes_one_by_one_packed_or_not() {
+        let of = MixtureOfGaussians { rate: 0.2, ..MixtureOfGaussians::default() };
+        let value = |x: usize, y: usize, t: usize| {
+            (40 + (x * 7 + y * 13) % 50 + if t.is_multiple_of(3) { 90 } else { t % 5 }) as u8
+        };
+        for in_color in [false, true] {
+            let frame = |t: usize| match in_color {
+                true => Frame::rgb(Grid::from_fn(37, 5, |x, y| [value(x, y, t), value(y, x, t), 90])),
+                false => Frame::gray(Grid::from_fn(37, 5, |x, y| value(x, y, t))),
+            };
+            let mut model = Mixture::new(&of, &frame(0));
+            for t in 1..9 {
+                model.subtract(&of, &frame(t), &Threads::single());
+            }
+            let (next, packed) = (frame(9), model.packed());
+            for place in (0..5).flat_map(|y| (0..37).map(move |x| (x, y))) {
+                let (modes, pixel) = (model.modes(place), model.pixel(&next, place));
+                let mut heavier = 0.0;
+                let mut expected = f32::INFINITY;
+                for mode in &modes {
+                    if heavier < of.background {
+                        expected = expected.min(mode.distance(&pixel));
+                    }
+                    heavier += mode.weight;
+                }
+                let found = model.distance(&next, place, of.background);
+                assert!((found - expected).abs() <= 1e-5 * expected.abs(), "{place:?}: {found}, {expected}");
+                assert_eq!(packed.distance(&next, place, of.background), found);
+            }
+            assert!(packed.bytes() < model.bytes());
+            model.subtract(&of, &next, &Threads::single());
+            let mut again = packed;
+            again.subtract(&of, &next, &Threads::single());
+            assert_eq!(again.packed().modes((3, 2)), model.modes((3, 2)));
+        }
+    }
 }
