@@ -720,9 +720,10 @@ fn what_is_wrong_with_detections_is_told() {
     fs::create_dir(folder.path().join("alone")).unwrap();
     fs::copy(folder.path().join("det.txt"), folder.path().join("alone/det.txt")).unwrap();
     fs::write(folder.path().join("bad.txt"), "1,-1,10,10,20,40,0.9\n2,-1,10,10,x,40,0.9\n").unwrap();
-    // No truth lies beside these.
+    fs::write(folder.path().join("head.txt"), "frame,id,x,y,w,h\n1,-1,10,10,20,40,0.9\n").unwrap();
     for (line, told) in [
         ("run --detections bad.txt --estimator kalman-tracker", "line 2"),
+        ("run --detections head.txt --estimator kalman-tracker", "line 1"),
         ("run --detections none.txt --estimator kalman-tracker", "none.txt"),
         ("run --estimator kalman-tracker", "required"),
         ("run det.txt --estimator full-search --frames 0..3", "--frame "),

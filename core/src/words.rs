@@ -12,16 +12,19 @@ pub fn number(v: f32) -> String {
         _ if size >= 0.01 => 4,
         _ => 5,
     };
-    let digits = format!("{size:.decimals$}");
+    signed(v, decimals)
+}
+
+/// A number with a true minus sign, unless nothing is left of it.
+fn signed(v: f32, decimals: usize) -> String {
+    let digits = format!("{:.decimals$}", v.abs());
     let is_negative = v < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b));
     if is_negative { format!("−{digits}") } else { digits }
 }
 
 /// A number with two decimals, however large: one that large ones nearly cancel to.
 pub fn fine(v: f32) -> String {
-    let digits = format!("{:.2}", v.abs());
-    let is_negative = v < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b));
-    if is_negative { format!("−{digits}") } else { digits }
+    signed(v, 2)
 }
 
 /// The same of a number that is known more exactly than it is told.

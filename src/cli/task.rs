@@ -4,7 +4,7 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, estimator};
 
 use super::args::{LookArgs, TaskArgs};
 use crate::company::Company;
-use crate::media::Open;
+use crate::media::{self, Open};
 use crate::paint::View;
 use crate::pixel::{Chosen, Pixel};
 use crate::session::{Named, Session, Wanted};
@@ -41,7 +41,11 @@ impl Task {
         // Detections by themselves are a clip of empty pictures.
         let (clip, detections) = match (&args.clip, &args.detections) {
             (Some(clip), detections) => (clip.clone(), detections.clone()),
-            (None, Some(detections)) => (detections.clone().into_os_string(), None),
+            (None, Some(detections)) => {
+                // What is meant as detections is told about as such, not as a clip that it is not.
+                media::check_detections(detections)?;
+                (detections.clone().into_os_string(), None)
+            }
             (None, None) => return Err(Error::new("what clip? Name one, or give --detections FILE")),
         };
         let Named { source, truth, session } = Named::find(&clip, args.truth.clone())?;

@@ -88,6 +88,7 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::media::{self, export};
 
     fn opened(text: &str) -> Result<Clip, Error> {
         let folder = tempfile::tempdir().unwrap();
@@ -105,6 +106,27 @@ mod tests {
         assert_eq!((found.bounds.min, found.bounds.size(), found.score), ([50.0, 19.5], [40.0, 80.0], 0.4));
         assert_eq!(clip.detections(1).map(<[_]>::len), Some(0));
         assert!(clip.pair(1).is_ok());
+    }
+
+    #[test]
+    fn pictures_have_the_detections_that_lie_beside_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let [pictures, found] = ["img1", "det"].map(|name| folder.path().join(name));
+        [&pictures, &found].into_iter().for_each(|path| fs::create_dir(path).unwrap());
+        for t in 1..4 {
+            let picture = export::png(8, 6, export::Pixels::Gray(&[t; 48])).unwrap();
+            fs::write(pictures.join(format!("{t:06}.png")), picture).unwrap();
+        }
+        let opened = || media::open(&pictures, &media::Open::default()).unwrap();
+        assert_eq!(opened().detections(0), None);
+        fs::write(found.join("det.txt"), "1,-1,1,1,4,4,0.9\n2,-1,2,1,4,4,0.9\n2,-1,5,1,2,4,0.9\n").unwrap();
+        assert_eq!(opened().detections(1).map(<[_]>::len), Some(2));
+        fs::write(found.join("det.txt"), "1,-1,1,1,4,4,0.9\n2,-1,x,1,4,4,0.9\n").unwrap();
+        let clip = opened();
+        assert!(clip.detections(0).is_none() && clip.info().warnings.iter().any(|w| w.contains("line 2")), "{clip:?}");
+        // A picture by itself, or a video, may lie there by chance.
+        fs::write(pictures.join("det.txt"), "1,-1,1,1,4,4,0.9\n").unwrap();
+        assert_eq!(media::open(&pictures.join("000001.png"), &media::Open::default()).unwrap().detections(0), None);
     }
 
     #[test]

@@ -183,6 +183,14 @@ fn with_detections_beside(clip: Clip, path: &Path) -> Clip {
     }
 }
 
+/// Whether the file at `path` can be read as a table of detections, whatever its name and first line.
+///
+/// # Errors
+/// A sentence that names the line that cannot be understood.
+pub fn check_detections(path: &Path) -> Result<(), Error> {
+    detections::read(path).map(drop)
+}
+
 /// Whether the file at `path` tells what is true of a clip, and holds no pictures: true objects, or a flow.
 pub fn is_truth(path: &Path) -> bool {
     names::extension(path) == "flo" || detections::is_truth(path)

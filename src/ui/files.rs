@@ -18,7 +18,7 @@ use super::model::snapshot::{Hold, Place, Snapshot, Subject};
 use super::model::writer::{self, Order, What, Writing};
 use super::stage::Zoom;
 use crate::company::Company;
-use crate::media::{self, Open};
+use crate::media::Open;
 use crate::paint::{Opacity, Phase};
 use crate::session::{Session, Sight};
 use crate::shot::Look;
@@ -86,14 +86,8 @@ impl App {
     pub fn open(&mut self, name: impl Into<OsString>) {
         self.player.pause();
         self.error = None;
-        let (name, ctx) = (name.into(), self.ctx.clone());
-        let changed = move || ctx.request_repaint();
-        // What is true of a clip is opened beside the one that is there.
-        let clip = self.document.source().filter(|_| media::is_truth(Path::new(&name)));
-        self.loading = Some(match clip {
-            Some(clip) => Loading::with_truth(clip, name.into(), changed),
-            None => Loading::new(name, changed),
-        });
+        let ctx = self.ctx.clone();
+        self.loading = Some(Loading::new(name.into(), self.document.source(), move || ctx.request_repaint()));
     }
 
     /// Opens a bundled sample in the middle of a search, so that there is something to see.

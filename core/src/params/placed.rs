@@ -39,6 +39,12 @@ impl Spots {
     pub fn of_frame(&self, frame: usize) -> impl Iterator<Item = [f32; 2]> {
         self.0.iter().filter(move |spot| spot.frame == frame).map(|spot| spot.at)
     }
+
+    /// Where spot `index` of a frame is among all.
+    fn place(&self, frame: usize, index: usize) -> Option<usize> {
+        let of_frame = self.0.iter().enumerate().filter(|(_, spot)| spot.frame == frame);
+        of_frame.map(|(i, _)| i).nth(index)
+    }
 }
 
 impl FromIterator<Spot> for Spots {
@@ -195,9 +201,8 @@ impl Placed {
             Self::Zone(Some(zone)) => Figure::Zone.spanned(corners(zone)[(index + 2) % 4], to),
             Self::Line(None) | Self::Zone(None) => self.clone(),
             Self::Spots(spots) => {
-                let place = spots.0.iter().enumerate().filter(|(_, spot)| spot.frame == frame).nth(index);
                 let mut all = spots.0.to_vec();
-                if let Some((i, _)) = place {
+                if let Some(i) = spots.place(frame, index) {
                     all[i].at = to;
                 }
                 Self::Spots(Spots(all.into()))
@@ -209,8 +214,7 @@ impl Placed {
     #[must_use]
     pub fn without(&self, frame: usize, index: usize) -> Self {
         let Self::Spots(spots) = self else { return self.figure().none() };
-        let place = spots.0.iter().enumerate().filter(|(_, spot)| spot.frame == frame).nth(index);
-        let gone = place.map(|(i, _)| i);
+        let gone = spots.place(frame, index);
         let rest = spots.0.iter().enumerate().filter(|(i, _)| Some(*i) != gone);
         Self::Spots(Spots(rest.map(|(_, spot)| *spot).collect()))
     }

@@ -135,15 +135,10 @@ fn members_of(table: &Table, rows: &[usize]) -> Vec<Member> {
     members
 }
 
-fn moved(bounds: Bounds, by: [f64; 2]) -> Bounds {
-    let moved = |corner: [f32; 2]| [0, 1].map(|i| corner[i] + by[i] as f32);
-    Bounds { min: moved(bounds.min), max: moved(bounds.max) }
-}
-
 impl Member {
     fn moved(&mut self, by: [f64; 2]) {
         self.center = [0, 1].map(|i| self.center[i] + by[i]);
-        self.bounds = moved(self.bounds, by);
+        self.bounds = self.bounds.moved(by.map(|c| c as f32));
     }
 
     fn object(&self, detection: Option<usize>) -> Object {
@@ -176,7 +171,7 @@ impl Body {
     /// Where it is expected in the next frame.
     fn expected(mut self) -> Self {
         let velocity = self.velocity().unwrap_or_default();
-        self.bounds = moved(self.bounds, velocity);
+        self.bounds = self.bounds.moved(velocity.map(|c| c as f32));
         let is_group = self.is_group();
         for member in &mut self.members {
             // In a group everyone goes on as before.

@@ -1,13 +1,13 @@
 //! Opens a clip or a session on a thread of its own, with progress and cancel.
 
 use std::ffi::{OsStr, OsString};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use motionscope_core::{Clip, Error};
 
 use super::background::Background;
-use crate::media::{Open, Progress};
+use crate::media::{self, Open, Progress};
 use crate::session::{Named, Session};
 use crate::source::Source;
 
@@ -32,28 +32,23 @@ pub struct Loading {
 }
 
 impl Loading {
-    /// Begins to open `name`; `changed` is called from another thread whenever there is news.
-    pub fn new(name: OsString, changed: impl Fn() + Send + Sync + 'static) -> Self {
+    /// Begins to open `name`: a clip or a session, or what is true of the clip from `beside`, which is opened with it once more.
+    /// `changed` is called from another thread whenever there is news.
+    pub fn new(name: OsString, beside: Option<Source>, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let wanted = name.clone();
-        let work =
-            Background::new("open the clip", changed, move |desk| open(&wanted, Arc::clone(desk) as Arc<dyn Progress>));
-        Self { name, work }
-    }
-
-    /// Begins to open the clip from `source` once more, with the truth at `path`.
-    pub fn with_truth(source: Source, path: PathBuf, changed: impl Fn() + Send + Sync + 'static) -> Self {
-        let name = path.clone().into();
-        let work = Background::new("open the truth", changed, move |desk| {
-            let progress = Some(Arc::clone(desk) as Arc<dyn Progress>);
-            let clip = source.open(&Open { progress, truth: Some(path.clone()), ..Open::default() })?;
-            Ok(Opened { clip, source, truth: Some(path), session: None })
+        let work = Background::new("open the clip", changed, move |desk| {
+            open(&wanted, beside, Arc::clone(desk) as Arc<dyn Progress>)
         });
         Self { name, work }
     }
 }
 
-fn open(name: &OsStr, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
-    let Named { source, truth, session } = Named::find(name, None)?;
+fn open(name: &OsStr, beside: Option<Source>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
+    let named = match beside.filter(|_| media::is_truth(Path::new(name))) {
+        Some(source) => Named { source, truth: Some(name.into()), session: None },
+        None => Named::find(name, None)?,
+    };
+    let Named { source, truth, session } = named;
     let clip = source.open(&Open { progress: Some(progress), truth: truth.clone(), ..Open::default() })?;
     Ok(Opened { clip, source, truth, session })
 }
@@ -65,7 +60,7 @@ mod tests {
     use super::*;
 
     fn outcome(name: OsString) -> Result<Opened, Error> {
-        let loading = Loading::new(name, || {});
+        let loading = Loading::new(name, None, || {});
         let begun = Instant::now();
         loop {
             match loading.work.take() {

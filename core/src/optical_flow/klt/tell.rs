@@ -1,12 +1,14 @@
 //! How the tracker is told and drawn.
 
+use std::collections::BTreeMap;
+
 use super::{Event, Klt, Live, State};
 use crate::features::affine::{Fit, place};
 use crate::features::trails::{self, points};
 use crate::features::{Account, Detection, follow, why};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Shape, Tile};
 use crate::words;
-use crate::{Feature, Grid, Role, Scene, Seen, Status, Step, Track};
+use crate::{Feature, Grid, Role, Scene, Seen, Status, Step};
 
 fn px(uv: [f32; 2]) -> String {
     format!("{} px", words::vector(uv))
@@ -373,17 +375,12 @@ fn views(account: &Account, live: &Live, fit: &Fit) -> Vec<Tile> {
 
 /// How many features were lost so far, by reason.
 fn lost(state: &State) -> Option<String> {
-    let last = |track: &Track| track.points.last().map(|point| point.status);
-    let of = |status: Status| state.tracks.iter().filter(|track| last(track) == Some(status)).count();
-    let reasons = [
-        (Status::Outside, "outside"),
-        (Status::Flat, "flat"),
-        (Status::Unlike, "unlike"),
-        (Status::Astray, "astray"),
-        (Status::Changed, "changed"),
-    ];
-    let told = reasons.into_iter().map(|(status, name)| (of(status), name)).filter(|(count, _)| *count > 0);
-    let told: Vec<String> = told.map(|(count, name)| format!("{count} {name}")).collect();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    let last = state.tracks.iter().filter_map(|track| track.points.last());
+    for reason in last.filter_map(|point| point.status.name().strip_prefix("lost-")) {
+        *counts.entry(reason).or_default() += 1;
+    }
+    let told: Vec<String> = counts.into_iter().map(|(reason, count)| format!("{count} {reason}")).collect();
     (!told.is_empty()).then(|| told.join(", "))
 }
 

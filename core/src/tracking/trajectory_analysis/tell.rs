@@ -349,7 +349,7 @@ fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
     let degrees = |v: [f64; 2]| (v != [0.0; 2]).then(|| heading_deg(v));
     let headings = vec![
         ("since seen before", Role::Measured, unwrapped(line(&|seen| seen.step.and_then(degrees)))),
-        ("smoothed", Role::Result, unwrapped(line(&|seen| seen.velocity.and_then(degrees)))),
+        ("smoothed", Role::Result, unwrapped(line(&Sighting::heading_deg))),
     ];
     if trajectory.sightings.len() < 3 {
         return Vec::new();

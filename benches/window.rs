@@ -1,0 +1,60 @@
+//! How long the window takes for a frame over a dense flow: `cargo bench --bench window`.
+//!
+//! Horn-Schunck at 1920×1080 at its end, colours of the wheel and arrows over frame t: laying everything out and making
+//! triangles of it, which is what a frame costs before the graphics card has it.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use eframe::egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, TouchPhase, vec2};
+use egui_kittest::Harness;
+use motionscope::ui::app::App;
+use motionscope::ui::{self, Start};
+
+/// A window on the end of a run, drawn until it is there.
+fn window() -> Harness<'static, App> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("dense.motionscope");
+    let clip = "synth:pillar,width=1920,height=1080,frames=2";
+    let lines =
+        format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"horn-schunck\"\n[set]\niterations = \"5\"\n");
+    std::fs::write(&path, lines).expect("it is written");
+    let build = move |cc: &mut eframe::CreationContext<'static>| {
+        let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
+        ui::begin(&mut app, Start { open: Some(path.into()) });
+        app
+    };
+    let mut window = Harness::builder().with_size(vec2(1920.0, 1080.0)).build_eframe(build);
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_secs(120)
+        && !window.state().view().shown.as_deref().is_some_and(|s| s.at_end)
+    {
+        window.state_mut().wait();
+        window.run_steps(2);
+    }
+    window.run_steps(10);
+    drop(folder);
+    window
+}
+
+fn frame(c: &mut Criterion) {
+    let mut window = window();
+    assert!(window.state().view().shown.as_deref().is_some_and(|shown| shown.at_end && shown.pictures.layer.is_some()));
+    let mut way = 1.0;
+    c.bench_function("a frame of the window over a dense flow, 1080p, while it is zoomed", |b| {
+        b.iter(|| {
+            way = -way;
+            window.hover_at(Pos2::new(900.0, 400.0));
+            let (unit, source, delta) = (MouseWheelUnit::Point, MouseWheelSource::Wheel, vec2(0.0, 30.0 * way));
+            let (phase, modifiers) = (TouchPhase::Move, Modifiers::NONE);
+            window.event(Event::MouseWheel { unit, source, delta, phase, modifiers });
+            window.step();
+            let shapes = window.output().shapes.clone();
+            black_box(window.ctx.tessellate(shapes, 1.0).len())
+        });
+    });
+}
+
+criterion_group!(benches, frame);
+criterion_main!(benches);
