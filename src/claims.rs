@@ -1,7 +1,8 @@
 //! The course's table of sequential, logarithmic and hierarchical search, measured cell by cell.
 
 use motionscope_core::compare::{LIGHT, NOISE_SIGMA, kept_in_pan};
-use motionscope_core::{AnyEstimator, Error, Stop, estimator};
+use motionscope_core::products::PSNR;
+use motionscope_core::{AnyEstimator, BlockField, Error, Stop, estimator};
 use serde_json::{Value, json};
 
 use crate::comparison::{Arena, Contender, Row, columns, markdown_table};
@@ -76,8 +77,8 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<Claim> {
     let candidates = all(&|row| blocks(row).map_or(0.0, |blocks| blocks.candidates_mean));
     let ms = all(&|row| row.time.as_secs_f64() * 1e3);
     let missed = all(&|row| 100.0 * blocks(row).and_then(|blocks| blocks.missed_share()).unwrap_or(0.0));
-    let prediction = |row: &Row| row.quality.prediction.and_then(|prediction| prediction.psnr_db);
-    let db = rows.each_ref().map(|row| prediction(row).map_or("perfect".into(), |db| format!("{db:.2} dB")));
+    let psnr = |row: &Row| row.assessment.value(&PSNR);
+    let db = rows.each_ref().map(|row| psnr(row).map_or("perfect".into(), |db| format!("{db:.2} dB")));
     let kilobytes = all(&|row| row.figures.memory_bytes as f64 / 1e3);
     let percent = |share: Option<f64>| 100.0 * share.unwrap_or(0.0);
     let [noise, light] =
@@ -136,7 +137,7 @@ fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<Claim, Error> {
     let most = |search: &dyn AnyEstimator| {
         stop.check()?;
         let output = search.run(arena.clip, arena.frame, arena.threads)?;
-        let vectors = output.blocks().map(|field| field.vectors.as_slice()).unwrap_or_default();
+        let vectors = output.get::<BlockField>().map(|field| field.vectors.as_slice()).unwrap_or_default();
         Ok::<_, Error>(vectors.iter().flatten().map(|vector| vector.candidates).max().unwrap_or(0))
     };
     let mut counts = [[0; 3]; 3];

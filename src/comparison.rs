@@ -4,10 +4,10 @@ use std::borrow::Borrow;
 use std::time::{Duration, Instant};
 
 use motionscope_core::compare::{Figures, LIGHT, NOISE_SIGMA};
+use motionscope_core::products::{self, Assessment, KINDS, Measure, Reference};
 use motionscope_core::{AnyEstimator, Clip, Error, Threads, estimator};
 use serde_json::{Map, Value, json};
 
-use crate::quality::Quality;
 use crate::source::Source;
 
 /// One estimator with the parameters that it is to be compared with.
@@ -39,7 +39,7 @@ pub struct Row {
     /// The least time of a run.
     pub time: Duration,
     /// How good the result is, as a single run tells it.
-    pub quality: Quality,
+    pub assessment: Assessment,
     /// What only a comparison has.
     pub figures: Figures,
 }
@@ -64,8 +64,8 @@ impl Row {
             time = time.min(run()?.1);
         }
         let figures = Figures::of(estimator, &output, (clip, frame), threads)?;
-        let quality = Quality::of(clip, frame, &output)?;
-        Ok(Self { estimator: estimator.boxed_clone(), swept: contender.swept.clone(), time, quality, figures })
+        let assessment = output.assess(&Reference { clip, frame })?;
+        Ok(Self { estimator: estimator.boxed_clone(), swept: contender.swept.clone(), time, assessment, figures })
     }
 
     /// The estimator's id.
@@ -74,97 +74,127 @@ impl Row {
     }
 }
 
-/// A column of numbers.
+/// A column of numbers: one that only a comparison has, or one that a product is assessed by.
+#[derive(Clone, Copy)]
 pub struct Column {
     /// Its heading, for a person.
     pub heading: &'static str,
     /// Its name with the unit, for a script.
     pub name: &'static str,
-    /// The number, if there is one.
-    pub value: fn(&Row) -> Option<f64>,
+    /// What it is, in one sentence.
+    pub doc: &'static str,
     /// Digits behind the point, for a person.
     digits: usize,
+    from: From,
+}
+
+/// Where the numbers of a column come from.
+#[derive(Clone, Copy)]
+enum From {
+    Row(fn(&Row) -> Option<f64>),
+    Assessment(&'static Measure, f64),
 }
 
 impl Column {
-    /// The number in `row` for a person. A perfect prediction has no PSNR.
-    pub fn text(&self, row: &Row) -> String {
-        match (self.value)(row) {
-            Some(value) => format!("{value:.*}", self.digits),
-            None if self.name == "psnr_db" && row.quality.prediction.is_some() => "perfect".to_owned(),
-            None => NOTHING.to_owned(),
+    /// The number in `row`, if there is one.
+    pub fn value(&self, row: &Row) -> Option<f64> {
+        match self.from {
+            From::Row(value) => value(row),
+            From::Assessment(measure, per) => row.assessment.value(measure).map(|value| value / per),
         }
+    }
+
+    /// The number in `row` for a person, or the word for what is no number.
+    pub fn text(&self, row: &Row) -> String {
+        match (self.value(row), self.from) {
+            (Some(value), _) => format!("{value:.*}", self.digits),
+            (None, From::Assessment(measure, _)) if row.assessment.score(measure).is_some() => {
+                match measure.otherwise {
+                    "" => NOTHING.to_owned(),
+                    word => word.to_owned(),
+                }
+            }
+            (None, _) => NOTHING.to_owned(),
+        }
+    }
+
+    const fn of_row(
+        (heading, name): (&'static str, &'static str),
+        digits: usize,
+        value: fn(&Row) -> Option<f64>,
+        doc: &'static str,
+    ) -> Self {
+        Self { heading, name, doc, digits, from: From::Row(value) }
+    }
+
+    fn of_measure(measure: &'static Measure) -> Option<Self> {
+        let &products::Column { heading, name, per, digits } = measure.column.as_ref()?;
+        Some(Self { heading, name, doc: measure.doc, digits, from: From::Assessment(measure, per) })
     }
 }
 
-/// The columns behind the estimator's name and what is swept.
-pub const COLUMNS: [Column; 20] = [
-    Column {
-        heading: "candidates",
-        name: "candidates_mean",
-        value: |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_mean),
-        digits: 1,
-    },
-    Column {
-        heading: "most",
-        name: "candidates_most",
-        value: |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_most.into()),
-        digits: 0,
-    },
-    Column { heading: "ms", name: "ms", value: |r| Some(r.time.as_secs_f64() * 1e3), digits: 2 },
-    Column { heading: "kB", name: "memory_kb", value: |r| Some(r.figures.memory_bytes as f64 / 1e3), digits: 1 },
-    Column { heading: "PSNR dB", name: "psnr_db", value: |r| r.quality.prediction?.psnr_db, digits: 2 },
-    Column { heading: "EPE px", name: "epe_px", value: |r| r.quality.truth.map(|e| e.epe_px), digits: 3 },
-    Column { heading: "EPE of", name: "known", value: |r| r.quality.truth.map(|e| e.known as f64), digits: 0 },
-    Column { heading: "features", name: "points", value: |r| r.quality.features.map(|f| f.points as f64), digits: 0 },
-    Column {
-        heading: "missed %",
-        name: "missed_percent",
-        value: |r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)),
-        digits: 1,
-    },
-    Column {
-        heading: "noise %",
-        name: "kept_in_noise_percent",
-        value: |r| r.figures.kept_in_noise.and_then(percent),
-        digits: 1,
-    },
-    Column {
-        heading: "light %",
-        name: "kept_in_light_percent",
-        value: |r| r.figures.kept_in_light.and_then(percent),
-        digits: 1,
-    },
-    Column {
-        heading: "residual kB",
-        name: "residual_kb",
-        value: |r| kilobytes(r.quality.prediction?.residual_bits),
-        digits: 2,
-    },
-    Column {
-        heading: "vectors kB",
-        name: "vectors_kb",
-        value: |r| r.quality.prediction?.vector_bits.and_then(kilobytes),
-        digits: 2,
-    },
-    Column { heading: "anew kB", name: "frame_kb", value: |r| kilobytes(r.quality.prediction?.frame_bits), digits: 2 },
-    Column { heading: "found", name: "detections", value: |r| Some(r.quality.objects?.detections as f64), digits: 0 },
-    Column { heading: "objects", name: "objects", value: |r| Some(r.quality.objects?.objects as f64), digits: 0 },
-    Column { heading: "MOTA", name: "mota", value: |r| Some(r.quality.objects?.scores?.mota), digits: 3 },
-    Column { heading: "IDF1", name: "idf1", value: |r| Some(r.quality.objects?.scores?.idf1), digits: 3 },
-    Column { heading: "HOTA", name: "hota", value: |r| Some(r.quality.objects?.scores?.hota), digits: 3 },
-    Column {
-        heading: "switches",
-        name: "switches",
-        value: |r| Some(r.quality.objects?.scores?.switches as f64),
-        digits: 0,
-    },
+/// What only a comparison has: before the figures of products.
+const COSTS: [Column; 4] = [
+    Column::of_row(
+        ("candidates", "candidates_mean"),
+        1,
+        |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_mean),
+        "Candidates tested for a block on average; those of a coarser level count once.",
+    ),
+    Column::of_row(
+        ("most", "candidates_most"),
+        0,
+        |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_most.into()),
+        "Candidates tested for the block that took most.",
+    ),
+    Column::of_row(("ms", "ms"), 2, |r| Some(r.time.as_secs_f64() * 1e3), "Least time of a run in ms."),
+    Column::of_row(
+        ("kB", "memory_kb"),
+        1,
+        |r| Some(r.figures.memory_bytes as f64 / 1e3),
+        "Memory that the run needs beside the frames in kB.",
+    ),
 ];
 
+/// What only a comparison has: behind the figures of products.
+const ROBUSTNESS: [Column; 3] = [
+    Column::of_row(
+        ("missed %", "missed_percent"),
+        1,
+        |r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)),
+        "Share of the blocks for which full search with the same parameters finds a lower cost; not told with lambda.",
+    ),
+    Column::of_row(
+        ("noise %", "kept_in_noise_percent"),
+        1,
+        |r| r.figures.kept_in_noise.and_then(percent),
+        "Share of the blocks or pixels that keep their displacement within 1 px under noise.",
+    ),
+    Column::of_row(
+        ("light %", "kept_in_light_percent"),
+        1,
+        |r| r.figures.kept_in_light.and_then(percent),
+        "Share of the blocks or pixels that keep their displacement within 1 px where the light changes.",
+    ),
+];
+
+/// The columns behind the estimator's name and what is swept: every figure that some kind of product is assessed by has its
+/// own where it declares one.
+pub fn all_columns() -> Vec<Column> {
+    let mut columns = COSTS.to_vec();
+    for measure in KINDS.iter().flat_map(|kind| kind.measures.iter().copied().flatten()) {
+        if let Some(column) = Column::of_measure(measure).filter(|new| columns.iter().all(|old| old.name != new.name)) {
+            columns.push(column);
+        }
+    }
+    columns.extend(ROBUSTNESS);
+    columns
+}
+
 /// The columns in which at least one row has something, with their places among all: what a person looks at.
-pub fn columns_of<R: Borrow<Row>>(rows: &[R]) -> Vec<(usize, &'static Column)> {
+pub fn columns_of<R: Borrow<Row>>(rows: &[R]) -> Vec<(usize, Column)> {
     let has_some = |column: &Column| rows.iter().any(|row| column.text(row.borrow()) != NOTHING);
-    COLUMNS.iter().enumerate().filter(|(_, column)| rows.is_empty() || has_some(column)).collect()
+    all_columns().into_iter().enumerate().filter(|(_, column)| rows.is_empty() || has_some(column)).collect()
 }
 
 /// What stands where there is no number.
@@ -178,21 +208,16 @@ fn percent(share: f64) -> Option<f64> {
     finite(100.0 * share)
 }
 
-fn kilobytes(bits: f64) -> Option<f64> {
-    finite(bits / 8e3)
-}
-
-/// What the columns mean, under the table.
-pub fn key() -> String {
-    format!(
-        "candidates, most: tested for a block, on average and at most (those of a coarser level once); kB: memory of the run beside the frames;\n\
-         EPE of: pixels whose motion is known and was found; where these are not the same, EPEs are of different pixels, and one that\n\
-         says less of a picture may look better; a still background makes it small for whoever leaves all in place; normal flow is only\n\
-         the part of the motion along the gradient, which no EPE against the whole motion does justice; missed: blocks for which full search, set alike, finds a smaller cost (not told with lambda); noise, light: blocks\n\
-         (or pixels) that keep their displacement within 1 px under noise of {NOISE_SIGMA} gray levels, and where frame t+1\n\
-         is {} times as bright plus {}; residual, vectors, anew: zero-order entropy of what is sent with motion, and of the\n\
-         frame without; found: detections in all frames; –: what only some have, or what is not known.\n",
-        LIGHT.0, LIGHT.1
+/// What the columns that `rows` have something in mean, a line for each.
+fn key(rows: &[Row]) -> String {
+    let mut text = String::new();
+    for (_, Column { heading, doc, .. }) in columns_of(rows) {
+        text += &format!("{heading:<12}  {doc}\n");
+    }
+    let (gain, offset) = LIGHT;
+    text + &format!(
+        "Noise has a standard deviation of {NOISE_SIGMA} gray levels; light changes by a gain of {gain} and an offset of {offset}. \
+         {NOTHING} stands for what an estimator does not have, or what is not known.\n"
     )
 }
 
@@ -214,7 +239,7 @@ fn cells(rows: &[Row]) -> Vec<Vec<String>> {
 
 /// The table in columns, and what they mean.
 pub fn text(rows: &[Row]) -> String {
-    columns(&cells(rows)) + "\n" + &key()
+    columns(&cells(rows)) + "\n" + &key(rows)
 }
 
 /// Lines of cells in columns, the first to the left, the others to the right.
@@ -245,28 +270,30 @@ pub fn markdown_table(lines: &[Vec<String>]) -> String {
 
 /// The table as CSV; what is not known is left empty.
 pub fn csv<R: Borrow<Row>>(rows: &[R]) -> String {
+    let all = all_columns();
     let rows = || rows.iter().map(Borrow::borrow);
     let swept = rows().next().and_then(|row: &Row| row.swept.as_ref()).map(|(name, _)| name.replace('-', "_"));
     let names = ["estimator".to_owned()].into_iter().chain(swept);
-    let names = names.chain(COLUMNS.iter().map(|column| column.name.to_owned())).collect::<Vec<_>>();
+    let names = names.chain(all.iter().map(|column| column.name.to_owned())).collect::<Vec<_>>();
     let line = |row: &Row| {
         let first = [row.id().to_owned()].into_iter().chain(row.swept.as_ref().map(|(_, value)| value.clone()));
-        let number = |column: &Column| (column.value)(row).map_or_else(String::new, |value| value.to_string());
-        first.chain(COLUMNS.iter().map(number)).collect::<Vec<_>>().join(",") + "\n"
+        let number = |column: &Column| column.value(row).map_or_else(String::new, |value| value.to_string());
+        first.chain(all.iter().map(number)).collect::<Vec<_>>().join(",") + "\n"
     };
     names.join(",") + "\n" + &rows().map(line).collect::<String>()
 }
 
 /// The table as JSON: an array of one object per row, with the blocks that were missed where there are blocks.
 pub fn json(rows: &[Row]) -> Value {
+    let all = all_columns();
     let object = |row: &Row| {
         let mut object = Map::new();
         object.insert("estimator".into(), row.id().into());
         if let Some((name, value)) = &row.swept {
             object.insert(name.clone(), value.parse::<f64>().map_or_else(|_| value.as_str().into(), |v| json!(v)));
         }
-        for column in &COLUMNS {
-            object.insert(column.name.into(), json!((column.value)(row)));
+        for column in &all {
+            object.insert(column.name.into(), json!(column.value(row)));
         }
         if let Some(blocks) = &row.figures.blocks {
             object.insert("blocks".into(), blocks.count.into());

@@ -8,7 +8,7 @@ pub mod media;
 pub mod motion;
 pub mod paint;
 pub mod pixel;
-pub mod quality;
+pub mod results;
 pub mod session;
 pub mod shot;
 pub mod source;

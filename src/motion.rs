@@ -5,10 +5,11 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
+use motionscope_core::products::Motion as Known;
 use motionscope_core::scene::{Fact, Shape};
 use motionscope_core::{
-    Agreement, AnyEstimator, Clip, Confidence, Consistency, DenseField, Error, Flow, Grid, Output, Scene, Streaks,
-    Threads, Walk, metrics, scene,
+    Agreement, AnyEstimator, Clip, Confidence, Consistency, Error, Flow, Grid, Output, Scene, Streaks, Threads, Walk,
+    metrics, scene,
 };
 
 use crate::paint::{ColorMap, FlowLayer, Opacity, Pictures, Scalars, Tint, grouped};
@@ -29,18 +30,6 @@ pub struct Want {
     pub spacing_px: Option<u16>,
 }
 
-/// Where motion is known.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Known {
-    /// At every pixel.
-    Dense,
-    /// For blocks.
-    Blocks,
-    /// At single points, or nowhere.
-    #[default]
-    Points,
-}
-
 /// Which layers there are where a run stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Offer {
@@ -58,7 +47,7 @@ pub struct Offer {
 impl Offer {
     /// Whether there is a field at all.
     pub fn has_field(&self) -> bool {
-        self.known != Known::Points
+        self.known.is_field()
     }
 
     /// Whether the end of the run knows how far off it is.
@@ -98,7 +87,7 @@ impl Offer {
 
     /// The layer that is shown where `wanted` is wanted: that, or what suits the estimator.
     pub fn layer(&self, wanted: Option<FlowLayer>) -> FlowLayer {
-        let usual = if self.known == Known::Dense { FlowLayer::Wheel } else { FlowLayer::None };
+        let usual = if self.known == Known::Pixels { FlowLayer::Wheel } else { FlowLayer::None };
         wanted.filter(|layer| self.why_not(*layer).is_none()).unwrap_or(usual)
     }
 }
@@ -254,9 +243,9 @@ impl<'a> Found<'a> {
 
     fn offer(&self, Site { walk, clip, .. }: Site<'_>) -> Offer {
         let known = match self {
-            Self::Drawn(..) | Self::Output(Output::Dense(_)) => Known::Dense,
-            Self::Output(Output::Blocks(_)) | Self::Several(_) => Known::Blocks,
-            Self::Output(Output::Points(_) | Output::Tracks(_) | Output::Objects(_)) => Known::Points,
+            Self::Drawn(..) => Known::Pixels,
+            Self::Output(output) => output.motion(),
+            Self::Several(outputs) => outputs.iter().map(Output::motion).min().unwrap_or_default(),
         };
         Offer {
             known,
@@ -270,19 +259,20 @@ impl<'a> Found<'a> {
 
     fn confidence(&self) -> Option<&Confidence> {
         match self {
-            Self::Drawn(_, Some(Output::Dense(field))) | Self::Output(Output::Dense(field)) => {
-                field.confidence.as_ref()
-            }
-            _ => None,
+            Self::Drawn(_, output) => output.as_ref()?.confidence(),
+            Self::Output(output) => output.confidence(),
+            Self::Several(_) => None,
         }
     }
 
     fn flows(&self) -> Vec<Arc<Flow>> {
         match self {
-            Self::Drawn(_, Some(Output::Dense(DenseField { flow, .. }))) => vec![Arc::new(flow.clone())],
-            Self::Drawn(values, _) => vec![Arc::new(Flow(Grid::clone(values)))],
-            Self::Output(output) => vec![Arc::new(output.flow())],
-            Self::Several(outputs) => outputs.iter().map(|output| Arc::new(output.flow())).collect(),
+            Self::Drawn(values, output) => {
+                let whole = output.as_ref().and_then(Output::flow);
+                vec![Arc::new(whole.unwrap_or_else(|| Flow(Grid::clone(values))))]
+            }
+            Self::Output(output) => output.flow().map(Arc::new).into_iter().collect(),
+            Self::Several(outputs) => outputs.iter().filter_map(Output::flow).map(Arc::new).collect(),
         }
     }
 }
@@ -292,7 +282,8 @@ impl<'a> Found<'a> {
 /// # Errors
 /// If a frame cannot be read, or the estimator cannot run.
 pub fn backward(estimator: &dyn AnyEstimator, clip: &Clip, t: usize) -> Result<Flow, Error> {
-    Ok(estimator.run(&clip.reversed(t)?, 0, &Threads::all()?)?.flow())
+    let flow = estimator.run(&clip.reversed(t)?, 0, &Threads::all()?)?.flow();
+    flow.ok_or_else(|| Error::new(format!("{} makes no flow that could be checked", estimator.info().id)))
 }
 
 /// The same, worked out when it is first asked for.
@@ -365,7 +356,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_shown_is_told_why_and_something_else_is_shown() {
-        let dense = Offer { known: Known::Dense, is_pair: true, ..Offer::default() };
+        let dense = Offer { known: Known::Pixels, is_pair: true, ..Offer::default() };
         let why = |offer: Offer, layer| offer.why_not(layer).unwrap_or_default();
         assert_eq!((dense.layer(None), dense.layer(Some(FlowLayer::Error))), (FlowLayer::Wheel, FlowLayer::Wheel));
         assert!(why(dense, FlowLayer::Error).contains("no true flow"));

@@ -188,7 +188,7 @@ impl Moment<'_> {
     /// The picture of this step, with the marks that `scale` pixels for each pixel of the clip have room for.
     fn plate(&self, look: &Look, scale: u32) -> Plate {
         // A finished field says all in one picture, and so does who looks at single frames; a search needs both.
-        let is_single = self.estimator.promise().is_of_single_frames();
+        let is_single = self.estimator.is_of_single_frames();
         let fitting = if self.at_end || is_single { View::Current } else { View::SideBySide };
         let heat = self.step.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface.title.to_string()),

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::scene::{Fact, Readout, Sentence};
 use motionscope_core::{Beside, Clip, Cursor, Frame, Info, Levels, Output, Role, Scene, Step, Streaks, Walk};
 
 use crate::paint::{LevelShown, Pictures, Tint, View, grouped};
-use crate::quality::Quality;
 
 /// One of several estimators, where it stands.
 #[derive(Clone)]
@@ -36,7 +36,7 @@ pub struct Ending {
     /// The motion-compensated prediction of frame t, where there is one.
     pub prediction: Option<Arc<Frame>>,
     /// How good that is.
-    pub quality: Option<Quality>,
+    pub assessment: Option<Assessment>,
 }
 
 /// The motion-compensated prediction of frame t that `output` makes of the other frame of `pair`, if it makes one.
@@ -47,8 +47,9 @@ pub fn predicted(output: &Output, pair: &Pictures) -> Option<Arc<Frame>> {
 /// What each of the runs in lockstep amounts to, if `walk` stands at its end; `pair` are its frames.
 pub fn endings(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Vec<Ending> {
     let all = if walk.at_end() { walk.beside(None) } else { Vec::new() };
+    let reference = Reference { clip, frame: walk.frame() };
     let ending =
-        |output| Ending { prediction: predicted(output, pair), quality: Quality::of(clip, walk.frame(), output).ok() };
+        |output: &Output| Ending { prediction: predicted(output, pair), assessment: output.assess(&reference).ok() };
     all.iter().map(|member| ending(&member.output)).collect()
 }
 
@@ -58,12 +59,12 @@ pub fn tiles(walk: &dyn Walk, focus: Option<[f32; 2]>, endings: &[Ending]) -> Ve
         let ending = endings.get(index);
         let counts = counted(&member);
         let mut step = member.step;
-        if let Some(quality) = ending.and_then(|ending| ending.quality.as_ref()) {
-            add_quality(&mut step, quality);
+        if let Some(assessment) = ending.and_then(|ending| ending.assessment.as_ref()) {
+            add_assessment(&mut step, assessment);
         }
         let in_all = grouped(member.candidates_in_all as usize);
-        let words = match ending.and_then(|ending| ending.quality.as_ref()) {
-            Some(quality) => said_at_end(quality, &in_all),
+        let words = match ending.and_then(|ending| ending.assessment.as_ref()) {
+            Some(assessment) => said_at_end(assessment, &in_all),
             None => said(&step, &counts, &in_all),
         };
         Tile {
@@ -107,9 +108,9 @@ pub fn levels<'a>(scene: &'a Scene, tiles: &'a [Tile]) -> Option<&'a Levels> {
 }
 
 /// Adds to what `step` tells how good the estimate is.
-pub fn add_quality(step: &mut Step, quality: &Quality) {
-    add_facts(step, quality.facts());
-    step.readouts.extend(quality.errors.clone().map(Readout::Distribution));
+pub fn add_assessment(step: &mut Step, assessment: &Assessment) {
+    add_facts(step, assessment.facts.clone());
+    step.readouts.extend(assessment.errors.clone().map(Readout::Distribution));
 }
 
 /// Adds `facts` to those that `step` tells.
@@ -148,11 +149,7 @@ fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec
     ]
 }
 
-fn said_at_end(quality: &Quality, in_all: &str) -> Vec<Sentence> {
-    let psnr = quality.prediction.map_or_else(String::new, |prediction| match prediction.psnr_db {
-        Some(psnr) => format!("{psnr:.2} dB PSNR"),
-        None => "perfect prediction".into(),
-    });
-    let told = |after: String| Sentence::default().ink(Role::Result, psnr.clone()).text(after);
+fn said_at_end(assessment: &Assessment, in_all: &str) -> Vec<Sentence> {
+    let told = |after: String| Sentence::default().ink(Role::Result, assessment.headline.clone()).text(after);
     vec![told(format!("  ·  {in_all} candidates in all")), told(format!("  ·  {in_all} in all")), told(String::new())]
 }

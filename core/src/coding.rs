@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{BlockField, Error, Gray, Output};
+use crate::{BlockField, Error, Gray};
 
 /// Bits to send frame t, by zero-order entropy (C. E. Shannon, A Mathematical Theory of Communication, 1948).
 ///
@@ -18,11 +18,11 @@ pub struct Coding {
 }
 
 impl Coding {
-    /// The bits for `frame`, of which `prediction` was made from `output`.
+    /// The bits for `frame`, of which `prediction` was made, with the motion vectors of `blocks` if these are sent.
     ///
     /// # Errors
     /// If the sizes differ.
-    pub fn of(output: &Output, frame: &Gray, prediction: &Gray) -> Result<Self, Error> {
+    pub fn of(blocks: Option<&BlockField>, frame: &Gray, prediction: &Gray) -> Result<Self, Error> {
         if prediction.size() != frame.size() {
             return Err(Error::new("a prediction must have the size of its picture"));
         }
@@ -32,7 +32,7 @@ impl Coding {
         Ok(Self {
             frame_bits: bits(frame.cells().iter().copied()),
             residual_bits: bits(pairs.map(|(&a, &b)| i16::from(a) - i16::from(b))),
-            vector_bits: output.blocks().map(vectors),
+            vector_bits: blocks.map(vectors),
         })
     }
 }
@@ -72,16 +72,10 @@ mod tests {
         let vectors =
             [[0.0, 1.0], [0.25, 1.0]].map(|displacement| Some(BlockVector { displacement, cost: 0.0, candidates: 1 }));
         let filter = crate::Interpolation::Bilinear;
-        let output = Output::Blocks(BlockField {
-            blocks,
-            vectors: vectors.to_vec(),
-            cost: "SAD",
-            border: Border::Replicate,
-            filter,
-        });
+        let field = BlockField { blocks, vectors: vectors.to_vec(), cost: "SAD", border: Border::Replicate, filter };
         let frame = Grid::from_fn(16, 8, |x, _| x as u8);
-        let coding = Coding::of(&output, &frame, &frame).unwrap();
+        let coding = Coding::of(Some(&field), &frame, &frame).unwrap();
         assert_eq!(coding, Coding { frame_bits: 512.0, residual_bits: 0.0, vector_bits: Some(2.0) });
-        assert!(Coding::of(&output, &frame, &Grid::new(3, 3, 0)).is_err());
+        assert!(Coding::of(Some(&field), &frame, &Grid::new(3, 3, 0)).is_err());
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::params::Spec;
 use crate::synth::disturb;
-use crate::{AnyEstimator, BlockField, Clip, DenseField, Error, Frame, Gray, Output, Threads, Value, estimator};
+use crate::{AnyEstimator, BlockField, Clip, Error, Frame, Gray, Output, Threads, Value, estimator};
 
 /// Standard deviation of the noise under which an estimator is tried, in gray levels.
 pub const NOISE_SIGMA: f64 = 10.0;
@@ -64,7 +64,7 @@ impl Figures {
             kept_in_noise: kept([noisy(&current, 1), noisy(&next, 2)])?,
             kept_in_light: kept([Frame::gray(current.luma().clone()), lit(&next)])?,
             units: extent.units,
-            blocks: output.blocks().map(blocks).transpose()?,
+            blocks: output.get::<BlockField>().map(blocks).transpose()?,
         })
     }
 
@@ -86,7 +86,7 @@ impl BlockFigures {
             None
         } else {
             let best = full_search_like(estimator)?.run(clip, frame, threads)?;
-            best.blocks().map(|best| missed(field, best))
+            best.get::<BlockField>().map(|best| missed(field, best))
         };
         Ok(Self {
             candidates_mean: field.candidates() as f64 / field.vectors.len() as f64,
@@ -127,7 +127,8 @@ pub fn kept_in_pan(
     let mut full = full_search_like(estimator)?;
     full.set("range", "16")?;
     let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
-    let candidates = moved.blocks().map_or(0.0, |field| field.candidates() as f64 / field.vectors.len() as f64);
+    let candidates =
+        moved.get::<BlockField>().map_or(0.0, |field| field.candidates() as f64 / field.vectors.len() as f64);
     let kept = kept(&still, &moved, [pan_px as f32, 0.0]).ok_or_else(|| {
         Error::new(format!("{} finds single features, not blocks or pixels that keep", estimator.info().id))
     })?;
@@ -182,23 +183,11 @@ fn missed(output: &BlockField, best: &BlockField) -> Vec<usize> {
 
 /// Share of the displacements of `a` that are in `b` what they are there plus `shift`, within 1 px.
 fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> Option<f64> {
-    let (a, b) = (displacements(a)?, displacements(b)?);
+    let (a, b) = (a.displacements()?, b.displacements()?);
     let close = |a: [f32; 2], b: [f32; 2]| (a[0] + shift[0] - b[0]).hypot(a[1] + shift[1] - b[1]) <= 1.0;
     let both = a.iter().zip(&b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
     let same = both.filter(|(a, b)| close(*a, *b)).count();
     Some(same as f64 / a.iter().flatten().count().max(1) as f64)
-}
-
-/// The displacement of every block or pixel, where it is known; `None` of features.
-fn displacements(output: &Output) -> Option<Vec<Option<[f32; 2]>>> {
-    Some(match output {
-        Output::Points(_) | Output::Tracks(_) | Output::Objects(_) => return None,
-        Output::Blocks(field) => field.vectors.iter().map(|vector| vector.map(|vector| vector.displacement)).collect(),
-        Output::Dense(DenseField { flow, .. }) => {
-            let known = |uv: &[f32; 2]| Some(*uv).filter(|uv| uv.iter().all(|c| c.is_finite()));
-            flow.0.cells().iter().map(known).collect()
-        }
-    })
 }
 
 fn noisy(frame: &Arc<Frame>, seed: u64) -> Frame {
@@ -251,7 +240,7 @@ mod tests {
             let figures = Figures::of(&*estimator, &output, (&clip, 0), &threads).expect("figures");
             let id = estimator.info().id;
             for kept in [figures.kept_in_noise, figures.kept_in_light] {
-                let is_sparse = !matches!(output, Output::Blocks(_) | Output::Dense(_));
+                let is_sparse = !output.motion().is_field();
                 assert_eq!(kept.is_none(), is_sparse, "{id}");
                 assert!(kept.is_none_or(|kept| (0.0..=1.0).contains(&kept)), "{id}");
             }
@@ -269,7 +258,7 @@ mod tests {
             let result = |estimator: &dyn AnyEstimator, unit: usize| {
                 let mut walk = estimator.walk(&clip, 0).expect("a walk");
                 walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
-                walk.output().blocks().expect("blocks").vectors[block].expect("it was searched").cost
+                walk.output().get::<BlockField>().expect("blocks").vectors[block].expect("it was searched").cost
             };
             let full = full_search_like(&*estimator).expect("full search");
             assert!(result(&*estimator, unit) > result(&*full, block), "{id}");

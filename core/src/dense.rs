@@ -40,5 +40,6 @@ impl FlowMethod {
 }
 
 fn flow_by<E: Estimator>(method: &E, clip: &Clip, t: usize, threads: &Threads) -> Result<Flow, Error> {
-    method.run(clip, t, threads).map(|state| method.output(&state).flow())
+    let flow = method.run(clip, t, threads).map(|state| method.output(&state).flow())?;
+    flow.ok_or_else(|| Error::new(format!("{} makes no dense flow; choose another method", E::INFO.id)))
 }

@@ -1,5 +1,6 @@
 //! What every estimator is: a declaration, a unit of work, and how it is seen and told.
 
+use crate::products::ProductKind;
 use crate::scene::Chart;
 use crate::threads::Threads;
 use crate::timeline::Timeline;
@@ -107,13 +108,6 @@ impl Info {
     }
 }
 
-impl Promise {
-    /// Whether it is about frames by themselves, and nothing is said of how pixels of one lie in the next.
-    pub fn is_of_single_frames(self) -> bool {
-        matches!(self, Self::Places | Self::Objects)
-    }
-}
-
 /// Where a run stands on one rung of the ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rung {
@@ -171,7 +165,9 @@ impl Explained {
 pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     /// What there is to say about it.
     const INFO: Info;
-    /// What it can be relied on to find.
+    /// The kinds of products that a run may make, the one that matters most first.
+    const PRODUCES: &'static [&'static ProductKind];
+    /// What it can be relied on to find: for tests.
     const PROMISE: Promise = Promise::Translation;
     /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
     const TESTS_CANDIDATES: bool = false;
@@ -265,6 +261,11 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     /// What the cursor shows on the stage.
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene);
 
+    /// The same estimator as it would work on a live camera, where it looks back in time as it is set: without hindsight.
+    fn causal(&self) -> Option<Self> {
+        None
+    }
+
     /// What a state amounts to so far.
     fn output(&self, state: &Self::State) -> Output;
 
@@ -325,8 +326,19 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// What there is to say about it.
     fn info(&self) -> &'static Info;
 
-    /// What it can be relied on to find.
+    /// The kinds of products that a run may make, the one that matters most first.
+    fn produces(&self) -> &'static [&'static ProductKind];
+
+    /// What it can be relied on to find: for tests.
     fn promise(&self) -> Promise;
+
+    /// Whether it is about each frame by itself, and nothing is said of how pixels of one lie in the next.
+    fn is_of_single_frames(&self) -> bool {
+        self.info().frames == 1 || self.produces().iter().all(|kind| kind.is_of_single_frames)
+    }
+
+    /// The same estimator without hindsight, where it looks back in time as it is set.
+    fn causal(&self) -> Option<Box<dyn AnyEstimator>>;
 
     /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
     fn tests_candidates(&self) -> bool;
@@ -370,8 +382,16 @@ impl<E: Estimator> AnyEstimator for E {
         const { &E::INFO }
     }
 
+    fn produces(&self) -> &'static [&'static ProductKind] {
+        E::PRODUCES
+    }
+
     fn promise(&self) -> Promise {
         E::PROMISE
+    }
+
+    fn causal(&self) -> Option<Box<dyn AnyEstimator>> {
+        Estimator::causal(self).map(|causal| Box::new(causal) as Box<dyn AnyEstimator>)
     }
 
     fn tests_candidates(&self) -> bool {

@@ -27,9 +27,9 @@ pub mod metrics;
 pub mod moving_objects;
 pub mod objects;
 pub mod optical_flow;
-mod output;
 pub mod params;
 mod polynomial;
+pub mod products;
 mod pyramid;
 mod registry;
 pub mod scene;
@@ -38,6 +38,7 @@ mod stop;
 mod streaks;
 mod subtraction;
 pub mod synth;
+pub mod table;
 mod threads;
 mod timeline;
 pub mod tracking;
@@ -58,14 +59,15 @@ pub use interpolation::Interpolation;
 pub use levels::{Floor, Level, Levels, Stack};
 pub use lockstep::{Beside, Lockstep, Pace};
 pub use objects::{Blob, Bounds, Detection, Followed, Life, Mask, Object, ObjectField, ObjectFrame, PackedMask};
-pub use output::{
-    Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Feature, Output, PointField, Status, Track,
-    TrackField, predict,
-};
 pub use params::{Params, Spec, Value};
+pub use products::{
+    Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Feature, MaskField, Output, PointField, Product,
+    ProductKind, Status, Track, TrackField, predict,
+};
 pub use registry::{estimator, estimators};
 pub use scene::{Role, Scene, Step};
 pub use stop::Stop;
 pub use streaks::{Streak, Streaks};
 pub use threads::Threads;
 pub use timeline::{Cursor, Move, Timeline, Walk, Way};
+pub use words::{grouped, spaced};

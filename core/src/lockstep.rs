@@ -9,8 +9,8 @@
 use crate::block_search::unit_at;
 use crate::scene::Readout;
 use crate::{
-    AnyEstimator, BlockGrid, Clip, Cursor, Error, Info, Move, Output, Role, Rung, Scene, Step, Threads, Walk, Way,
-    choices,
+    AnyEstimator, BlockField, BlockGrid, Clip, Cursor, Error, Info, Move, Output, Role, Rung, Scene, Step, Threads,
+    Walk, Way, choices,
 };
 
 choices! {
@@ -175,12 +175,12 @@ impl Lockstep {
             Ok(Member { walk, spent, trails: Vec::new(), seen: 0 })
         };
         let members = estimators.iter().map(member).collect::<Result<Vec<_>, Error>>()?;
-        let blocks = members.iter().map(|member| match member.walk.output() {
-            Output::Blocks(field) => Ok(field.blocks),
-            _ => {
-                let id = member.walk.info().id;
-                Err(Error::new(format!("{id} has no blocks to be walked in lockstep; choose block searches")))
-            }
+        let blocks = members.iter().map(|member| {
+            let grid = member.walk.output().get::<BlockField>().map(|field| field.blocks);
+            let id = member.walk.info().id;
+            grid.ok_or_else(|| {
+                Error::new(format!("{id} has no blocks to be walked in lockstep; choose block searches"))
+            })
         });
         let blocks = blocks.collect::<Result<Vec<BlockGrid>, Error>>()?;
         if let Some(other) = blocks.iter().position(|grid| *grid != blocks[0]) {

@@ -37,6 +37,26 @@ pub fn counted(count: usize, one: &str) -> String {
     if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
 }
 
+/// Between groups of three digits: thin, and no line is broken there.
+const THIN_SPACE: char = '\u{202f}';
+
+/// A whole number with thin spaces between thousands: 12 345.
+pub fn grouped(count: usize) -> String {
+    spaced(&count.to_string())
+}
+
+/// Digits with thin spaces between thousands: four stand together, more are grouped.
+pub fn spaced(digits: &str) -> String {
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && digits.len() > 4 && (digits.len() - i).is_multiple_of(3) {
+            text.push(THIN_SPACE);
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// Where a velocity leads, in degrees from right, against the clock: more than −180 up to 180.
 pub fn heading_deg([u, v]: [f64; 2]) -> f64 {
     // Not `-v`: left would be −180 where v is 0.

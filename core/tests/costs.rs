@@ -1,7 +1,7 @@
 //! What the costs make of changes of light, and what is told about them.
 
 use motionscope_core::scene::Readout;
-use motionscope_core::{Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, estimator, estimators};
+use motionscope_core::{BlockField, Clip, Cursor, Frame, Gray, Grid, Move, Threads, estimator, estimators};
 
 const COSTS: [&str; 6] = ["sad", "ssd", "mse", "zsad", "satd", "ncc"];
 
@@ -29,7 +29,9 @@ fn found(cost: &str, clip: &Clip) -> f64 {
     for (name, value) in [("cost", cost), ("block", "8"), ("range", "4")] {
         search.set(name, value).expect("sound");
     }
-    let Output::Blocks(field) = search.run(clip, 0, &Threads::single()).expect("sound") else { panic!("no blocks") };
+    let Some(field) = search.run(clip, 0, &Threads::single()).expect("sound").get::<BlockField>().cloned() else {
+        panic!("no blocks")
+    };
     let inner = (0..field.vectors.len()).filter(|&i| {
         let block = field.blocks.block(i);
         block.x >= 8 && block.y >= 8 && block.x < 56 && block.y < 40
@@ -66,7 +68,8 @@ fn every_search_means_the_same_by_a_cost() {
                         search.set(name, value).expect("sound");
                     }
                 }
-                let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).expect("sound") else {
+                let Some(field) = search.run(&clip, 0, &Threads::single()).expect("sound").get::<BlockField>().cloned()
+                else {
                     panic!("no blocks")
                 };
                 (search, field)

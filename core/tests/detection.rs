@@ -57,7 +57,7 @@ fn raw(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
 
 fn objects(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
     let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
-    output.objects().expect("objects").clone()
+    output.get::<ObjectField>().expect("objects").clone()
 }
 
 /// The masks of all frames but the first.
@@ -449,7 +449,7 @@ fn a_damaged_frame_ends_the_run_and_what_was_done_stays() {
         let mut walk = estimator.walk(&broken, 0).expect("a run");
         walk.jump(Move::End);
         assert!(walk.failure().is_some(), "{id}");
-        assert_eq!(walk.output().objects().expect("objects").frames.len(), 7, "{id}");
+        assert_eq!(walk.output().get::<ObjectField>().expect("objects").frames.len(), 7, "{id}");
         let error = estimator.run(&endless, 0, &Threads::single()).expect_err("a damaged frame").to_string();
         assert!(error.contains("damaged"), "{id}: {error}");
         assert_eq!(objects(&*estimator, &whole).frames.len(), FRAMES, "{id}");

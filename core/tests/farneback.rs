@@ -3,7 +3,7 @@
 mod common;
 
 use common::{SIZE, error, flow, linear_motion, set};
-use motionscope_core::{Clip, Cursor, Grid, Move, Output, scene};
+use motionscope_core::{Clip, Cursor, DenseField, Grid, Move, scene};
 
 /// The polynomial c + b_x x + b_y y + a_xx x² + a_yy y² + 2 a_xy x y that fits a picture best around a pixel, as plainly as can
 /// be: the normal equations of the pixels in the picture, by elimination. Its b, and its A as (a_xx, a_xy, a_yy).
@@ -111,7 +111,7 @@ fn farneback_tells_what_it_does() {
     let focus = [40.0, 30.0];
     // The last iteration, on the picture itself.
     walk.jump(Move::To(Cursor { unit: 3, event: usize::MAX }));
-    let Output::Dense(field) = walk.output() else { panic!("a dense field") };
+    let Some(field) = walk.output().get::<DenseField>().cloned() else { panic!("a dense field") };
     let step = walk.step(Some(focus));
     let found = step.readouts.iter().find_map(|readout| match readout {
         scene::Readout::Plane(plane) => plane.points.iter().find(|(name, ..)| *name == "displacement"),

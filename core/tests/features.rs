@@ -3,7 +3,9 @@
 mod common;
 
 use common::{set, waves};
-use motionscope_core::{Border, Clip, Cursor, Feature, Frame, Gray, Grid, Move, Output, Status, Threads, Way, scene};
+use motionscope_core::{
+    Border, Clip, Cursor, DenseField, Feature, Frame, Gray, Grid, Move, PointField, Status, Threads, Way, scene,
+};
 
 fn clip(frames: [Gray; 2]) -> Clip {
     Clip::from_frames("made", frames.into_iter().map(Frame::gray).collect()).expect("frames of one size")
@@ -11,7 +13,7 @@ fn clip(frames: [Gray; 2]) -> Clip {
 
 fn points(id: &str, settings: &[(&str, &str)], clip: &Clip) -> Vec<Feature> {
     let output = set(id, settings).run(clip, 0, &Threads::single()).expect("a run");
-    output.points().expect("features").points.clone()
+    output.get::<PointField>().expect("features").points.clone()
 }
 
 const SIZE: (usize, usize) = (96, 80);
@@ -278,8 +280,8 @@ fn an_iteration_is_told_with_its_numbers_and_its_trail() {
     });
     assert_eq!(trail, Some(3), "where it began and two iterations");
     walk.jump(Move::End);
-    assert_eq!(walk.output().points().expect("features").points.len(), 5);
-    assert_eq!(walk.unit_at(walk.output().points().expect("features").points[3].at), Some(7));
+    assert_eq!(walk.output().get::<PointField>().expect("features").points.len(), 5);
+    assert_eq!(walk.unit_at(walk.output().get::<PointField>().expect("features").points[3].at), Some(7));
 }
 
 #[test]
@@ -326,7 +328,7 @@ const DENSE: [(&str, &str); 4] = [("points", "dense"), ("levels", "2"), ("window
 fn every_pixel_is_tracked_as_a_single_point_is() {
     let clip = moving([1.3, -0.8]);
     let output = set("pyramidal-lucas-kanade", &DENSE).run(&clip, 0, &Threads::single()).expect("a run");
-    let Output::Dense(field) = &output else { panic!("a dense field") };
+    let Some(field) = &output.get::<DenseField>().cloned() else { panic!("a dense field") };
     let settings = [&DENSE[..], &[("points", "grid"), ("max-points", "400")]].concat();
     for point in points("pyramidal-lucas-kanade", &settings, &clip) {
         let (x, y) = (point.at[0] as usize, point.at[1] as usize);
@@ -373,7 +375,7 @@ fn a_feature_that_is_pointed_at_is_explained_with_its_way_through_the_levels() {
     let mut walk = estimator.walk(&clip, 0).expect("a walk");
     walk.jump(Move::End);
     let output = walk.output();
-    let found = &output.points().expect("features").points;
+    let found = &output.get::<PointField>().expect("features").points;
     // In the middle of the last one's way, on its coarse level.
     walk.jump(Move::To(Cursor { unit: 8, event: 2 }));
     let stack = |step: scene::Step| {

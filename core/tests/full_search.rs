@@ -1,7 +1,7 @@
 //! Full search against a plain reference, and against what the issue of ties and borders demands.
 
 use motionscope_core::scene::Readout;
-use motionscope_core::{Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, Walk, Way, estimator};
+use motionscope_core::{BlockField, Clip, Cursor, Frame, Gray, Grid, Move, Threads, Walk, Way, estimator};
 use proptest::prelude::*;
 
 /// What a search is asked for.
@@ -83,7 +83,7 @@ proptest! {
         ] {
             search.set(name, &value).unwrap();
         }
-        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap() else { panic!("no blocks") };
+        let Some(field) = search.run(&clip, 0, &Threads::single()).unwrap().get::<BlockField>().cloned() else { panic!("no blocks") };
         for (i, found) in field.vectors.iter().enumerate() {
             let at = field.blocks.block(i);
             let found = found.expect("every block is searched");
@@ -100,7 +100,9 @@ fn mse_is_ssd_divided_and_chooses_the_same() {
     let run = |cost: &str| {
         let mut search = estimator("full-search").unwrap();
         search.set("cost", cost).unwrap();
-        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap() else { panic!("no blocks") };
+        let Some(field) = search.run(&clip, 0, &Threads::single()).unwrap().get::<BlockField>().cloned() else {
+            panic!("no blocks")
+        };
         field
     };
     let (ssd, mse) = (run("ssd"), run("mse"));
@@ -117,7 +119,9 @@ fn a_flat_picture_does_not_move() {
     for order in ["raster", "spiral"] {
         let mut search = estimator("full-search").unwrap();
         search.set("order", order).unwrap();
-        let Output::Blocks(field) = search.run(&clip, 0, &Threads::single()).unwrap() else { panic!("no blocks") };
+        let Some(field) = search.run(&clip, 0, &Threads::single()).unwrap().get::<BlockField>().cloned() else {
+            panic!("no blocks")
+        };
         assert!(field.vectors.iter().all(|v| v.is_some_and(|v| v.displacement == [0.0, 0.0])));
     }
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use common::halved;
 use motionscope_core::{
-    BlockGrid, Border, Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, Way, estimator, synth,
+    BlockField, BlockGrid, Border, Clip, Cursor, Frame, Gray, Grid, Move, Threads, Way, estimator, synth,
 };
 use proptest::prelude::*;
 
@@ -120,7 +120,7 @@ proptest! {
         for (name, value) in [("block", block), ("range", range as usize), ("levels", count), ("refine", refine as usize)] {
             search.set(name, &value.to_string()).expect("sound");
         }
-        let Output::Blocks(field) = search.run(&clip, 0, &Threads::new(2).expect("sound")).expect("sound") else { panic!("no blocks") };
+        let Some(field) = search.run(&clip, 0, &Threads::new(2).expect("sound")).expect("sound").get::<BlockField>().cloned() else { panic!("no blocks") };
         let (expected, candidates) = reference(&levels, refine);
         for (i, (found, (u, v))) in field.vectors.iter().zip(expected).enumerate() {
             prop_assert_eq!(found.expect("searched").displacement, [u as f32, v as f32], "block {}", i);
@@ -133,7 +133,7 @@ proptest! {
 fn recovered(id: &str, settings: &[(&str, &str)], clip: &Clip, motion: Vector) -> f64 {
     let mut search = estimator(id).expect("sound");
     settings.iter().for_each(|(name, value)| search.set(name, value).expect("sound"));
-    let flow = search.run(clip, 0, &Threads::single()).expect("sound").flow();
+    let flow = search.run(clip, 0, &Threads::single()).expect("sound").flow().expect("a flow");
     let (width, height) = flow.0.size();
     let inside = |p: usize, by: i64, extent: usize| p as i64 + by >= 16 && p as i64 + by < extent as i64 - 16;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -168,7 +168,7 @@ fn the_fast_ball_is_caught_unless_the_pyramid_makes_it_smaller_than_a_block() {
     let error = |id: &str, settings: &[(&str, &str)]| {
         let mut search = estimator(id).expect("sound");
         settings.iter().for_each(|(name, value)| search.set(name, value).expect("sound"));
-        let flow = search.run(&clip, 3, &Threads::single()).expect("sound").flow();
+        let flow = search.run(&clip, 3, &Threads::single()).expect("sound").flow().expect("a flow");
         let on_ball = (0..current.size().1).flat_map(|y| (0..current.size().0).map(move |x| (x, y)));
         let on_ball: Vec<_> =
             on_ball.filter(|&(x, y)| truth.at(x, y).is_some_and(|[u, v]| u.hypot(v) > 16.0)).collect();

@@ -1,7 +1,7 @@
 //! The histogram of displacements against the field that a run leaves.
 
 use motionscope_core::scene::Readout;
-use motionscope_core::{Clip, Coding, Cursor, Frame, Grid, Histogram, Move, Walk, Way, estimator};
+use motionscope_core::{BlockField, Clip, Coding, Cursor, Frame, Grid, Histogram, Move, Walk, Way, estimator};
 
 fn clip() -> Clip {
     let texture = |x: usize, y: usize| ((x * x * 3 + y * 37 + x * y * 5) % 251) as u8;
@@ -53,7 +53,7 @@ fn each_bin_leads_to_its_first_block_and_the_bits_are_those_of_the_coding() {
         walk.jump(Move::End);
         let histogram = histogram(&*walk).expect("the run is over");
         let output = walk.output();
-        let field = output.blocks().expect("a block search has blocks");
+        let field = output.get::<BlockField>().expect("a block search has blocks");
         let bins: Vec<_> =
             field.vectors.iter().map(|v| v.expect("all are found").displacement.map(f32::round)).collect();
         for (at, count) in histogram.fullest() {
@@ -65,7 +65,7 @@ fn each_bin_leads_to_its_first_block_and_the_bits_are_those_of_the_coding() {
         let frames = clip().pair(0).expect("a pair");
         let prediction = output.prediction(frames[1].luma());
         let coding =
-            Coding::of(&output, frames[0].luma(), &prediction.expect("every block is known")).expect("one size");
+            Coding::of(Some(field), frames[0].luma(), &prediction.expect("every block is known")).expect("one size");
         assert!((histogram.bits * bins.len() as f64 - coding.vector_bits.expect("of blocks")).abs() < 1e-6);
     }
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{central, equation, fact, flow, linear_motion, numbers, plane, plotted, point, set, told};
-use motionscope_core::{Clip, Cursor, Flow, Frame, Move, Output, Threads, Way, synth};
+use motionscope_core::{Clip, Cursor, DenseField, Flow, Frame, Move, Threads, Way, synth};
 
 /// Horn and Schunck's method as plainly as can be: one level, central differences, Jacobi iterations, all in f64.
 fn plain_horn_schunck(clip: &Clip, alpha: f64, iterations: usize) -> Vec<[f64; 2]> {
@@ -105,7 +105,7 @@ fn the_update_that_is_told_is_the_one_that_is_done() {
         let mut walk = estimator.walk(&clip, 0).unwrap();
         walk.jump(Move::To(Cursor { unit: 6, event: usize::MAX }));
         let focus = [40.0, 30.0];
-        let Output::Dense(field) = walk.output() else { panic!("a dense field") };
+        let Some(field) = walk.output().get::<DenseField>().cloned() else { panic!("a dense field") };
         let step = walk.step(Some(focus));
         let [before, mean, after] = ["before", "average", "after"].map(|name| point(&step, name));
         assert_eq!(after, field.flow.at(40, 30).unwrap());

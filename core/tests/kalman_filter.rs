@@ -6,15 +6,11 @@ use common::set;
 use motionscope_core::kalman::chi_square;
 use motionscope_core::objects::score::scores;
 use motionscope_core::scene::{Matrix, Readout, Series};
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Detection, Life, Move, ObjectField, Output, Role, Threads, Walk, synth,
-};
+use motionscope_core::{AnyEstimator, Bounds, Clip, Detection, Life, Move, ObjectField, Role, Threads, Walk, synth};
 
 fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
-    match estimator.run(clip, 0, &Threads::single()).expect("a run") {
-        Output::Objects(field) => field,
-        other => panic!("{other:?} are no objects"),
-    }
+    let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
+    output.get::<ObjectField>().expect("objects").clone()
 }
 
 fn scene(id: &str) -> Clip {

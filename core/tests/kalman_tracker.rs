@@ -4,15 +4,11 @@ mod common;
 
 use common::set;
 use motionscope_core::scene::Readout;
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Detection, Life, Move, ObjectField, Output, Threads, Walk, Way, synth,
-};
+use motionscope_core::{AnyEstimator, Bounds, Clip, Detection, Life, Move, ObjectField, Threads, Walk, Way, synth};
 
 fn run(settings: &[(&str, &str)], clip: &Clip) -> ObjectField {
-    match set("kalman-tracker", settings).run(clip, 0, &Threads::single()).expect("a run") {
-        Output::Objects(field) => field,
-        other => panic!("{other:?} are no objects"),
-    }
+    let output = set("kalman-tracker", settings).run(clip, 0, &Threads::single()).expect("a run");
+    output.get::<ObjectField>().expect("objects").clone()
 }
 
 fn found(center: [f32; 2], size: [f32; 2], score: f32) -> Detection {

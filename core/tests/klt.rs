@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use motionscope_core::{
-    AnyEstimator, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Move, Output, Role, Status, Stop, Threads,
+    AnyEstimator, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Move, Role, Status, Stop, Threads,
     TrackField, Way, estimator, scene,
 };
 
@@ -36,10 +36,8 @@ fn klt(settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
 }
 
 fn tracks(settings: &[(&str, &str)], clip: &Clip) -> TrackField {
-    match klt(settings).run(clip, 0, &Threads::single()).expect("a run") {
-        Output::Tracks(field) => field,
-        other => panic!("tracks, not {other:?}"),
-    }
+    let output = klt(settings).run(clip, 0, &Threads::single()).expect("a run");
+    output.get::<TrackField>().expect("tracks").clone()
 }
 
 #[test]
@@ -230,7 +228,7 @@ fn a_damaged_frame_is_told_and_the_end_of_a_clip_is_none() {
     let told = damaged.failure().expect("the damage").to_string();
     assert!(told.contains("frame 3 of waves"), "{told}");
     // What was done stays: two pairs with all their features.
-    let Output::Tracks(field) = damaged.output() else { panic!("tracks") };
+    let Some(field) = damaged.output().get::<TrackField>().cloned() else { panic!("tracks") };
     assert_eq!((damaged.at_frame(), field.last), (1, 2));
     assert!(field.tracks.iter().any(|track| track.points.len() == 3 && track.is_alive()));
     let run = |is_damaged| klt(&settings).run(&stream(is_damaged), 0, &Threads::single());

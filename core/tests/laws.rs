@@ -6,9 +6,11 @@ use std::sync::Arc;
 
 use common::waves;
 use motionscope_core::params::{Kind, Spot, Value};
+use motionscope_core::products::{KINDS, Motion, Reference, Score};
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Explained, Flow, Frame, Grid, Move, ObjectBox, Output,
-    Promise, Scene, Step, Stop, Threads, Truth, Walk, Way, estimators,
+    AnyEstimator, BlockField, Bounds, Clip, Cursor, DenseField, Detection, Error, Explained, Flow, Frame, Grid, Move,
+    ObjectBox, ObjectField, Output, PointField, ProductKind, Promise, Scene, Step, Stop, Threads, Truth, Walk, Way,
+    estimators,
 };
 use proptest::prelude::*;
 
@@ -264,7 +266,7 @@ fn known_translations_are_recovered_as_far_as_promised() {
         };
         for motion in [(0, 0), (2, -1), (-2, 2)] {
             let clip = moving_texture(texture, (96, 80), motion, 2);
-            let flow = estimator.run(&clip, 0, &Threads::single()).unwrap().flow();
+            let flow = estimator.run(&clip, 0, &Threads::single()).unwrap().flow().expect("a flow");
             // Away from the border, where what moved in cannot be known.
             for (x, y) in (16..64).flat_map(|y| (16..80).map(move |x| (x, y))) {
                 let [u, v] = flow.at(x, y).expect("a displacement for every pixel");
@@ -289,8 +291,8 @@ fn known_fractions_of_a_pixel_are_recovered_as_far_as_promised() {
         for motion in [(0.0, 0.0), (0.4, -0.3), (-0.25, 0.6)] {
             let clip = moving_waves((96, 80), motion);
             let output = estimator.run(&clip, 0, &Threads::single()).unwrap();
-            let is_sparse = output.points().is_some() || output.tracks().is_some();
-            let (flow, least) = (output.flow(), if is_sparse { 20 } else { 48 * 64 / 2 });
+            let least = if output.motion().is_field() { 48 * 64 / 2 } else { 20 };
+            let flow = output.flow().expect("a flow");
             let (mut sum, mut known) = (0.0, 0);
             // Away from the border, where what moved in cannot be known.
             for [u, v] in (16..64).flat_map(|y| (16..80).map(move |x| (x, y))).filter_map(|(x, y)| flow.at(x, y)) {
@@ -317,7 +319,7 @@ fn features_of_a_moved_picture_are_moved_alike() {
         let clip = moving_texture(smooth_texture, (96, 80), (3, -2), 3);
         let features = |frame| {
             let output = estimator.run(&clip, frame, &Threads::single()).unwrap();
-            output.points().expect("features").points.iter().map(|point| point.at).collect::<Vec<_>>()
+            output.get::<PointField>().expect("features").points.iter().map(|point| point.at).collect::<Vec<_>>()
         };
         let (here, there) = (features(0), features(1));
         // What lies near the border is not seen in both, and may have taken the place of others.
@@ -349,7 +351,7 @@ fn what_moves_before_a_background_is_found_in_its_place() {
     for estimator in estimators().into_iter().filter(|estimator| estimator.promise() == Promise::Objects) {
         let (clip, bounds) = square_on_background(24);
         let output = estimator.run(&clip, 0, &Threads::single()).unwrap();
-        let field = output.objects().expect("objects");
+        let field = output.get::<ObjectField>().expect("objects");
         let id = estimator.info().id;
         assert_eq!((field.first, field.frames.len()), (0, 24), "{id}");
         for (frame, truth) in field.frames.iter().zip(&bounds).skip(8) {
@@ -381,7 +383,7 @@ fn a_dense_prediction_fits_better_than_none() {
         let clip = moving_waves((96, 80), (0.4, -0.3));
         let [current, next] = clip.pair(0).unwrap();
         let output = estimator.run(&clip, 0, &Threads::single()).unwrap();
-        let Output::Dense(field) = &output else { continue };
+        let Some(field) = &output.get::<DenseField>().cloned() else { continue };
         assert!(field.confidence.as_ref().is_none_or(|c| c.values.cells().iter().all(|v| v.is_finite())));
         let off = |picture: &Grid<u8>| -> u64 {
             picture.cells().iter().zip(current.luma().cells()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum()
@@ -399,7 +401,7 @@ fn a_flat_picture_and_one_a_pixel_wide_give_nothing_that_is_not_finite() {
             let Ok(mut walk) = estimator.walk(&clip, 0) else { continue };
             walk.jump(Move::End);
             assert!(walk.failure().is_none(), "{}", estimator.info().id);
-            for [u, v] in walk.output().flow().0.into_cells() {
+            for [u, v] in walk.output().flow().into_iter().flat_map(|flow| flow.0.into_cells()) {
                 assert!(u.is_finite() == v.is_finite() && !u.is_infinite(), "{}: ({u}, {v})", estimator.info().id);
             }
             assert!(!walk.step(None).sentence.plain().contains("NaN"));
@@ -413,7 +415,7 @@ fn a_displacement_fits_at_least_as_well_as_none() {
         let clip = moving(64, 48, (2, -1), 2);
         let [current, next] = clip.pair(0).unwrap();
         let output = estimator.run(&clip, 0, &Threads::single()).unwrap();
-        let Some(field) = output.blocks() else { return };
+        let Some(field) = output.get::<BlockField>() else { return };
         for (i, vector) in field.vectors.iter().enumerate() {
             let block = field.blocks.block(i);
             let pixels =
@@ -626,11 +628,57 @@ fn who_tells_a_confidence_declares_it() {
         let clip = moving(50, 41, (1, -2), 4);
         let told = estimator.run(&clip, 0, &Threads::single()).unwrap();
         let walk = estimator.walk(&clip, 0).unwrap();
-        match told {
-            Output::Dense(field) => assert_eq!(field.confidence.is_some(), walk.tells_confidence()),
-            Output::Blocks(_) | Output::Objects(_) => assert!(!walk.tells_confidence()),
-            // Where it is asked for features alone, a method of dense fields may have some to tell otherwise.
-            Output::Points(_) | Output::Tracks(_) => {}
+        // Where it is asked for features alone, a method of dense fields may have some to tell otherwise.
+        if told.motion() != Motion::Points {
+            assert_eq!(told.confidence().is_some(), walk.tells_confidence(), "{}", estimator.info().id);
+        }
+    });
+}
+
+#[test]
+fn a_run_makes_products_of_the_kinds_that_are_declared() {
+    each(|estimator| {
+        let (id, declared) = (estimator.info().id, estimator.produces());
+        let clip = moving(50, 41, (1, -2), 4);
+        let output = estimator.run(&clip, 0, &Threads::single()).expect("a run");
+        assert!(output.kinds().count() > 0 && output.kinds().all(|kind| declared.contains(&kind)), "{id}");
+        assert!(declared.iter().all(|kind| KINDS.contains(kind)), "{id}");
+        // What is declared and not made by default is made with other parameters: one choice at a time.
+        let choices = estimator.specs().iter().enumerate().filter_map(|(i, spec)| match &spec.kind {
+            Kind::Choice(all) => Some(all.iter().map(move |choice| (i, Value::Choice(choice.name)))),
+            _ => None,
+        });
+        let missing = |made: &[&ProductKind]| declared.iter().any(|kind| !made.contains(kind));
+        let mut made: Vec<_> = output.kinds().collect();
+        for (index, value) in choices.flatten().collect::<Vec<_>>() {
+            if !missing(&made) {
+                break;
+            }
+            let mut changed = estimator.boxed_clone();
+            changed.set_value(index, value).expect("a choice of its own");
+            made.extend(
+                changed.run(&clip, 0, &Threads::single()).iter().flat_map(|output| output.kinds().collect::<Vec<_>>()),
+            );
+        }
+        assert!(!missing(&made), "{id} declares a product that it never makes");
+    });
+}
+
+#[test]
+fn a_product_is_assessed_by_the_measures_of_its_kind() {
+    each(|estimator| {
+        let clip = moving(50, 41, (1, -2), 4);
+        let output = estimator.run(&clip, 0, &Threads::single()).expect("a run");
+        for product in output.products() {
+            let assessment = product.assess(&Reference { clip: &clip, frame: 0 }).expect("frames that can be read");
+            let is_declared = |score: &Score| {
+                product.kind().measures.iter().copied().flatten().any(|measure| measure == score.measure)
+            };
+            assert!(assessment.scores.iter().all(is_declared), "{}", estimator.info().id);
+            assert_eq!(assessment.truth_error, None, "{}", estimator.info().id);
+            if let Some(table) = product.table() {
+                assert!(table.rows().all(|row| row.len() == table.columns().len()), "{}", estimator.info().id);
+            }
         }
     });
 }

@@ -2,7 +2,7 @@
 
 use motionscope_core::scene::Readout;
 use motionscope_core::{
-    AnyEstimator, Beside, Clip, Cursor, Frame, Grid, Lockstep, Move, Output, Pace, Scene, Step, Threads, Walk, Way,
+    AnyEstimator, Beside, BlockField, Clip, Cursor, Frame, Grid, Lockstep, Move, Pace, Scene, Step, Threads, Walk, Way,
     estimator,
 };
 
@@ -209,7 +209,9 @@ fn the_end_is_what_each_finds_in_a_run() {
         let run = small(ids[0]).run(&clip(), 0, &Threads::single()).expect("a run");
         assert_eq!(walk.output(), run, "{ids:?}");
         for (member, id) in walk.beside(None).iter().zip(ids).filter(|(member, _)| member.is_done) {
-            let Output::Blocks(field) = small(id).run(&clip(), 0, &Threads::single()).expect("a run") else {
+            let Some(field) =
+                small(id).run(&clip(), 0, &Threads::single()).expect("a run").get::<BlockField>().cloned()
+            else {
                 panic!("no blocks")
             };
             assert_eq!(member.candidates_in_all, field.candidates(), "{id}");

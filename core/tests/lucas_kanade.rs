@@ -3,7 +3,7 @@
 mod common;
 
 use common::{SIZE, fact, linear_motion, numbers, set, tile, told};
-use motionscope_core::{Clip, Cursor, Frame, Grid, Move, Output, Role, Threads, scene};
+use motionscope_core::{Clip, Cursor, DenseField, Frame, Grid, Move, Role, Threads, scene};
 
 /// Lucas and Kanade's method at one pixel, as plainly as can be: central differences, all pixels of the window alike, in f64.
 /// The displacement, the smaller eigenvalue, and the root mean square by which the constraints are off.
@@ -40,7 +40,7 @@ fn lucas_kanade_agrees_with_a_plain_one() {
             ("threshold", "0"),
         ];
         let output = set("lucas-kanade", &settings).run(&clip, 0, &Threads::single()).unwrap();
-        let Output::Dense(field) = output else { panic!("a dense field") };
+        let Some(field) = output.get::<DenseField>().cloned() else { panic!("a dense field") };
         let smaller = field.confidence.expect("eigenvalues").values;
         for (x, y) in [(8, 8), (40, 30), (41, 30), (87, 71), (60, 9)] {
             let (plain, eigenvalue, _) = plain_lucas_kanade(&clip, reach, (x, y));
@@ -160,7 +160,7 @@ fn what_nobody_answered_for_stays_unknown_in_the_next_iteration() {
     let mut walk = set("lucas-kanade", &[("iterations", "2")]).walk(&clip, 0).unwrap();
     let mut unknown = |unit: usize| {
         walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
-        let Output::Dense(field) = walk.output() else { panic!("a dense field") };
+        let Some(field) = walk.output().get::<DenseField>().cloned() else { panic!("a dense field") };
         field.flow.0.cells().iter().filter(|uv| uv[0].is_nan()).count()
     };
     let (first, later, end) = (unknown(SIZE.1 - 1), unknown(SIZE.1), unknown(2 * SIZE.1 - 1));
@@ -178,7 +178,7 @@ fn a_bar_is_an_edge_a_wall_is_flat_and_both_say_nothing() {
     };
     let clip = Clip::from_frames("bar", vec![frame(0.0), frame(0.5)]).unwrap();
     let estimator = set("lucas-kanade", &[("window", "9")]);
-    let found = estimator.run(&clip, 0, &Threads::single()).unwrap().flow();
+    let found = estimator.run(&clip, 0, &Threads::single()).unwrap().flow().expect("a flow");
     assert_eq!((found.at(48, 25), found.at(15, 25), found.at(80, 70)), (None, None, None));
     let [u, v] = found.at(48, 60).expect("the corner is seen to move");
     assert!((u - 0.5).abs() < 0.1 && v.abs() < 0.1, "({u}, {v})");
@@ -227,7 +227,13 @@ fn the_spread_that_is_told_is_that_of_many_noisy_pairs() {
         };
         let clip = Clip::from_frames("noisy", vec![noisy(0), noisy(1)]).unwrap();
         let estimator = set("lucas-kanade", &settings);
-        let [u, _] = estimator.run(&clip, 0, &Threads::single()).unwrap().flow().at(place.0, place.1).expect("known");
+        let [u, _] = estimator
+            .run(&clip, 0, &Threads::single())
+            .unwrap()
+            .flow()
+            .expect("a flow")
+            .at(place.0, place.1)
+            .expect("known");
         found.push(f64::from(u));
         let mut walk = estimator.walk(&clip, 0).unwrap();
         walk.jump(Move::To(Cursor { unit: place.1, event: place.0 + 1 }));

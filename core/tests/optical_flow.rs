@@ -90,7 +90,7 @@ fn windows_larger_than_the_picture_and_half_known_truth_show_no_nan() {
     let estimator = set("farneback", &[("window", "63"), ("neighborhood", "15"), ("sigma", "5")]);
     let mut walk = estimator.walk(&clip, 0).unwrap();
     walk.jump(Move::End);
-    assert!(walk.output().flow().0.cells().iter().flatten().all(|c| c.is_finite() && c.abs() < 3.0));
+    assert!(walk.output().flow().expect("a flow").0.cells().iter().flatten().all(|c| c.is_finite() && c.abs() < 3.0));
     for focus in [[3.0, 4.0], [15.0, 4.0]] {
         let step = format!("{:?}", walk.step(Some(focus)));
         assert!(step.contains("Mean endpoint error") && !step.contains("NaN"), "{step}");

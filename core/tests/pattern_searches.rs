@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use motionscope_core::scene::Readout;
-use motionscope_core::{Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, estimator};
+use motionscope_core::{BlockField, Clip, Cursor, Frame, Gray, Grid, Move, Threads, estimator};
 use proptest::prelude::*;
 
 type Vector = (i64, i64);
@@ -285,7 +285,7 @@ proptest! {
             let looks_back = estimator.set("temporal", "on").is_ok();
             let mut before = None;
             for t in 0..2 {
-                let Output::Blocks(field) = estimator.run(&clip, t, &Threads::single()).expect("sound") else { panic!("no blocks") };
+                let Some(field) = estimator.run(&clip, t, &Threads::single()).expect("sound").get::<BlockField>().cloned() else { panic!("no blocks") };
                 let (mut candidates, columns, mut all_found) = (0, field.blocks.counts().0, Vec::<Vector>::new());
                 for (i, found) in field.vectors.iter().enumerate() {
                     let at = field.blocks.block(i);
@@ -342,7 +342,7 @@ fn candidates(id: &str, settings: &[(&str, &str)], unit: usize, valley: Vector) 
     settings.iter().for_each(|(name, value)| search.set(name, value).expect("sound"));
     let mut walk = search.walk(&pit(unit, valley), 0).expect("sound");
     walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
-    let Output::Blocks(field) = walk.output() else { panic!("no blocks") };
+    let Some(field) = walk.output().get::<BlockField>().cloned() else { panic!("no blocks") };
     let found = field.vectors[unit].expect("sound").displacement == [valley.0 as f32, valley.1 as f32];
     let readouts = walk.step(None).readouts;
     let Some(Readout::Facts(facts)) = readouts.first() else { panic!("facts come first") };

@@ -8,7 +8,7 @@ use motionscope_core::{Clip, Frame, Grid, Move, Status, Threads, Track, TrackFie
 
 fn run(settings: &[(&str, &str)], clip: &Clip) -> TrackField {
     let output = set("point-trajectories", settings).run(clip, 0, &Threads::single()).expect("a run");
-    output.tracks().expect("tracks").clone()
+    output.get::<TrackField>().expect("tracks").clone()
 }
 
 /// Frames of waves; `source` says where a place of frame t was in the first frame.
@@ -145,7 +145,7 @@ fn what_is_told_of_the_errors_is_what_the_truth_says() {
     let mut walk = estimator.walk(&clip, 0).expect("a run");
     walk.jump(Move::End);
     let output = walk.output();
-    let field = output.tracks().expect("tracks");
+    let field = output.get::<TrackField>().expect("tracks");
     let truth = clip.truth().expect("exact");
     // Each point goes along the true flow, as long as it can be seen.
     let true_end = |start: [f32; 2]| {
@@ -176,7 +176,7 @@ fn the_point_that_is_pointed_at_is_told_of() {
     walk.jump(Move::End);
     let output = walk.output();
     let nearest = output
-        .tracks()
+        .get::<TrackField>()
         .expect("tracks")
         .tracks
         .iter()

@@ -1,13 +1,13 @@
 //! How good the fast searches are, measured against full search and against exact truth on synthetic scenes.
 
-use motionscope_core::{Clip, Threads, estimator, metrics, predict, synth};
+use motionscope_core::{BlockField, Clip, Threads, estimator, metrics, predict, synth};
 
 /// PSNR in dB of the prediction of frame `t` that `id` makes with `settings`, and its candidates.
 fn quality((id, settings): (&str, &[(&str, &str)]), clip: &Clip, t: usize) -> (f64, u64) {
     let mut search = estimator(id).expect("it is there");
     settings.iter().for_each(|(name, value)| search.set(name, value).expect("in range"));
     let output = search.run(clip, t, &Threads::single()).expect("a run");
-    let field = output.blocks().expect("blocks");
+    let field = output.get::<BlockField>().expect("blocks");
     let [current, next] = clip.pair(t).expect("a pair");
     let prediction = predict(&field.flow(), next.luma(), (field.border, field.filter));
     (metrics::psnr_db(&prediction, current.luma()).expect("one size"), field.candidates())

@@ -2,7 +2,7 @@
 
 use motionscope_core::scene::{Math, Readout};
 use motionscope_core::{
-    AnyEstimator, BlockField, Clip, Cursor, Frame, Gray, Grid, Move, Output, Threads, estimator, estimators,
+    AnyEstimator, BlockField, Clip, Cursor, Frame, Gray, Grid, Move, Threads, estimator, estimators,
 };
 
 /// Waves by their angular frequency along x and y in rad/px, and their phase.
@@ -29,7 +29,9 @@ fn searches() -> impl Iterator<Item = Box<dyn AnyEstimator>> {
 fn field(search: &dyn AnyEstimator, clip: &Clip, settings: &[(&str, &str)]) -> BlockField {
     let mut search = search.boxed_clone();
     settings.iter().for_each(|(name, value)| search.set(name, value).expect("it has it"));
-    let Output::Blocks(field) = search.run(clip, 0, &Threads::single()).expect("a run") else { panic!("no blocks") };
+    let Some(field) = search.run(clip, 0, &Threads::single()).expect("a run").get::<BlockField>().cloned() else {
+        panic!("no blocks")
+    };
     field
 }
 

@@ -73,7 +73,7 @@ impl Estimator for Toy {
 
     fn output(&self, state: &Self::State) -> Output {
         let blocks = BlockGrid { picture: (1, 1), size: 1, step: 1 };
-        Output::Blocks(BlockField {
+        Output::of(BlockField {
             blocks,
             vectors: vec![Some(BlockVector { displacement: [0.0; 2], cost: 0.0, candidates: 1 }); state.0],
             cost: "none",
@@ -92,7 +92,7 @@ fn toy(items: usize, levels: usize, damaged: usize) -> Timeline<Toy> {
 }
 
 fn done(walk: &dyn Walk) -> u64 {
-    let Output::Blocks(field) = walk.output() else { panic!("no blocks") };
+    let Some(field) = walk.output().get::<BlockField>().cloned() else { panic!("no blocks") };
     field.candidates()
 }
 

@@ -7,14 +7,12 @@ use std::collections::BTreeSet;
 use common::set;
 use motionscope_core::objects::score::{Scores, scores};
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Frame, Grid, Life, Move, ObjectField, Output, Threads, Way, synth,
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Frame, Grid, Life, Move, ObjectField, Threads, Way, synth,
 };
 
 fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
-    match estimator.run(clip, 0, &Threads::single()).expect("a run") {
-        Output::Objects(field) => field,
-        other => panic!("{other:?} are no objects"),
-    }
+    let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
+    output.get::<ObjectField>().expect("objects").clone()
 }
 
 fn scene(id: &str) -> Clip {

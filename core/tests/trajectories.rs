@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use motionscope_core::objects::trajectory::Trajectory;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Move, ObjectField, Output, Scene, Threads, estimator,
-    scene::Readout, synth,
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Move, ObjectField, Scene, Threads, estimator, scene::Readout, synth,
 };
 
 const SIZE: [f32; 2] = [20.0, 14.0];
@@ -30,10 +29,8 @@ fn analysis(settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
 }
 
 fn run(analysis: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
-    match analysis.run(clip, 0, &Threads::single()).expect("it runs") {
-        Output::Objects(field) => field,
-        other => panic!("{other:?}"),
-    }
+    let output = analysis.run(clip, 0, &Threads::single()).expect("it runs");
+    output.get::<ObjectField>().expect("objects").clone()
 }
 
 fn crossings(all: &[Arc<Trajectory>]) -> [usize; 2] {

@@ -8,6 +8,7 @@ use motionscope_core::{Cursor, Pace, Threads};
 
 use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
 use crate::pixel::Pixel;
+use crate::results::Asked;
 use crate::session;
 
 const EXAMPLES: &str = "\
@@ -252,18 +253,8 @@ pub struct RunArgs {
     /// Writes the picture of the step, .png or .svg; `-` is a PNG on standard output.
     #[arg(long, value_name = "FILE")]
     pub overlay: Option<PathBuf>,
-    /// Writes the dense flow: Middlebury .flo, KITTI .png or .npy; `-` is a .flo on standard output.
-    #[arg(long, value_name = "FILE")]
-    pub flow: Option<PathBuf>,
-    /// Writes vectors, points, objects or detections as CSV; `-` is standard output.
-    #[arg(long, value_name = "FILE.csv")]
-    pub table: Option<PathBuf>,
-    /// Writes the objects that were tracked: .txt as MOTChallenge rows, .csv with units, .npy; `-` is standard output.
-    #[arg(long, value_name = "FILE")]
-    pub tracks: Option<PathBuf>,
-    /// Folder for a mask of each frame as PNG, white where something moves.
-    #[arg(long, value_name = "DIR")]
-    pub masks: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: Asked,
     /// Prints one JSON object.
     #[arg(long)]
     pub json: bool,

@@ -28,7 +28,7 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         let arena = Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat };
         for contender in &contenders {
             let row = Row::of(contender, &arena)?;
-            match &row.quality.truth_error {
+            match &row.assessment.truth_error {
                 Some(error) if args.truth.is_some() => return Err(error.clone()),
                 Some(error) => eprintln!("warning: {error}"),
                 None => {}

@@ -2,15 +2,15 @@
 
 use std::time::Duration;
 
+use motionscope_core::products::{Assessment, Figure};
 use motionscope_core::scene::Fact;
 use motionscope_core::{Error, Extent, Output};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::Map;
 
 use super::list::value;
 use super::task::Task;
 use crate::motion::Check;
-use crate::quality::{AgainstTruth, Quality, TrackScores, Ways};
 
 /// One run in numbers.
 #[derive(Serialize)]
@@ -25,12 +25,54 @@ pub struct Report {
     events: u64,
     threads: usize,
     ms: Milliseconds,
-    metrics: Quality,
+    #[serde(serialize_with = "figures")]
+    metrics: Assessment,
     #[serde(skip_serializing_if = "Option::is_none")]
     consistency: Option<Checked>,
-    /// The scores of the tracker where it may not look back in time.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    live: Option<TrackScores>,
+    /// The scores of the same estimator without hindsight.
+    #[serde(serialize_with = "live_figures", skip_serializing_if = "Option::is_none")]
+    live: Option<Assessment>,
+}
+
+/// What a run has found beside its output.
+pub struct Findings {
+    /// How good the output is.
+    pub assessment: Assessment,
+    /// The check with the reverse pair, where it was asked for.
+    pub check: Option<Check>,
+    /// How good the same estimator is without hindsight, where it has any.
+    pub live: Option<Assessment>,
+}
+
+/// The scores by their keys.
+fn figures<S: Serializer>(assessment: &Assessment, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(assessment.scores.iter().map(|score| (score.measure.key, Value::from(score.value))))
+}
+
+fn live_figures<S: Serializer>(live: &Option<Assessment>, serializer: S) -> Result<S::Ok, S::Error> {
+    match live {
+        Some(live) => figures(live, serializer),
+        None => serializer.serialize_none(),
+    }
+}
+
+/// A figure in JSON.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Value {
+    Count(u64),
+    Real(f64),
+    None,
+}
+
+impl From<Figure> for Value {
+    fn from(figure: Figure) -> Self {
+        match figure {
+            Figure::Count(count) => Self::Count(count),
+            Figure::Real(value) => Self::Real(value),
+            Figure::None => Self::None,
+        }
+    }
 }
 
 /// The check with the reverse pair in numbers.
@@ -78,7 +120,7 @@ impl Report {
     pub fn new(
         task: &Task,
         output: &Output,
-        (metrics, check, live): (Quality, Option<Check>, Option<TrackScores>),
+        Findings { assessment: metrics, check, live }: Findings,
         extent: Extent,
         timing: Timing,
     ) -> Self {
@@ -92,11 +134,7 @@ impl Report {
             estimator: task.estimator.info().id,
             params: task.estimator.values().into_iter().map(|(name, v)| (name.into(), value(v))).collect(),
             frame: task.frame,
-            last_frame: match output {
-                Output::Tracks(tracks) => tracks.last,
-                Output::Objects(field) => field.first + field.frames.len().saturating_sub(1),
-                _ => task.frame + 1,
-            },
+            last_frame: output.last_frame().unwrap_or(task.frame + 1),
             units: extent.units,
             events: extent.events,
             threads,
@@ -114,56 +152,15 @@ impl Report {
         let params: Vec<_> = params.iter().map(|(name, value)| format!("{name}={}", bare(value))).collect();
         let mut text = format!("{estimator} on {clip}, frame {frame} to {last_frame}\n");
         text += &format!("parameters  {}\n", params.join(" "));
-        let candidates = metrics.candidates.map_or_else(String::new, |count| format!(", {count} candidates"));
-        text += &format!("work        {units} units, {events} events{candidates}\n");
+        text += &format!("work        {units} units, {events} events\n");
         text += &format!("time        {:.3} ms (median), {:.3} ms (least), threads: {threads}\n", ms.median, ms.min);
-        if let Some(features) = metrics.features {
-            text += &format!("features    {}\n", features.text());
+        let width = metrics.facts.iter().map(|fact| fact.label.chars().count()).max().unwrap_or(0).max(10);
+        for Fact { label, value, .. } in &metrics.facts {
+            text += &format!("{:<width$}  {value}\n", label.to_lowercase());
         }
-        if let Some(objects) = metrics.objects {
-            text += &format!("objects     {}\n", objects.text());
-            for Fact { label, value, .. } in objects.ways.iter().flat_map(Ways::facts) {
-                text += &format!("{:<12}{value}\n", label.to_lowercase());
-            }
-            if let Some(TrackScores { mota, motp, idf1, hota, switches, precision, recall, true_objects }) =
-                objects.scores
-            {
-                text += &format!(
-                    "scores      MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches\n\
-                     found       precision {:.1} %, recall {:.1} % of {true_objects} true objects, at IoU 0.5\n",
-                    100.0 * precision,
-                    100.0 * recall
-                );
-            }
-            if let Some(TrackScores { mota, motp, idf1, hota, switches, .. }) = live {
-                text += &format!(
-                    "live        MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches, with bridge and \
-                     backdate off: without looking back in time\n"
-                );
-            }
+        if let Some(live) = live {
+            text += &format!("live        {}: the same without hindsight, as on a live camera\n", live.headline);
         }
-        if let Some(prediction) = metrics.prediction {
-            let sent = if prediction.vector_bits.is_some() { "residual + vectors" } else { "residual" };
-            text += &format!("prediction  {}\n", prediction.psnr());
-            text += &format!("entropy     {} ({sent})\n", prediction.coding());
-        }
-        text += &match &metrics.truth {
-            Some(AgainstTruth { epe_px, epe_median_px, epe_p95_px, r0_5, r1_0, r2_0, aae_deg, known, coverage }) => {
-                let what = if metrics.features.is_some() { "displacements" } else { "pixels" };
-                let share = coverage.map_or_else(String::new, |share| format!(", {:.0} % of them", 100.0 * share));
-                let [r0_5, r1_0, r2_0] = [r0_5, r1_0, r2_0].map(|share| 100.0 * share);
-                format!(
-                    "error       {epe_px:.3} px endpoint (median {epe_median_px:.3}, 95 % below {epe_p95_px:.3}), \
-                     {aae_deg:.2}° angular, over {known} {what} of known motion{share}\n\
-                     beyond      {r0_5:.1} % by more than 0.5 px, {r1_0:.1} % by 1 px, {r2_0:.1} % by 2 px\n"
-                )
-            }
-            // Nothing was said of motion.
-            None if metrics.objects.is_some() => String::new(),
-            None if metrics.features.is_some_and(|features| features.tracked.is_none()) => String::new(),
-            None if metrics.truth_error.is_some() => "error       unknown: the true flow cannot be read\n".into(),
-            None => "error       unknown: there is no true flow for this frame\n".into(),
-        };
         if let Some(Checked { inconsistent, share, precision, recall }) = consistency {
             let percent =
                 |share: Option<f64>| share.map_or("unknown".into(), |share| format!("{:.1} %", 100.0 * share));

@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use motionscope_core::params::Value;
-use motionscope_core::{Consistency, Error, Levels, Move, ObjectField, Output, Threads};
+use motionscope_core::products::{Assessment, Reference};
+use motionscope_core::{Consistency, Error, Levels, Move, Output, Threads};
 
 use super::args::RunArgs;
-use super::report::{Report, Timing, to_json};
+use super::report::{Findings, Report, Timing, to_json};
 use super::say;
 use super::task::Task;
-use crate::media::export::{self, FlowFormat, TrackFormat};
+use crate::media::export;
 use crate::motion::{Check, Reverse};
 use crate::paint::{FlowLayer, LevelShown};
-use crate::quality::{Quality, TrackScores};
+use crate::results::{self, Export};
 use crate::shot::{self, Format, Still};
 
 /// Runs what `args` ask for. Files are made in full before the first is written.
@@ -23,6 +23,7 @@ use crate::shot::{self, Format, Still};
 pub fn run(args: &RunArgs) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
     let task = Task::open(&args.task)?;
+    outputs.check(&task)?;
     if !args.task.beside.is_empty() && outputs.overlay.is_none() {
         return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
     }
@@ -37,40 +38,32 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     if let Some(step) = args.step.filter(|step| task.company.is_empty() && step.unit >= extent.units) {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
-    let quality = Quality::of(&task.clip, task.frame, &output)?;
-    match &quality.truth_error {
+    let assessment = output.assess(&Reference { clip: &task.clip, frame: task.frame })?;
+    match &assessment.truth_error {
         Some(error) if task.truth_by_hand => return Err(error.clone()),
         Some(error) => eprintln!("warning: {error}"),
         None => {}
     }
     let reverse = Reverse::new(&*task.estimator, &task.clip, task.frame);
     let check = check(&task, args, &output, &reverse)?;
-    let live = live_scores(&task, &threads, &quality)?;
+    let live = live(&task, &threads)?;
     let timing = Timing { threads: threads.count(), times };
-    let report = Report::new(&task, &output, (quality, check, live), extent, timing);
-    let mut files = Vec::new();
-    if let Some((path, format)) = outputs.overlay {
-        files.push((path, overlay(&task, args, format, &reverse)?));
-    }
-    if let Some((path, format)) = outputs.flow {
-        let (bytes, lost) = format.encode(&export::flow(&output)?)?;
-        if let Some(lost) = lost {
+    let report = Report::new(&task, &output, Findings { assessment, check, live }, extent, timing);
+    let picture =
+        outputs.overlay.map(|(path, format)| Ok((path, overlay(&task, args, format, &reverse)?))).transpose()?;
+    let encode = |(export, path, format): &(&'static Export, &PathBuf, &results::Format)| {
+        let made = (format.encode)(&output)?;
+        if let Some(lost) = &made.lost {
             eprintln!("warning: {}: {lost}", path.display());
         }
-        files.push((path, bytes));
+        Ok((*export, path.to_path_buf(), made))
+    };
+    let made = outputs.results.iter().map(encode).collect::<Result<Vec<_>, Error>>()?;
+    if let Some((path, bytes)) = picture {
+        export::save(path, &bytes)?;
     }
-    if let Some(path) = &args.table {
-        files.push((path, export::csv(&output).into_bytes()));
-    }
-    if let Some((path, format)) = outputs.tracks {
-        files.push((path, format.encode(objects(&output, &task)?)?));
-    }
-    let masks = args.masks.as_ref().map(|_| export::masks(objects(&output, &task)?)).transpose()?;
-    let is_piped = files.iter().any(|(path, _)| *path == Path::new("-"));
-    files.into_iter().try_for_each(|(path, bytes)| export::save(path, &bytes))?;
-    if let (Some(folder), Some(masks)) = (&args.masks, masks) {
-        export::write_masks(folder, &masks)?;
-    }
+    made.iter().try_for_each(|(export, path, made)| export.save(path, made).map(drop))?;
+    let is_piped = outputs.is_piped;
     match (args.json, is_piped) {
         (true, _) => say(&to_json(&report)?),
         (false, false) => say(&report.text()),
@@ -84,37 +77,34 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
 /// Where results go, checked before anything runs.
 struct Outputs<'a> {
     overlay: Option<(&'a PathBuf, Format)>,
-    flow: Option<(&'a PathBuf, FlowFormat)>,
-    tracks: Option<(&'a PathBuf, TrackFormat)>,
+    results: Vec<(&'static Export, &'a PathBuf, &'static results::Format)>,
+    /// Whether one of them goes to standard output.
+    is_piped: bool,
 }
 
 impl<'a> Outputs<'a> {
     fn new(args: &'a RunArgs) -> Result<Self, Error> {
-        let files = [&args.overlay, &args.flow, &args.table, &args.tracks];
-        let pipes = files.into_iter().flatten().filter(|path| path.as_path() == Path::new("-")).count();
+        let asked = &args.results.0;
+        let files = asked.iter().filter(|(export, _)| export.folder.is_none()).map(|(_, path)| path);
+        let files: Vec<_> = args.overlay.iter().chain(files).collect();
+        let pipes = files.iter().filter(|path| path.as_path() == Path::new("-")).count();
         if pipes + usize::from(args.json) > 1 {
             return Err(Error::new("only one result fits into standard output; give the others a file"));
         }
-        files.into_iter().flatten().try_for_each(|path| check_folder(path))?;
-        if let Some(path) = args.table.as_ref().filter(|path| !is_csv(path)) {
-            return Err(Error::new(format!("{} is no name of a table; one ends in .csv, or is -", path.display())));
-        }
+        files.iter().try_for_each(|path| check_folder(path))?;
+        let formats = asked.iter().map(|(export, path)| Ok((*export, path, export.format(path)?)));
         Ok(Self {
             overlay: args.overlay.as_ref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?,
-            flow: args.flow.as_ref().map(|path| FlowFormat::of(path).map(|format| (path, format))).transpose()?,
-            tracks: args.tracks.as_ref().map(|path| TrackFormat::of(path).map(|format| (path, format))).transpose()?,
+            results: formats.collect::<Result<_, Error>>()?,
+            is_piped: pipes > 0,
         })
     }
-}
 
-/// The objects of a run.
-fn objects<'a>(output: &'a Output, task: &Task) -> Result<&'a ObjectField, Error> {
-    let id = task.estimator.info().id;
-    output.objects().ok_or_else(|| Error::new(format!("{id} looks for no objects; leave --tracks and --masks away")))
-}
-
-fn is_csv(path: &Path) -> bool {
-    path == Path::new("-") || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
+    /// Refuses what the estimator of `task` does not make.
+    fn check(&self, task: &Task) -> Result<(), Error> {
+        let estimator = &task.estimator;
+        self.results.iter().try_for_each(|(export, ..)| export.check(estimator.info().id, estimator.produces()))
+    }
 }
 
 /// Refuses a file in a folder that does not exist, before any other is written.
@@ -138,28 +128,19 @@ fn timed(task: &Task, threads: &Threads, repeat: u32) -> Result<(Output, Vec<std
     Ok((output, [vec![first], rest].concat()))
 }
 
-/// The scores of the same tracker with a live camera, where it was scored and has looked back in time.
-fn live_scores(task: &Task, threads: &Threads, quality: &Quality) -> Result<Option<TrackScores>, Error> {
-    let is_scored = quality.objects.is_some_and(|objects| objects.scores.is_some());
-    let looks_back = ["bridge", "backdate"].map(|name| (name, Value::Switch(true)));
-    let looks_back = looks_back.map(|value| task.estimator.values().contains(&value).then_some(value.0));
-    if !is_scored || looks_back == [None; 2] {
-        return Ok(None);
-    }
-    let mut tracker = task.estimator.boxed_clone();
-    looks_back.into_iter().flatten().try_for_each(|name| tracker.set(name, "off"))?;
-    let output = tracker.run(&task.clip, task.frame, threads)?;
-    Ok(Quality::of(&task.clip, task.frame, &output)?.objects.and_then(|objects| objects.scores))
+/// What the same estimator comes to without hindsight, where it looks back in time as it is set and is scored.
+fn live(task: &Task, threads: &Threads) -> Result<Option<Assessment>, Error> {
+    let Some(causal) = task.estimator.causal().filter(|_| task.clip.truth().is_some()) else { return Ok(None) };
+    let output = causal.run(&task.clip, task.frame, threads)?;
+    let assessment = output.assess(&Reference { clip: &task.clip, frame: task.frame })?;
+    Ok(Some(assessment).filter(|assessment| !assessment.headline.is_empty()))
 }
 
 /// The check with the reverse pair, if it is asked for of a flow that has one.
 fn check(task: &Task, args: &RunArgs, output: &Output, reverse: &Reverse<'_>) -> Result<Option<Check>, Error> {
-    let is_field = matches!(output, Output::Blocks(_) | Output::Dense(_));
-    let is_checked = args.look.layer == Some(FlowLayer::Consistency) && is_field;
-    if !is_checked || task.estimator.info().frames != 2 {
-        return Ok(None);
-    }
-    let consistency = Consistency::of(&output.flow(), reverse.flow()?)?;
+    let is_checked = args.look.layer == Some(FlowLayer::Consistency) && task.estimator.info().frames == 2;
+    let Some(flow) = output.flow().filter(|_| is_checked && output.motion().is_field()) else { return Ok(None) };
+    let consistency = Consistency::of(&flow, reverse.flow()?)?;
     Check::of(&consistency, &task.clip, task.frame).map(Some)
 }
 

@@ -11,7 +11,7 @@ pub mod export;
 mod foreign;
 mod info;
 mod input;
-mod names;
+pub(crate) mod names;
 mod picture;
 mod sequence;
 mod sniff;

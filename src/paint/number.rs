@@ -1,7 +1,7 @@
 //! How numbers are written, in the window and in pictures alike.
 
-/// Between groups of three digits: thin, and no line is broken there.
-const THIN_SPACE: char = '\u{202f}';
+pub use motionscope_core::grouped;
+use motionscope_core::spaced;
 
 /// A number for a person: a true minus sign, thin spaces between thousands, four digits that count.
 pub fn number(value: f32) -> String {
@@ -21,23 +21,6 @@ pub fn number(value: f32) -> String {
     let (whole, fraction) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
     let is_negative = value < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b));
     format!("{}{}{fraction}", if is_negative { "−" } else { "" }, spaced(whole))
-}
-
-/// A whole number with thin spaces between thousands: 12 345.
-pub fn grouped(count: usize) -> String {
-    spaced(&count.to_string())
-}
-
-/// Four digits stand together, more are grouped.
-fn spaced(digits: &str) -> String {
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && digits.len() > 4 && (digits.len() - i).is_multiple_of(3) {
-            text.push(THIN_SPACE);
-        }
-        text.push(digit);
-    }
-    text
 }
 
 #[cfg(test)]

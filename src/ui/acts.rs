@@ -2,7 +2,7 @@
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Cursor, Error, Info, Move, Promise, Way, estimator};
+use motionscope_core::{AnyEstimator, Cursor, Error, Info, Move, Way, estimator};
 
 use super::action::Action;
 use super::app::{App, Overlay};
@@ -89,9 +89,7 @@ impl App {
             C::SaveSession => self.save_as(Kind::Session),
             C::ExportPicture => self.save_as(Kind::Picture),
             C::ExportSteps => self.save_as(Kind::Steps),
-            C::ExportVectors if self.document.estimator().promise() == Promise::Objects => self.save_as(Kind::Objects),
-            C::ExportVectors => self.save_as(Kind::Vectors),
-            C::ExportMasks => self.save_as(Kind::Masks),
+            C::ExportResult => self.save_as(Kind::Result),
             C::Undo | C::Redo | C::ResetParameters => self.edit(command),
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => self.look_at(command),
             C::Prediction | C::Residual => self.look_at(command),
@@ -255,7 +253,7 @@ impl App {
 
     /// Whether the estimator looks at single frames.
     pub(super) fn is_of_single_frames(&self) -> bool {
-        self.document.estimator().promise().is_of_single_frames()
+        self.document.estimator().is_of_single_frames()
     }
 
     /// Shows as many frames as the estimator speaks of, where another has taken the place of one that was of another kind:

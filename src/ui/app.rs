@@ -5,7 +5,7 @@ use std::sync::mpsc::Receiver;
 
 use eframe::egui::{self, Align, CentralPanel, Frame, Label, Layout, Margin, Panel, RichText, TextStyle, Ui};
 use eframe::egui_wgpu::RenderState;
-use motionscope_core::{Error, Promise};
+use motionscope_core::Error;
 
 use super::action::{Action, Actions, Browse};
 use super::commands::{Command, Now, Rungs};
@@ -194,7 +194,6 @@ impl App {
         Now {
             has_clip: self.document.clip().is_some(),
             has_run: shown.is_some() && self.refused().is_none(),
-            has_masks: self.makes_masks(),
             at_start: shown.is_none_or(|shown| shown.cursor == motionscope_core::Cursor::default()),
             at_end: shown.is_some_and(|shown| shown.at_end),
             busy: self.view.busy,
@@ -211,12 +210,6 @@ impl App {
             at_first_frame: self.document.frame() == 0,
             at_last_frame: last.is_some_and(|last| self.document.frame() >= last),
         }
-    }
-
-    /// Whether the estimator tells which pixels belong to what moves.
-    fn makes_masks(&self) -> bool {
-        let estimator = self.document.estimator();
-        estimator.promise() == Promise::Objects && estimator.needs_pictures()
     }
 
     /// Lets the time since the last frame pass for the player.
@@ -349,7 +342,7 @@ impl App {
         let charts = self.document.estimator().charts();
         let offer = self.view.shown.as_deref().map(|shown| shown.offer).unwrap_or_default();
         // Who finds places and no motion has nothing to be compared with the truth.
-        let has_errors = offer.has_errors() && !self.document.estimator().promise().is_of_single_frames();
+        let has_errors = offer.has_errors() && !self.document.estimator().is_of_single_frames();
         let is_offered = |pane: &Pane| {
             pane.charts().iter().any(|chart| charts.contains(chart)) || *pane == Pane::Histogram && has_errors
         };

@@ -162,10 +162,8 @@ commands! {
     ExportPicture,
     /// Write a range of steps as pictures.
     ExportSteps,
-    /// Write the vectors.
-    ExportVectors,
-    /// Write the mask of each frame so far.
-    ExportMasks,
+    /// Write what the run has made so far.
+    ExportResult,
     /// Find a command by name.
     Palette,
     /// Every key on one page.
@@ -344,8 +342,7 @@ impl Command {
             C::Stop => now.busy || now.checking || now.playing,
             C::NextFrame => now.has_clip && !now.at_last_frame,
             C::PreviousFrame => now.has_clip && !now.at_first_frame,
-            C::SaveSession | C::ExportPicture | C::ExportSteps | C::ExportVectors => now.has_run,
-            C::ExportMasks => now.has_run && now.has_masks,
+            C::SaveSession | C::ExportPicture | C::ExportSteps | C::ExportResult => now.has_run,
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => now.has_run,
             C::Prediction | C::Residual => now.has_run && now.at_end,
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
@@ -415,8 +412,6 @@ pub struct Now {
     pub has_clip: bool,
     /// A run is shown.
     pub has_run: bool,
-    /// It tells which pixels belong to what moves.
-    pub has_masks: bool,
     /// It stands at its start.
     pub at_start: bool,
     /// It stands at its end.

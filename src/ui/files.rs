@@ -271,13 +271,9 @@ impl App {
                 let session = self.session(&shown);
                 Writing::new(folder, changed, move |_| save_session(&session, &order.path))
             }
-            What::Vectors => {
+            What::Result(export) => {
                 let output = self.walker.output(&shown);
-                Writing::new(folder, changed, move |progress| writer::vectors(&order.path, &output, progress))
-            }
-            What::Masks => {
-                let output = self.walker.output(&shown);
-                Writing::new(folder, changed, move |progress| writer::masks(&order.path, &output, progress))
+                Writing::new(folder, changed, move |progress| writer::result(&order.path, export, &output, progress))
             }
         };
         self.writing = Some(writing);

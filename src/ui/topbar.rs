@@ -95,7 +95,7 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let dim = ui.visuals().weak_text_color();
     let frame = input.at_frame.unwrap_or(input.document.frame());
     ui.add_space(8.0);
-    let is_single = input.document.estimator().promise().is_of_single_frames();
+    let is_single = input.document.estimator().is_of_single_frames();
     let frames = if is_single { format!("frame {frame}") } else { format!("frame {frame} → {}", frame + 1) };
     ui.label(RichText::new(frames).color(dim));
     ui.add_space(8.0);

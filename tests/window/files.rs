@@ -22,7 +22,7 @@ fn the_step_is_exported_as_it_is_shown() {
     let picture = image::open(&file).expect("a picture").to_rgb8();
     assert!(picture.width() >= 2 * 2 * 320 && picture.height() > 2 * 240, "{:?}", picture.dimensions());
 
-    window.command(Command::ExportVectors);
+    window.command(Command::ExportResult);
     let table = folder.path().join("vectors.csv");
     write_to(&mut window, &table);
     let text = fs::read_to_string(&table).expect("a table");
@@ -115,7 +115,7 @@ fn a_session_typed_without_its_ending_reopens() {
     write_to(&mut window, &folder.path().join("lesson.2"));
     let file = folder.path().join("lesson.2.motionscope");
     assert!(Session::load(&file).is_ok(), "{:?}", window.app().message());
-    window.command(Command::ExportVectors);
+    window.command(Command::ExportResult);
     write_to(&mut window, &folder.path().join("vectors"));
     assert!(fs::read_to_string(folder.path().join("vectors.csv")).expect("a table").starts_with("x_px"));
 }
@@ -350,16 +350,18 @@ fn objects_and_masks_are_exported() {
         window.key(Key::End);
     };
     choose(&mut window, "Kalman tracker");
-    window.command(Command::ExportVectors);
+    window.command(Command::ExportResult);
     let tracks = folder.path().join("tracks.txt");
     write_to(&mut window, &tracks);
     let rows = fs::read_to_string(&tracks).expect("it is written");
     assert!(rows.starts_with("1,") && rows.lines().all(|row| row.ends_with(",1,-1,-1,-1")), "{rows}");
-    window.command(Command::ExportMasks);
-    assert!(window.harness.query_by_label("Where to write it").is_none(), "a tracker makes no masks");
+    window.command(Command::ExportResult);
+    assert!(window.harness.query_by_label("Masks").is_none(), "a tracker makes no masks");
+    window.key(Key::Escape);
     choose(&mut window, "Frame difference");
-    window.command(Command::ExportMasks);
+    window.command(Command::ExportResult);
+    window.click_role(Role::Button, "Masks");
     let masks = folder.path().join("masks");
     write_to(&mut window, &masks);
-    assert!(masks.join("mask_0003.png").exists() && window.app().message().is_some_and(|m| m.contains("4 masks")));
+    assert!(masks.join("mask_0003.png").exists() && window.app().message().is_some_and(|m| m.contains("4 files")));
 }

@@ -26,8 +26,8 @@ use crate::block_search::{
 use crate::scene::{Chart, Fact, Readout, Sentence};
 use crate::threads::Earlier;
 use crate::{
-    Block, BlockGrid, Clip, Counted, Error, Estimator, Floor, Frame, Info, Level, Levels, Observer, Output, Progress,
-    Promise, Role, Rung, Scene, Seen, Stack, Step, Threads, choices, pyramid,
+    Block, BlockField, BlockGrid, Clip, Counted, Error, Estimator, Floor, Frame, Info, Level, Levels, Observer, Output,
+    Product, ProductKind, Progress, Promise, Role, Rung, Scene, Seen, Stack, Step, Threads, choices, pyramid,
 };
 
 choices! {
@@ -345,6 +345,7 @@ impl Estimator for Hierarchical {
     const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
     const TESTS_CANDIDATES: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram, Chart::Stack];
+    const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
     type Event = Event;
 
@@ -469,7 +470,7 @@ impl Estimator for Hierarchical {
                 }
             }
         }
-        Output::Blocks(self.settings().field(blocks, vectors))
+        Output::of(self.settings().field(blocks, vectors))
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {

@@ -8,8 +8,8 @@ use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
 use crate::scene::Chart;
 use crate::threads::Earlier;
 use crate::{
-    BlockGrid, Clip, Error, Estimator, Info, Observer, Output, Params, Progress, Promise, Role, Rung, Scene, Seen,
-    Step, Threads,
+    BlockField, BlockGrid, Clip, Error, Estimator, Info, Observer, Output, Params, Product, ProductKind, Progress,
+    Promise, Role, Rung, Scene, Seen, Step, Threads,
 };
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
@@ -129,6 +129,7 @@ impl<S: BlockSearch> Estimator for S {
     const PROMISE: Promise = <S as BlockSearch>::PROMISE;
     const TESTS_CANDIDATES: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram];
+    const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
     type Event = Event;
 
@@ -192,7 +193,7 @@ impl<S: BlockSearch> Estimator for S {
         let vector = |(found, &candidates): (&Match, &u32)| Some(found.result(candidates));
         let mut vectors: Vec<_> = state.found.iter().zip(&state.tested).map(vector).collect();
         vectors.resize(state.pair.blocks.len(), None);
-        Output::Blocks(settings.field(state.pair.blocks, vectors))
+        Output::of(settings.field(state.pair.blocks, vectors))
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {

@@ -10,7 +10,7 @@ use crate::params::inner_params;
 use crate::scene::{Chart, Math, Step};
 use crate::{
     Clip, Cursor, Error, Estimator, Explained, Feature, Frame, Gray, Grid, Info, Observer, Output, Params, PointField,
-    Progress, Promise, Rung, Scene, Seen, Status, Threads,
+    Product, ProductKind, Progress, Promise, Rung, Scene, Seen, Status, Threads,
 };
 
 /// What makes a pixel a corner.
@@ -262,6 +262,7 @@ impl<M: Measure> Estimator for Corners<M> {
     const INFO: Info = M::INFO;
     const PROMISE: Promise = Promise::Places;
     const CHARTS: &'static [Chart] = &[Chart::Tiles];
+    const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
     type State = State;
     type Event = Event;
 
@@ -330,7 +331,7 @@ impl<M: Measure> Estimator for Corners<M> {
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::Points(state.features())
+        Output::of(state.features())
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {

@@ -10,8 +10,8 @@ use crate::scene::{Chart, Step};
 use crate::span::Span;
 use crate::subtraction::{HasSettings, cleaned, sifted, subtraction_params};
 use crate::{
-    Clip, Detection, Error, Estimator, Frame, Grid, Info, Mask, ObjectFrame, Observer, Output, PackedMask, Progress,
-    Promise, Rung, Scene, Seen, Threads, choices,
+    Clip, Detection, Error, Estimator, Frame, Grid, Info, Mask, MaskField, ObjectField, ObjectFrame, Observer, Output,
+    PackedMask, Product, ProductKind, Progress, Promise, Rung, Scene, Seen, Threads, choices,
 };
 
 use super::FrameDifference;
@@ -140,6 +140,7 @@ impl Estimator for ConnectedComponents {
     };
     const PROMISE: Promise = Promise::Objects;
     const CHARTS: &'static [Chart] = &[Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[MaskField::KIND, ObjectField::KIND];
     type State = State;
     type Event = Event;
 
@@ -208,6 +209,6 @@ impl Estimator for ConnectedComponents {
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::Objects(state.record.field(state.picture, state.span.first))
+        state.record.output(state.picture, state.span.first)
     }
 }

@@ -52,6 +52,11 @@ macro_rules! tracker_params {
                 $crate::objects::course::Settings { frames, source, clicks, min_score, added_noise, seed }
             }
 
+            /// The same without hindsight, if there is any.
+            fn without_hindsight(&self) -> Option<Self> {
+                (self.backdate || self.bridge).then(|| Self { backdate: false, bridge: false, ..self.clone() })
+            }
+
             fn rules(&self) -> $crate::objects::lives::Rules {
                 let Self { confirm, patience, backdate, bridge, .. } = *self;
                 $crate::objects::lives::Rules { confirm, patience, backdate, bridge }

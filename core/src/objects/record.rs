@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{Followed, ObjectField, ObjectFrame, PackedMask};
+use crate::{MaskField, Output};
 
 /// What frame after frame came to; copies share it.
 #[derive(Clone, Debug, Default)]
@@ -28,10 +29,13 @@ impl Record {
         &self.pixels
     }
 
-    /// All of it, of a run on pictures of that size from frame `first` on.
-    pub fn field(&self, picture: (usize, usize), first: usize) -> ObjectField {
-        let frames = Vec::clone(&self.frames);
-        ObjectField { followed: Followed::Nobody, picture, first, frames, trajectories: Vec::new() }
+    /// All of it, of a run on pictures of that size from frame `first` on: masks, and the objects found in them.
+    pub fn output(&self, picture: (usize, usize), first: usize) -> Output {
+        let frames = || Vec::clone(&self.frames);
+        let masks = MaskField { picture, first, frames: frames() };
+        let objects =
+            ObjectField { followed: Followed::Nobody, picture, first, frames: frames(), trajectories: Vec::new() };
+        Output::of(masks).and(objects)
     }
 
     /// Memory that it takes by itself, in bytes: what earlier frames came to is shared with the records before.

@@ -7,8 +7,8 @@ use crate::polynomial::{Agreed, Agreement, Applicability, Expander, Looked, Move
 use crate::scene::{Chart, Fact, Readout, Sentence, Series};
 use crate::words;
 use crate::{
-    Clip, Confidence, DenseField, Error, Estimator, Explained, Grid, Info, Observer, Output, Progress, Promise, Role,
-    Rung, Scene, Seen, Step, Threads, params,
+    Clip, Confidence, DenseField, Error, Estimator, Explained, Grid, Info, Observer, Output, Product, ProductKind,
+    Progress, Promise, Role, Rung, Scene, Seen, Step, Threads, params,
 };
 
 params! {
@@ -162,6 +162,7 @@ impl Estimator for Farneback {
         frames: 2,
     };
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
+    const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State;
     type Event = Event;
     const TELLS_CONFIDENCE: bool = true;
@@ -251,7 +252,7 @@ impl Estimator for Farneback {
         let is_whole = state.certainty.size() == state.frames.size(0);
         let confidence =
             is_whole.then(|| Confidence { name: "smaller_eigenvalue", values: Grid::clone(&state.certainty) });
-        Output::Dense(DenseField { flow: state.frames.flow(&state.field), confidence })
+        Output::of(DenseField { flow: state.frames.flow(&state.field), confidence })
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {

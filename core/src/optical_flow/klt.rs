@@ -14,8 +14,8 @@ use crate::interest_points::{Harris, ShiTomasi};
 use crate::scene::Chart;
 use crate::span::Span;
 use crate::{
-    Clip, Error, Estimator, Feature, Flow, Frame, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen,
-    Status, Step, Threads, Track, TrackField, choices, params,
+    Clip, Error, Estimator, Feature, Flow, Frame, Info, Observer, Output, Product, ProductKind, Progress, Promise,
+    Role, Rung, Scene, Seen, Status, Step, Threads, Track, TrackField, choices, params,
 };
 
 choices! {
@@ -318,6 +318,7 @@ impl Estimator for Klt {
     };
     const PROMISE: Promise = Promise::Features { off_centi_px: 2 };
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];
     type State = State;
     type Event = Event;
 
@@ -421,7 +422,7 @@ impl Estimator for Klt {
 
     fn output(&self, state: &State) -> Output {
         let (first, last) = (state.span.first, state.frame);
-        Output::Tracks(TrackField { picture: state.picture, first, last, tracks: state.tracks.clone() })
+        Output::of(TrackField { picture: state.picture, first, last, tracks: state.tracks.clone() })
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {

@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use crate::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
 use crate::scene::Chart;
 use crate::{
-    Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Progress,
-    Promise, Rung, Scene, Seen, Step, Threads, params,
+    Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Product,
+    ProductKind, Progress, Promise, Rung, Scene, Seen, Step, Threads, params,
 };
 
 params! {
@@ -180,6 +180,7 @@ impl Estimator for LucasKanade {
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 3 };
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
+    const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State;
     type Event = Event;
 
@@ -239,7 +240,7 @@ impl Estimator for LucasKanade {
     fn output(&self, state: &State) -> Output {
         let smaller = state.solutions(&[], |solution| solution.map_or(0.0, |solution| solution.eigenvalues[1]));
         let confidence = Some(Confidence { name: "smaller_eigenvalue", values: smaller });
-        Output::Dense(DenseField { flow: Flow(state.flow(&[])), confidence })
+        Output::of(DenseField { flow: Flow(state.flow(&[])), confidence })
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {

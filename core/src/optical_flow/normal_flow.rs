@@ -14,8 +14,8 @@ use crate::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
 use crate::scene::{Chart, Fact, Math, Picture, Plane, Readout, Sentence, Shape};
 use crate::words;
 use crate::{
-    Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Progress,
-    Promise, Role, Rung, Scene, Seen, Step, Threads, params,
+    Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Product,
+    ProductKind, Progress, Promise, Role, Rung, Scene, Seen, Step, Threads, params,
 };
 
 params! {
@@ -119,6 +119,7 @@ impl Estimator for NormalFlow {
     const PROMISE: Promise = Promise::AlongGradient;
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
+    const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State;
     type Event = Event;
 
@@ -190,7 +191,7 @@ impl Estimator for NormalFlow {
             *value = (f64::from(*value).powi(2) + f64::from(y).powi(2)).sqrt() as f32;
         }
         let confidence = Some(Confidence { name: "gradient", values });
-        Output::Dense(DenseField { flow: Flow(state.flow(&[])), confidence })
+        Output::of(DenseField { flow: Flow(state.flow(&[])), confidence })
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {

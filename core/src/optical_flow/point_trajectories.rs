@@ -12,8 +12,8 @@ use crate::features::tracker::{Level, Template};
 use crate::scene::Chart;
 use crate::span::Span;
 use crate::{
-    Clip, Error, Estimator, Explained, Feature, Flow, Grid, Info, Observer, Output, Progress, Promise, Role, Rung,
-    Scene, Seen, Status, Step, Threads, Track, TrackField, params,
+    Clip, Error, Estimator, Explained, Feature, Flow, Grid, Info, Observer, Output, Product, ProductKind, Progress,
+    Promise, Role, Rung, Scene, Seen, Status, Step, Threads, Track, TrackField, params,
 };
 
 params! {
@@ -354,6 +354,7 @@ impl Estimator for PointTrajectories {
     };
     const PROMISE: Promise = Promise::Features { off_centi_px: 5 };
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];
     type State = State;
     type Event = Event;
 
@@ -418,7 +419,7 @@ impl Estimator for PointTrajectories {
 
     fn output(&self, state: &State) -> Output {
         let (first, last) = (state.span.first, state.frame);
-        Output::Tracks(TrackField { picture: state.picture, first, last, tracks: state.tracks.clone() })
+        Output::of(TrackField { picture: state.picture, first, last, tracks: state.tracks.clone() })
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {

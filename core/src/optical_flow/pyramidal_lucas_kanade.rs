@@ -14,7 +14,8 @@ use crate::scene::{Arrow, Chart, Fact, Picture, Readout, Sentence, Shape};
 use crate::words;
 use crate::{
     Clip, Confidence, DenseField, Error, Estimator, Feature, Flow, Frame, Grid, Info, Levels, Observer, Output,
-    PointField, Progress, Promise, Role, Rung, Scene, Seen, Stack, Status, Step, Threads, choices, params,
+    PointField, Product, ProductKind, Progress, Promise, Role, Rung, Scene, Seen, Stack, Status, Step, Threads,
+    choices, params,
 };
 
 choices! {
@@ -216,6 +217,7 @@ impl Estimator for PyramidalLucasKanade {
     const PROMISE: Promise = Promise::Features { off_centi_px: 2 };
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Stack];
+    const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND, DenseField::KIND];
     type State = State;
     type Event = Event;
 
@@ -326,8 +328,8 @@ impl Estimator for PyramidalLucasKanade {
 
     fn output(&self, state: &State) -> Output {
         match self.points {
-            Points::Dense => Output::Dense(state.field()),
-            _ => Output::Points(PointField {
+            Points::Dense => Output::of(state.field()),
+            _ => Output::of(PointField {
                 picture: state.fixed.pair[0].size(),
                 points: state.features().collect(),
                 responses: Vec::new(),

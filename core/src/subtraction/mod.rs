@@ -18,8 +18,8 @@ use crate::params::inner_params;
 use crate::scene::{Chart, Step};
 use crate::span::Span;
 use crate::{
-    Clip, Detection, Error, Estimator, Explained, Frame, Gray, Grid, Info, Mask, ObjectFrame, Observer, Output,
-    PackedMask, Params, Progress, Promise, Rung, Scene, Seen, Threads,
+    Clip, Detection, Error, Estimator, Explained, Frame, Gray, Grid, Info, Mask, MaskField, ObjectField, ObjectFrame,
+    Observer, Output, PackedMask, Params, Product, ProductKind, Progress, Promise, Rung, Scene, Seen, Threads,
 };
 
 /// A model of the background.
@@ -204,6 +204,7 @@ impl<M: Background> Estimator for Subtraction<M> {
     const INFO: Info = M::INFO;
     const PROMISE: Promise = Promise::Objects;
     const CHARTS: &'static [Chart] = M::CHARTS;
+    const PRODUCES: &'static [&'static ProductKind] = &[MaskField::KIND, ObjectField::KIND];
     type State = State<M::Model>;
     type Event = Event;
 
@@ -263,7 +264,7 @@ impl<M: Background> Estimator for Subtraction<M> {
     }
 
     fn output(&self, state: &Self::State) -> Output {
-        Output::Objects(state.record.field(state.picture, state.span.first))
+        state.record.output(state.picture, state.span.first)
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Self::State, Error> {

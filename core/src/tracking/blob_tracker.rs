@@ -11,7 +11,8 @@ use crate::objects::lives::Age;
 use crate::objects::{Bounds, Detection, Object, ObjectFrame};
 use crate::scene::Chart;
 use crate::{
-    Clip, Error, Estimator, Grid, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices,
+    Clip, Error, Estimator, Grid, Info, ObjectField, Observer, Output, Product, ProductKind, Progress, Promise, Role,
+    Rung, Scene, Seen, Step, choices,
 };
 use correspond::{Blob, Table};
 
@@ -363,6 +364,7 @@ impl Estimator for BlobTracker {
     const PROMISE: Promise = Promise::Objects;
     const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
     type State = State;
     type Event = Event;
 
@@ -426,7 +428,11 @@ impl Estimator for BlobTracker {
         self.drawn(seen, scene);
     }
 
+    fn causal(&self) -> Option<Self> {
+        self.without_hindsight()
+    }
+
     fn output(&self, state: &State) -> Output {
-        Output::Objects(state.course.field())
+        Output::of(state.course.field())
     }
 }

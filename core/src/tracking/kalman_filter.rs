@@ -10,13 +10,13 @@ use std::sync::Arc;
 use super::{is_far_outside, object_of};
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
 use crate::objects::source::{Detector, Given, Noise, Source, center, truth_of};
-use crate::objects::{Extent, Followed, Life, Object, ObjectField, ObjectFrame};
+use crate::objects::{Extent, Followed, Life, Object, ObjectFrame};
 use crate::params::Spots;
 use crate::scene::Chart;
 use crate::span::Span;
 use crate::{
-    Clip, Detection, Error, Estimator, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step,
-    choices, params,
+    Clip, Detection, Error, Estimator, Info, ObjectField, Observer, Output, Product, ProductKind, Progress, Promise,
+    Role, Rung, Scene, Seen, Step, choices, params,
 };
 
 use sensors::{Look, Sensed, Sensors};
@@ -362,6 +362,7 @@ impl Estimator for KalmanFilter {
     const PROMISE: Promise = Promise::Objects;
     const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
     type State = State;
     type Event = Event;
 
@@ -457,7 +458,7 @@ impl Estimator for KalmanFilter {
             Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&moment.detections), objects })
         };
         let frames = state.moments.iter().map(frame).collect();
-        Output::Objects(ObjectField {
+        Output::of(ObjectField {
             // A click has no size that could be compared with a true box.
             followed: Followed::One(match state.detector.takes_clicks() {
                 true => BTreeSet::new(),

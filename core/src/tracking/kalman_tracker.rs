@@ -12,7 +12,8 @@ use crate::objects::lives::Age;
 use crate::objects::{Bounds, Detection, Extent, Object, ObjectFrame};
 use crate::scene::Chart;
 use crate::{
-    Clip, Error, Estimator, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, choices,
+    Clip, Error, Estimator, Info, ObjectField, Observer, Output, Product, ProductKind, Progress, Promise, Role, Rung,
+    Scene, Seen, Step, choices,
 };
 
 pub use share::Costs;
@@ -194,6 +195,7 @@ impl Estimator for KalmanTracker {
     const PROMISE: Promise = Promise::Objects;
     const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
     type State = State;
     type Event = Event;
 
@@ -258,8 +260,12 @@ impl Estimator for KalmanTracker {
         self.drawn(seen, scene);
     }
 
+    fn causal(&self) -> Option<Self> {
+        self.without_hindsight()
+    }
+
     fn output(&self, state: &State) -> Output {
-        Output::Objects(state.course.field())
+        Output::of(state.course.field())
     }
 }
 

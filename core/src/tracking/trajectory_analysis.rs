@@ -8,11 +8,12 @@ use super::kalman_tracker::{KalmanTracker, State as Tracked};
 use crate::objects::directions::Directions;
 use crate::objects::source::Source;
 use crate::objects::trajectory::{Crossing, News, Places, Stay, Trajectory, Unusual};
-use crate::objects::{Bounds, Life, ObjectField, ObjectFrame};
+use crate::objects::{Bounds, Life, ObjectFrame};
 use crate::params::{Line, Spots};
 use crate::scene::Chart;
 use crate::{
-    Clip, Error, Estimator, Explained, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, params,
+    Clip, Error, Estimator, Explained, Info, ObjectField, Observer, Output, Product, ProductKind, Progress, Promise,
+    Role, Rung, Scene, Seen, Step, params,
 };
 
 params! {
@@ -200,6 +201,7 @@ impl Estimator for TrajectoryAnalysis {
     const PROMISE: Promise = Promise::Objects;
     const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
     type State = State;
     type Event = Event;
 
@@ -272,11 +274,9 @@ impl Estimator for TrajectoryAnalysis {
     }
 
     fn output(&self, state: &State) -> Output {
-        let trajectories = state.trajectories.clone();
-        match self.tracker().output(&state.tracked) {
-            Output::Objects(field) => Output::Objects(ObjectField { trajectories, ..field }),
-            other => other,
-        }
+        let trajectories = &state.trajectories;
+        let tracked = self.tracker().output(&state.tracked);
+        tracked.map(|field: ObjectField| ObjectField { trajectories: trajectories.clone(), ..field })
     }
 }
 

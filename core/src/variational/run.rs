@@ -8,8 +8,8 @@ use crate::differential::{Field, Linear, Multiscale, field, filter, relax};
 use crate::params::inner_params;
 use crate::scene::Chart;
 use crate::{
-    Clip, DenseField, Error, Estimator, Explained, Flow, Frame, Grid, Info, Level, Observer, Output, Progress, Promise,
-    Rung, Scene, Seen, Step, Threads,
+    Clip, DenseField, Error, Estimator, Explained, Flow, Frame, Grid, Info, Level, Observer, Output, Product,
+    ProductKind, Progress, Promise, Rung, Scene, Seen, Step, Threads,
 };
 
 /// How many numbers for each pixel [`Linear`] holds.
@@ -246,6 +246,7 @@ impl<M: Model> Estimator for Variational<M> {
     const INFO: Info = M::INFO;
     const PROMISE: Promise = M::PROMISE;
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Plane, Chart::Stack];
+    const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State<M>;
     type Event = Event<M>;
 
@@ -336,7 +337,7 @@ impl<M: Model> Estimator for Variational<M> {
     }
 
     fn output(&self, state: &State<M>) -> Output {
-        Output::Dense(DenseField { flow: state.flow(), confidence: None })
+        Output::of(DenseField { flow: state.flow(), confidence: None })
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State<M>, Error> {

@@ -44,7 +44,7 @@ pub fn central(at: impl Fn(isize) -> f64, i: isize, extent: usize) -> f64 {
 
 /// What the estimator `id` finds with these parameters between the first two frames.
 pub fn flow(id: &str, settings: &[(&str, &str)], clip: &Clip) -> Flow {
-    set(id, settings).run(clip, 0, &Threads::single()).expect("a run").flow()
+    set(id, settings).run(clip, 0, &Threads::single()).expect("a run").flow().expect("a flow")
 }
 
 /// The size of pictures that are made here.

@@ -15,7 +15,7 @@ pub fn mot(frames: &[Vec<ObjectBox>]) -> String {
 }
 
 /// A box by its left and top edge, width and height, as they count pixels: the edge of our first one lies at −0.5, that of theirs at 1.
-pub(super) fn rect([x, y, width, height]: [f32; 4]) -> [f64; 4] {
+pub fn rect([x, y, width, height]: [f32; 4]) -> [f64; 4] {
     [x + FIRST_PX, y + FIRST_PX, width, height].map(brief)
 }
 

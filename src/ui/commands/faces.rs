@@ -373,16 +373,13 @@ impl Command {
                 "Write a range of steps as numbered PNGs.",
                 const { &[ctrl_shift(Key::E)] },
             ),
-            C::ExportVectors => (
+            C::ExportResult => (
                 Menu::Export,
                 Icon::FileDown,
-                "Vectors or objects…",
-                "Write the vectors found so far as CSV, NPY, .flo or KITTI PNG, objects as CSV, MOTChallenge or NPY.",
+                "Result…",
+                "Write the result so far: vectors, flow, features, tracks, objects or masks, in their formats.",
                 &[],
             ),
-            C::ExportMasks => {
-                (Menu::Export, Icon::Layers, "Masks…", "Write which pixels move in each frame so far as PNGs.", &[])
-            }
             C::Palette => (
                 Menu::Help,
                 Icon::Search,

@@ -9,7 +9,7 @@ use motionscope_core::{Error, Role, Threads, estimators, lockstep};
 
 use crate::claims::{self, Claim};
 use crate::company::Company;
-use crate::comparison::{self, Arena, COLUMNS, Column, Row};
+use crate::comparison::{self, Arena, Column, Row};
 use crate::paint::Theme;
 use crate::ui::action::{Action, Actions};
 use crate::ui::commands::Command;
@@ -299,7 +299,9 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
         return false;
     }
     if rows.iter().any(|row| row.swept.is_some()) {
-        let series = plot(&rows, &COLUMNS[state.plotted], SWEEPS[state.sweep].2);
+        let columns = comparison::all_columns();
+        let plotted = columns.get(state.plotted).unwrap_or(&columns[0]);
+        let series = plot(&rows, plotted, SWEEPS[state.sweep].2);
         let size = TextStyle::Body.resolve(ui.style()).size;
         ui.allocate_ui(vec2(ui.available_width().min(64.0 * size), 15.0 * size), |ui| {
             series::show(ui, series::Input { series: &series, theme, logarithmic: is_wide(&series) });
@@ -311,8 +313,6 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
     if !rows.is_empty() && ui.button("Copy as CSV").on_hover_text("For a spreadsheet: all rows so far.").clicked() {
         ui.copy_text(comparison::csv(&rows));
     }
-    ui.add_space(4.0);
-    ui.label(RichText::new(comparison::key().replace('\n', " ")).small().weak());
     visited
 }
 
@@ -325,15 +325,16 @@ fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Action
         if let Some(name) = &swept {
             ui.label(strong(name));
         }
-        for &(i, column) in &shown {
+        for (i, column) in &shown {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| match swept {
                 Some(_) => {
-                    let tip = "Plot this column.";
-                    if ui.selectable_label(state.plotted == i, strong(column.heading)).on_hover_text(tip).clicked() {
-                        state.plotted = i;
+                    let tip = format!("{} Click to plot it.", column.doc);
+                    let heading = ui.selectable_label(state.plotted == *i, strong(column.heading));
+                    if heading.on_hover_text(tip).clicked() {
+                        state.plotted = *i;
                     }
                 }
-                None => drop(ui.label(strong(column.heading))),
+                None => drop(ui.label(strong(column.heading)).on_hover_text(column.doc)),
             });
         }
         ui.end_row();
@@ -377,7 +378,7 @@ fn plot(rows: &[Arc<Row>], column: &Column, x_label: &'static str) -> Series {
     for row in rows {
         let name = row.estimator.info().name;
         let x = row.swept.as_ref().and_then(|(_, value)| value.parse::<f32>().ok());
-        let (Some(x), Some(y)) = (x, (column.value)(row)) else { continue };
+        let (Some(x), Some(y)) = (x, column.value(row)) else { continue };
         match lines.iter_mut().find(|(known, ..)| *known == name) {
             Some((.., points)) => points.push([x, y as f32]),
             None => lines.push((name, ROLES[lines.len() % MOST], vec![[x, y as f32]])),

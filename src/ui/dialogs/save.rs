@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
-use motionscope_core::Cursor;
+use motionscope_core::{Cursor, ProductKind};
 
-use crate::media::export;
+use crate::results::{self, Export};
 use crate::shot::{Format, Look, Steps};
 use crate::ui::action::{Action, Actions, Browse};
 use crate::ui::commands::Rungs;
@@ -23,12 +23,8 @@ pub enum Kind {
     Picture,
     /// Several steps.
     Steps,
-    /// The vectors.
-    Vectors,
-    /// The objects, or what was detected.
-    Objects,
-    /// The mask of each frame.
-    Masks,
+    /// What the run has made so far.
+    Result,
     /// The session.
     Session,
 }
@@ -38,48 +34,49 @@ impl Kind {
         match self {
             Kind::Picture => "Export the picture of this step",
             Kind::Steps => "Export pictures of several steps",
-            Kind::Vectors => "Export the vectors found so far",
-            Kind::Objects => "Export the objects found so far",
-            Kind::Masks => "Export the masks found so far",
+            Kind::Result => "Export the result so far",
             Kind::Session => "Save the session",
         }
     }
 
-    fn explained(self) -> &'static str {
+    /// What can be chosen, of an estimator that makes products of `kinds`; at least one.
+    fn choices(self, kinds: &[&ProductKind]) -> Vec<Choice> {
+        let choice = |ending, doc| Choice { label: label(ending), ending, doc, export: None };
         match self {
-            Kind::Picture => "What the stage shows, whole, with the same colours and lines.",
-            Kind::Steps => "One numbered file for each step, into a folder.",
-            Kind::Vectors => "As a table, or as a field with one vector for each pixel.",
-            Kind::Objects => "Where each object was in each frame, as a table, as MOTChallenge rows or as an array.",
-            Kind::Masks => "One picture for each frame, white where something was found, into a folder.",
-            Kind::Session => "A small text file: clip, estimator, parameters, step and view.",
+            Kind::Picture | Kind::Steps => {
+                vec![choice("png", "PNG, pixels"), choice("svg", "SVG, lines that stay sharp")]
+            }
+            Kind::Session => vec![choice("motionscope", "Session")],
+            Kind::Result => {
+                let files = results::formats(kinds).into_iter().map(|(export, format)| Choice {
+                    label: label(format.ending),
+                    ending: format.ending,
+                    doc: format.doc,
+                    export: Some(export),
+                });
+                let folders = results::folders(kinds).map(|export| Choice {
+                    label: export.name.into(),
+                    ending: export.formats[0].ending,
+                    doc: export.explained,
+                    export: Some(export),
+                });
+                files.chain(folders).collect()
+            }
         }
     }
+}
 
-    /// Whether several files are written into a folder.
-    fn is_folder(self) -> bool {
-        matches!(self, Kind::Steps | Kind::Masks)
-    }
+/// Something that can be written, and as what.
+struct Choice {
+    label: String,
+    ending: &'static str,
+    doc: &'static str,
+    /// What writes it, if it is a result.
+    export: Option<&'static Export>,
+}
 
-    /// The endings that can be chosen, and what they are.
-    fn endings(self) -> &'static [(&'static str, &'static str)] {
-        match self {
-            Kind::Picture | Kind::Steps => &[("png", "PNG, pixels"), ("svg", "SVG, lines that stay sharp")],
-            Kind::Vectors => &[
-                ("csv", "CSV, a row for each block"),
-                ("npy", "NPY, an array for NumPy"),
-                ("flo", "Middlebury .flo"),
-                ("png", "KITTI 16-bit PNG"),
-            ],
-            Kind::Objects => &[
-                ("csv", "CSV, a row for each object in each frame"),
-                ("txt", "MOTChallenge rows, for scores by other programs"),
-                ("npy", "NPY, an array for NumPy"),
-            ],
-            Kind::Masks => &[("png", "PNG, pixels")],
-            Kind::Session => &[("motionscope", "Session")],
-        }
-    }
+fn label(ending: &str) -> String {
+    if ending == "flo" { ".flo".to_owned() } else { ending.to_uppercase() }
 }
 
 /// The dialog while it is open.
@@ -87,15 +84,14 @@ pub struct State {
     kind: Kind,
     /// The file, or the folder for several.
     pub path: String,
-    ending: &'static str,
+    choices: Vec<Choice>,
+    chosen: usize,
     scale: u32,
     legend: bool,
     caption: bool,
     from: String,
     to: String,
     rung: usize,
-    /// The first frame of the run.
-    first: usize,
     focused: bool,
     /// The target that was looked up, and what lies there already.
     found: Option<(PathBuf, bool)>,
@@ -104,45 +100,69 @@ pub struct State {
 impl State {
     /// The dialog for `kind`, with a name that says what it is, in `folder`.
     pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, look: Look) -> Self {
-        let ending = kind.endings()[0].0;
+        let choices = kind.choices(shown.subject.estimator.produces());
         let from = Cursor { unit: shown.cursor.unit, event: 1 };
         // Before the first step the steps of the first unit are meant.
         let to = if shown.cursor < from { Cursor { event: usize::MAX, ..from } } else { shown.cursor };
-        let name = match kind {
-            Kind::Picture => format!("{stem}_{}.{ending}", shown.cursor),
-            Kind::Steps => format!("{stem}_steps"),
-            Kind::Vectors => format!("{stem}_vectors.{ending}"),
-            Kind::Objects => format!("{stem}_objects.{ending}"),
-            Kind::Masks => format!("{stem}_masks"),
-            Kind::Session => format!("{stem}.{ending}"),
-        };
-        Self {
+        let mut state = Self {
             kind,
-            path: folder.join(name).display().to_string(),
-            ending,
+            path: String::new(),
+            choices,
+            chosen: 0,
             scale: 2,
             legend: look.legend,
             caption: look.caption,
             from: from.to_string(),
             to: to.to_string(),
             rung: Rungs::new(shown.info.rungs).event(),
-            first: shown.subject.frame,
             focused: false,
             found: None,
+        };
+        let ending = state.ending();
+        let name = match kind {
+            Kind::Picture => format!("{stem}_{}.{ending}", shown.cursor),
+            Kind::Steps => format!("{stem}_steps"),
+            Kind::Result if state.is_folder() => format!("{stem}_{}", state.choices[0].label.to_lowercase()),
+            Kind::Result => format!("{stem}_result.{ending}"),
+            Kind::Session => format!("{stem}.{ending}"),
+        };
+        state.path = folder.join(name).display().to_string();
+        state
+    }
+
+    fn explained(&self) -> &'static str {
+        match (self.kind, self.choice().export) {
+            (_, Some(export)) => export.explained,
+            (Kind::Steps, _) => "One numbered file for each step, into a folder.",
+            (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
+            _ => "What the stage shows, whole, with the same colours and lines.",
         }
+    }
+
+    fn choice(&self) -> &Choice {
+        &self.choices[self.chosen]
+    }
+
+    fn ending(&self) -> &'static str {
+        self.choice().ending
+    }
+
+    /// Whether several files are written into a folder.
+    fn is_folder(&self) -> bool {
+        self.kind == Kind::Steps || self.choice().export.is_some_and(|export| export.folder.is_some())
     }
 
     /// Where it is written to: a file has one of the endings of its kind.
     fn target(&self) -> Option<PathBuf> {
         let path = PathBuf::from(super::open::parse(&self.path)?);
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        let is_known = ending.is_some_and(|ending| self.kind.endings().iter().any(|(known, _)| *known == ending));
-        if is_known || self.kind.is_folder() {
+        let is_known = ending.is_some_and(|ending| self.choices.iter().any(|choice| choice.ending == ending));
+        if is_known || self.is_folder() {
             return Some(path);
         }
         Some(path.into_os_string()).map(|mut path| {
             path.push(".");
-            path.push(self.ending);
+            path.push(self.ending());
             path.into()
         })
     }
@@ -151,19 +171,19 @@ impl State {
     fn is_there(&mut self, target: &Path) -> bool {
         let file = match self.kind {
             Kind::Steps => target.join(Steps::file_name(0, self.format())),
-            Kind::Masks => target.join(export::mask_name(self.first)),
             _ => target.to_owned(),
         };
         // Looking may take a while on a drive far away: once for each name.
         if self.found.as_ref().is_none_or(|(path, _)| *path != file) {
-            let is_there = file.exists();
+            let prefix = self.choice().export.and_then(|export| export.folder);
+            let is_there = prefix.map_or_else(|| file.exists(), |prefix| holds_numbered(&file, prefix));
             self.found = Some((file, is_there));
         }
         self.found.as_ref().is_some_and(|(_, is_there)| *is_there)
     }
 
     fn format(&self) -> Format {
-        if self.ending == "svg" { Format::Svg } else { Format::Png }
+        if self.ending() == "svg" { Format::Svg } else { Format::Png }
     }
 
     /// What the dialog asks for, or what is wrong with it.
@@ -171,8 +191,7 @@ impl State {
         let path = self.target().ok_or("Type where to write it.")?;
         let what = match self.kind {
             Kind::Picture => What::Picture,
-            Kind::Vectors | Kind::Objects => What::Vectors,
-            Kind::Masks => What::Masks,
+            Kind::Result => What::Result(self.export(&path).ok_or("Choose what to write.")?),
             Kind::Session => What::Session,
             Kind::Steps => {
                 let cursor = |text: &str| text.trim().parse::<Cursor>().map_err(|error| format!("{error}."));
@@ -187,11 +206,26 @@ impl State {
         Ok(Order { what, path, scale: self.scale, look })
     }
 
-    fn set_ending(&mut self, ending: &'static str) {
-        self.ending = ending;
-        if !self.kind.is_folder() {
-            self.path = Path::new(&self.path).with_extension(ending).display().to_string();
+    /// What writes a result to `path`: what was chosen, unless the ending that was typed is that of another.
+    fn export(&self, path: &Path) -> Option<&'static Export> {
+        let typed = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        let is_typed = |choice: &&Choice| {
+            choice.export.is_some_and(|export| export.folder.is_none()) && typed.as_deref() == Some(choice.ending)
+        };
+        let other = self.choices.iter().find(is_typed).filter(|_| !self.is_folder());
+        other.unwrap_or(self.choice()).export
+    }
+
+    fn choose(&mut self, index: usize) {
+        let was_folder = self.is_folder();
+        self.chosen = index;
+        let path = Path::new(&self.path);
+        self.path = match (was_folder, self.is_folder()) {
+            (_, true) => path.with_extension(""),
+            (true, false) | (false, false) => path.with_extension(self.ending()),
         }
+        .display()
+        .to_string();
     }
 }
 
@@ -202,7 +236,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, look: Look, ac
     let modal = widgets::modal(ctx, "save", vec2(40.0 * size, 30.0 * size)).show(ctx, |ui| {
         ui.set_width((40.0 * size).min(ui.ctx().content_rect().width() - 48.0));
         ui.heading(state.kind.title());
-        ui.label(RichText::new(state.kind.explained()).weak());
+        ui.label(RichText::new(state.explained()).weak());
         ui.add_space(8.0);
         options(ui, state, rungs);
         ui.add_space(4.0);
@@ -229,17 +263,19 @@ fn line(ui: &mut Ui, label: &str, add: impl FnOnce(&mut Ui)) {
 }
 
 fn options(ui: &mut Ui, state: &mut State, rungs: Rungs) {
-    let endings = state.kind.endings();
-    if endings.len() > 1 {
+    if state.choices.len() > 1 {
+        let mut chosen = state.chosen;
         line(ui, "Format", |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            for (ending, doc) in endings {
-                let name = if *ending == "flo" { ".flo".to_owned() } else { ending.to_uppercase() };
-                if ui.selectable_label(state.ending == *ending, name).on_hover_text(*doc).clicked() {
-                    state.set_ending(ending);
+            for (i, Choice { label, doc, .. }) in state.choices.iter().enumerate() {
+                if ui.selectable_label(chosen == i, label).on_hover_text(*doc).clicked() {
+                    chosen = i;
                 }
             }
         });
+        if chosen != state.chosen {
+            state.choose(chosen);
+        }
     }
     if state.kind == Kind::Steps {
         range(ui, state, rungs);
@@ -247,7 +283,7 @@ fn options(ui: &mut Ui, state: &mut State, rungs: Rungs) {
     if !matches!(state.kind, Kind::Picture | Kind::Steps) {
         return;
     }
-    if state.ending == "png" {
+    if state.ending() == "png" {
         line(ui, "Scale", |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for scale in SCALES {
@@ -286,7 +322,7 @@ fn range(ui: &mut Ui, state: &mut State, rungs: Rungs) {
 /// The path and the way to the system's dialog; gives whether Enter was pressed.
 fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     let mut entered = false;
-    let several = state.kind.is_folder();
+    let several = state.is_folder();
     line(ui, if several { "Folder" } else { "File" }, |ui| {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let field = TextEdit::singleline(&mut state.path).desired_width(ui.available_width() - 6.5 * size);
@@ -326,7 +362,7 @@ fn buttons(ui: &mut Ui, state: &mut State, look: Look, entered: bool, actions: &
                     done = true;
                     return;
                 }
-                Ok(order) if replaces => (already(state.kind, &order.path), ui.visuals().text_color()),
+                Ok(order) if replaces => (already(state.is_folder(), &order.path), ui.visuals().text_color()),
                 Ok(_) => return,
                 Err(why) => (why, ui.visuals().error_fg_color),
             };
@@ -339,13 +375,19 @@ fn buttons(ui: &mut Ui, state: &mut State, look: Look, entered: bool, actions: &
 }
 
 /// Says what would be replaced.
-fn already(kind: Kind, path: &Path) -> String {
+fn already(is_folder: bool, path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let name = widgets::elide(&name, 40);
-    match kind {
-        Kind::Steps | Kind::Masks => format!("There are numbered pictures in {name} already."),
-        _ => format!("There is a {name} already."),
+    match is_folder {
+        true => format!("There are numbered pictures in {name} already."),
+        false => format!("There is a {name} already."),
     }
+}
+
+/// Whether there is a file in `folder` whose name begins with `prefix`.
+fn holds_numbered(folder: &Path, prefix: &str) -> bool {
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    names.into_iter().any(|entry| entry.file_name().to_string_lossy().starts_with(prefix))
 }
 
 /// A name for files about a clip called `name`: letters, digits and dashes.

@@ -11,6 +11,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::scene::{Fact, Readout};
 use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Histogram, Move, Output, Scene, Step, Stop, Walk};
 
@@ -18,9 +19,8 @@ use super::snapshot::{Hold, Job, Place, Pointed, Snapshot, Subject};
 use crate::motion::{Motion, Offer, Site, Want, backward};
 use crate::paint::{FlowLayer, Pictures};
 use crate::pixel::{Pixel, is_explained, walks_pixels};
-use crate::quality::Quality;
 use crate::shot::{LastPair, pictures};
-use crate::tile::{self, Ending, add_facts, add_quality, endings, tiles};
+use crate::tile::{self, Ending, add_assessment, add_facts, endings, tiles};
 use crate::ui::action::Side;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
@@ -271,7 +271,7 @@ struct Run {
 /// What the end of a run shows beside its last step.
 struct End {
     pictures: Pictures,
-    quality: Option<Quality>,
+    assessment: Option<Assessment>,
     /// How many pixels of a dense field have each displacement.
     histogram: Option<Histogram>,
     beside: Vec<Ending>,
@@ -588,8 +588,8 @@ impl Run {
     fn step(&self, focus: Option<[f32; 2]>, motion: &Motion) -> Step {
         let mut step = self.walk.step(focus);
         if self.walk.at_end() {
-            if let Some(quality) = &self.end().quality {
-                add_quality(&mut step, quality);
+            if let Some(assessment) = &self.end().assessment {
+                add_assessment(&mut step, assessment);
             }
             match (motion.check, &self.backward) {
                 (Some(check), _) => add_facts(&mut step, check.facts()),
@@ -610,14 +610,11 @@ impl Run {
     fn end(&self) -> &End {
         self.end.get_or_init(|| {
             let output = self.walk.output();
-            let histogram = match &output {
-                Output::Dense(field) => Histogram::of_pixels(&field.flow),
-                _ => None,
-            };
+            let reference = Reference { clip: &self.clip, frame: self.walk.frame() };
             End {
-                histogram,
+                histogram: output.histogram(),
                 pictures: pictures(&*self.walk, &self.pair),
-                quality: Quality::of(&self.clip, self.walk.frame(), &output).ok(),
+                assessment: output.assess(&reference).ok(),
                 beside: endings(&*self.walk, &self.clip, &self.pair),
             }
         })

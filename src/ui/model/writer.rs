@@ -8,8 +8,9 @@ use motionscope_core::{Cursor, Error, Output};
 use super::background::Background;
 use super::snapshot::{Snapshot, Subject};
 use crate::media::Progress;
-use crate::media::export::{self, FlowFormat, TrackFormat};
+use crate::media::export;
 use crate::pixel::Chosen;
+use crate::results::Export;
 use crate::shot::{Format, Look, Moment, Steps};
 
 /// What to write.
@@ -28,10 +29,8 @@ pub enum What {
         /// What they are written as.
         format: Format,
     },
-    /// The vectors or objects found so far.
-    Vectors,
-    /// The mask of each frame so far.
-    Masks,
+    /// What the run has made so far.
+    Result(&'static Export),
     /// Everything that reopens the window as it is.
     Session,
 }
@@ -102,33 +101,21 @@ pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result
     Ok(format!("Wrote {count} picture{plural} into {}.", order.path.display()))
 }
 
-/// Writes vectors or objects in the format that the file's ending asks for, as soon as they come; says what was written.
+/// Writes a result as soon as it comes, in the format that the ending of `path` asks for; says what was written.
 ///
 /// # Errors
-/// If none come, there is no such format, the file cannot be written, or the work was cancelled.
-pub fn vectors(path: &Path, output: &Receiver<Output>, progress: &dyn Progress) -> Result<String, Error> {
+/// If none comes, there is no such format, a file cannot be written, or the work was cancelled.
+pub fn result(
+    path: &Path,
+    export: &Export,
+    output: &Receiver<Output>,
+    progress: &dyn Progress,
+) -> Result<String, Error> {
     let output = come(output, progress)?;
-    let is_table = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-    let (bytes, lost) = match &output {
-        _ if is_table => (export::csv(&output).into_bytes(), None),
-        Output::Objects(field) => (TrackFormat::of(path)?.encode(field)?, None),
-        _ => FlowFormat::of(path)?.encode(&export::flow(&output)?)?,
-    };
-    export::save(path, &bytes)?;
-    let lost = lost.map_or_else(String::new, |lost| format!(" {lost}."));
-    Ok(format!("Wrote {}.{lost}", path.display()))
-}
-
-/// Writes the mask of each frame into a folder as soon as they come; says what was written.
-///
-/// # Errors
-/// If there are none, one cannot be written, or the work was cancelled.
-pub fn masks(folder: &Path, output: &Receiver<Output>, progress: &dyn Progress) -> Result<String, Error> {
-    let output = come(output, progress)?;
-    let field =
-        output.objects().ok_or_else(|| Error::new("this estimator makes no masks; choose a background model"))?;
-    let count = export::write_masks(folder, &export::masks(field)?)?;
-    Ok(format!("Wrote {count} into {}.", folder.display()))
+    let made = (export.format(path)?.encode)(&output)?;
+    let written = export.save(path, &made)?;
+    let lost = made.lost.map_or_else(String::new, |lost| format!(" {lost}."));
+    Ok(format!("Wrote {written}.{lost}"))
 }
 
 fn come(output: &Receiver<Output>, progress: &dyn Progress) -> Result<Output, Error> {

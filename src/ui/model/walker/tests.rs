@@ -162,7 +162,7 @@ fn a_place_replaces_what_was_asked_before() {
     walker.go(Move::To(Cursor { unit: 1, event: 1 }));
     assert_eq!(cursor(&walker), Cursor { unit: 1, event: 1 });
     let shown = walker.view().shown.unwrap();
-    assert!(walker.output(&shown).recv().is_ok_and(|output| output.flow().at(0, 0).is_some()));
+    assert!(walker.output(&shown).recv().is_ok_and(|output| output.flow().is_some_and(|flow| flow.at(0, 0).is_some())));
     walker.go(Move::Rung(2, Way::Forward));
     assert!(walker.output(&shown).recv().is_err(), "the run has moved on");
 }

@@ -1,0 +1,175 @@
+//! How good a product is: figures for scripts and tables, facts for a person.
+
+use crate::scene::{Distribution, Fact};
+use crate::{Clip, Error};
+
+/// What a product is compared with: the clip, with its truth, at the first frame of the run.
+#[derive(Clone, Copy)]
+pub struct Reference<'a> {
+    /// The clip.
+    pub clip: &'a Clip,
+    /// The first frame of the run.
+    pub frame: usize,
+}
+
+/// A figure that some kind of product is assessed by, as it is declared.
+#[derive(Debug, PartialEq)]
+pub struct Measure {
+    /// Its name in JSON: letters, digits, underscores and points.
+    pub key: &'static str,
+    /// What it is, with its unit, in one sentence.
+    pub doc: &'static str,
+    /// What stands for a value that is not a number; nothing where it is not known.
+    pub otherwise: &'static str,
+    /// The column of a comparison that it has, if it has one.
+    pub column: Option<Column>,
+}
+
+/// A column of a comparison.
+#[derive(Debug, PartialEq)]
+pub struct Column {
+    /// Its heading, for a person.
+    pub heading: &'static str,
+    /// Its name with the unit, for a script.
+    pub name: &'static str,
+    /// How many of the measure's units make one of the column's.
+    pub per: f64,
+    /// Digits behind the point, for a person.
+    pub digits: usize,
+}
+
+impl Measure {
+    /// A measure that has no column.
+    pub const fn new(key: &'static str, doc: &'static str) -> Self {
+        Self { key, doc, otherwise: "", column: None }
+    }
+
+    /// The same with a column of the same name and unit.
+    #[must_use]
+    pub const fn in_column(self, heading: &'static str, digits: usize) -> Self {
+        let name = self.key;
+        self.in_column_as(Column { heading, name, per: 1.0, digits })
+    }
+
+    /// The same with a column.
+    #[must_use]
+    pub const fn in_column_as(self, column: Column) -> Self {
+        let Self { key, doc, otherwise, .. } = self;
+        Self { key, doc, otherwise, column: Some(column) }
+    }
+
+    /// The same with a word for a value that is not a number.
+    #[must_use]
+    pub const fn or(self, otherwise: &'static str) -> Self {
+        let Self { key, doc, column: Some(column), .. } = self else { return self };
+        Self { key, doc, otherwise, column: Some(column) }
+    }
+}
+
+/// The value of a measure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Figure {
+    /// How many there are.
+    Count(u64),
+    /// A real number.
+    Real(f64),
+    /// No number, for the reason that [`Measure::otherwise`] names, or because it is not known.
+    None,
+}
+
+impl Figure {
+    /// The value as a real number, if it is one.
+    pub fn real(self) -> Option<f64> {
+        match self {
+            Figure::Count(count) => Some(count as f64),
+            Figure::Real(value) => Some(value).filter(|value| value.is_finite()),
+            Figure::None => None,
+        }
+    }
+}
+
+impl From<usize> for Figure {
+    fn from(count: usize) -> Self {
+        Figure::Count(count as u64)
+    }
+}
+
+impl From<f64> for Figure {
+    fn from(value: f64) -> Self {
+        if value.is_finite() { Figure::Real(value) } else { Figure::None }
+    }
+}
+
+impl<T: Into<Figure>> From<Option<T>> for Figure {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Figure::None, Into::into)
+    }
+}
+
+/// A measure with its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Score {
+    /// What is measured.
+    pub measure: &'static Measure,
+    /// Its value.
+    pub value: Figure,
+}
+
+/// The scores of all `measures`, of which there are as many as `values`.
+pub(super) fn scores<const N: usize>(measures: &'static [Measure; N], values: [Figure; N]) -> Vec<Score> {
+    measures.iter().zip(values).map(|(measure, value)| Score { measure, value }).collect()
+}
+
+/// How good a product is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Assessment {
+    /// In figures.
+    pub scores: Vec<Score>,
+    /// The same for a person.
+    pub facts: Vec<Fact>,
+    /// In one phrase: `31.20 dB PSNR`; empty where there is none.
+    pub headline: String,
+    /// How errors are distributed, where there are such.
+    pub errors: Option<Distribution>,
+    /// Why errors are not known, where there is a truth that cannot be read.
+    pub truth_error: Option<Error>,
+}
+
+impl Assessment {
+    /// Both together.
+    #[must_use]
+    pub fn and(mut self, other: Self) -> Self {
+        let Self { scores, facts, headline, errors, truth_error } = other;
+        self.scores.extend(scores);
+        self.facts.extend(facts);
+        if self.headline.is_empty() {
+            self.headline = headline;
+        }
+        self.errors = self.errors.or(errors);
+        self.truth_error = self.truth_error.or(truth_error);
+        self
+    }
+
+    /// The same with the scores of `measures` and `facts`.
+    #[must_use]
+    pub(super) fn with(mut self, scores: Vec<Score>, facts: Vec<Fact>) -> Self {
+        self.scores.extend(scores);
+        self.facts.extend(facts);
+        self
+    }
+
+    /// The score by `measure`, if it is one of this product's.
+    pub fn score(&self, measure: &Measure) -> Option<&Score> {
+        self.scores.iter().find(|score| score.measure.key == measure.key)
+    }
+
+    /// The value of `measure` as a real number, if it is known.
+    pub fn value(&self, measure: &Measure) -> Option<f64> {
+        self.score(measure)?.value.real()
+    }
+}
+
+/// A fact without a role.
+pub(super) fn fact(label: &'static str, value: impl Into<String>) -> Fact {
+    Fact::new(label, value, None)
+}

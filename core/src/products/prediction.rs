@@ -1,0 +1,71 @@
+//! The motion-compensated prediction of frame t: how it is made, and what it is worth.
+
+use super::assessment::{Figure, fact, scores};
+use super::{Assessment, BlockField, Column, Measure, Reference};
+use crate::{Border, Coding, Error, Flow, Gray, Grid, Interpolation, metrics};
+
+/// The motion-compensated prediction of frame t: each pixel is fetched from where it goes in `next`.
+///
+/// Whole displacements are copied exactly, fractional ones interpolated; a pixel of unknown motion stays where it is.
+pub fn predict(flow: &Flow, next: &Gray, (border, filter): (Border, Interpolation)) -> Gray {
+    Grid::from_fn(flow.0.width(), flow.0.height(), |x, y| {
+        let [u, v] = flow.at(x, y).unwrap_or([0.0; 2]);
+        if u.fract() == 0.0 && v.fract() == 0.0 {
+            next.at(x as isize + u as isize, y as isize + v as isize, border)
+        } else {
+            filter.sample(next, [x as f32 + u, y as f32 + v], border)
+        }
+    })
+}
+
+/// Peak signal-to-noise ratio of the motion-compensated prediction.
+pub const PSNR: Measure =
+    Measure::new("psnr_db", "Peak signal-to-noise ratio of the motion-compensated prediction in dB.")
+        .in_column("PSNR dB", 2)
+        .or("perfect");
+
+const fn in_kilobytes(measure: Measure, heading: &'static str, name: &'static str) -> Measure {
+    measure.in_column_as(Column { heading, name, per: 8e3, digits: 2 })
+}
+
+pub(super) const MEASURES: [Measure; 4] = [
+    PSNR,
+    in_kilobytes(
+        Measure::new("residual_bits", "Zero-order entropy of the residual that the prediction leaves, in bits."),
+        "residual kB",
+        "residual_kb",
+    ),
+    in_kilobytes(
+        Measure::new("vector_bits", "Zero-order entropy of the motion vectors of blocks, in bits."),
+        "vectors kB",
+        "vectors_kb",
+    ),
+    in_kilobytes(
+        Measure::new("frame_bits", "Zero-order entropy of the frame sent without motion, in bits."),
+        "frame kB",
+        "frame_kb",
+    ),
+];
+
+/// What `picture`, a prediction of the frame of `reference`, is worth; vectors of `blocks` would be sent with it.
+///
+/// # Errors
+/// If the frame cannot be read.
+pub(super) fn assess(
+    picture: &Gray,
+    blocks: Option<&BlockField>,
+    reference: &Reference<'_>,
+) -> Result<Assessment, Error> {
+    let [frame, _] = reference.clip.pair_or_last(reference.frame)?;
+    let psnr = Some(metrics::psnr_db(picture, frame.luma())?).filter(|psnr| psnr.is_finite());
+    let Coding { frame_bits, residual_bits, vector_bits } = Coding::of(blocks, frame.luma(), picture)?;
+    let values = [psnr.into(), residual_bits.into(), vector_bits.into(), Figure::Real(frame_bits)];
+    let told = psnr.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
+    let headline = psnr.map_or("perfect prediction".into(), |_| told.clone());
+    let kilobytes = |bits: f64| format!("{:.1}", bits / 8000.0);
+    let vectors = vector_bits.map_or_else(String::new, |bits| format!(" + {}", kilobytes(bits)));
+    let coding = format!("{}{vectors} kB instead of {}", kilobytes(residual_bits), kilobytes(frame_bits));
+    let sent = if vector_bits.is_some() { "Residual + vectors" } else { "Residual" };
+    let facts = vec![fact("Prediction", told), fact(sent, coding)];
+    Ok(Assessment { headline, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
+}

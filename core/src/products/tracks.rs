@@ -1,0 +1,99 @@
+//! Feature tracks: features that were tracked from frame to frame.
+
+use std::sync::Arc;
+
+use super::keypoints::{self, counts, row};
+use super::{Assessment, Feature, Motion, PointField, Product, ProductKind, Reference, Status, flow_error};
+use crate::table::{Cell, Table};
+use crate::{Error, Flow};
+
+/// Features that were tracked from frame to frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackField {
+    /// Width and height of the picture in px.
+    pub picture: (usize, usize),
+    /// The first frame.
+    pub first: usize,
+    /// The frame that the last one was tracked to.
+    pub last: usize,
+    /// The tracks in the order in which they began.
+    pub tracks: Vec<Arc<Track>>,
+}
+
+/// One feature in all frames in which it was seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// The frame in which it begins.
+    pub first: usize,
+    /// What became of it in that frame and those that follow: tracked in all but the last, where it is lost or where the run
+    /// ends.
+    pub points: Vec<Feature>,
+}
+
+impl Track {
+    /// The feature in frame `t`, if it was seen there.
+    pub fn at(&self, t: usize) -> Option<&Feature> {
+        self.points.get(t.checked_sub(self.first)?)
+    }
+
+    /// Whether it was not lost.
+    pub fn is_alive(&self) -> bool {
+        self.points.last().is_some_and(|point| point.status == Status::Found)
+    }
+
+    /// Memory that it takes, in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&self.points[..])
+    }
+}
+
+impl TrackField {
+    /// The frames that features were tracked from.
+    pub fn frames(&self) -> std::ops::Range<usize> {
+        self.first..self.last
+    }
+
+    /// The features in frame `t`.
+    pub fn at(&self, t: usize) -> PointField {
+        let points = self.tracks.iter().filter_map(|track| track.at(t).copied()).collect();
+        PointField { picture: self.picture, points, responses: Vec::new() }
+    }
+}
+
+impl Product for TrackField {
+    const KIND: &'static ProductKind = &ProductKind {
+        id: "feature-tracks",
+        name: "Feature tracks",
+        summary: "Features that were tracked from frame to frame.",
+        motion: Motion::Points,
+        is_of_single_frames: false,
+        measures: &[&keypoints::MEASURES, &flow_error::MEASURES],
+    };
+
+    /// Place of each track in each frame, its displacement to the next if it has one, and what became of it.
+    fn table(&self) -> Option<Table> {
+        let columns = ["track", "frame", "x_px", "y_px", "u_px", "v_px", "status", "residual"];
+        let rows = self.tracks.iter().enumerate().flat_map(|(number, track)| {
+            track.points.iter().enumerate().map(move |(i, point)| -> [Cell; 8] {
+                let [x, y, u, v, status, residual] = row(point);
+                [(number + 1).into(), (track.first + i).into(), x, y, u, v, status, residual]
+            })
+        });
+        Some(Table::new(columns, rows))
+    }
+
+    fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
+        let alive = self.tracks.iter().filter(|track| track.is_alive()).count();
+        let own = counts(self.tracks.len(), Some(alive));
+        Ok(own.and(flow_error::of_tracks(self, reference)))
+    }
+
+    /// The displacements of the features that were tracked from the last frame but one.
+    fn flow(&self) -> Option<Flow> {
+        Some(self.frames().last().map_or_else(|| self.at(0), |t| self.at(t)).flow())
+    }
+
+    fn last_frame(&self) -> Option<usize> {
+        Some(self.last)
+    }
+}

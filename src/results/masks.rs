@@ -1,0 +1,37 @@
+//! The foreground mask of each frame, as a picture each.
+
+use motionscope_core::{Error, Grid, MaskField, Output, PackedMask, Product};
+
+use super::{Export, Format, Made};
+use crate::media::export::{Pixels, png};
+
+/// What the names of all masks begin with.
+const MASK: &str = "mask_";
+
+pub const EXPORT: Export = Export {
+    flag: "masks",
+    value: "DIR",
+    help: "Folder for a mask of each frame as PNG, white where something moves",
+    name: "Masks",
+    explained: "One picture for each frame, white where something moves, into a folder.",
+    takes: &[MaskField::KIND],
+    folder: Some(MASK),
+    formats: &[Format { ending: "png", doc: "PNG, pixels", encode }],
+};
+
+/// The mask of each frame that has one: `mask_0007.png`.
+///
+/// # Errors
+/// If there are no masks.
+fn encode(output: &Output) -> Result<Made, Error> {
+    let missing = || Error::new("no frame has a mask yet; go on to the end of a frame, or choose a background model");
+    let field: &MaskField = output.get().ok_or_else(missing)?;
+    let picture = |(t, mask): (usize, &PackedMask)| {
+        let mask = mask.unpacked();
+        let (width, height) = mask.size();
+        let pixels = Grid::from_fn(width, height, |x, y| if mask.get(x, y) { 255 } else { 0 });
+        Ok((format!("{MASK}{t:04}.png"), png(width, height, Pixels::Gray(pixels.cells()))?))
+    };
+    let files = field.masks().map(picture).collect::<Result<Vec<_>, Error>>()?;
+    if files.is_empty() { Err(missing()) } else { Ok(Made { files, lost: None }) }
+}

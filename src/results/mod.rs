@@ -1,0 +1,205 @@
+//! What the products of a run are written as: a module for each way of writing, and [`EXPORTS`], the one list of them.
+//!
+//! The flags of `motionscope run`, the window's dialogs and what is written follow from it.
+
+mod flow;
+mod masks;
+mod table;
+mod tracks;
+
+use std::path::{Path, PathBuf};
+
+use motionscope_core::{Error, Output, ProductKind};
+
+use crate::media::export;
+use crate::media::names::extension;
+
+/// Every way of writing a product; where two have a format of one ending, the window offers the first.
+pub const EXPORTS: &[&Export] = &[&flow::EXPORT, &table::EXPORT, &tracks::EXPORT, &masks::EXPORT];
+
+/// A way of writing a product.
+#[derive(Debug)]
+pub struct Export {
+    /// Its flag on the command line, without dashes.
+    pub flag: &'static str,
+    /// What stands for its value in the help.
+    pub value: &'static str,
+    /// What it does, for the help.
+    pub help: &'static str,
+    /// What it is called in the window: `Masks`.
+    pub name: &'static str,
+    /// What is written, in one sentence.
+    pub explained: &'static str,
+    /// The kinds of products that can be written so.
+    pub takes: &'static [&'static ProductKind],
+    /// Whether several files are written into a folder, and how their names begin.
+    pub folder: Option<&'static str>,
+    /// What it may be written as; the first is that of standard output.
+    pub formats: &'static [Format],
+}
+
+/// Two are the same where they have the same flag.
+impl PartialEq for Export {
+    fn eq(&self, other: &Self) -> bool {
+        self.flag == other.flag
+    }
+}
+
+/// What a file is written as.
+#[derive(Debug)]
+pub struct Format {
+    /// The ending of its name, in lower case.
+    pub ending: &'static str,
+    /// What it is, for a person.
+    pub doc: &'static str,
+    /// Makes the file, or the files of a folder.
+    pub encode: fn(&Output) -> Result<Made, Error>,
+}
+
+/// What was made to be written.
+#[derive(Debug, Default, PartialEq)]
+pub struct Made {
+    /// The bytes of each file, with its name where it goes into a folder.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// What could not be kept, if anything, as a clause.
+    pub lost: Option<String>,
+}
+
+impl Made {
+    /// One file that keeps all.
+    fn file(bytes: impl Into<Vec<u8>>) -> Self {
+        Self { files: vec![(String::new(), bytes.into())], lost: None }
+    }
+}
+
+impl Export {
+    /// Whether an estimator that makes products of `kinds` has something to be written so.
+    pub fn can_write(&self, kinds: &[&ProductKind]) -> bool {
+        self.takes.iter().any(|kind| kinds.contains(kind))
+    }
+
+    /// Refuses an estimator that makes nothing to be written so.
+    ///
+    /// # Errors
+    /// A sentence with what it makes.
+    pub fn check(&self, id: &str, kinds: &[&ProductKind]) -> Result<(), Error> {
+        if self.can_write(kinds) {
+            return Ok(());
+        }
+        let made: Vec<_> = kinds.iter().map(|kind| kind.name.to_lowercase()).collect();
+        Err(Error::new(format!("{id} makes {}, which --{} cannot write; leave it out", made.join(" and "), self.flag)))
+    }
+
+    /// The format that the ending of `path` asks for; the first for `-` and for a folder.
+    ///
+    /// # Errors
+    /// A sentence that tells which endings there are.
+    pub fn format(&self, path: &Path) -> Result<&'static Format, Error> {
+        let ending = extension(path);
+        let is_first = self.folder.is_some() || path == Path::new("-");
+        let found = self.formats.iter().find(|format| is_first || format.ending == ending);
+        found.ok_or_else(|| {
+            let endings: Vec<_> = self.formats.iter().map(|format| format!(".{}", format.ending)).collect();
+            Error::new(format!(
+                "{}: --{} writes {}, and - is standard output",
+                path.display(),
+                self.flag,
+                endings.join(" or ")
+            ))
+        })
+    }
+
+    /// Writes `made` to `path`, whole or not at all; gives how many files in words.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn save(&self, path: &Path, made: &Made) -> Result<String, Error> {
+        if self.folder.is_none() {
+            made.files.iter().try_for_each(|(_, bytes)| export::save(path, bytes))?;
+            return Ok(path.display().to_string());
+        }
+        export::make_folder(path)?;
+        made.files.iter().try_for_each(|(name, bytes)| export::save(&path.join(name), bytes))?;
+        let plural = if made.files.len() == 1 { "" } else { "s" };
+        Ok(format!("{} file{plural} into {}", made.files.len(), path.display()))
+    }
+}
+
+/// The formats of single files for an estimator that makes products of `kinds`, one for each ending; tables come first.
+pub fn formats(kinds: &[&ProductKind]) -> Vec<(&'static Export, &'static Format)> {
+    let mut all: Vec<(&'static Export, &'static Format)> = Vec::new();
+    let able = |export: &&&Export| export.folder.is_none() && export.can_write(kinds);
+    let tables_first = EXPORTS.iter().filter(|export| ***export == table::EXPORT);
+    let others = EXPORTS.iter().filter(|export| ***export != table::EXPORT);
+    for export in tables_first.chain(others).copied().filter(|export| able(&export)) {
+        for format in export.formats {
+            if all.iter().all(|(_, known)| known.ending != format.ending) {
+                all.push((export, format));
+            }
+        }
+    }
+    all
+}
+
+/// The exports into folders for an estimator that makes products of `kinds`.
+pub fn folders(kinds: &[&ProductKind]) -> impl Iterator<Item = &'static Export> {
+    EXPORTS.iter().copied().filter(move |export| export.folder.is_some() && export.can_write(kinds))
+}
+
+/// Exports that were asked for on the command line, with their paths.
+#[derive(Debug, Default)]
+pub struct Asked(pub Vec<(&'static Export, PathBuf)>);
+
+impl clap::Args for Asked {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        EXPORTS.iter().fold(command, |command, export| {
+            let flag = clap::Arg::new(export.flag).long(export.flag).value_name(export.value).help(export.help);
+            command.arg(flag.value_parser(clap::value_parser!(PathBuf)))
+        })
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for Asked {
+    fn from_arg_matches(matches: &clap::ArgMatches) -> Result<Self, clap::Error> {
+        let asked = |export: &&'static Export| Some((*export, matches.get_one::<PathBuf>(export.flag)?.clone()));
+        Ok(Self(EXPORTS.iter().filter_map(asked).collect()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &clap::ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::products::KINDS;
+
+    use super::*;
+
+    #[test]
+    fn every_kind_of_product_can_be_written() {
+        for kind in KINDS {
+            assert!(EXPORTS.iter().any(|export| export.takes.contains(kind)), "{}", kind.id);
+        }
+        for (i, export) in EXPORTS.iter().enumerate() {
+            assert!(EXPORTS[..i].iter().all(|other| other.flag != export.flag), "--{}", export.flag);
+            assert!(!export.takes.is_empty() && !export.formats.is_empty(), "--{}", export.flag);
+        }
+    }
+
+    #[test]
+    fn the_ending_of_a_name_says_how_it_is_written() {
+        let of = |export: &Export, name: &str| export.format(Path::new(name)).map(|format| format.ending);
+        let flows = ["-", "a.FLO", "b.png", "c/d.npy"].map(|name| of(&flow::EXPORT, name).unwrap());
+        assert_eq!(flows, ["flo", "flo", "png", "npy"]);
+        let rows = ["-", "a.txt", "a.CSV", "b/c.npy"].map(|name| of(&tracks::EXPORT, name).unwrap());
+        assert_eq!(rows, ["txt", "txt", "csv", "npy"]);
+        assert!(of(&tracks::EXPORT, "a.png").unwrap_err().to_string().contains(".npy"));
+        assert!(of(&table::EXPORT, "a").is_err() && of(&masks::EXPORT, "folder").is_ok());
+    }
+}

@@ -1,0 +1,168 @@
+//! The tracks of objects, as MOTChallenge rows, as a table and as an array.
+
+use motionscope_core::{Error, Followed, Life, Object, ObjectField, Output, Product};
+
+use super::{Export, Format, Made, table};
+use crate::media::export::{mot_rect, npy_of};
+
+pub const EXPORT: Export = Export {
+    flag: "tracks",
+    value: "FILE",
+    help: "Writes the objects that were tracked: .txt as MOTChallenge rows, .csv with units, .npy; `-` is standard output",
+    name: "Tracks",
+    explained: "Where each object was in each frame.",
+    takes: &[ObjectField::KIND],
+    folder: None,
+    formats: &[
+        Format {
+            ending: "txt",
+            doc: "MOTChallenge rows, for scores by other programs",
+            encode: |output| mot(field(output)?).map(Made::file),
+        },
+        Format { ending: "csv", doc: "CSV, a row for each object in each frame", encode: as_csv },
+        Format {
+            ending: "npy",
+            doc: "NPY, an array for NumPy",
+            encode: |output| tracked(output).map(|field| Made::file(npy(field))),
+        },
+    ],
+};
+
+fn field(output: &Output) -> Result<&ObjectField, Error> {
+    output.get().ok_or_else(|| Error::new("this result has no objects; choose a tracker"))
+}
+
+/// The objects, where these are tracked.
+fn tracked(output: &Output) -> Result<&ObjectField, Error> {
+    let field = field(output)?;
+    mot(field).map(|_| field)
+}
+
+fn as_csv(output: &Output) -> Result<Made, Error> {
+    Ok(Made::file(table::csv(&tracked(output)?.object_table())))
+}
+
+/// The objects seen in each frame as MOTChallenge's results: frame, id, left, top, width, height, 1, −1, −1, −1; frames and
+/// pixels counted from 1. Tentative objects and those that coast are left out.
+///
+/// # Errors
+/// If nobody is followed.
+fn mot(field: &ObjectField) -> Result<String, Error> {
+    if field.followed == Followed::Nobody {
+        return Err(Error::new(
+            "each frame was looked at by itself, so there are no tracks; choose a tracker, or --table",
+        ));
+    }
+    let seen = |object: &&Object| object.life == Life::Confirmed;
+    let row = |t: usize, object: &Object| {
+        let ([x, y], [width, height]) = (object.bounds.min, object.bounds.size());
+        let [left, top, width, height] = mot_rect([x, y, width, height]);
+        format!("{},{},{left},{top},{width},{height},1,-1,-1,-1\n", t + 1, object.id)
+    };
+    let frames = field.frames.iter().enumerate();
+    let rows = frames.flat_map(|(i, frame)| frame.objects.iter().filter(seen).map(move |o| row(field.first + i, o)));
+    Ok(rows.collect())
+}
+
+/// How many numbers [`npy`] has of an object in a frame.
+const NUMBERS: usize = 11;
+
+/// The objects of each frame as an `.npy` of version 1.0: little-endian f64 of shape (rows, 11) with frame, identity, x, y, u, v,
+/// left, top, width, height in px and px/frame, and where it stands in its life: 0 tentative, 1 seen, 2 coasting. What is not
+/// known is NaN.
+fn npy(field: &ObjectField) -> Vec<u8> {
+    let row = |frame: usize, object: &Object| -> [f64; NUMBERS] {
+        let ([x, y], [u, v]) = (object.position, object.velocity.unwrap_or([f64::NAN; 2]));
+        let ([left, top], [width, height]) = (object.bounds.min.map(f64::from), object.bounds.size().map(f64::from));
+        let life = match object.life {
+            Life::Tentative => 0.0,
+            Life::Confirmed => 1.0,
+            Life::Coasting => 2.0,
+        };
+        [frame as f64, f64::from(object.id), x, y, u, v, left, top, width, height, life]
+    };
+    let frames = field.frames.iter().enumerate();
+    let rows: Vec<_> =
+        frames.flat_map(|(i, frame)| frame.objects.iter().map(move |o| row(field.first + i, o))).collect();
+    npy_of("<f8", &format!("{}, {NUMBERS}", rows.len()), rows.iter().flatten().flat_map(|c| c.to_le_bytes()))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use motionscope_core::objects::trajectory::{Places, Trajectory};
+    use motionscope_core::params::Line;
+    use motionscope_core::{Blob, Bounds, Detection, ObjectFrame};
+
+    use super::*;
+
+    fn csv_of(field: ObjectField) -> String {
+        table::csv(&Product::table(&field).expect("a table"))
+    }
+
+    fn field() -> ObjectField {
+        let bounds = Bounds { min: [-0.5, 9.5], max: [3.5, 12.0] };
+        let blob = Blob { label: 1, area_px: 10, radii: [2.0, 1.0], angle_rad: 0.0, gray: 90.0 };
+        let found = Detection { bounds, center: bounds.center(), score: 0.5, blob: Some(blob) };
+        let object = |id, life| Object {
+            id,
+            bounds,
+            life,
+            position: [1.5, 10.75],
+            velocity: Some([1.0, -0.5]),
+            covariance: Some([[4.0, 0.0], [0.0, 2.25]]),
+            detection: None,
+        };
+        let all = vec![object(3, Life::Confirmed), object(4, Life::Coasting), object(5, Life::Tentative)];
+        let frames = vec![
+            Arc::new(ObjectFrame { mask: None, detections: vec![found], objects: Vec::new() }),
+            Arc::new(ObjectFrame { mask: None, detections: Vec::new(), objects: all }),
+        ];
+        ObjectField { followed: Followed::All, picture: (32, 24), first: 4, frames, trajectories: Vec::new() }
+    }
+
+    #[test]
+    fn results_count_frames_and_pixels_from_one() {
+        assert_eq!(mot(&field()), Ok("6,3,1,11,4,2.5,1,-1,-1,-1\n".into()));
+        let nobody = ObjectField { followed: Followed::Nobody, ..field() };
+        assert!(mot(&nobody).unwrap_err().to_string().contains("choose a tracker"));
+    }
+
+    #[test]
+    fn a_table_of_trajectories_tells_what_became_of_each() {
+        let places = Places { line: Some(Line { from: [10.0, 9.0], to: [10.0, 0.0] }), zone: None, window: 3 };
+        let mut of = Trajectory { id: 4, ..Trajectory::default() };
+        for (t, x) in [(6, 8.0), (7, 9.0), (8, 12.0)] {
+            of.see(t, [x, 5.0], &places);
+        }
+        let all = csv_of(ObjectField { trajectories: vec![Arc::new(of)], ..field() });
+        let rows: Vec<_> = all.lines().collect();
+        assert_eq!(rows[1..], ["6,4,8,5,,,,0,0,", "7,4,9,5,1,0,1,0,0,", "8,4,12,5,2,0,3,1,0,"]);
+    }
+
+    #[test]
+    fn a_table_tells_of_objects_or_else_of_detections() {
+        let all = csv_of(field());
+        assert!(all.contains("\n5,4,1.5,10.75,1,-0.5,-0.5,9.5,4,2.5,coasting,2,1.5\n"), "{all}");
+        let mut found = field();
+        found.frames.truncate(1);
+        assert!(
+            csv_of(found.clone()).starts_with("frame,id,x_px,y_px,u_px_per_frame,"),
+            "whoever tracks nobody has the same columns"
+        );
+        found.followed = Followed::Nobody;
+        let all = csv_of(found);
+        assert!(all.contains("\n4,1.5,10.75,-0.5,9.5,4,2.5,0.5,10,0,2,90\n"), "{all}");
+    }
+
+    #[test]
+    fn objects_are_rows_of_numbers() {
+        let bytes = npy(&field());
+        let header = std::str::from_utf8(&bytes[10..128]).unwrap();
+        assert!(header.starts_with("{'descr': '<f8', 'fortran_order': False, 'shape': (3, 11), }"), "{header}");
+        let numbers: Vec<f64> = bytes[128..].chunks(8).map(|c| f64::from_le_bytes(c.try_into().unwrap())).collect();
+        assert_eq!(numbers[..11], [5.0, 3.0, 1.5, 10.75, 1.0, -0.5, -0.5, 9.5, 4.0, 2.5, 1.0]);
+        assert_eq!(numbers.chunks(11).map(|row| row[10]).collect::<Vec<_>>(), [1.0, 2.0, 0.0]);
+    }
+}
