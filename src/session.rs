@@ -399,7 +399,7 @@ impl Session {
     /// If it cannot be told as TOML, or the name of the clip or its truth is no Unicode.
     pub fn text(&self, folder: &Path) -> Result<String, Error> {
         let beside = |path: &Path| relative(path, folder);
-        let set = self.estimator.values().into_iter().map(|(name, value)| (name.to_string(), told(value))).collect();
+        let set = self.estimator.all_values().into_iter().map(|(name, value)| (name, told(value))).collect();
         let text = Text {
             motionscope: VERSION,
             clip: match self.source.clone().map_path(beside) {
@@ -545,6 +545,7 @@ fn told(value: Value) -> toml::Value {
         Value::Switch(v) => v.into(),
         Value::Choice(v) => v.into(),
         Value::Placed(v) => v.to_string().into(),
+        Value::Stage(v) => v.id().into(),
     }
 }
 

@@ -364,6 +364,12 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If the clip, the frame or the parameters do not allow a run.
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error>;
 
+    /// A run that goes on unit after unit.
+    ///
+    /// # Errors
+    /// If the clip, the frame or the parameters do not allow a run.
+    fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error>;
+
     /// How many units and events a whole run consists of.
     ///
     /// # Errors
@@ -375,6 +381,36 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// # Errors
     /// If the clip, the frame or the parameters do not allow a run.
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error>;
+}
+
+/// A run that goes on unit after unit.
+pub trait AnyRun: Send {
+    /// Does the next unit.
+    ///
+    /// # Errors
+    /// As [`Estimator::advance`].
+    fn advance(&mut self) -> Result<Progress, Error>;
+
+    /// What the run has made so far.
+    fn output(&self) -> Output;
+}
+
+/// The run of one estimator.
+struct Running<E: Estimator> {
+    estimator: E,
+    clip: Clip,
+    state: E::State,
+}
+
+impl<E: Estimator> AnyRun for Running<E> {
+    fn advance(&mut self) -> Result<Progress, Error> {
+        self.clip.wanted()?;
+        self.estimator.advance(&self.clip, &mut self.state, &mut ())
+    }
+
+    fn output(&self) -> Output {
+        self.estimator.output(&self.state)
+    }
 }
 
 impl<E: Estimator> AnyEstimator for E {
@@ -419,6 +455,12 @@ impl<E: Estimator> AnyEstimator for E {
         check_pictures::<E>(clip)?;
         crate::memory::keep();
         Estimator::run(self, clip, frame, threads).map(|state| self.output(&state))
+    }
+
+    fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {
+        check_pictures::<E>(clip)?;
+        let state = self.start(clip, frame)?;
+        Ok(Box::new(Running { estimator: self.clone(), clip: clip.clone(), state }))
     }
 
     fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {

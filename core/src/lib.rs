@@ -10,7 +10,6 @@ mod coding;
 pub mod compare;
 mod consistency;
 mod cost;
-mod dense;
 mod differential;
 mod error;
 mod estimator;
@@ -34,6 +33,7 @@ mod pyramid;
 mod registry;
 pub mod scene;
 mod span;
+pub mod stage;
 mod stop;
 mod streaks;
 mod subtraction;
@@ -51,7 +51,8 @@ pub use coding::Coding;
 pub use consistency::{Agreement, Consistency};
 pub use error::Error;
 pub use estimator::{
-    AnyEstimator, Count, Estimator, Explained, Extent, Info, Observer, Progress, Promise, Rung, Seen, run_observed,
+    AnyEstimator, AnyRun, Count, Estimator, Explained, Extent, Info, Observer, Progress, Promise, Rung, Seen,
+    run_observed,
 };
 pub use grid::{Border, Gray, Grid};
 pub use histogram::{Counted, Histogram};

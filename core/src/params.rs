@@ -3,10 +3,12 @@
 //! Sliders, tooltips, `--set` flags, `motionscope list`, sessions and the property tests all read the
 //! same declaration, made with [`params!`](crate::params!) and [`choices!`](crate::choices!).
 
+mod part;
 mod placed;
 
 use std::fmt;
 
+pub use part::{Part, PartKind, StageValue};
 pub use placed::{Figure, Line, Placed, Spot, Spots};
 
 use crate::Error;
@@ -24,6 +26,8 @@ pub enum Value {
     Choice(&'static str),
     /// Something on the picture.
     Placed(Placed),
+    /// Something with parameters of its own, by its id.
+    Stage(StageValue),
 }
 
 impl fmt::Display for Value {
@@ -34,6 +38,7 @@ impl fmt::Display for Value {
             Value::Switch(v) => f.write_str(if *v { "on" } else { "off" }),
             Value::Choice(v) => f.write_str(v),
             Value::Placed(v) => write!(f, "{v}"),
+            Value::Stage(v) => f.write_str(v.id()),
         }
     }
 }
@@ -61,6 +66,8 @@ pub enum Kind {
     Choice(Vec<Choice>),
     /// Something that is placed on the picture.
     Placed(Figure),
+    /// Something with parameters of its own.
+    Stage(PartKind),
 }
 
 /// One of a few named values of a parameter.
@@ -109,13 +116,8 @@ impl Spec {
             Kind::Real { min, max } => format!("{min} to {max}{unit}"),
             Kind::Switch => "on or off".into(),
             Kind::Placed(figure) => figure.allowed().into(),
-            Kind::Choice(all) => {
-                let names: Vec<_> = all.iter().map(|c| c.name).collect();
-                match names.split_last() {
-                    Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
-                    _ => names.concat(),
-                }
-            }
+            Kind::Stage(kind) => one_of(&kind.ids()),
+            Kind::Choice(all) => one_of(&all.iter().map(|c| c.name).collect::<Vec<_>>()),
         }
     }
 
@@ -130,6 +132,7 @@ impl Spec {
             (Kind::Switch, Value::Switch(_)) => true,
             (Kind::Choice(all), Value::Choice(v)) => all.iter().any(|c| c.name == *v),
             (Kind::Placed(figure), Value::Placed(v)) => v.figure() == *figure && v.is_sound(),
+            (Kind::Stage(kind), Value::Stage(v)) => kind.ids().contains(&v.id()),
             _ => false,
         };
         if fits { Ok(value) } else { Err(self.refusal(&value.to_string())) }
@@ -151,8 +154,13 @@ impl Spec {
             },
             Kind::Choice(all) => all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name)),
             Kind::Placed(figure) => figure.parse(text).map(Value::Placed),
+            Kind::Stage(kind) => return kind.parse(text).map(Value::Stage).map_err(|error| self.stage_refusal(error)),
         };
         value.ok_or_else(|| self.refusal(text)).and_then(|value| self.check(value))
+    }
+
+    fn stage_refusal(&self, error: Error) -> Error {
+        Error::new(format!("{}: {error}", self.name))
     }
 
     fn refusal(&self, given: &str) -> Error {
@@ -188,14 +196,22 @@ pub trait Params {
     /// # Errors
     /// A sentence with the names there are.
     fn get(&self, name: &str) -> Result<Value, Error> {
-        find(self.specs(), name).map(|index| self.value(index))
+        match name.split_once('.') {
+            Some((stage, inner)) => stage_of(self, stage).and_then(|(_, stage)| stage.part().get(inner)),
+            None => find(self.specs(), name).map(|index| self.value(index)),
+        }
     }
 
-    /// Sets the parameter called `name` from what a person typed.
+    /// Sets the parameter called `name` from what a person typed; that of a stage is called `stage.name`.
     ///
     /// # Errors
     /// A sentence with what may be given; then nothing changes.
     fn set(&mut self, name: &str, text: &str) -> Result<(), Error> {
+        if let Some((stage, inner)) = name.split_once('.') {
+            let (index, mut stage) = stage_of(self, stage)?;
+            stage.part_mut().set(inner, text)?;
+            return self.set_value(index, Value::Stage(stage));
+        }
         let index = find(self.specs(), name)?;
         let value = self.specs()[index].parse(text)?;
         self.set_value(index, value)
@@ -204,6 +220,37 @@ pub trait Params {
     /// Names and values, in declared order.
     fn values(&self) -> Vec<(&'static str, Value)> {
         self.specs().iter().enumerate().map(|(i, spec)| (spec.name.as_str(), self.value(i))).collect()
+    }
+
+    /// Names and values, in declared order; behind each stage its own, called `stage.name`.
+    fn all_values(&self) -> Vec<(String, Value)> {
+        let mut all = Vec::new();
+        for (name, value) in self.values() {
+            let inner = match &value {
+                Value::Stage(stage) => stage.part().all_values(),
+                _ => Vec::new(),
+            };
+            all.push((name.to_owned(), value));
+            all.extend(inner.into_iter().map(|(inner, value)| (format!("{name}.{inner}"), value)));
+        }
+        all
+    }
+}
+
+/// Names in words: `sad, ssd or mse`.
+fn one_of(names: &[&str]) -> String {
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+/// The stage called `name` of `params`, with its index.
+fn stage_of<P: Params + ?Sized>(params: &P, name: &str) -> Result<(usize, StageValue), Error> {
+    let index = find(params.specs(), name)?;
+    match params.value(index) {
+        Value::Stage(stage) => Ok((index, stage)),
+        _ => Err(Error::new(format!("{name} is no stage: it has no parameters of its own"))),
     }
 }
 

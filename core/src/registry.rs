@@ -15,45 +15,64 @@ use crate::optical_flow::{
 };
 use crate::tracking::{BlobTracker, KalmanFilter, KalmanTracker, TrajectoryAnalysis};
 use crate::variational::Variational;
-use crate::{AnyEstimator, Error};
+use crate::{AnyEstimator, Error, Estimator, ProductKind};
+
+/// An estimator before it is made.
+pub struct Entry {
+    /// Its id.
+    pub id: &'static str,
+    /// The kinds of products that it makes.
+    pub produces: &'static [&'static ProductKind],
+    /// Makes it, with its default parameters.
+    pub make: fn() -> Box<dyn AnyEstimator>,
+}
+
+impl Entry {
+    const fn of<E: Estimator>() -> Self {
+        Self { id: E::INFO.id, produces: E::PRODUCES, make: || Box::new(E::default()) }
+    }
+}
+
+/// Every estimator, in the order of the course.
+pub const ENTRIES: &[Entry] = &[
+    Entry::of::<FullSearch>(),
+    Entry::of::<QuadrantSearch>(),
+    Entry::of::<LogSearch>(),
+    Entry::of::<ThreeStep>(),
+    Entry::of::<NewThreeStep>(),
+    Entry::of::<FourStep>(),
+    Entry::of::<Diamond>(),
+    Entry::of::<Hexagon>(),
+    Entry::of::<AdaptiveRood>(),
+    Entry::of::<Predictive>(),
+    Entry::of::<Hierarchical>(),
+    Entry::of::<NormalFlow>(),
+    Entry::of::<LucasKanade>(),
+    Entry::of::<PyramidalLucasKanade>(),
+    Entry::of::<Klt>(),
+    Entry::of::<Variational<HornSchunck>>(),
+    Entry::of::<Variational<Clg>>(),
+    Entry::of::<Variational<TvL1>>(),
+    Entry::of::<Farneback>(),
+    Entry::of::<PointTrajectories>(),
+    Entry::of::<Corners<Harris>>(),
+    Entry::of::<Corners<ShiTomasi>>(),
+    Entry::of::<Subtraction<FrameDifference>>(),
+    Entry::of::<Subtraction<RunningAverage>>(),
+    Entry::of::<Subtraction<MedianBackground>>(),
+    Entry::of::<Subtraction<SingleGaussian>>(),
+    Entry::of::<Subtraction<MixtureOfGaussians>>(),
+    Entry::of::<Subtraction<FlowMagnitude>>(),
+    Entry::of::<ConnectedComponents>(),
+    Entry::of::<BlobTracker>(),
+    Entry::of::<KalmanFilter>(),
+    Entry::of::<KalmanTracker>(),
+    Entry::of::<TrajectoryAnalysis>(),
+];
 
 /// Every estimator with its default parameters, in the order of the course.
 pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
-    vec![
-        Box::new(FullSearch::default()),
-        Box::new(QuadrantSearch::default()),
-        Box::new(LogSearch::default()),
-        Box::new(ThreeStep::default()),
-        Box::new(NewThreeStep::default()),
-        Box::new(FourStep::default()),
-        Box::new(Diamond::default()),
-        Box::new(Hexagon::default()),
-        Box::new(AdaptiveRood::default()),
-        Box::new(Predictive::default()),
-        Box::new(Hierarchical::default()),
-        Box::new(NormalFlow::default()),
-        Box::new(LucasKanade::default()),
-        Box::new(PyramidalLucasKanade::default()),
-        Box::new(Klt::default()),
-        Box::new(Variational::<HornSchunck>::default()),
-        Box::new(Variational::<Clg>::default()),
-        Box::new(Variational::<TvL1>::default()),
-        Box::new(Farneback::default()),
-        Box::new(PointTrajectories::default()),
-        Box::new(Corners::<Harris>::default()),
-        Box::new(Corners::<ShiTomasi>::default()),
-        Box::new(Subtraction::<FrameDifference>::default()),
-        Box::new(Subtraction::<RunningAverage>::default()),
-        Box::new(Subtraction::<MedianBackground>::default()),
-        Box::new(Subtraction::<SingleGaussian>::default()),
-        Box::new(Subtraction::<MixtureOfGaussians>::default()),
-        Box::new(Subtraction::<FlowMagnitude>::default()),
-        Box::new(ConnectedComponents::default()),
-        Box::new(BlobTracker::default()),
-        Box::new(KalmanFilter::default()),
-        Box::new(KalmanTracker::default()),
-        Box::new(TrajectoryAnalysis::default()),
-    ]
+    ENTRIES.iter().map(|entry| (entry.make)()).collect()
 }
 
 /// The estimator called `id`, with its default parameters.
@@ -61,8 +80,16 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
 /// # Errors
 /// A sentence with the ids there are.
 pub fn estimator(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
-    let all = estimators();
-    let ids: Vec<_> = all.iter().map(|e| e.info().id).collect();
-    let unknown = Error::new(format!("there is no estimator {id}; there are {}", ids.join(", ")));
-    all.into_iter().find(|e| e.info().id == id).ok_or(unknown)
+    entry(id).map(|entry| (entry.make)())
+}
+
+/// The entry of the estimator called `id`.
+///
+/// # Errors
+/// A sentence with the ids there are.
+pub fn entry(id: &str) -> Result<&'static Entry, Error> {
+    ENTRIES.iter().find(|entry| entry.id == id).ok_or_else(|| {
+        let ids: Vec<_> = ENTRIES.iter().map(|entry| entry.id).collect();
+        Error::new(format!("there is no estimator {id}; there are {}", ids.join(", ")))
+    })
 }

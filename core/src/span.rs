@@ -30,6 +30,11 @@ impl Span {
         self.is_known.then(|| self.last - self.first + 1)
     }
 
+    /// How many frames there are at most.
+    pub fn most(&self) -> usize {
+        self.last - self.first + 1
+    }
+
     /// Where a run stands that has frames for units and `done` of them behind it: in the clip, and at a frame.
     pub fn place(&self, done: usize) -> Vec<Rung> {
         vec![Rung { index: 0, of: Some(1) }, Rung { index: done, of: self.frames() }]

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use common::waves;
 use motionscope_core::params::{Kind, Spot, Value};
 use motionscope_core::products::{KINDS, Motion, Reference, Score};
+use motionscope_core::stage::value_of;
 use motionscope_core::{
     AnyEstimator, BlockField, Bounds, Clip, Cursor, DenseField, Detection, Error, Explained, Flow, Frame, Grid, Move,
     ObjectBox, ObjectField, Output, PointField, ProductKind, Promise, Scene, Step, Stop, Threads, Truth, Walk, Way,
@@ -528,6 +529,10 @@ fn in_range(kind: &Kind, dice: u64) -> Value {
         Kind::Real { min, max } => Value::Real(min + (max - min) * ((dice % 1001) as f64 / 1000.0)),
         Kind::Switch => Value::Switch(dice.is_multiple_of(2)),
         Kind::Choice(all) => Value::Choice(all[dice as usize % all.len()].name),
+        Kind::Stage(kind) => {
+            let ids = kind.ids();
+            Value::Stage(kind.parse(ids[dice as usize % ids.len()]).expect("one of its own"))
+        }
         Kind::Placed(figure) if dice.is_multiple_of(3) => Value::Placed(figure.none()),
         Kind::Placed(figure) => {
             let at = |shift: u32| [(dice >> shift) % 97, (dice >> (shift + 7)) % 89].map(|c| c as f32 - 20.25);
@@ -607,6 +612,7 @@ proptest! {
                     }
                     Kind::Switch => vec![Value::Int(1)],
                     Kind::Choice(_) => vec![Value::Choice("none-of-these")],
+                    Kind::Stage(_) => vec![Value::Int(1), value_of(&*estimators().swap_remove(0))],
                     Kind::Placed(figure) => {
                         let far = [beyond as f32 * 1e6; 2];
                         vec![Value::Int(1), Value::Placed(figure.spanned([0.0; 2], far).with(Spot { frame: 0, at: far }))]

@@ -2,7 +2,7 @@
 
 use motionscope_core::{
     BlockField, BlockGrid, BlockVector, Border, Clip, Cursor, Error, Estimator, Frame, Grid, Info, Move, Observer,
-    Output, Progress, Rung, Scene, Seen, Step, Timeline, Walk, Way, params,
+    Output, Product, ProductKind, Progress, Rung, Scene, Seen, Step, Timeline, Walk, Way, params,
 };
 
 params! {
@@ -28,6 +28,7 @@ impl Estimator for Toy {
         rungs: &["run", "level", "item", "event"],
         frames: 1,
     };
+    const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     /// Items done, and 1 KiB of ballast.
     type State = (usize, Vec<u8>);
     type Event = usize;

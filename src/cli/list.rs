@@ -50,6 +50,7 @@ pub fn json() -> String {
                 "source": info.source,
                 "rungs": info.rungs,
                 "frames": info.frames,
+                "produces": estimator.produces().iter().map(|kind| kind.id).collect::<Vec<_>>(),
                 "params": estimator.specs().iter().map(spec).collect::<Vec<_>>(),
             })
         })
@@ -70,14 +71,18 @@ fn spec(spec: &Spec) -> serde_json::Value {
         Kind::Switch => ("switch", json!([false, true])),
         Kind::Choice(all) => ("choice", all.iter().map(|choice| choice.name).collect()),
         Kind::Placed(figure) => (figure.name(), json!(spec.allowed())),
+        Kind::Stage(kind) => ("stage", json!(kind.ids())),
     };
     told.insert("type".into(), json!(kind));
     let name = match &spec.kind {
         Kind::Int { .. } | Kind::Real { .. } => "range",
-        Kind::Switch | Kind::Choice(_) => "choices",
+        Kind::Switch | Kind::Choice(_) | Kind::Stage(_) => "choices",
         Kind::Placed(_) => "form",
     };
     told.insert(name.into(), range);
+    if let Kind::Stage(kind) = &spec.kind {
+        told.insert("product".into(), json!(kind.product));
+    }
     told.into()
 }
 
@@ -89,5 +94,6 @@ pub fn value(value: Value) -> serde_json::Value {
         Value::Switch(v) => json!(v),
         Value::Choice(v) => json!(v),
         Value::Placed(v) => json!(v.to_string()),
+        Value::Stage(v) => json!(v.id()),
     }
 }

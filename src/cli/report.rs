@@ -132,7 +132,7 @@ impl Report {
         Self {
             clip: task.name.clone(),
             estimator: task.estimator.info().id,
-            params: task.estimator.values().into_iter().map(|(name, v)| (name.into(), value(v))).collect(),
+            params: task.estimator.all_values().into_iter().map(|(name, v)| (name, value(v))).collect(),
             frame: task.frame,
             last_frame: output.last_frame().unwrap_or(task.frame + 1),
             units: extent.units,

@@ -5,7 +5,7 @@ use eframe::egui::{
     vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::params::{Choice, Kind, Placed, Spec};
+use motionscope_core::params::{Choice, Kind, PartKind, Placed, Spec, StageValue};
 use motionscope_core::{Info, Value, estimators};
 
 use super::action::{Action, Actions};
@@ -121,16 +121,48 @@ fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, actions: &mut Actions) {
         for (index, spec) in params.specs().iter().enumerate() {
             let (value, default) = (params.value(index), document.default_of(owner, index));
             let is_placing = owner == Owner::Estimator && placing == Some(index);
-            Row { owner, index, spec, value, default, theme, is_placing }.show(ui, actions);
-            ui.add_space(if matches!(spec.kind, Kind::Int { .. } | Kind::Real { .. }) { 6.0 } else { 4.0 });
+            let row = Row { owner, index, within: None, spec, value, default, theme, is_placing };
+            row.show(ui, actions);
+            row.space(ui);
+            if let Value::Stage(stage) = &row.value {
+                of_stage(ui, &row, stage, actions);
+            }
         }
     });
+}
+
+/// The parameters of a stage, set in below its name.
+fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Actions) {
+    let &Row { owner, index, theme, .. } = parent;
+    let id = ui.make_persistent_id((owner as usize, index, stage.id()));
+    let part = stage.part();
+    // They are many, and good as they are until someone asks.
+    egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false)
+        .show_header(ui, |ui| {
+            ui.label(dim(ui, format!("{} in detail", part.name()))).on_hover_text(part.summary());
+        })
+        .body(|ui| {
+            for (inner, spec) in part.specs().iter().enumerate() {
+                // What is placed on the picture, and stages of stages, are set where the stage is opened by itself.
+                if matches!(spec.kind, Kind::Placed(_) | Kind::Stage(_)) {
+                    continue;
+                }
+                let (value, default) = (part.value(inner), Some(spec.default.clone()));
+                let within = Some((stage, inner));
+                let row = Row { owner, index, within, spec, value, default, theme, is_placing: false };
+                row.show(ui, actions);
+                row.space(ui);
+            }
+        });
+    ui.add_space(4.0);
 }
 
 /// One parameter.
 struct Row<'a> {
     owner: Owner,
     index: usize,
+    /// The stage whose parameter it is, with its index there; `index` is then that of the stage.
+    within: Option<(&'a StageValue, usize)>,
     spec: &'a Spec,
     value: Value,
     default: Option<Value>,
@@ -158,15 +190,59 @@ impl Row<'_> {
                 (Value::Choice(wanted), wanted != *name)
             }
             (Kind::Placed(_), Value::Placed(placed)) => return self.placed(ui, placed, actions),
+            (Kind::Stage(kind), Value::Stage(stage)) => match self.stage(ui, kind, stage, actions) {
+                Some(wanted) => (Value::Stage(wanted), true),
+                None => return,
+            },
             _ => return,
         };
         if wanted != self.value {
-            actions.ask(Action::Set(self.owner, self.index, wanted));
+            self.ask(wanted, actions);
         }
         // The frame that ends a gesture may still change the value: that belongs to the gesture.
         if done {
             actions.ask(Action::Settle);
         }
+    }
+
+    /// Asks for another value.
+    fn ask(&self, wanted: Value, actions: &mut Actions) {
+        let wanted = match self.within {
+            Some((stage, inner)) => {
+                let mut stage = stage.clone();
+                // Rows offer nothing that is out of range.
+                if stage.part_mut().set_value(inner, wanted).is_err() {
+                    return;
+                }
+                Value::Stage(stage)
+            }
+            None => wanted,
+        };
+        actions.ask(Action::Set(self.owner, self.index, wanted));
+    }
+
+    fn space(&self, ui: &mut Ui) {
+        ui.add_space(if matches!(self.spec.kind, Kind::Int { .. } | Kind::Real { .. }) { 6.0 } else { 4.0 });
+    }
+
+    /// Which estimator works as this stage; gives another one that was chosen.
+    fn stage(&self, ui: &mut Ui, kind: &PartKind, now: &StageValue, actions: &mut Actions) -> Option<StageValue> {
+        let mut wanted = None;
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let list = (12.0 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
+        self.line(ui, list, actions, |ui, label| {
+            let combo = ComboBox::from_id_salt((self.owner as usize, self.index)).selected_text(now.part().name());
+            let response = combo.width(list).truncate().show_ui(ui, |ui| {
+                for part in (kind.all)() {
+                    let row = ui.selectable_label(part.id() == now.id(), part.name());
+                    if row.on_hover_text(part.summary()).clicked() && part.id() != now.id() {
+                        wanted = Some(StageValue::new(part));
+                    }
+                }
+            });
+            response.response.labelled_by(label.id).on_hover_text(self.tip());
+        });
+        wanted
     }
 
     /// Label left, `add` right; between them the way back if the value was changed.
@@ -218,7 +294,7 @@ impl Row<'_> {
         let unit = if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) };
         if button.on_hover_text(format!("Back to {}{unit}.", self.shown(default))).clicked() {
             actions.ask(Action::Settle);
-            actions.ask(Action::Set(self.owner, self.index, default.clone()));
+            self.ask(default.clone(), actions);
             actions.ask(Action::Settle);
         }
     }
@@ -255,7 +331,7 @@ impl Row<'_> {
         let default = self.default.as_ref().and_then(|default| match *default {
             Value::Int(value) => Some(value as f64),
             Value::Real(value) => Some(value),
-            Value::Switch(_) | Value::Choice(_) | Value::Placed(_) => None,
+            Value::Switch(_) | Value::Choice(_) | Value::Placed(_) | Value::Stage(_) => None,
         });
         let step = 10f64.powi(-(decimals as i32));
         let slider = Slider { name: &self.spec.label, range: (min, max), step, default, theme: self.theme };
@@ -313,7 +389,7 @@ impl Row<'_> {
                 return;
             }
             let shown = choices.iter().find(|choice| choice.name == now).map_or(now, |choice| choice.label);
-            let combo = ComboBox::from_id_salt((self.owner as usize, self.index)).selected_text(shown);
+            let combo = ComboBox::from_id_salt((self.owner as usize, self.index, &self.spec.name)).selected_text(shown);
             let response = combo.width(list).truncate().show_ui(ui, |ui| {
                 for choice in choices {
                     let row = ui.selectable_label(choice.name == now, choice.label);

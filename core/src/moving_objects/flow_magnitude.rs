@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::dense::FlowMethod;
 use crate::differential::filter;
 use crate::scene::{Fact, Math, Sentence};
+use crate::stage::{DenseFlow, Stage};
 use crate::subtraction::{Background, Explanation, Found, subtraction_params, subtraction_pseudocode};
 use crate::words;
 use crate::{Border, Flow, Frame, Grid, Info, Mask, Role, Threads};
@@ -12,8 +12,8 @@ use crate::{Border, Flow, Frame, Grid, Info, Mask, Role, Threads};
 subtraction_params! {
     /// The length of the optical flow.
     pub struct FlowMagnitude {
-        /// Which method finds the optical flow; its own parameters have their defaults.
-        method: FlowMethod = FlowMethod::Farneback;
+        /// Method that estimates the optical flow.
+        method: Stage<DenseFlow> = Stage::named("farneback");
         /// A pixel that has moved farther than this since the frame before is foreground, if the flow explains it.
         threshold: f32 = 1.0, 0.0..=50.0, "px/frame";
         /// How far the pixels around a pixel reach that have to fit better where the flow leads than at rest; a smooth flow goes on beyond the edges of what moves.

@@ -8,6 +8,7 @@ use super::source::{Detector, Given, Noise, Source};
 use super::{Bounds, Detection, Followed, Life, Object, ObjectField, ObjectFrame};
 use crate::params::Spots;
 use crate::span::Span;
+use crate::stage::{Foreground, Stage};
 use crate::{Clip, Error, Progress, Rung};
 
 /// Declares the parameters of a tracker: its own between those that all have, whose values `course_settings` gives.
@@ -25,6 +26,8 @@ macro_rules! tracker_params {
                 frames: usize = 300, 2..=10_000;
                 /// Who detects the objects.
                 source: $crate::objects::source::Source = $crate::objects::source::Source::Auto;
+                /// Detector of moving objects, for a source that is what moves.
+                detector: $crate::stage::Stage<$crate::stage::Foreground> = $crate::objects::source::usual_detector();
                 /// Places in frames, clicked on the picture, that stand for what a detector finds.
                 clicks: $crate::params::Spots = $crate::params::Spots::default();
                 /// Detections beside the clip with a lower score are left out.
@@ -48,8 +51,8 @@ macro_rules! tracker_params {
         impl $name {
             fn course_settings(&self) -> $crate::objects::course::Settings {
                 let Self { frames, source, min_score, added_noise, seed, .. } = *self;
-                let clicks = self.clicks.clone();
-                $crate::objects::course::Settings { frames, source, clicks, min_score, added_noise, seed }
+                let (clicks, detector) = (self.clicks.clone(), self.detector.clone());
+                $crate::objects::course::Settings { frames, source, detector, clicks, min_score, added_noise, seed }
             }
 
             /// The same without hindsight, if there is any.
@@ -71,6 +74,7 @@ pub(crate) use tracker_params;
 pub(crate) struct Settings {
     pub frames: usize,
     pub source: Source,
+    pub detector: Stage<Foreground>,
     pub clicks: Spots,
     pub min_score: f32,
     pub added_noise: f32,
@@ -96,10 +100,10 @@ impl Course {
     /// # Errors
     /// If the clip has no pair there, or none of what is to be detected.
     pub fn new(settings: Settings, clip: &Clip, frame: usize) -> Result<Self, Error> {
-        let Settings { frames, source, clicks, min_score, added_noise, seed } = settings;
+        let Settings { frames, source, detector, clicks, min_score, added_noise, seed } = settings;
         let span = Span::new(clip, frame, frames)?;
         let noise = Noise { deviation_px: f64::from(added_noise), seed: u64::from(seed) };
-        let detector = Detector::new(source, clip, &span, Given { noise, clicks })?;
+        let detector = Detector::new(source, clip, &span, Given { noise, clicks, stage: detector })?;
         Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), picture: clip.size() })
     }
 

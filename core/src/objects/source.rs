@@ -1,13 +1,11 @@
 //! What is seen of objects in a frame, whoever detects them.
 
-use std::sync::Arc;
-
-use super::{Bounds, Connectivity, Detection};
+use super::{Bounds, Detection};
 use crate::params::Spots;
 use crate::span::Span;
-use crate::subtraction::{Settings, blobs};
+use crate::stage::{Detections, Foreground, Stage};
 use crate::synth::random::{gaussian, hash};
-use crate::{Clip, Error, Frame, Gray, Grid, Mask, ObjectBox, choices};
+use crate::{Clip, Error, ObjectBox, choices};
 
 choices! {
     /// Who detects the objects.
@@ -20,23 +18,19 @@ choices! {
         Detections = "detections" "Detections",
         /// The true boxes, measured with noise; what is hidden is not seen.
         Truth = "truth" "Truth with noise",
-        /// Regions that differ from the median of frames from all over the run.
+        /// Blobs of a detector of moving objects.
         Moving = "moving" "What moves",
     }
 }
 
 /// An object of which less can be seen is not detected.
 const LEAST_VISIBLE: f32 = 0.3;
-/// So many frames are the background the median of.
-const SAMPLES: usize = 9;
-/// Frames of a clip of unknown length that these are taken from.
-const REACH: usize = 60;
-/// A pixel that differs from the background by more gray levels moves.
-const THRESHOLD: u8 = 25;
 /// How wide and high the box around a click is.
 const CLICK_PX: f32 = 16.0;
-/// From the pixels that move to blobs.
-const BLOBS: Settings = Settings { open: 1, close: 2, min_area: 30, connectivity: Connectivity::Eight, frames: 0 };
+/// The detector of trackers, unless another is chosen.
+pub fn usual_detector() -> Stage<Foreground> {
+    Stage::named("mixture-of-gaussians")
+}
 
 /// How the truth is measured where it takes the place of a detector.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,12 +42,14 @@ pub struct Noise {
 }
 
 /// What a detector is given beside the clip.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Given {
     /// How the truth is measured.
     pub noise: Noise,
     /// Places that someone clicked.
     pub clicks: Spots,
+    /// The detector of moving objects.
+    pub stage: Stage<Foreground>,
 }
 
 /// Someone who detects objects in frames, the same ones however often they are asked.
@@ -68,8 +64,8 @@ enum Eye {
     Clicks(Spots),
     Detections,
     Truth,
-    /// What looks like when nothing moves.
-    Moving(Arc<Gray>),
+    /// Found by a detector of moving objects.
+    Moving(Detections),
 }
 
 /// The centre of an object.
@@ -83,7 +79,7 @@ impl Detector {
     /// # Errors
     /// If the clip has none of what is wanted, or a frame is damaged.
     pub fn new(source: Source, clip: &Clip, span: &Span, given: Given) -> Result<Self, Error> {
-        let Given { noise, clicks } = given;
+        let Given { noise, clicks, stage } = given;
         let has_detections = clip.detections(span.first).is_some();
         let has_truth = match clip.truth() {
             Some(truth) => truth.objects(span.first)?.is_some(),
@@ -102,7 +98,7 @@ impl Detector {
             Source::Auto if has_detections => Eye::Detections,
             Source::Truth => Eye::Truth,
             Source::Auto if has_truth => Eye::Truth,
-            Source::Auto | Source::Moving => Eye::Moving(Arc::new(background(clip, span)?)),
+            Source::Auto | Source::Moving => Eye::Moving(stage.detections(clip, span.first, span.most())?),
         };
         Ok(Self { eye, noise })
     }
@@ -120,7 +116,7 @@ impl Detector {
                 let seen = objects.iter().filter(|object| object.visibility >= LEAST_VISIBLE);
                 Ok(seen.map(|object| self.measured(object, t)).collect())
             }
-            Eye::Moving(background) => Ok(moving(background, &*clip.frame(t)?)),
+            Eye::Moving(detections) => Ok(detections.at(t)?.to_vec()),
         }
     }
 
@@ -153,7 +149,7 @@ impl Detector {
     /// Memory that it takes, in bytes; its copies share it.
     pub fn bytes(&self) -> usize {
         match &self.eye {
-            Eye::Moving(background) => background.cells().len(),
+            Eye::Moving(detections) => detections.bytes(),
             Eye::Clicks(clicks) => size_of_val(clicks.all()),
             Eye::Detections | Eye::Truth => 0,
         }
@@ -173,39 +169,6 @@ fn clicked(center: [f32; 2]) -> Detection {
     Detection { bounds: Bounds::around(center, [CLICK_PX; 2]), center, score: 1.0, blob: None }
 }
 
-/// The median of frames that lie evenly in `span` (B. P. L. Lo and S. A. Velastin, Automatic congestion detection system for
-/// underground platforms, 2001): what moves is seen at a place in less than half of them.
-fn background(clip: &Clip, span: &Span) -> Result<Gray, Error> {
-    let count = span.frames().unwrap_or(REACH);
-    let samples = count.min(SAMPLES);
-    let mut frames = Vec::new();
-    for i in 0..samples {
-        let t = span.first + i * (count - 1) / (samples - 1).max(1);
-        // A clip of unknown length may be shorter; a damaged frame, or one that nobody wants any more, is no end.
-        if span.frames().is_none() && !clip.has_frame(t)? {
-            break;
-        }
-        frames.push(clip.frame(t)?);
-    }
-    let (width, height) = clip.size();
-    Ok(Grid::from_fn(width, height, |x, y| {
-        median(&mut frames.iter().map(|frame| frame.luma()[(x, y)]).collect::<Vec<u8>>())
-    }))
-}
-
-/// The value in the middle, of an even number the mean of both that are there.
-fn median(values: &mut [u8]) -> u8 {
-    values.sort_unstable();
-    let [low, high] = [values[(values.len() - 1) / 2], values[values.len() / 2]].map(u32::from);
-    (low + high).div_ceil(2) as u8
-}
-
-fn moving(background: &Gray, frame: &Frame) -> Vec<Detection> {
-    let (picture, (width, height)) = (frame.luma(), background.size());
-    let is_off = |x: usize, y: usize| picture[(x, y)].abs_diff(background[(x, y)]) > THRESHOLD;
-    blobs(BLOBS, Mask::from_fn(width, height, is_off), picture, &mut ()).detections
-}
-
 /// The true place of the object that is called `id` in frame `t`.
 ///
 /// # Errors
@@ -214,15 +177,4 @@ pub fn truth_of(clip: &Clip, t: usize, id: u32) -> Result<Option<[f64; 2]>, Erro
     let Some(truth) = clip.truth() else { return Ok(None) };
     let objects = truth.objects(t)?.unwrap_or_default();
     Ok(objects.iter().find(|object| object.id == id).map(center))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_median_of_an_even_number_is_not_what_is_bright() {
-        assert_eq!([median(&mut [90, 10]), median(&mut [30, 200, 10, 40])], [50, 35]);
-        assert_eq!([median(&mut [9]), median(&mut [7, 1, 200])], [9, 7]);
-    }
 }

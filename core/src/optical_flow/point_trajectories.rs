@@ -5,12 +5,12 @@ mod tell;
 use std::sync::Arc;
 
 use crate::consistency::returned;
-use crate::dense::FlowMethod;
 use crate::differential::truth;
 use crate::features::follow::Follow;
 use crate::features::tracker::{Level, Template};
 use crate::scene::Chart;
 use crate::span::Span;
+use crate::stage::{DenseFlow, Stage};
 use crate::{
     Clip, Error, Estimator, Explained, Feature, Flow, Grid, Info, Observer, Output, Product, ProductKind, Progress,
     Promise, Role, Rung, Scene, Seen, Status, Step, Threads, Track, TrackField, params,
@@ -21,8 +21,8 @@ params! {
     pub struct PointTrajectories {
         /// At most so many frames are gone through, the first one counted; fewer where the clip ends.
         frames: usize = 30, 2..=10_000;
-        /// Which method finds the optical flow; its own parameters have their defaults.
-        method: FlowMethod = FlowMethod::HornSchunck;
+        /// Method that estimates the optical flow.
+        method: Stage<DenseFlow> = Stage::named("horn-schunck");
         /// From one point of the grid to the next.
         spacing: usize = 10, 1..=100, "px";
         /// Begin points in each frame in the cells of the grid that have become empty.

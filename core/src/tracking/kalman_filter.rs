@@ -9,11 +9,12 @@ use std::sync::Arc;
 
 use super::{is_far_outside, object_of};
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
-use crate::objects::source::{Detector, Given, Noise, Source, center, truth_of};
+use crate::objects::source::{Detector, Given, Noise, Source, center, truth_of, usual_detector};
 use crate::objects::{Extent, Followed, Life, Object, ObjectFrame};
 use crate::params::Spots;
 use crate::scene::Chart;
 use crate::span::Span;
+use crate::stage::{Foreground, Stage};
 use crate::{
     Clip, Detection, Error, Estimator, Info, ObjectField, Observer, Output, Product, ProductKind, Progress, Promise,
     Role, Rung, Scene, Seen, Step, choices, params,
@@ -59,6 +60,8 @@ params! {
         measurement_noise: f32 = 2.0, 0.01..=100.0, "px";
         /// Who detects the object.
         source: Source = Source::Auto;
+        /// Detector of moving objects, for a source that is what moves.
+        detector: Stage<Foreground> = usual_detector();
         /// Places in frames, clicked on the picture: what is measured, or where another source is chosen, which object is followed and from when on.
         clicks: Spots = Spots::default();
         /// Which object is followed, of those in the first frame that shows any: true ones by their number, detections by their score, all others as they were found or clicked.
@@ -375,7 +378,12 @@ impl Estimator for KalmanFilter {
             )));
         }
         let noise = Noise { deviation_px: f64::from(self.added_noise), seed: u64::from(self.seed) };
-        let detector = Detector::new(self.source, clip, &span, Given { noise, clicks: self.clicks.clone() })?;
+        let detector = Detector::new(
+            self.source,
+            clip,
+            &span,
+            Given { noise, clicks: self.clicks.clone(), stage: self.detector.clone() },
+        )?;
         Ok(State {
             span,
             detector,

@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use super::kalman_tracker::{KalmanTracker, State as Tracked};
 use crate::objects::directions::Directions;
-use crate::objects::source::Source;
+use crate::objects::source::{Source, usual_detector};
 use crate::objects::trajectory::{Crossing, News, Places, Stay, Trajectory, Unusual};
 use crate::objects::{Bounds, Life, ObjectFrame};
 use crate::params::{Line, Spots};
 use crate::scene::Chart;
+use crate::stage::{Foreground, Stage};
 use crate::{
     Clip, Error, Estimator, Explained, Info, ObjectField, Observer, Output, Product, ProductKind, Progress, Promise,
     Role, Rung, Scene, Seen, Step, params,
@@ -37,6 +38,8 @@ params! {
         part: usize = 64, 8..=1000, "px";
         /// Who detects the objects.
         source: Source = Source::Auto;
+        /// Detector of moving objects, for a source that is what moves.
+        detector: Stage<Foreground> = usual_detector();
         /// Places in frames, clicked on the picture, that stand for what a detector finds.
         clicks: Spots = Spots::default();
         /// Detections with a lower score are left out.
@@ -101,10 +104,10 @@ struct Lesson {
 
 impl TrajectoryAnalysis {
     fn tracker(&self) -> KalmanTracker {
-        let Self { frames, source, clicks, min_score, added_noise, seed, .. } = self.clone();
+        let Self { frames, source, detector, clicks, min_score, added_noise, seed, .. } = self.clone();
         // As a live camera would have it: what is analysed is what was seen.
         let live = KalmanTracker { backdate: false, bridge: false, ..KalmanTracker::default() };
-        KalmanTracker { frames, source, clicks, min_score, added_noise, seed, ..live }
+        KalmanTracker { frames, source, detector, clicks, min_score, added_noise, seed, ..live }
     }
 
     fn places(&self) -> Places {

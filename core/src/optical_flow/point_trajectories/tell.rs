@@ -71,7 +71,7 @@ impl PointTrajectories {
                 .text(": how far both drift apart tells how far either is to be trusted."),
             Some(What::Flow(_)) => said.text(format!(
                 "{} finds where each pixel of frame {here} goes in frame {next}, and where each pixel of that comes from.",
-                self.method.label()
+                self.method.estimator().info().name
             )),
             Some(What::Begun(0)) => said.text(format!("No new point begins: {} go on.", state.live.len())),
             Some(What::Begun(count)) => said.ink(Role::Measured, format!("{count} points")).text(format!(
