@@ -16,6 +16,8 @@ mod parameters;
 mod pixels;
 #[path = "window/placing.rs"]
 mod placing;
+#[path = "window/stages.rs"]
+mod stages;
 #[path = "window/timeline.rs"]
 mod timeline;
 

@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::params::{Kind, Parameter, Part, PartKind, Spec, StageValue};
 use crate::registry::{self, Entry};
 use crate::{
-    AnyEstimator, AnyRun, Clip, DenseField, Detection, Error, Flow, Frame, MaskField, ObjectField, Params, Product,
-    ProductKind, Progress, Threads, Value,
+    AnyEstimator, AnyRun, Clip, Cursor, DenseField, Detection, Error, Flow, Frame, MaskField, ObjectField, Params,
+    Product, ProductKind, Progress, Threads, Value,
 };
 
 /// What is asked of the estimators that can be a stage.
@@ -218,8 +218,8 @@ impl Stage<Foreground> {
     /// If the detector cannot run there.
     pub fn detections(&self, clip: &Clip, first: usize, count: usize) -> Result<Detections, Error> {
         let mut detector = self.estimator.boxed_clone();
-        if detector.specs().iter().any(|spec| spec.name == "frames") {
-            detector.set("frames", &count.to_string())?;
+        if detector.specs().iter().any(|spec| spec.name == FRAMES) {
+            detector.set(FRAMES, &count.to_string())?;
         }
         let run = detector.begin(clip, first)?;
         Ok(Detections(Arc::new(Mutex::new(Found { run, first, frames: Vec::new(), is_over: false }))))
@@ -252,3 +252,44 @@ impl Detections {
         found.frames.iter().map(|frame| size_of_val(&frame[..])).sum()
     }
 }
+
+/// A stage that is opened by itself: what it runs, on which frame, and where in that run its parent stands.
+pub struct Opened {
+    /// The estimator that works as the stage.
+    pub estimator: Box<dyn AnyEstimator>,
+    /// The frame that its run begins on.
+    pub frame: usize,
+    /// Its place while the parent is at work.
+    pub cursor: Cursor,
+}
+
+/// Opens the stage that is parameter `index` of `parent`, whose run began on frame `first` and works on frame `now`.
+///
+/// A stage that goes through the clip begins where its parent began, and stands at the end of the frame at hand; one that looks
+/// at a pair runs on the pair at hand, from its start. `None` if that parameter is no stage.
+pub fn open(parent: &dyn AnyEstimator, index: usize, (first, now): (usize, usize)) -> Option<Opened> {
+    parent.specs().get(index)?;
+    let Value::Stage(value) = parent.value(index) else { return None };
+    let mut estimator = estimator_of(&value)?.boxed_clone();
+    if !estimator.info().is_by_frame() {
+        return Some(Opened { estimator, frame: now, cursor: Cursor::default() });
+    }
+    // It sees as many frames as its parent does.
+    if let Ok(frames) = parent.get(FRAMES)
+        && let Some(own) = estimator.specs().iter().position(|spec| spec.name == FRAMES)
+    {
+        // A parent that may see more than its stage is cut there.
+        estimator.set_value(own, frames).ok();
+    }
+    let cursor = Cursor { unit: now.saturating_sub(first), event: usize::MAX };
+    Some(Opened { estimator, frame: first, cursor })
+}
+
+/// The stages of `estimator`: the indices of its parameters that are such.
+pub fn stages(estimator: &dyn AnyEstimator) -> Vec<usize> {
+    let specs = estimator.specs().iter().enumerate();
+    specs.filter(|(_, spec)| matches!(spec.kind, Kind::Stage(_))).map(|(index, _)| index).collect()
+}
+
+/// The parameter of all that go through a clip: how many frames at most.
+const FRAMES: &str = "frames";

@@ -61,6 +61,8 @@ pub enum Action {
     Pace(Pace),
     /// Set a parameter.
     Set(Owner, usize, Value),
+    /// Walk the stage by itself that is this parameter of the estimator.
+    Enter(usize),
     /// A drag of a slider is over.
     Settle,
     /// Place a parameter of the estimator on the picture, or no more.

@@ -2,7 +2,7 @@
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Cursor, Error, Info, Move, Way, estimator};
+use motionscope_core::{AnyEstimator, Cursor, Error, Info, Move, Way, estimator, stage};
 
 use super::action::Action;
 use super::app::{App, Overlay};
@@ -44,6 +44,7 @@ impl App {
                 }
                 self.restart();
             }
+            Action::Enter(index) => self.enter(index),
             Action::Settle => self.document.settle(),
             Action::Place(index) => self.states.stage.placing = index,
             Action::ResetAll(owner) => {
@@ -90,6 +91,12 @@ impl App {
             C::ExportPicture => self.save_as(Kind::Picture),
             C::ExportSteps => self.save_as(Kind::Steps),
             C::ExportResult => self.save_as(Kind::Result),
+            C::IntoStage => {
+                if let Some(index) = stage::stages(self.document.estimator()).first() {
+                    self.enter(*index);
+                }
+            }
+            C::OutOfStage => self.leave(),
             C::Undo | C::Redo | C::ResetParameters => self.edit(command),
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => self.look_at(command),
             C::Prediction | C::Residual => self.look_at(command),
@@ -246,6 +253,32 @@ impl App {
             }
             _ => Place::default(),
         };
+        if let Some(job) = self.document.job_at(place) {
+            self.walker.start(job);
+        }
+    }
+
+    /// Walks a stage of the estimator by itself, where that stands.
+    fn enter(&mut self, index: usize) {
+        let Some(shown) = self.view.shown.clone().filter(|_| self.document.company().is_empty()) else { return };
+        let was_single = self.is_of_single_frames();
+        let place = self.document.enter(index, &shown);
+        self.change_stage(place, was_single);
+    }
+
+    /// Goes back to the estimator of which the one at work is a stage.
+    fn leave(&mut self) {
+        let was_single = self.is_of_single_frames();
+        let place = self.document.leave();
+        self.change_stage(place, was_single);
+    }
+
+    fn change_stage(&mut self, place: Option<Place>, was_single: bool) {
+        let Some(place) = place else { return };
+        self.player.pause();
+        self.states.stage.placing = None;
+        self.states.explained = 0;
+        self.suit_view(was_single);
         if let Some(job) = self.document.job_at(place) {
             self.walker.start(job);
         }

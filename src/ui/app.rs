@@ -201,6 +201,8 @@ impl App {
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
             in_lockstep: !self.document.company().is_empty(),
+            has_stage: !motionscope_core::stage::stages(self.document.estimator()).is_empty(),
+            in_stage: self.document.parents().len() > 0,
             is_placing: self.states.stage.placing.is_some(),
             holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),
             offer: shown.map(|shown| shown.offer).unwrap_or_default(),

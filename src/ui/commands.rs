@@ -148,6 +148,10 @@ commands! {
     Compare,
     /// Estimators beside each other, step by step.
     Lockstep,
+    /// The estimator's stage by itself.
+    IntoStage,
+    /// The estimator of which it is a stage.
+    OutOfStage,
     /// Give up a long move.
     Stop,
     /// Play slower.
@@ -338,7 +342,10 @@ impl Command {
             C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
             C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
             C::Play => now.has_run,
-            C::Compare | C::Lockstep => now.has_clip,
+            C::Compare => now.has_clip,
+            C::Lockstep => now.has_clip && !now.in_stage,
+            C::IntoStage => now.has_run && now.has_stage && !now.in_lockstep,
+            C::OutOfStage => now.in_stage,
             C::Stop => now.busy || now.checking || now.playing,
             C::NextFrame => now.has_clip && !now.at_last_frame,
             C::PreviousFrame => now.has_clip && !now.at_first_frame,
@@ -426,6 +433,10 @@ pub struct Now {
     pub lecture: bool,
     /// Several estimators go in lockstep.
     pub in_lockstep: bool,
+    /// The estimator has a stage that can be walked by itself.
+    pub has_stage: bool,
+    /// It is itself the stage of another that waits.
+    pub in_stage: bool,
     /// A pixel was clicked and stays explained.
     pub holds_pixel: bool,
     /// A parameter is being placed on the picture.

@@ -9,6 +9,7 @@ use motionscope_core::params::{Choice, Kind, PartKind, Placed, Spec, StageValue}
 use motionscope_core::{Info, Value, estimators};
 
 use super::action::{Action, Actions};
+use super::commands::Command;
 use super::model::document::{Document, Owner};
 use super::parts::slider::Slider;
 use super::parts::widgets;
@@ -134,6 +135,9 @@ fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, actions: &mut Actions) {
 /// The parameters of a stage, set in below its name.
 fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Actions) {
     let &Row { owner, index, theme, .. } = parent;
+    if ui.button("Step into").on_hover_text(Command::IntoStage.with_key("Walk this stage by itself.")).clicked() {
+        actions.ask(Action::Enter(index));
+    }
     let id = ui.make_persistent_id((owner as usize, index, stage.id()));
     let part = stage.part();
     // They are many, and good as they are until someone asks.

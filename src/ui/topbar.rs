@@ -102,6 +102,12 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let info = input.document.estimator().info();
     let beside = input.document.company().beside.len();
     let name = if beside == 0 { info.name.to_owned() } else { format!("{} and {beside} more", info.name) };
+    for parent in input.document.parents() {
+        let crumb = ui.add(Button::new(RichText::new(format!("{} ›", parent.name)).color(dim)).frame(false));
+        if crumb.on_hover_text(Command::OutOfStage.with_key("Back out of the stage.")).clicked() {
+            actions.command(Command::OutOfStage);
+        }
+    }
     let estimator = ui.menu_button(RichText::new(name).color(dim), |ui| {
         super::parameters::estimators_by_family(ui, info.id, actions);
     });

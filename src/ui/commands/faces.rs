@@ -137,6 +137,20 @@ impl Command {
                 "Costs from blue over green to red: small differences are seen better.",
                 &[],
             ),
+            C::IntoStage => (
+                Menu::Walk,
+                Icon::LogIn,
+                "Into the stage",
+                "Walk the estimator by itself that works inside this one, on the same frame.",
+                const { &[key(Key::I)] },
+            ),
+            C::OutOfStage => (
+                Menu::Walk,
+                Icon::LogOut,
+                "Back out of the stage",
+                "Go back to the estimator that this stage works for.",
+                const { &[shift(Key::I)] },
+            ),
             C::NextLayer => (
                 Menu::View,
                 Icon::SwatchBook,

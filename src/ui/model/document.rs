@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use motionscope_core::stage::{self, Opened};
 use motionscope_core::synth::{self, Difficulty, Sample};
-use motionscope_core::{AnyEstimator, Clip, Error, Params, Value, estimators};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Params, Value, estimators};
 
 use super::history::History;
 use super::snapshot::{Job, Place, Snapshot, Subject};
@@ -27,22 +28,58 @@ pub struct Setup {
     pub company: Company,
     /// What makes the clip hard, if it is synthetic.
     pub difficulty: Option<Difficulty>,
+    /// The estimators of which it is a stage, one of the other, while that is walked by itself: the outermost first.
+    pub parents: Vec<Parent>,
+}
+
+/// An estimator that waits while one of its stages is walked by itself.
+pub struct Parent {
+    estimator: Box<dyn AnyEstimator>,
+    company: Company,
+    /// The parameter that the stage is.
+    index: usize,
+    /// The frame that its run begins on, and where that stands.
+    frame: usize,
+    cursor: Cursor,
+}
+
+impl Clone for Parent {
+    fn clone(&self) -> Self {
+        let Self { estimator, company, index, frame, cursor } = self;
+        let (estimator, company) = (estimator.boxed_clone(), company.clone());
+        Self { estimator, company, index: *index, frame: *frame, cursor: *cursor }
+    }
+}
+
+impl PartialEq for Parent {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { estimator, company, index, frame, cursor } = self;
+        is_same(&**estimator, &*other.estimator)
+            && *company == other.company
+            && (*index, *frame, *cursor) == (other.index, other.frame, other.cursor)
+    }
+}
+
+/// Whether both are the same estimator with the same parameters.
+fn is_same(a: &dyn AnyEstimator, b: &dyn AnyEstimator) -> bool {
+    a.info().id == b.info().id && a.values() == b.values()
 }
 
 impl Clone for Setup {
     fn clone(&self) -> Self {
-        let Self { estimator, company, difficulty } = self;
-        Self { estimator: estimator.boxed_clone(), company: company.clone(), difficulty: difficulty.clone() }
+        let Self { estimator, company, difficulty, parents } = self;
+        let (company, difficulty, parents) = (company.clone(), difficulty.clone(), parents.clone());
+        Self { estimator: estimator.boxed_clone(), company, difficulty, parents }
     }
 }
 
 impl PartialEq for Setup {
     fn eq(&self, other: &Self) -> bool {
-        let Self { estimator, company, difficulty } = self;
-        estimator.info().id == other.estimator.info().id
-            && estimator.values() == other.estimator.values()
+        let Self { estimator, company, difficulty, parents } = self;
+        is_same(&**estimator, &*other.estimator)
             && *company == other.company
             && *difficulty == other.difficulty
+            && *parents == other.parents
     }
 }
 
@@ -74,7 +111,8 @@ pub struct Document {
 impl Default for Document {
     fn default() -> Self {
         let estimator = estimators().swap_remove(0);
-        let setup = History::new(Setup { estimator, company: Company::default(), difficulty: None });
+        let setup =
+            History::new(Setup { estimator, company: Company::default(), difficulty: None, parents: Vec::new() });
         Self { clip: None, setup, frame: 0, truth: None, made: None, refused: None, run: None, place: Place::default() }
     }
 }
@@ -161,13 +199,13 @@ impl Document {
         self.frame = 0;
         (self.truth, self.refused) = (truth, None);
         self.made = difficulty.clone();
-        self.setup = History::new(Setup { difficulty, ..self.setup.now().clone() });
+        self.setup = History::new(Setup { difficulty, parents: Vec::new(), ..self.setup.now().clone() });
     }
 
     /// Takes an estimator with its parameters, its company and a frame, as a session has them: without a past.
     pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, company: Company, frame: usize) {
         let difficulty = self.setup.now().difficulty.clone();
-        self.setup = History::new(Setup { estimator, company, difficulty });
+        self.setup = History::new(Setup { estimator, company, difficulty, parents: Vec::new() });
         self.go_to_frame(frame);
     }
 
@@ -176,6 +214,7 @@ impl Document {
         let mut next = self.setup.now().clone();
         let before = std::mem::replace(&mut next.estimator, estimator);
         next.company.relieve(&*before, &*next.estimator);
+        next.parents.clear();
         self.setup.settle();
         self.setup.change("estimator", next);
         self.setup.settle();
@@ -184,10 +223,54 @@ impl Document {
 
     /// Has `estimator` go in lockstep with `company` from now on, or alone; undo brings back what was before.
     pub fn keep_company(&mut self, estimator: Box<dyn AnyEstimator>, company: Company) {
-        let next = Setup { estimator, company, ..self.setup.now().clone() };
+        let next = Setup { estimator, company, parents: Vec::new(), ..self.setup.now().clone() };
         self.setup.settle();
         self.setup.change("company", next);
         self.setup.settle();
+    }
+
+    /// The estimators of which the one at work is a stage, the outermost first.
+    pub fn parents(&self) -> impl ExactSizeIterator<Item = &'static Info> {
+        self.setup.now().parents.iter().map(|parent| parent.estimator.info())
+    }
+
+    /// Walks the stage that is parameter `index` of the estimator by itself, where `shown` stands; gives where that is in the
+    /// run of the stage.
+    pub fn enter(&mut self, index: usize, shown: &Snapshot) -> Option<Place> {
+        let now = self.setup.now();
+        let Opened { estimator, frame, cursor } = stage::open(&*now.estimator, index, (self.frame, shown.frame))?;
+        let mut next = Setup { estimator, company: Company::default(), ..now.clone() };
+        next.parents.push(Parent {
+            estimator: now.estimator.boxed_clone(),
+            company: now.company.clone(),
+            index,
+            frame: self.frame,
+            cursor: shown.leader(),
+        });
+        self.setup.settle();
+        self.setup.change("stage", next);
+        self.setup.settle();
+        self.frame = frame;
+        Some(Place { cursor, ..Place::default() })
+    }
+
+    /// Goes back to the estimator of which the one at work is a stage, which has become what it is now; gives where that stands.
+    pub fn leave(&mut self) -> Option<Place> {
+        let mut next = self.setup.now().clone();
+        let Parent { mut estimator, company, index, frame, cursor } = next.parents.pop()?;
+        // How many frames it goes through is its parent's to say.
+        let opened = stage::open(&*estimator, index, (frame, frame));
+        let is_as_it_was = opened.is_some_and(|opened| is_same(&*opened.estimator, &*next.estimator));
+        if !is_as_it_was {
+            // What was opened as this stage can be one.
+            estimator.set_value(index, stage::value_of(&*next.estimator)).ok()?;
+        }
+        (next.estimator, next.company) = (estimator, company);
+        self.setup.settle();
+        self.setup.change("stage", next);
+        self.setup.settle();
+        self.frame = frame;
+        Some(Place { cursor, ..Place::default() })
     }
 
     /// Sets one parameter; the changes of one drag count as one.
