@@ -2,8 +2,10 @@
 
 mod clip;
 mod flo;
+mod guard;
 mod kitti;
 mod ledger;
+mod mark;
 mod mot;
 mod npy;
 mod objects;
@@ -14,11 +16,14 @@ mod vectors;
 
 pub use clip::{clip, frame};
 pub use flo::flo;
-pub use kitti::{Kitti, kitti};
+pub use guard::{Clash, Inputs, Target, What, check};
+pub use kitti::{Kitti, kitti, kitti_result};
+pub(crate) use mark::is_result;
+pub use mark::save_result;
 pub use mot::mot;
 pub use npy::{npy, objects_npy};
-pub use objects::{TrackFormat, mask_name, masks, tracks, write_masks};
-pub use picture::{Pixels, png};
+pub use objects::{MASK, TrackFormat, mask_name, masks, tracks, write_masks};
+pub use picture::{Pixels, png, png_result};
 pub use save::{make_folder, save};
 pub use table::{Cell, Table};
 pub use vectors::{FlowFormat, csv, flow};

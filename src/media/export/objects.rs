@@ -202,7 +202,7 @@ pub fn masks(field: &ObjectField) -> Result<Vec<(String, Vec<u8>)>, Error> {
         let mask = mask.unpacked();
         let (width, height) = mask.size();
         let pixels = Grid::from_fn(width, height, |x, y| if mask.get(x, y) { 255 } else { 0 });
-        Ok((mask_name(t), super::png(width, height, super::Pixels::Gray(pixels.cells()))?))
+        Ok((mask_name(t), super::png_result(width, height, super::Pixels::Gray(pixels.cells()))?))
     };
     let files = masks.map(picture).collect::<Result<Vec<_>, Error>>()?;
     if files.is_empty() {
@@ -211,9 +211,12 @@ pub fn masks(field: &ObjectField) -> Result<Vec<(String, Vec<u8>)>, Error> {
     Ok(files)
 }
 
+/// What the names of all masks begin with.
+pub const MASK: &str = "mask_";
+
 /// What the file of the mask of a frame is called.
 pub fn mask_name(frame: usize) -> String {
-    format!("mask_{frame:04}.png")
+    format!("{MASK}{frame:04}.png")
 }
 
 /// Writes masks into a folder, which is made if there is none; says how many.
@@ -222,7 +225,7 @@ pub fn mask_name(frame: usize) -> String {
 /// If one cannot be written.
 pub fn write_masks(folder: &Path, masks: &[(String, Vec<u8>)]) -> Result<String, Error> {
     super::make_folder(folder)?;
-    masks.iter().try_for_each(|(name, bytes)| super::save(&folder.join(name), bytes))?;
+    masks.iter().try_for_each(|(name, bytes)| super::save_result(&folder.join(name), bytes))?;
     Ok(if masks.len() == 1 { "1 mask".into() } else { format!("{} masks", masks.len()) })
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use motionscope_core::{BlockField, Confidence, Error, Feature, Flow, Output, PointField, Status, Track, TrackField};
 
-use super::{Cell, Table, flo, kitti, npy};
+use super::{Cell, Table, flo, kitti_result, npy};
 use crate::media::names::extension;
 
 /// `output` as CSV, one row per feature, or per block or pixel without those that have no result.
@@ -135,7 +135,7 @@ impl FlowFormat {
         match self {
             Self::Flo => Ok((flo(flow), None)),
             Self::Npy => Ok((npy(flow), None)),
-            Self::Kitti => kitti(flow).map(|made| {
+            Self::Kitti => kitti_result(flow).map(|made| {
                 let lost = made.out_of_range;
                 let told =
                     format!("{lost} pixels move farther than the ±512 px of a KITTI flow and are marked unknown");
