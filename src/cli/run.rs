@@ -7,10 +7,11 @@ use motionscope_core::params::Value;
 use motionscope_core::{Consistency, Error, Levels, Move, ObjectField, Output, Threads};
 
 use super::args::RunArgs;
+use super::outputs::{Place, check_folder, refuse_losses};
 use super::report::{Report, Timing, to_json};
 use super::say;
 use super::task::Task;
-use crate::media::export::{self, FlowFormat, TrackFormat};
+use crate::media::export::{self, FlowFormat, Target, TrackFormat};
 use crate::motion::{Check, Reverse};
 use crate::paint::{FlowLayer, LevelShown};
 use crate::quality::{Quality, TrackScores};
@@ -23,6 +24,7 @@ use crate::shot::{self, Format, Still};
 pub fn run(args: &RunArgs) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
     let task = Task::open(&args.task)?;
+    refuse_losses(|| task.inputs(), &places(args), args.force)?;
     if !args.task.beside.is_empty() && outputs.overlay.is_none() {
         return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
     }
@@ -67,7 +69,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     }
     let masks = args.masks.as_ref().map(|_| export::masks(objects(&output, &task)?)).transpose()?;
     let is_piped = files.iter().any(|(path, _)| *path == Path::new("-"));
-    files.into_iter().try_for_each(|(path, bytes)| export::save(path, &bytes))?;
+    files.into_iter().try_for_each(|(path, bytes)| export::save_result(path, &bytes))?;
     if let (Some(folder), Some(masks)) = (&args.masks, masks) {
         export::write_masks(folder, &masks)?;
     }
@@ -81,7 +83,15 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     }
 }
 
-/// Where results go, checked before anything runs.
+/// Where `args` want results.
+fn places(args: &RunArgs) -> Vec<Place<'_>> {
+    let files =
+        [("--overlay", &args.overlay), ("--flow", &args.flow), ("--table", &args.table), ("--tracks", &args.tracks)];
+    let files = files.into_iter().filter_map(|(flag, path)| Some((flag, Target::File(path.as_deref()?))));
+    files.chain(args.masks.iter().map(|folder| ("--masks", Target::Numbered(folder, export::MASK)))).collect()
+}
+
+/// The formats of results, told from their names.
 struct Outputs<'a> {
     overlay: Option<(&'a PathBuf, Format)>,
     flow: Option<(&'a PathBuf, FlowFormat)>,
@@ -115,16 +125,6 @@ fn objects<'a>(output: &'a Output, task: &Task) -> Result<&'a ObjectField, Error
 
 fn is_csv(path: &Path) -> bool {
     path == Path::new("-") || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
-}
-
-/// Refuses a file in a folder that does not exist, before any other is written.
-fn check_folder(path: &Path) -> Result<(), Error> {
-    match path.parent() {
-        Some(folder) if folder != Path::new("") && !folder.is_dir() => {
-            Err(Error::new(format!("{} cannot be written: there is no such folder", path.display())))
-        }
-        _ => Ok(()),
-    }
 }
 
 fn timed(task: &Task, threads: &Threads, repeat: u32) -> Result<(Output, Vec<std::time::Duration>), Error> {

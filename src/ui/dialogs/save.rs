@@ -1,16 +1,17 @@
 //! Writing: where to, as what, and how it looks.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
 use motionscope_core::Cursor;
 
-use crate::media::export;
+use crate::media::export::{self, Inputs};
 use crate::shot::{Format, Look, Steps};
 use crate::ui::action::{Action, Actions, Browse};
 use crate::ui::commands::Rungs;
 use crate::ui::model::snapshot::Snapshot;
-use crate::ui::model::writer::{Order, What};
+use crate::ui::model::writer::{self, Order, What};
 use crate::ui::parts::widgets;
 
 /// Scales that can be chosen.
@@ -97,8 +98,18 @@ pub struct State {
     /// The first frame of the run.
     first: usize,
     focused: bool,
-    /// The target that was looked up, and what lies there already.
-    found: Option<(PathBuf, bool)>,
+    /// All files that the clip is read from.
+    inputs: Arc<Inputs>,
+    /// The target that was looked up, and what was found there.
+    found: Option<(PathBuf, Found)>,
+}
+
+/// What lies already where something is to be written.
+#[derive(Clone)]
+struct Found {
+    is_there: bool,
+    /// Why it must not be written over.
+    refused: Option<String>,
 }
 
 impl State {
@@ -128,6 +139,7 @@ impl State {
             rung: Rungs::new(shown.info.rungs).event(),
             first: shown.subject.frame,
             focused: false,
+            inputs: Arc::clone(&shown.subject.inputs),
             found: None,
         }
     }
@@ -147,19 +159,23 @@ impl State {
         })
     }
 
-    /// Whether `target` is there already: the file itself, or numbered pictures in the folder.
-    fn is_there(&mut self, target: &Path) -> bool {
+    /// What is there already: the file itself, or numbered pictures in the folder.
+    fn find(&mut self, order: &Order) -> Found {
+        let target = &order.path;
         let file = match self.kind {
             Kind::Steps => target.join(Steps::file_name(0, self.format())),
             Kind::Masks => target.join(export::mask_name(self.first)),
             _ => target.to_owned(),
         };
         // Looking may take a while on a drive far away: once for each name.
-        if self.found.as_ref().is_none_or(|(path, _)| *path != file) {
-            let is_there = file.exists();
-            self.found = Some((file, is_there));
+        match &self.found {
+            Some((path, found)) if *path == file => found.clone(),
+            _ => {
+                let refused = writer::refuse_losses(order, &self.inputs).err().map(|why| format!("{why}."));
+                let found = Found { is_there: file.exists(), refused };
+                self.found.insert((file, found)).1.clone()
+            }
         }
-        self.found.as_ref().is_some_and(|(_, is_there)| *is_there)
     }
 
     fn format(&self) -> Format {
@@ -303,8 +319,12 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
 }
 
 fn buttons(ui: &mut Ui, state: &mut State, look: Look, entered: bool, actions: &mut Actions) -> bool {
-    let order = state.order(look);
-    let replaces = order.as_ref().is_ok_and(|order| state.is_there(&order.path));
+    let (mut order, mut replaces) = (state.order(look), false);
+    if let Ok(wanted) = &order {
+        let Found { is_there, refused } = state.find(wanted);
+        replaces = is_there;
+        order = refused.map_or(order, Err);
+    }
     let mut done = false;
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
