@@ -45,6 +45,11 @@ pub struct Offer {
 }
 
 impl Offer {
+    /// Which there are at `site`.
+    pub fn at(site: Site<'_>) -> Self {
+        Found::at(site).offer(site)
+    }
+
     /// Whether there is a field at all.
     pub fn has_field(&self) -> bool {
         self.known.is_field()

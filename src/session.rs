@@ -23,7 +23,6 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use motionscope_core::params::Parameter;
@@ -348,7 +347,7 @@ impl Session {
     /// One sentence that names the file, tells what is wrong and what to do.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let about = |error: String| Error::new(format!("cannot open the session {}: {error}", path.display()));
-        let text = fs::read_to_string(path).map_err(|error| about(media::cannot_read(&error).to_string()))?;
+        let text = media::read_text(path).map_err(|error| about(error.to_string()))?;
         Self::parse(&text, folder_of(path)).map_err(|error| about(error.to_string()))
     }
 
@@ -561,6 +560,8 @@ fn first_line(error: &toml::de::Error) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn session(source: Source) -> Session {

@@ -161,6 +161,13 @@ impl Still {
         &self.offer
     }
 
+    /// Why it does not show `layer`, as part of a sentence; `None` if it does.
+    pub fn why_without(&self, layer: FlowLayer) -> Option<&'static str> {
+        let mut shown = self.pictures.layer.iter().chain(self.tiles.iter().filter_map(|tile| tile.layer.as_ref()));
+        let is_shown = shown.any(|tint| tint.kind == layer);
+        (!is_shown).then(|| self.offer.why_not(layer).unwrap_or("nothing has moved there yet"))
+    }
+
     /// The pyramid on which the step works, if it does.
     pub fn levels(&self) -> Option<&Levels> {
         tile::levels(&self.scene, &self.tiles)
@@ -285,12 +292,53 @@ pub struct Steps {
     pub look: Look,
     /// The pixel that is explained wherever it can be, in the place of the one at work.
     pub pixel: Option<Chosen>,
+    /// Whether a layer that none of the steps has is refused.
+    pub must_have_layer: bool,
+}
+
+/// What the names of all pictures of steps begin with.
+pub const STEP: &str = "step_";
+
+/// Pictures of steps that were written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    /// How many.
+    pub count: usize,
+    /// How many of them are without the layer that is wanted, which that is, and why the first has none.
+    bare: Option<(usize, FlowLayer, &'static str)>,
+}
+
+impl Written {
+    fn add(&mut self, bare: Option<(FlowLayer, &'static str)>) {
+        self.count += 1;
+        let before = self.bare.map_or(0, |(count, ..)| count);
+        self.bare = self.bare.or(bare.map(|(layer, why)| (0, layer, why)));
+        if let Some((count, ..)) = &mut self.bare {
+            *count = before + usize::from(bare.is_some());
+        }
+    }
+
+    /// How many, in words.
+    pub fn pictures(&self) -> String {
+        if self.count == 1 { "1 picture".into() } else { format!("{} pictures", self.count) }
+    }
+
+    /// What is missing in them, as the end of a sentence.
+    pub fn without(&self) -> String {
+        match self.bare {
+            None => String::new(),
+            Some((bare, layer, why)) => {
+                let of_them = if bare == self.count { String::new() } else { format!("{bare} of them ") };
+                format!(", {of_them}without the layer {}: {why}", layer.id())
+            }
+        }
+    }
 }
 
 impl Steps {
     /// What picture number `index` is called.
     pub fn file_name(index: usize, format: Format) -> String {
-        format!("step_{index:05}.{}", format.extension())
+        format!("{STEP}{index:05}.{}", format.extension())
     }
 
     /// How much of the way from the first step to the last is done where `walk` stands, from 0 to 1.
@@ -303,8 +351,8 @@ impl Steps {
     /// Writes `step_00000.png` … into `folder`, each whole or not at all; gives how many.
     ///
     /// # Errors
-    /// If the run cannot start or breaks off, a pixel that is asked for cannot be explained at the first step, a file cannot be
-    /// written, or the work was cancelled.
+    /// If the run cannot start or breaks off, a pixel that is asked for cannot be explained at the first step, no step has the
+    /// layer that they must have, a file cannot be written, or the work was cancelled.
     pub fn write(
         &self,
         (estimator, company): (&dyn AnyEstimator, &Company),
@@ -312,37 +360,76 @@ impl Steps {
         frame: usize,
         folder: &Path,
         progress: Option<&dyn Progress>,
-    ) -> Result<usize, Error> {
+    ) -> Result<Written, Error> {
         let mut walk = company.walk(estimator, clip, frame)?;
         let (mut pairs, reverse) = (LastPair::default(), Reverse::new(estimator, clip, frame));
-        travel(&mut *walk, Move::To(self.from), 0, progress)?;
-        if walk.cursor().unit < self.from.unit {
-            let short =
-                || Error::new(format!("the run ends at {}, before the first step {}", walk.cursor(), self.from));
-            return Err(walk.failure().cloned().unwrap_or_else(short));
-        }
-        if self.rung + 1 < walk.info().rungs.len() && walk.cursor().event < walk.events() {
-            travel(&mut *walk, Move::Rung(self.rung, Way::Forward), 0, progress)?;
-        }
+        self.begin(&mut *walk, progress)?;
         self.pixel.map(|pixel| pixel.here(&*walk, clip)).transpose()?;
+        let layer = self.look.layer.filter(|layer| *layer != FlowLayer::None);
+        if let Some(layer) = layer.filter(|_| self.must_have_layer) {
+            self.check_layer(layer, &mut *walk, clip, progress)?;
+            self.begin(&mut *walk, progress)?;
+        }
         export::make_folder(folder)?;
-        let mut written = 0;
+        let mut written = Written::default();
         while walk.cursor() <= self.to {
             let pair = pairs.of(&*walk, clip)?;
             let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*walk));
             let still = Still::of((&*walk, focus), (clip, pair), &self.look.want(), &reverse)?;
             let picture = still.moment(estimator).encode(&self.look, self.format, self.scale)?;
-            export::save(&folder.join(Self::file_name(written, self.format)), &picture)?;
-            written += 1;
+            export::save_result(&folder.join(Self::file_name(written.count, self.format)), &picture)?;
+            written.add(layer.and_then(|layer| Some((layer, still.why_without(layer)?))));
             if let Some(progress) = progress {
                 progress.report(self.share(&*walk));
             }
             if walk.at_end() {
                 break;
             }
-            travel(&mut *walk, Move::Rung(self.rung, Way::Forward), written, progress)?;
+            travel(&mut *walk, Move::Rung(self.rung, Way::Forward), written.count, progress)?;
         }
         walk.failure().map_or(Ok(written), |failure| Err(failure.clone()))
+    }
+
+    /// Goes to the first stop.
+    fn begin(&self, walk: &mut dyn Walk, progress: Option<&dyn Progress>) -> Result<(), Error> {
+        travel(walk, Move::To(self.from), 0, progress)?;
+        if walk.cursor().unit < self.from.unit {
+            let short =
+                || Error::new(format!("the run ends at {}, before the first step {}", walk.cursor(), self.from));
+            return Err(walk.failure().cloned().unwrap_or_else(short));
+        }
+        if self.rung + 1 < walk.info().rungs.len() && walk.cursor().event < walk.events() {
+            travel(walk, Move::Rung(self.rung, Way::Forward), 0, progress)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses a layer that none of the steps has; looks at the last one before those between, because most have it there.
+    fn check_layer(
+        &self,
+        layer: FlowLayer,
+        walk: &mut dyn Walk,
+        clip: &Clip,
+        progress: Option<&dyn Progress>,
+    ) -> Result<(), Error> {
+        let why_not = |walk: &dyn Walk| {
+            let scene = tile::scene(walk, None, &tiles(walk, None, &[]));
+            Offer::at(Site { walk, clip, scene: &scene }).why_not(layer)
+        };
+        let Some(why) = why_not(walk) else { return Ok(()) };
+        travel(walk, Move::To(self.to), 0, progress)?;
+        let at_last = why_not(walk);
+        if at_last.is_some() && !layer.is_of_the_end() {
+            self.begin(walk, progress)?;
+            while !walk.at_end() && walk.cursor() <= self.to {
+                if why_not(walk).is_none() {
+                    return Ok(());
+                }
+                travel(walk, Move::Rung(self.rung, Way::Forward), 0, progress)?;
+            }
+        }
+        let refused = format!("none of these steps has the layer {}: {why}; choose another --layer", layer.id());
+        at_last.map_or(Ok(()), |_| Err(Error::new(refused)))
     }
 }
 

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use motionscope_core::synth::{self, Difficulty};
 use motionscope_core::{Clip, Error, Params};
 
+use crate::media::export::Inputs;
 use crate::media::{self, Open};
 
 /// What a synthetic scene's name begins with: `synth:pillar`, `synth:pillar,noise=5,speed=2`.
@@ -80,6 +81,15 @@ impl Source {
                 media::with_detections(clip, options)
             }
         }
+    }
+
+    /// The files that `clip` is read from, which was opened from here with `options`.
+    pub fn inputs(&self, clip: &Clip, options: &Open) -> Inputs {
+        let path = match self {
+            Self::File(path) => Some(path.as_path()),
+            Self::Synth { .. } => None,
+        };
+        media::inputs(path, clip, options)
     }
 
     /// The same source with a file's path told from `folder`, or a path told from it made whole again.

@@ -33,6 +33,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use motionscope::media::Open;
 use motionscope::motion::Reverse;
 use motionscope::paint::{ColorMap, Lengthen, LevelShown, Theme, View};
+use motionscope::results::EXPORTS;
 use motionscope::session::Session;
 use motionscope::shot::{Format, Look};
 use motionscope::source::Source;

@@ -145,6 +145,11 @@ pub trait Truth: Send + Sync {
 
     /// What kinds of truth there are, in words for a person: `flow`, `occlusion`, `objects`.
     fn kinds(&self) -> Vec<&'static str>;
+
+    /// What each of these kinds was read from, as `flow10.flo`; nothing for truth that is computed.
+    fn names(&self) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// Where frames come from. Reading may take long: never call it on the window's thread.

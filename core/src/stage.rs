@@ -49,6 +49,17 @@ impl<M: Makes> Stage<M> {
         Self { estimator, makes: PhantomData }
     }
 
+    /// The same with a parameter set.
+    ///
+    /// # Panics
+    /// If it has no such parameter or value: both are written in declarations.
+    #[must_use]
+    pub fn with(mut self, name: &str, value: &str) -> Self {
+        #[expect(clippy::expect_used, reason = "values stand in declarations, and a law tries all of them")]
+        self.estimator.set(name, value).expect("a declared stage has what is set");
+        self
+    }
+
     /// The estimator.
     pub fn estimator(&self) -> &dyn AnyEstimator {
         &*self.estimator

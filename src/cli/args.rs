@@ -151,6 +151,9 @@ pub struct CompareArgs {
     /// Writes the table as CSV; `-` is standard output.
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
+    /// Writes the table even over a file that is read.
+    #[arg(long)]
+    pub force: bool,
     /// Prints the table as Markdown.
     #[arg(long)]
     pub markdown: bool,
@@ -255,6 +258,9 @@ pub struct RunArgs {
     pub overlay: Option<PathBuf>,
     #[command(flatten)]
     pub results: Asked,
+    /// Writes results even over files that the run reads, or among the frames.
+    #[arg(long)]
+    pub force: bool,
     /// Prints one JSON object.
     #[arg(long)]
     pub json: bool,
@@ -272,6 +278,9 @@ pub struct ExportArgs {
     /// Folder to write to.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Writes pictures even over files that the run reads, or among the frames.
+    #[arg(long)]
+    pub force: bool,
     /// The rung whose stops are written, by the estimator's own name, e.g. block; every event unless given.
     #[arg(long, value_name = "RUNG")]
     pub every: Option<String>,

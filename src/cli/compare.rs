@@ -1,13 +1,17 @@
 //! `motionscope compare`: several estimators on one pair of frames, in one table.
 
-use motionscope_core::{Error, Stop, Threads};
+use std::path::Path;
+
+use motionscope_core::{Clip, Error, Stop, Threads};
 
 use super::args::CompareArgs;
+use super::outputs::{Place, check_folder, refuse_losses};
 use super::say;
 use crate::claims;
 use crate::comparison::{self, Arena, Row};
-use crate::media::{Open, export};
-use crate::session::Named;
+use crate::media::Open;
+use crate::media::export::{self, Inputs, Target, What};
+use crate::session::{Named, Session};
 use crate::source::Source;
 
 /// Compares what `args` name.
@@ -22,9 +26,15 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     }
     let estimators = comparison::contenders(&args.estimators, &args.set)?;
     let threads = Threads::new(args.threads as usize)?;
+    args.csv.as_deref().filter(|path| *path != Path::new("-")).map_or(Ok(()), check_folder)?;
     let mut rows = Vec::new();
+    let given = Open { truth, ..Open::default() };
     for (source, contenders) in comparison::rounds(&source, &estimators, args.sweep.as_deref())? {
-        let clip = source.open(&Open { truth: truth.clone(), ..Open::default() })?;
+        let clip = source.open(&given)?;
+        if rows.is_empty() {
+            refuse_losses(|| inputs(args, &source, &clip, &given), &places(args), args.force)?;
+            tell_truth(&clip);
+        }
         let arena = Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat };
         for contender in &contenders {
             let row = Row::of(contender, &arena)?;
@@ -44,6 +54,28 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         (_, true, _) => say(&comparison::markdown(&rows)),
         (_, _, Some(path)) if path.as_os_str() == "-" => Ok(()),
         _ => say(&comparison::text(&rows)),
+    }
+}
+
+/// Where `args` want the table.
+fn places(args: &CompareArgs) -> Vec<Place<'_>> {
+    args.csv.iter().map(|path| ("csv", Target::File(path))).collect()
+}
+
+/// All files that the comparison reads.
+fn inputs(args: &CompareArgs, source: &Source, clip: &Clip, given: &Open) -> Inputs {
+    let mut inputs = source.inputs(clip, given);
+    if Session::is_named(Path::new(&args.clip)) {
+        inputs.add(What::Session, &args.clip);
+    }
+    inputs
+}
+
+/// Names the files that errors are measured against, beside the table.
+fn tell_truth(clip: &Clip) {
+    let names = clip.truth().map(|truth| truth.names()).unwrap_or_default();
+    if !names.is_empty() {
+        eprintln!("truth: {}", names.join(", "));
     }
 }
 

@@ -3,9 +3,11 @@
 use motionscope_core::{Error, Info};
 
 use super::args::ExportArgs;
+use super::outputs::refuse_losses;
 use super::say;
 use super::task::Task;
-use crate::shot::{Format, Steps};
+use crate::media::export::Target;
+use crate::shot::{self, Format, Steps};
 
 /// Writes what `args` ask for; each file whole or not at all.
 ///
@@ -23,10 +25,12 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         scale: args.look.scale,
         look: task.look(&args.look)?,
         pixel: task.pixel(&args.look),
+        must_have_layer: args.look.layer.is_some(),
     };
+    let out = [("out", Target::Numbered(&args.out, shot::STEP))];
+    refuse_losses(|| task.inputs(), &out, args.force)?;
     let written = steps.write((&*task.estimator, &task.company), &task.clip, task.frame, &args.out, None)?;
-    let pictures = if written == 1 { "picture" } else { "pictures" };
-    say(&format!("{written} {pictures} in {}", args.out.display()))
+    say(&format!("{} in {}{}", written.pictures(), args.out.display(), written.without()))
 }
 
 /// The rung called `name`; the run as a whole has but one stop.

@@ -4,6 +4,7 @@ mod args;
 mod compare;
 mod export;
 mod list;
+mod outputs;
 mod report;
 mod run;
 mod task;

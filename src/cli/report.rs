@@ -25,6 +25,8 @@ pub struct Report {
     events: u64,
     threads: usize,
     ms: Milliseconds,
+    /// The files that truth was read from.
+    truth_files: Vec<String>,
     #[serde(serialize_with = "figures")]
     metrics: Assessment,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -139,6 +141,7 @@ impl Report {
             events: extent.events,
             threads,
             ms: Milliseconds { median, min: times.first().copied().map_or(0.0, ms) },
+            truth_files: task.clip.truth().map(|truth| truth.names()).unwrap_or_default(),
             metrics,
             consistency: check.map(Checked::of),
             live,
@@ -147,13 +150,16 @@ impl Report {
 
     /// The same for a person.
     pub fn text(&self) -> String {
-        let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, metrics, consistency, live } =
-            self;
+        let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, .. } = self;
+        let Self { truth_files, metrics, consistency, live, .. } = self;
         let params: Vec<_> = params.iter().map(|(name, value)| format!("{name}={}", bare(value))).collect();
         let mut text = format!("{estimator} on {clip}, frame {frame} to {last_frame}\n");
         text += &format!("parameters  {}\n", params.join(" "));
         text += &format!("work        {units} units, {events} events\n");
         text += &format!("time        {:.3} ms (median), {:.3} ms (least), threads: {threads}\n", ms.median, ms.min);
+        if !truth_files.is_empty() {
+            text += &format!("truth       {}\n", truth_files.join(", "));
+        }
         let width = metrics.facts.iter().map(|fact| fact.label.chars().count()).max().unwrap_or(0).max(10);
         for Fact { label, value, .. } in &metrics.facts {
             text += &format!("{:<width$}  {value}\n", label.to_lowercase());

@@ -7,10 +7,11 @@ use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::{Consistency, Error, Levels, Move, Output, Threads};
 
 use super::args::RunArgs;
+use super::outputs::{Place, check_folder, refuse_losses};
 use super::report::{Findings, Report, Timing, to_json};
 use super::say;
 use super::task::Task;
-use crate::media::export;
+use crate::media::export::{self, Target};
 use crate::motion::{Check, Reverse};
 use crate::paint::{FlowLayer, LevelShown};
 use crate::results::{self, Export};
@@ -24,6 +25,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
     let task = Task::open(&args.task)?;
     outputs.check(&task)?;
+    refuse_losses(|| task.inputs(), &places(args), args.force)?;
     if !args.task.beside.is_empty() && outputs.overlay.is_none() {
         return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
     }
@@ -60,7 +62,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     };
     let made = outputs.results.iter().map(encode).collect::<Result<Vec<_>, Error>>()?;
     if let Some((path, bytes)) = picture {
-        export::save(path, &bytes)?;
+        export::save_result(path, &bytes)?;
     }
     made.iter().try_for_each(|(export, path, made)| export.save(path, made).map(drop))?;
     let is_piped = outputs.is_piped;
@@ -74,7 +76,14 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     }
 }
 
-/// Where results go, checked before anything runs.
+/// Where `args` want results.
+fn places(args: &RunArgs) -> Vec<Place<'_>> {
+    let overlay = args.overlay.iter().map(|path| ("overlay", Target::File(path)));
+    let results = args.results.0.iter().map(|(export, path)| (export.flag, export.target(path)));
+    overlay.chain(results).collect()
+}
+
+/// The formats of results, told from their names.
 struct Outputs<'a> {
     overlay: Option<(&'a PathBuf, Format)>,
     results: Vec<(&'static Export, &'a PathBuf, &'static results::Format)>,
@@ -104,16 +113,6 @@ impl<'a> Outputs<'a> {
     fn check(&self, task: &Task) -> Result<(), Error> {
         let estimator = &task.estimator;
         self.results.iter().try_for_each(|(export, ..)| export.check(estimator.info().id, estimator.produces()))
-    }
-}
-
-/// Refuses a file in a folder that does not exist, before any other is written.
-fn check_folder(path: &Path) -> Result<(), Error> {
-    match path.parent() {
-        Some(folder) if folder != Path::new("") && !folder.is_dir() => {
-            Err(Error::new(format!("{} cannot be written: there is no such folder", path.display())))
-        }
-        _ => Ok(()),
     }
 }
 

@@ -1,14 +1,18 @@
 //! What is estimated: a clip, a pair of its frames, and an estimator with its parameters.
 
+use std::path::PathBuf;
+
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, estimator};
 
 use super::args::{LookArgs, TaskArgs};
 use crate::company::Company;
+use crate::media::export::{Inputs, What};
 use crate::media::{self, Open};
 use crate::paint::View;
 use crate::pixel::{Chosen, Pixel};
 use crate::session::{Named, Session, Wanted};
 use crate::shot::Look;
+use crate::source::Source;
 
 /// A clip with the estimator to run on it.
 pub struct Task {
@@ -16,6 +20,12 @@ pub struct Task {
     pub name: String,
     /// The clip.
     pub clip: Clip,
+    /// Where it comes from.
+    source: Source,
+    /// The truth and the detections that it was opened with.
+    given: Open,
+    /// The session that named it.
+    session: Option<PathBuf>,
     /// The estimator with its parameters.
     pub estimator: Box<dyn AnyEstimator>,
     /// Who goes in lockstep with it.
@@ -49,6 +59,7 @@ impl Task {
             (None, None) => return Err(Error::new("what clip? Name one, or give --detections FILE")),
         };
         let Named { source, truth, session } = Named::find(&clip, args.truth.clone())?;
+        let named_by = session.as_ref().map(|_| PathBuf::from(&clip));
         let missing = || Error::new("which estimator? Give --estimator ID; `motionscope list` names them");
         let chosen = args.estimator.as_deref().map(estimator).transpose()?;
         let (estimator, mut company, frame, (cursor, held), look) = match session {
@@ -70,8 +81,10 @@ impl Task {
         }
         company.pace = pace;
         let (name, look, truth_by_hand) = (source.to_string(), look.over(Look::default()), truth.is_some());
-        let clip = source.open(&Open { truth, detections, ..Open::default() })?;
-        let mut task = Self { name, clip, estimator, company, frame, truth_by_hand, cursor, held, look };
+        let given = Open { truth, detections, ..Open::default() };
+        let (clip, session) = (source.open(&given)?, named_by);
+        let mut task =
+            Self { name, clip, source, given, session, estimator, company, frame, truth_by_hand, cursor, held, look };
         task.frame = args.frame.unwrap_or(task.frame);
         if let Some((first, last)) = args.frames {
             let info = task.estimator.info();
@@ -93,6 +106,13 @@ impl Task {
         }
         task.company.check(&*task.estimator)?;
         Ok(task)
+    }
+
+    /// All files that a run of it reads.
+    pub fn inputs(&self) -> Inputs {
+        let mut inputs = self.source.inputs(&self.clip, &self.given);
+        self.session.iter().for_each(|session| inputs.add(What::Session, session));
+        inputs
     }
 
     /// The pixel that `args` ask for, or else that which the session holds.

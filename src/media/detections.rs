@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use motionscope_core::{Bounds, Clip, Detection, Error};
 
+use super::input::Node;
 use super::names::{extension, file_name};
 use super::truth::mot;
 use super::{about, check_size};
@@ -59,6 +60,10 @@ pub fn is_truth(path: &Path) -> bool {
 }
 
 fn first_line(path: &Path) -> Option<String> {
+    // Of a pipe it would be gone.
+    if Node::of(path) != Ok(Node::File) {
+        return None;
+    }
     let mut line = String::new();
     BufReader::new(File::open(path).ok()?.take(4096)).read_line(&mut line).ok()?;
     Some(line)

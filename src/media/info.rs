@@ -24,6 +24,8 @@ pub struct Info {
     pub codec: String,
     /// Kinds of truth that come with the clip.
     pub truth: Vec<&'static str>,
+    /// What each of these was read from, if it was not computed.
+    pub truth_files: Vec<String>,
     /// What a person should know.
     pub warnings: Vec<String>,
 }
@@ -41,6 +43,7 @@ impl Info {
             container: info.container,
             codec: info.codec,
             truth: clip.truth().map(|truth| truth.kinds()).unwrap_or_default(),
+            truth_files: clip.truth().map(|truth| truth.names()).unwrap_or_default(),
             warnings: info.warnings,
         }
     }
@@ -48,7 +51,7 @@ impl Info {
 
 impl fmt::Display for Info {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { width, height, frames, fps, seconds, container, codec, truth, warnings } = self;
+        let Self { width, height, frames, fps, seconds, container, codec, truth, truth_files, warnings } = self;
         writeln!(f, "size      {width}×{height} px")?;
         match frames {
             Some(frames) => writeln!(f, "frames    {frames}")?,
@@ -62,7 +65,9 @@ impl fmt::Display for Info {
         }
         writeln!(f, "container {container}")?;
         writeln!(f, "codec     {codec}")?;
-        writeln!(f, "truth     {}", if truth.is_empty() { "none".into() } else { truth.join(", ") })?;
+        let files = |i: usize| truth_files.get(i).map_or_else(String::new, |name| format!(" ({name})"));
+        let kinds: Vec<_> = truth.iter().enumerate().map(|(i, kind)| format!("{kind}{}", files(i))).collect();
+        writeln!(f, "truth     {}", if truth.is_empty() { "none".into() } else { kinds.join(", ") })?;
         warnings.iter().try_for_each(|warning| writeln!(f, "warning   {warning}"))
     }
 }
@@ -88,7 +93,7 @@ mod tests {
     #[test]
     fn a_script_finds_every_key() {
         let json = serde_json::to_string(&Info::of(&clip(Some(36), Some(24.0)))).unwrap();
-        let golden = r#"{"width":4,"height":3,"frames":36,"fps":24.0,"seconds":1.5,"container":"memory","codec":"raw","truth":[],"warnings":["16 bits per channel are reduced to 8"]}"#;
+        let golden = r#"{"width":4,"height":3,"frames":36,"fps":24.0,"seconds":1.5,"container":"memory","codec":"raw","truth":[],"truth_files":[],"warnings":["16 bits per channel are reduced to 8"]}"#;
         assert_eq!(json, golden);
         let unknown = serde_json::to_value(Info::of(&clip(None, Some(0.0)))).unwrap();
         assert!(unknown["frames"].is_null() && unknown["seconds"].is_null());

@@ -1,6 +1,6 @@
 //! A file, or standard input, that can be read at any place and never beyond what it holds.
 
-use std::fs::File;
+use std::fs::{self, File, FileType};
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -10,6 +10,75 @@ use super::{cannot_read, name_of};
 
 /// Largest clip that is read from a pipe, in bytes.
 const MAX_PIPE_BYTES: u64 = 1 << 30;
+/// Largest text that is read, in bytes.
+const MAX_TEXT_BYTES: u64 = 16 << 20;
+
+/// What a path leads to that can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Node {
+    /// A file with a length and a way back.
+    File,
+    /// A folder.
+    Folder,
+    /// A named pipe, or what a shell makes of `<( )`: it can be read once.
+    Stream,
+}
+
+impl Node {
+    /// What `path` leads to. Nothing is opened, so that nothing is waited for.
+    ///
+    /// # Errors
+    /// A sentence, without the path, if nothing is there, or if it is a device, a socket, or a virtual file as in `/proc`.
+    pub(crate) fn of(path: &Path) -> Result<Self, Error> {
+        let kind = fs::metadata(path).map_err(|error| cannot_read(&error))?.file_type();
+        match kind {
+            kind if kind.is_dir() => Ok(Self::Folder),
+            kind if kind.is_file() && is_virtual(path) => Err(refused("a virtual file of the operating system")),
+            kind if kind.is_file() => Ok(Self::File),
+            kind => special(kind),
+        }
+    }
+}
+
+fn refused(what: &str) -> Error {
+    Error::new(format!("it is {what}, not a regular file; give a file"))
+}
+
+/// Whether the file at `path` is part of Linux's view of itself: such files claim to be empty, or never end.
+fn is_virtual(path: &Path) -> bool {
+    let is_within = |whole: &Path| ["/proc", "/sys"].iter().any(|root| whole.starts_with(root));
+    cfg!(target_os = "linux") && fs::canonicalize(path).is_ok_and(|whole| is_within(&whole))
+}
+
+#[cfg(unix)]
+fn special(kind: FileType) -> Result<Node, Error> {
+    use std::os::unix::fs::FileTypeExt;
+    match kind {
+        kind if kind.is_fifo() => Ok(Node::Stream),
+        kind if kind.is_socket() => Err(refused("a socket")),
+        _ => Err(refused("a device")),
+    }
+}
+
+#[cfg(not(unix))]
+fn special(_kind: FileType) -> Result<Node, Error> {
+    Err(refused("neither a file nor a folder"))
+}
+
+/// The text in the file at `path`, or what a pipe there delivers.
+///
+/// # Errors
+/// A sentence, without the path, if it cannot be read, is no text, or too large for one.
+pub(crate) fn text(path: &Path) -> Result<String, Error> {
+    Node::of(path)?;
+    let mut text = String::new();
+    let file = File::open(path).map_err(|error| cannot_read(&error))?;
+    let read = file.take(MAX_TEXT_BYTES).read_to_string(&mut text).map_err(|error| cannot_read(&error))?;
+    if read as u64 == MAX_TEXT_BYTES {
+        return Err(Error::new(format!("it is larger than {} MiB; give another file", MAX_TEXT_BYTES >> 20)));
+    }
+    Ok(text)
+}
 
 trait Bytes: Read + Seek + Send {}
 impl<T: Read + Seek + Send> Bytes for T {}
@@ -29,27 +98,27 @@ impl Input {
     /// A sentence, without the file's name.
     pub(crate) fn open(path: &Path) -> Result<Self, Error> {
         if path == Path::new("-") {
-            return Self::pipe(std::io::stdin().lock());
+            return Self::pipe("standard input".into(), std::io::stdin().lock());
         }
+        let node = Node::of(path)?;
         let file = File::open(path).map_err(|error| cannot_read(&error))?;
-        let facts = file.metadata().map_err(|error| cannot_read(&error))?;
-        if !facts.is_file() {
-            // A named pipe has no length and no way back.
-            return Self::pipe(file);
+        if node == Node::Stream {
+            return Self::pipe(name_of(path), file);
         }
+        let facts = file.metadata().map_err(|error| cannot_read(&error))?;
         Ok(Self::new(name_of(path), facts.len(), Box::new(file)))
     }
 
-    fn pipe(reader: impl Read) -> Result<Self, Error> {
+    fn pipe(name: String, reader: impl Read) -> Result<Self, Error> {
         let mut bytes = Vec::new();
         reader.take(MAX_PIPE_BYTES + 1).read_to_end(&mut bytes).map_err(|error| cannot_read(&error))?;
         if bytes.len() as u64 > MAX_PIPE_BYTES {
             return Err(Error::new(format!(
-                "standard input holds more than {} MiB; save it to a file and open that",
+                "the pipe holds more than {} MiB; save it to a file and open that",
                 MAX_PIPE_BYTES >> 20
             )));
         }
-        Ok(Self::memory("standard input".into(), bytes))
+        Ok(Self::memory(name, bytes))
     }
 
     /// Bytes in memory, called `name`.
@@ -127,7 +196,7 @@ mod tests {
     #[test]
     fn reads_anywhere_and_never_beyond() {
         let bytes: Vec<u8> = (0..200_000_u32).map(|i| i as u8).collect();
-        let mut input = Input::pipe(bytes.as_slice()).unwrap();
+        let mut input = Input::pipe("bytes".into(), bytes.as_slice()).unwrap();
         for offset in [0, 3, 199_990, 5, 70_000, 69_990, 1] {
             assert_eq!(input.read(offset, 7).unwrap(), bytes[offset as usize..][..7]);
         }

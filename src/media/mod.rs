@@ -10,7 +10,7 @@ mod detections;
 pub mod export;
 mod foreign;
 mod info;
-mod input;
+pub(crate) mod input;
 pub(crate) mod names;
 mod picture;
 mod sequence;
@@ -25,8 +25,10 @@ use std::sync::Arc;
 
 use motionscope_core::{Clip, ClipInfo, Error, Frame, Stop, Truth};
 
+use export::{Inputs, What};
 pub use info::Info;
-use input::Input;
+use input::{Input, Node};
+use sequence::Sequence;
 use sniff::Kind;
 
 /// How long work tells how far it is, and learns that nobody wants it any more.
@@ -136,6 +138,10 @@ pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Error> {
 /// # Errors
 /// One sentence that names the file, tells what is wrong and what to do.
 pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
+    // Before anything is opened that never ends.
+    if path.exists() {
+        Node::of(path).map_err(|error| about(path, &error))?;
+    }
     if detections::is(path) {
         let clip = detections::open(path)?;
         let subject = truth::Subject::new(path, clip.info(), &[]);
@@ -188,7 +194,45 @@ fn with_detections_beside(clip: Clip, path: &Path) -> Clip {
 /// # Errors
 /// A sentence that names the line that cannot be understood.
 pub fn check_detections(path: &Path) -> Result<(), Error> {
+    if Node::of(path) == Ok(Node::Stream) {
+        let why =
+            "it is a pipe, and detections by themselves are read more than once; save them to a file and give that";
+        return Err(about(path, &Error::new(why)));
+    }
     detections::read(path).map(drop)
+}
+
+/// The files that `clip` is read from, which nothing must be written over: those that `path` stands for, if it is no synthetic
+/// clip, and the truth and the detections that `options` name or that lie beside it.
+pub fn inputs(path: Option<&Path>, clip: &Clip, options: &Open) -> Inputs {
+    let mut inputs = Inputs::default();
+    let path = path.filter(|path| *path != Path::new("-"));
+    let pictures = path.filter(|_| clip.info().container == stills::CONTAINER).map(Sequence::find);
+    let pictures = pictures.and_then(Result::ok).map(|found| found.files).unwrap_or_default();
+    let subject = truth::Subject::new(path.unwrap_or(Path::new(&clip.info().name)), clip.info(), &pictures);
+    let truth = match &options.truth {
+        Some(given) => truth::Lying::given(given, &subject),
+        None if path.is_some() => truth::Lying::beside(&subject),
+        None => truth::Lying::default(),
+    };
+    truth.into_files().for_each(|file| inputs.add(What::Truth, file));
+    let beside = || path.filter(|path| path.is_dir()).and_then(detections::beside);
+    options.detections.clone().or_else(beside).into_iter().for_each(|file| inputs.add(What::Detections, file));
+    match path {
+        Some(path) if clip.is_blank() => inputs.add(What::Detections, path),
+        Some(path) if pictures.is_empty() => inputs.add(What::Clip, path),
+        Some(path) => inputs.add_pictures(path, pictures),
+        None => {}
+    }
+    inputs
+}
+
+/// The text in the file at `path`.
+///
+/// # Errors
+/// A sentence, without the path, if it cannot be read, is no text, or too large for one.
+pub fn read_text(path: &Path) -> Result<String, Error> {
+    input::text(path)
 }
 
 /// Whether the file at `path` tells what is true of a clip, and holds no pictures: true objects, or a flow.
@@ -223,7 +267,7 @@ fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
     let mut input = Input::open(path)?;
     let kind = sniff::kind(&mut input)?;
     let mut source = match kind {
-        Kind::Still | Kind::Animation if path == Path::new("-") => {
+        Kind::Still | Kind::Animation if path == Path::new("-") || Node::of(path) == Ok(Node::Stream) => {
             return Err(Error::new("pictures cannot come from a pipe; save them to files and open those"));
         }
         Kind::Still => stills::open(path, options)?,

@@ -24,12 +24,17 @@ impl Sequence {
     /// # Errors
     /// A sentence, without the path, if there are none or the folder cannot be read.
     pub(crate) fn find(path: &Path) -> Result<Self, Error> {
+        Self::find_with(path, None)
+    }
+
+    /// The same as if there were a picture called `added` too, in the same folder.
+    fn find_with(path: &Path, added: Option<&str>) -> Result<Self, Error> {
         if path.is_dir() {
-            folder(path)
+            folder(path, added)
         } else if let Some(pattern) = Pattern::parse(path) {
-            pattern.sequence(path)
+            pattern.sequence(path, added)
         } else {
-            numbered(path)
+            numbered(path, added)
         }
     }
 
@@ -42,6 +47,22 @@ impl Sequence {
 /// Whether `path` is a pattern like `frame%02d.png` rather than a file.
 pub(crate) fn is_pattern(path: &Path) -> bool {
     Pattern::parse(path).is_some()
+}
+
+/// Whether a file at `added`, where there is none, would be another frame of the clip that `path` stands for, or make it another
+/// clip altogether.
+pub(crate) fn would_join(path: &Path, added: &Path) -> bool {
+    let folder = if path.is_dir() { path } else { parent(path) };
+    let whole = |folder: &Path| folder.canonicalize().ok();
+    let name = file_name(added);
+    if kind(&name).is_none() || whole(folder) != whole(parent(added)) {
+        return false;
+    }
+    let is_of_series = || shape(&name).is_some_and(|of| shape(&file_name(path)) == Some(of)) && !added.exists();
+    match (Sequence::find(path), Sequence::find_with(path, Some(&name))) {
+        (Ok(now), Ok(then)) => now.files != then.files || is_of_series(),
+        _ => false,
+    }
 }
 
 /// Kinds of pictures by the extensions that they have.
@@ -59,9 +80,12 @@ struct Picture {
     file: PathBuf,
 }
 
-/// The files in `folder` whose names `fit` and are not hidden, in natural order.
-fn pictures_in(folder: &Path, fits: impl Fn(&str) -> bool) -> Result<Vec<Picture>, Error> {
+/// The files in `folder` whose names `fit` and are not hidden, in natural order; as if there were one called `added`.
+fn pictures_in(folder: &Path, added: Option<&str>, fits: impl Fn(&str) -> bool) -> Result<Vec<Picture>, Error> {
     let mut pictures = Vec::new();
+    if let Some(name) = added.filter(|name| !name.starts_with('.') && fits(name) && !folder.join(name).exists()) {
+        pictures.push(Picture { name: name.to_owned(), file: folder.join(name) });
+    }
     for entry in fs::read_dir(folder).map_err(|e| cannot_read(&e))? {
         let entry = entry.map_err(|e| cannot_read(&e))?;
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -74,8 +98,8 @@ fn pictures_in(folder: &Path, fits: impl Fn(&str) -> bool) -> Result<Vec<Picture
 }
 
 /// Pictures of the most common kind; of these the numbered ones alone if they are most, or one of several series.
-fn folder(path: &Path) -> Result<Sequence, Error> {
-    let mut pictures = pictures_in(path, |name| kind(name).is_some())?;
+fn folder(path: &Path, added: Option<&str>) -> Result<Sequence, Error> {
+    let mut pictures = pictures_in(path, added, |name| kind(name).is_some())?;
     let all = pictures.len();
     let common = most(pictures.iter().filter_map(|picture| kind(&picture.name)));
     pictures.retain(|picture| kind(&picture.name) == common);
@@ -143,13 +167,13 @@ fn one_of_several(pictures: &[Picture]) -> Option<String> {
 }
 
 /// The picture at `path` and those whose number comes after its.
-fn numbered(path: &Path) -> Result<Sequence, Error> {
+fn numbered(path: &Path, added: Option<&str>) -> Result<Sequence, Error> {
     let name = file_name(path);
     let Some(wanted) = shape(&name) else {
         return Ok(Sequence { files: vec![path.into()], warnings: vec![] });
     };
     let folder = parent(path);
-    let mut pictures = pictures_in(folder, |other| shape(other).as_ref() == Some(&wanted))?;
+    let mut pictures = pictures_in(folder, added, |other| shape(other).as_ref() == Some(&wanted))?;
     let Some(start) = pictures.iter().position(|other| other.file.file_name() == path.file_name()) else {
         return Ok(Sequence { files: vec![path.into()], warnings: vec![] });
     };
@@ -191,9 +215,9 @@ impl Pattern {
         number.is_some_and(|number| digits == Some(&format!("{number:0width$}", width = self.digits)))
     }
 
-    fn sequence(&self, path: &Path) -> Result<Sequence, Error> {
+    fn sequence(&self, path: &Path, added: Option<&str>) -> Result<Sequence, Error> {
         let folder = parent(path);
-        let pictures = pictures_in(folder, |name| self.fits(name))?;
+        let pictures = pictures_in(folder, added, |name| self.fits(name))?;
         if pictures.is_empty() {
             return Err(Error::new("no file fits this pattern; check the folder and the number of digits"));
         }
@@ -274,6 +298,21 @@ mod tests {
         for all in [["000_10.png", "000_11.png", "001_10.png", "001_11.png"], ["a.png", "b.png", "p1.png", "p2.png"]] {
             assert_eq!(found(with_files(&all).path(), ""), (all.map(String::from).to_vec(), vec![]));
         }
+    }
+
+    #[test]
+    fn a_picture_that_would_change_the_clip_is_told() {
+        let numbered = with_files(&["f1.png", "f2.png", "f3.png", "step_1.png"]);
+        let (series, holiday) = (numbered.path(), with_files(&["a.png", "b.png"]));
+        let joins = |opened: &Path, added: &Path| would_join(opened, added);
+        assert!(joins(series, &series.join("f4.png")) && joins(&series.join("f2.png"), &series.join("f4.png")));
+        assert!(joins(&series.join("f%d.png"), &series.join("f4.png")));
+        assert!(joins(&series.join("f2.png"), &series.join("f0.png")), "it is of the same series");
+        assert!(joins(holiday.path(), &holiday.path().join("c.png")));
+        let free =
+            [series.join("step_2.png"), series.join("f4.svg"), series.join("f4.jpg"), holiday.path().join("f4.png")];
+        assert!(!free.iter().any(|added| joins(series, added)));
+        assert!(!joins(&series.join("f2.png"), &series.join("g4.png")));
     }
 
     #[test]

@@ -25,13 +25,16 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
         height: picture.size.1,
         frames: Some(files.len()),
         fps: None,
-        container: "images".into(),
+        container: CONTAINER.into(),
         codec: picture.codec.into(),
         warnings,
     };
     let (size, files) = (picture.size, Arc::from(files));
     Ok(Source { info, decoder: Box::new(Stills { files: Arc::clone(&files), size }), files })
 }
+
+/// What clips of pictures are told to be contained in.
+pub(crate) const CONTAINER: &str = "images";
 
 /// Most headers that are read when a folder is opened; the other pictures are measured when they are shown.
 const MOST_HEADERS: usize = 2000;

@@ -3,7 +3,7 @@
 use motionscope_core::{BlockField, DenseField, Error, Flow, Output, PointField, Product, TrackField};
 
 use super::{Export, Format, Made};
-use crate::media::export::{flo, kitti, npy};
+use crate::media::export::{flo, kitti_result, npy};
 
 pub const EXPORT: Export = Export {
     flag: "flow",
@@ -39,7 +39,7 @@ fn field(output: &Output) -> Result<Flow, Error> {
 }
 
 fn as_kitti(output: &Output) -> Result<Made, Error> {
-    let made = kitti(&field(output)?)?;
+    let made = kitti_result(&field(output)?)?;
     let lost = made.out_of_range;
     let told = format!("{lost} pixels move farther than the ±512 px of a KITTI flow and are marked unknown");
     Ok(Made { lost: (lost > 0).then_some(told), ..Made::file(made.bytes) })

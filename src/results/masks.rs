@@ -3,7 +3,7 @@
 use motionscope_core::{Error, Grid, MaskField, Output, PackedMask, Product};
 
 use super::{Export, Format, Made};
-use crate::media::export::{Pixels, png};
+use crate::media::export::{Pixels, png_result};
 
 /// What the names of all masks begin with.
 const MASK: &str = "mask_";
@@ -30,7 +30,7 @@ fn encode(output: &Output) -> Result<Made, Error> {
         let mask = mask.unpacked();
         let (width, height) = mask.size();
         let pixels = Grid::from_fn(width, height, |x, y| if mask.get(x, y) { 255 } else { 0 });
-        Ok((format!("{MASK}{t:04}.png"), png(width, height, Pixels::Gray(pixels.cells()))?))
+        Ok((format!("{MASK}{t:04}.png"), png_result(width, height, Pixels::Gray(pixels.cells()))?))
     };
     let files = field.masks().map(picture).collect::<Result<Vec<_>, Error>>()?;
     if files.is_empty() { Err(missing()) } else { Ok(Made { files, lost: None }) }

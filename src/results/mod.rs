@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use motionscope_core::{Error, Output, ProductKind};
 
-use crate::media::export;
+use crate::media::export::{self, Target};
 use crate::media::names::extension;
 
 /// Every way of writing a product; where two have a format of one ending, the window offers the first.
@@ -73,6 +73,11 @@ impl Made {
 }
 
 impl Export {
+    /// Where it writes to at `path`.
+    pub fn target<'a>(&self, path: &'a Path) -> Target<'a> {
+        self.folder.map_or(Target::File(path), |begin| Target::Numbered(path, begin))
+    }
+
     /// Whether an estimator that makes products of `kinds` has something to be written so.
     pub fn can_write(&self, kinds: &[&ProductKind]) -> bool {
         self.takes.iter().any(|kind| kinds.contains(kind))
@@ -115,11 +120,11 @@ impl Export {
     /// If a file cannot be written.
     pub fn save(&self, path: &Path, made: &Made) -> Result<String, Error> {
         if self.folder.is_none() {
-            made.files.iter().try_for_each(|(_, bytes)| export::save(path, bytes))?;
+            made.files.iter().try_for_each(|(_, bytes)| export::save_result(path, bytes))?;
             return Ok(path.display().to_string());
         }
         export::make_folder(path)?;
-        made.files.iter().try_for_each(|(name, bytes)| export::save(&path.join(name), bytes))?;
+        made.files.iter().try_for_each(|(name, bytes)| export::save_result(&path.join(name), bytes))?;
         let plural = if made.files.len() == 1 { "" } else { "s" };
         Ok(format!("{} file{plural} into {}", made.files.len(), path.display()))
     }

@@ -61,7 +61,9 @@ pub fn facts(document: &Document) -> String {
         container => format!("{} in {container}", info.codec),
     });
     if let Some(truth) = clip.truth() {
-        facts.push(format!("true {} known", truth.kinds().join(", ")));
+        let names = truth.names();
+        let from = if names.is_empty() { String::new() } else { format!(" from {}", names.join(", ")) };
+        facts.push(format!("true {} known{from}", truth.kinds().join(", ")));
     }
     if clip.detections(0).is_some() {
         facts.push("objects detected".into());

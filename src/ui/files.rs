@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{TryRecvError, channel};
 use std::time::Instant;
 
@@ -15,7 +16,7 @@ use super::dialogs::open as open_dialog;
 use super::dialogs::save::{self, Kind};
 use super::model::loader::{Loading, Opened};
 use super::model::snapshot::{Hold, Place, Snapshot, Subject};
-use super::model::writer::{self, Order, What, Writing};
+use super::model::writer::{self, Order, What, Work, Writing};
 use super::stage::Zoom;
 use crate::company::Company;
 use crate::media::Open;
@@ -110,12 +111,13 @@ impl App {
     }
 
     fn opened(&mut self, opened: Opened, path: &Path) {
-        let Opened { clip, source, truth, session } = opened;
+        let Opened { clip, source, truth, session, inputs } = opened;
         // The truth of a clip is no clip.
         if path.exists() && truth.as_deref() != Some(path) {
             self.settings.remember(path);
         }
         self.document.open(clip, source, truth);
+        self.document.read_from(inputs);
         self.begin();
         let Some(session) = session else {
             self.choose_tracker();
@@ -262,21 +264,23 @@ impl App {
         let folder = order.path.parent().map(Path::to_owned);
         let ctx = self.ctx.clone();
         let changed = move || ctx.request_repaint();
-        let writing = match order.what {
-            What::Picture => Writing::new(folder, changed, move |_| writer::picture(&order, &shown)),
-            What::Steps { .. } => {
-                Writing::new(folder, changed, move |progress| writer::steps(&order, &shown, progress))
-            }
+        let inputs = Arc::clone(&shown.subject.inputs);
+        let work: Work = match order.what {
+            What::Picture => Box::new(move |order, _| writer::picture(order, &shown)),
+            What::Steps { .. } => Box::new(move |order, progress| writer::steps(order, &shown, progress)),
             What::Session => {
                 let session = self.session(&shown);
-                Writing::new(folder, changed, move |_| save_session(&session, &order.path))
+                Box::new(move |order, _| save_session(&session, &order.path))
             }
             What::Result(export) => {
                 let output = self.walker.output(&shown);
-                Writing::new(folder, changed, move |progress| writer::result(&order.path, export, &output, progress))
+                Box::new(move |order, progress| writer::result(&order.path, export, &output, progress))
             }
         };
-        self.writing = Some(writing);
+        self.writing = Some(Writing::new(folder, changed, move |progress| {
+            writer::refuse_losses(&order, &inputs)?;
+            work(&order, progress)
+        }));
     }
 
     fn session(&self, shown: &Snapshot) -> Session {

@@ -108,6 +108,51 @@ fn nothing_is_replaced_unasked() {
 }
 
 #[test]
+fn what_the_clip_is_read_from_is_not_written_over() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let clip = folder.path().join("clip");
+    let words = ["synth", "translation", "--set", "width=64", "--set", "height=48", "--set", "frames=3", "--out"];
+    let words = ["motionscope"].into_iter().chain(words).map(OsStr::new).chain([clip.as_os_str()]);
+    command_line(&words.collect::<Vec<_>>());
+    let lesson = folder.path().join("lesson.motionscope");
+    fs::write(&lesson, "motionscope = 1\nclip = \"clip\"\nestimator = \"full-search\"\n").expect("a session");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(lesson.clone().into()) });
+    assert!(window.harness.query_by_label_contains("from flow/frame_0000.flo and 1 more").is_some(), "truth is named");
+    let refused = |window: &mut Window, command: Command, path: &Path, why: &str| {
+        window.command(command);
+        window.harness.get_by_label("Where to write it").set_text_value_accesskit(&path.display().to_string());
+        window.settle();
+        assert!(window.harness.query_by_label_contains(why).is_some(), "{} is not refused", path.display());
+        window.key(Key::Enter);
+        window.key(Key::Enter);
+        assert!(window.harness.query_by_label("Where to write it").is_some(), "it has been written");
+        window.key(Key::Escape);
+    };
+    let (picture, flow) = (clip.join("frame_0001.png"), clip.join("flow/frame_0000.flo"));
+    let before = [&picture, &flow, &lesson].map(|path| fs::read(path).expect("a file"));
+    refused(&mut window, Command::ExportPicture, &picture, "would replace a frame of the clip; choose another name");
+    refused(&mut window, Command::ExportPicture, &clip.join("frame_0003.png"), "would become a frame of the clip");
+    refused(&mut window, Command::ExportResult, &flow, "would replace the truth of the clip");
+    refused(&mut window, Command::ExportSteps, &clip, "would mix its pictures with the frames of the clip");
+    #[cfg(unix)]
+    {
+        let link = folder.path().join("link.png");
+        std::os::unix::fs::symlink(&lesson, &link).expect("a link");
+        refused(&mut window, Command::ExportPicture, &link, "would replace lesson.motionscope, the session");
+    }
+    // The writer itself refuses as well, whoever asks it.
+    let order = Order { what: What::Result(EXPORTS[0]), path: flow.clone(), scale: 1, look: Look::default() };
+    window.harness.state_mut().write(order);
+    window.settle();
+    assert!(window.app().message().is_some_and(|message| message.contains("would replace the truth of the clip")));
+    assert!(before == [&picture, &flow, &lesson].map(|path| fs::read(path).expect("a file")));
+    // The session is there to be saved again.
+    window.command(Command::SaveSession);
+    write_to(&mut window, &lesson);
+    assert!(fs::read(&lesson).expect("the session") != before[2], "{:?}", window.app().message());
+}
+
+#[test]
 fn a_session_typed_without_its_ending_reopens() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut window = Window::usual();

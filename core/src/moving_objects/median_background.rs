@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::scene::Fact;
 use crate::subtraction::{
-    Background, Explanation, Flags, Found, by_rows, compared, subtraction_params, subtraction_pseudocode,
+    Background, Explanation, Flags, Found, Initial, by_rows, compared, subtraction_params, subtraction_pseudocode,
 };
 use crate::wide::wide;
 use crate::words;
@@ -17,6 +17,8 @@ subtraction_params! {
         step: usize = 1, 1..=16;
         /// A pixel that differs by more than this is foreground, in gray levels.
         threshold: usize = 25, 0..=255;
+        /// Initial background.
+        initial: Initial = Initial::FirstFrame;
     }
     open: 1, close: 2
 }
@@ -58,6 +60,10 @@ impl Background for MedianBackground {
     };
     const SHOWN: &'static str = "|I − B|";
     type Model = Gray;
+
+    fn initial(&self) -> Initial {
+        self.initial
+    }
 
     fn begin(&self, first: &Arc<Frame>) -> Gray {
         first.luma().clone()

@@ -6,7 +6,7 @@ mod tell;
 use std::sync::Arc;
 
 use crate::scene::Chart;
-use crate::subtraction::{Background, Explanation, Found, subtraction_params, subtraction_pseudocode};
+use crate::subtraction::{Background, Explanation, Found, Initial, subtraction_params, subtraction_pseudocode};
 use crate::words;
 use crate::{Frame, Info, Threads};
 
@@ -33,6 +33,8 @@ subtraction_params! {
         shadows: bool = true;
         /// A shadow leaves at least this share of the light.
         darkest: f32 = 0.5, 0.05..=1.0;
+        /// Initial background.
+        initial: Initial = Initial::FirstFrame;
     }
     open: 1, close: 2
 }
@@ -63,6 +65,10 @@ impl Background for MixtureOfGaussians {
     const TELLS_SHADOWS: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
     type Model = Mixture;
+
+    fn initial(&self) -> Initial {
+        self.initial
+    }
 
     fn begin(&self, first: &Arc<Frame>) -> Mixture {
         Mixture::new(self, first)

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::scene::Fact;
 use crate::subtraction::{
-    Background, Explanation, Flags, Found, by_rows, compared, subtraction_params, subtraction_pseudocode,
+    Background, Explanation, Flags, Found, Initial, by_rows, compared, subtraction_params, subtraction_pseudocode,
 };
 use crate::wide::wide;
 use crate::words;
@@ -19,6 +19,8 @@ subtraction_params! {
         threshold: f32 = 25.0, 0.0..=255.0;
         /// Take only what looks like the background into it: objects leave no trail, but what has changed for good never belongs to it.
         selective: bool = false;
+        /// Initial background.
+        initial: Initial = Initial::FirstFrame;
     }
     open: 1, close: 2
 }
@@ -59,6 +61,10 @@ impl Background for RunningAverage {
     };
     const SHOWN: &'static str = "|I − B|";
     type Model = Grid<f32>;
+
+    fn initial(&self) -> Initial {
+        self.initial
+    }
 
     fn begin(&self, first: &Arc<Frame>) -> Grid<f32> {
         first.luma().map(|gray| f32::from(*gray))

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use crate::scene::{Fact, Math, Sentence};
-use crate::subtraction::{Background, Explanation, Flags, Found, by_rows, subtraction_params, subtraction_pseudocode};
+use crate::subtraction::{
+    Background, Explanation, Flags, Found, Initial, by_rows, subtraction_params, subtraction_pseudocode,
+};
 use crate::wide::wide;
 use crate::words;
 use crate::{Frame, Grid, Info, Role, Threads};
@@ -21,6 +23,8 @@ subtraction_params! {
         min_sigma: f32 = 2.0, 0.5..=50.0;
         /// Take only what looks like the background into it: objects do not widen it, but what has changed for good never belongs to it.
         selective: bool = true;
+        /// Initial background.
+        initial: Initial = Initial::FirstFrame;
     }
     open: 1, close: 2
 }
@@ -74,6 +78,10 @@ impl Background for SingleGaussian {
     };
     const SHOWN: &'static str = "|I − μ| / σ";
     type Model = Grid<Gaussian>;
+
+    fn initial(&self) -> Initial {
+        self.initial
+    }
 
     fn begin(&self, first: &Arc<Frame>) -> Grid<Gaussian> {
         let sigma = self.first_sigma.max(self.min_sigma);

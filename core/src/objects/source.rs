@@ -29,7 +29,7 @@ const LEAST_VISIBLE: f32 = 0.3;
 const CLICK_PX: f32 = 16.0;
 /// The detector of trackers, unless another is chosen.
 pub fn usual_detector() -> Stage<Foreground> {
-    Stage::named("mixture-of-gaussians")
+    Stage::named("mixture-of-gaussians").with("initial", "median")
 }
 
 /// How the truth is measured where it takes the place of a detector.

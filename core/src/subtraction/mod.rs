@@ -3,6 +3,7 @@
 
 mod declare;
 mod explanation;
+mod initial;
 mod rows;
 mod tell;
 
@@ -10,6 +11,7 @@ use std::sync::Arc;
 
 pub(crate) use declare::{HasSettings, Settings, subtraction_params, subtraction_pseudocode};
 pub(crate) use explanation::{Explanation, compared};
+pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
 pub(crate) use tell::{Account, plots};
 
@@ -37,7 +39,12 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     /// What is known of the background.
     type Model: Clone + Send + Sync + 'static;
 
-    /// What is known after the first frame.
+    /// What the model begins with.
+    fn initial(&self) -> Initial {
+        Initial::FirstFrame
+    }
+
+    /// What is known after the picture that it begins with.
     fn begin(&self, first: &Arc<Frame>) -> Self::Model;
 
     /// Decides which pixels of a frame do not belong to the background, and takes the frame into the model. Threads
@@ -168,6 +175,14 @@ pub(crate) fn sifted(settings: Settings, all: Vec<Detection>) -> [Vec<Detection>
 }
 
 impl<M: Background> Subtraction<M> {
+    /// The picture that is worked on next: at the start of a run, what the model begins with.
+    fn next_frame(&self, clip: &Clip, state: &State<M::Model>) -> Result<Arc<Frame>, Error> {
+        match state.model {
+            None => initial::picture(self.0.initial(), clip, &state.span),
+            Some(_) => clip.frame(state.frame),
+        }
+    }
+
     /// Works on one frame.
     fn work(
         &self,
@@ -219,7 +234,7 @@ impl<M: Background> Estimator for Subtraction<M> {
         state: &mut Self::State,
         observer: &mut impl Observer<Event>,
     ) -> Result<Progress, Error> {
-        let frame = clip.frame(state.frame)?;
+        let frame = self.next_frame(clip, state)?;
         self.work(state, frame, &Threads::single(), observer);
         Ok(state.go_on(clip))
     }
@@ -270,7 +285,7 @@ impl<M: Background> Estimator for Subtraction<M> {
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Self::State, Error> {
         let mut state = self.start(clip, frame)?;
         loop {
-            let frame = clip.frame(state.frame)?;
+            let frame = self.next_frame(clip, &state)?;
             self.work(&mut state, frame, threads, &mut ());
             if state.go_on(clip) == Progress::Done {
                 return Ok(state);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Background, Event, Explanation, State, Subtraction};
+use super::{Background, Event, Explanation, Initial, State, Subtraction};
 use crate::differential::tell;
 use crate::objects::Record;
 use crate::scene::{Fact, Picture, Readout, Sentence, Series, Shape, Step, Tile};
@@ -259,9 +259,16 @@ impl<M: Background> Subtraction<M> {
             return all;
         }
         match event {
-            Event::Begun(_) => {
-                said.text(format!("Frame {number} is the first one: all of it is taken for the background."))
-            }
+            Event::Begun(_) => said.text(match self.0.initial() {
+                Initial::FirstFrame => {
+                    format!("Frame {number} is the first one: all of it is taken for the background.")
+                }
+                Initial::Median => {
+                    "The median of frames from all over the run is the initial background: what moves covers a \
+                                    pixel in less than half of them."
+                        .to_owned()
+                }
+            }),
             Event::Compared(..) => said.text(format!(
                 "Each pixel of frame {number} is compared with what is expected there: the heat shows {}.",
                 M::SHOWN

@@ -2,7 +2,7 @@
 
 use motionscope_core::{Error, Flow};
 
-use super::picture::{Pixels, png};
+use super::picture::{Pixels, png, png_result};
 
 /// A flow field as KITTI keeps it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,6 +19,18 @@ pub struct Kitti {
 /// # Errors
 /// If the field has no pixels.
 pub fn kitti(flow: &Flow) -> Result<Kitti, Error> {
+    encode(flow, png)
+}
+
+/// The same of a flow that an estimator found: the PNG is never taken for truth.
+///
+/// # Errors
+/// As [`kitti`].
+pub fn kitti_result(flow: &Flow) -> Result<Kitti, Error> {
+    encode(flow, png_result)
+}
+
+fn encode(flow: &Flow, png: fn(usize, usize, Pixels) -> Result<Vec<u8>, Error>) -> Result<Kitti, Error> {
     let mut out_of_range = 0;
     let mut samples = Vec::with_capacity(6 * flow.0.cells().len());
     for &[u, v] in flow.0.cells() {

@@ -2,8 +2,10 @@
 
 mod clip;
 mod flo;
+mod guard;
 mod kitti;
 mod ledger;
+mod mark;
 mod mot;
 mod npy;
 mod picture;
@@ -11,8 +13,11 @@ mod save;
 
 pub use clip::{clip, frame};
 pub use flo::flo;
-pub use kitti::{Kitti, kitti};
+pub use guard::{Clash, Inputs, Target, What, check};
+pub use kitti::{Kitti, kitti, kitti_result};
+pub(crate) use mark::is_result;
+pub use mark::save_result;
 pub use mot::{mot, rect as mot_rect};
 pub use npy::{npy, npy_of};
-pub use picture::{Pixels, png};
+pub use picture::{Pixels, png, png_result};
 pub use save::{make_folder, save};

@@ -2,6 +2,8 @@
 
 use motionscope_core::Error;
 
+use super::mark::SOFTWARE;
+
 /// The samples of a picture, row by row without padding.
 #[derive(Clone, Copy, Debug)]
 pub enum Pixels<'a> {
@@ -20,6 +22,18 @@ pub enum Pixels<'a> {
 /// # Errors
 /// If there are not exactly `width × height` pixels, or none.
 pub fn png(width: usize, height: usize, pixels: Pixels) -> Result<Vec<u8>, Error> {
+    encode(width, height, pixels, None)
+}
+
+/// The same of what an estimator found: the PNG says that Motionscope made it, and is never taken for truth.
+///
+/// # Errors
+/// As [`png`].
+pub fn png_result(width: usize, height: usize, pixels: Pixels) -> Result<Vec<u8>, Error> {
+    encode(width, height, pixels, Some(SOFTWARE))
+}
+
+fn encode(width: usize, height: usize, pixels: Pixels, says: Option<[&str; 2]>) -> Result<Vec<u8>, Error> {
     use png::{BitDepth, ColorType};
     let (samples, color, depth) = match pixels {
         Pixels::Gray(samples) => (samples, ColorType::Grayscale, BitDepth::Eight),
@@ -34,6 +48,9 @@ pub fn png(width: usize, height: usize, pixels: Pixels) -> Result<Vec<u8>, Error
     encoder.set_color(color);
     encoder.set_depth(depth);
     encoder.set_compression(png::Compression::Fast);
+    if let Some([keyword, text]) = says {
+        encoder.add_text_chunk(keyword.into(), text.into()).map_err(|e| refused(e.to_string()))?;
+    }
     let mut writer = encoder.write_header().map_err(|e| refused(e.to_string()))?;
     writer.write_image_data(samples).map_err(|e| refused(e.to_string()))?;
     writer.finish().map_err(|e| refused(e.to_string()))?;

@@ -22,7 +22,12 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Error> {
             Err(_) => replace(path, bytes),
         }
     };
-    written.map_err(|e| Error::new(format!("{} cannot be written: {}", path.display(), reason(path, &e))))
+    written.map_err(|e| cannot_write(path, &e))
+}
+
+/// Why nothing can be written to `path`.
+pub(super) fn cannot_write(path: &Path, error: &io::Error) -> Error {
+    Error::new(format!("{} cannot be written: {}", path.display(), reason(path, error)))
 }
 
 /// Makes a folder, and those that it lies in, if there is none.

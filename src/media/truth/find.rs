@@ -7,8 +7,11 @@ use std::sync::Arc;
 
 use motionscope_core::{Error, Truth};
 
-use super::{Files, Subject, field, file_error, mot};
-use crate::media::names::{extension, file_name, natural_order};
+use super::{Files, Objects, Subject, field, file_error, mot};
+use crate::media::export::is_result;
+use crate::media::input::Node;
+use crate::media::names::{Numbered, extension, file_name, natural_order, stem};
+use crate::media::sequence::parent;
 
 /// What lay beside a clip.
 #[derive(Default)]
@@ -25,34 +28,40 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     if subject.path == Path::new("-") {
         return found;
     }
-    let folder = subject.folder();
+    let Lying { flows, masks, objects, results } = Lying::beside(subject);
     let mut files = Files::new(subject.size);
     let mut accept = |sound: Result<(), Error>| {
         let is_sound = sound.is_ok();
         found.warnings.extend(sound.err().map(|why| format!("truth beside the clip is not used: {why}")));
         is_sound
     };
-    let mut flows = flows_in(folder, subject);
-    if let Some(own) = own_flow(subject) {
-        flows.entry(0).or_insert(own);
-    }
     if accept(check(&flows, field::check_flow, subject)) {
         files.flows = flows;
     }
-    let masks = masks_in(folder, subject);
     if accept(check(&masks, field::check_mask, subject)) {
         files.masks = masks;
     }
-    if let Some(path) = tracks_in(folder) {
+    if let Some(path) = objects {
         match mot::read(&path) {
-            Ok(objects) => files.objects = Some(objects),
+            Ok(frames) => files.objects = Some(Objects { path, frames }),
             Err(why) => _ = accept(Err(why)),
         }
     }
+    found.warnings.extend(not_truth(&results));
     if !files.is_empty() {
+        files.tell_from(subject.folder());
         found.truth = Some(Arc::new(files));
     }
     found
+}
+
+/// Tells of results that lie where truth is looked for.
+fn not_truth(results: &[PathBuf]) -> Option<String> {
+    let first = file_name(results.first()?);
+    Some(match results.len() - 1 {
+        0 => format!("{first} is a result that Motionscope wrote, so it is not used as truth"),
+        more => format!("{first} and {more} more are results that Motionscope wrote, so they are not used as truth"),
+    })
 }
 
 /// Opens truth that a person points to: a flow, a `gt.txt`, a folder of flows, or one that `motionscope synth` wrote.
@@ -62,25 +71,25 @@ pub(crate) fn beside(subject: &Subject) -> Found {
 /// # Errors
 /// One sentence that names the file if it is no truth, or not that of this clip.
 pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Error> {
-    let mut files = Files::new(subject.size);
-    if path.is_dir() {
-        files.flows = flows_in(path, subject);
-        files.masks = masks_in(path, subject);
-        files.objects = tracks_in(path).map(|tracks| mot::read(&tracks)).transpose()?;
-        if files.flows.is_empty() {
-            files.flows = subject.by_frame(list(path, is_flow));
-        }
-    } else if extension(path) == "txt" {
-        files.objects = Some(mot::read(path)?);
-    } else {
-        let t = subject.named(path).or_else(|| subject.numbered(path)).filter(|_| subject.has_pictures());
-        files.flows.insert(t.unwrap_or(0), path.into());
+    let node = Node::of(path).map_err(|why| file_error(path, why))?;
+    let Lying { flows, masks, objects, .. } = Lying::given(path, subject);
+    if node == Node::Stream && objects.is_none() {
+        let why = "it is a pipe, and a flow is read more than once; save it to a file and give that";
+        return Err(file_error(path, why));
     }
+    let about = |why: Error| match node {
+        Node::Stream => Error::new(format!("{why}; a flow cannot come from a pipe, because it is read more than once")),
+        _ => why,
+    };
+    let read = |path: PathBuf| mot::read(&path).map(|frames| Objects { path, frames }).map_err(about);
+    let objects = objects.map(read).transpose()?;
+    let mut files = Files { flows, masks, objects, ..Files::new(subject.size) };
     if files.is_empty() {
         return Err(file_error(path, "the folder holds no truth: no gt.txt, and no flow with the number of a frame"));
     }
     check(&files.flows, field::check_flow, subject)?;
     check(&files.masks, field::check_mask, subject)?;
+    files.tell_from(if node == Node::Folder { path } else { parent(path) });
     Ok(Arc::new(files))
 }
 
@@ -93,6 +102,51 @@ fn check(
     files.values().next().map_or(Ok(()), |first| header(first, subject.size))
 }
 
+/// The files of truth of a clip, by the frame that they belong to; none of them was read.
+#[derive(Default)]
+pub(crate) struct Lying {
+    flows: BTreeMap<usize, PathBuf>,
+    masks: BTreeMap<usize, PathBuf>,
+    objects: Option<PathBuf>,
+    /// What lies among them, but was written as the result of an estimator.
+    results: Vec<PathBuf>,
+}
+
+impl Lying {
+    /// What lies beside the clip, by the names and in the places of the benchmarks and of `motionscope synth`.
+    pub(crate) fn beside(subject: &Subject) -> Self {
+        let mut search = Search { subject, results: Vec::new() };
+        let folder = subject.folder();
+        let (flows, masks, objects) = (search.flows(folder), search.masks(folder), search.tracks(folder));
+        Self { flows, masks, objects, results: search.results }
+    }
+
+    /// What a person points to with `path`.
+    pub(crate) fn given(path: &Path, subject: &Subject) -> Self {
+        let mut search = Search { subject, results: Vec::new() };
+        if path.is_dir() {
+            let mut flows = search.flows(path);
+            let (masks, objects) = (search.masks(path), search.tracks(path));
+            if flows.is_empty() {
+                flows = search.frames(path, is_flow);
+            }
+            return Self { flows, masks, objects, results: search.results };
+        }
+        // Rows of objects may come through a pipe, whose name says nothing.
+        let is_pipe = || Node::of(path) == Ok(Node::Stream) && !is_flow(path);
+        if extension(path) == "txt" || is_pipe() {
+            return Self { objects: Some(path.into()), ..Self::default() };
+        }
+        let t = subject.named(path).or_else(|| subject.numbered(path)).filter(|_| subject.has_pictures());
+        Self { flows: BTreeMap::from([(t.unwrap_or(0), path.into())]), ..Self::default() }
+    }
+
+    /// All of them, in order.
+    pub(crate) fn into_files(self) -> impl Iterator<Item = PathBuf> {
+        self.flows.into_values().chain(self.masks.into_values()).chain(self.objects)
+    }
+}
+
 /// Where one kind of truth lies, seen from the folder of the frames.
 struct Places {
     /// Folders in it.
@@ -102,65 +156,105 @@ struct Places {
     /// Folders two above it that hold one of its name, as Sintel and Middlebury have them: `clean/alley_1` and
     /// `flow/alley_1`.
     across: &'static [&'static str],
+    /// What its files in the folder itself are called, before the number of the frame.
+    word: &'static str,
 }
 
 const FLOWS: Places =
-    Places { inside: &["flow"], beside: &["flow_occ", "flow_noc"], across: &["flow", "other-gt-flow"] };
-const MASKS: Places = Places { inside: &["occ", "occlusions"], beside: &[], across: &["occlusions"] };
+    Places { inside: &["flow"], beside: &["flow_occ", "flow_noc"], across: &["flow", "other-gt-flow"], word: "flow" };
+const MASKS: Places = Places { inside: &["occ", "occlusions"], beside: &[], across: &["occlusions"], word: "occ" };
+/// The table of objects.
+const TRACKS: &str = "gt.txt";
 
-impl Places {
-    /// The files that `fit` in the first of these places that has any for the clip.
-    fn search(&self, folder: &Path, subject: &Subject, fits: fn(&Path) -> bool) -> BTreeMap<usize, PathBuf> {
+/// Whether truth of some clip may be looked for at `path`, going by its name and its folders.
+pub(crate) fn is_place(path: &Path) -> bool {
+    let folder = fs::canonicalize(parent(path)).unwrap_or_else(|_| parent(path).into());
+    let mut above = folder.ancestors().map(|folder| file_name(folder).to_lowercase());
+    let [folder, beyond] = [above.next(), above.next()].map(Option::unwrap_or_default);
+    file_name(path).eq_ignore_ascii_case(TRACKS)
+        || [FLOWS, MASKS].iter().any(|Places { inside, beside, across, word }| {
+            inside.iter().chain(*beside).any(|name| **name == folder)
+                || across.iter().any(|name| **name == beyond)
+                || is_numbered(path, word)
+        })
+}
+
+/// Whether a file is called `word` and a number: `flow10`, `flow_10` or `flow-10`.
+fn is_numbered(file: &Path, word: &str) -> bool {
+    let stem = stem(file);
+    let before = Numbered::parse(&stem).filter(|name| name.suffix.is_empty()).map(|name| name.prefix);
+    before.and_then(|before| before.strip_prefix(word)).is_some_and(|between| matches!(between, "" | "_" | "-"))
+}
+
+/// The search for truth of one clip.
+struct Search<'a> {
+    subject: &'a Subject,
+    /// What was met on the way and is no truth, because it was written as a result.
+    results: Vec<PathBuf>,
+}
+
+impl Search<'_> {
+    /// Those of `files` that are no results.
+    fn known(&mut self, files: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
+        let (results, known): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_result(file));
+        self.results.extend(results);
+        known
+    }
+
+    /// The files in `folder` that `fit` and belong to a frame, by that frame.
+    fn frames(&mut self, folder: &Path, fits: impl Fn(&Path) -> bool) -> BTreeMap<usize, PathBuf> {
+        let subject = self.subject;
+        let belongs = |file: &Path| subject.named(file).or_else(|| subject.numbered(file)).is_some();
+        subject.by_frame(self.known(list(folder, |file| fits(file) && belongs(file))))
+    }
+
+    /// The files that `fit` in the first of `places` that has any for the clip.
+    fn places(&mut self, places: &Places, folder: &Path, fits: fn(&Path) -> bool) -> BTreeMap<usize, PathBuf> {
         let whole = fs::canonicalize(folder).unwrap_or_else(|_| folder.into());
-        let inside = self.inside.iter().map(|name| folder.join(name));
-        let beside = self.beside.iter().filter_map(|name| Some(whole.parent()?.join(name)));
-        let across =
-            self.across.iter().filter_map(|name| Some(whole.parent()?.parent()?.join(name).join(whole.file_name()?)));
-        let places = inside.chain(beside).chain(across.filter(|across| *across != whole));
-        let mut found = places.map(|place| subject.by_frame(list(&place, fits)));
-        found.find(|frames| !frames.is_empty()).unwrap_or_default()
+        let inside = places.inside.iter().map(|name| folder.join(name));
+        let beside = places.beside.iter().filter_map(|name| Some(whole.parent()?.join(name)));
+        let across = places.across.iter();
+        let across = across.filter_map(|name| Some(whole.parent()?.parent()?.join(name).join(whole.file_name()?)));
+        let mut all = inside.chain(beside).chain(across.filter(|across| *across != whole));
+        all.find_map(|place| Some(self.frames(&place, fits)).filter(|frames| !frames.is_empty())).unwrap_or_default()
     }
-}
 
-fn flows_in(folder: &Path, subject: &Subject) -> BTreeMap<usize, PathBuf> {
-    let mut flows = FLOWS.search(folder, subject, is_flow);
-    if subject.has_pictures() {
-        for (t, flow) in subject.by_frame(list(folder, |file| extension(file) == "flo")) {
-            flows.entry(t).or_insert(flow);
+    fn flows(&mut self, folder: &Path) -> BTreeMap<usize, PathBuf> {
+        let mut flows = self.places(&FLOWS, folder, is_flow);
+        if self.subject.has_pictures() {
+            let own = self.frames(folder, |file| extension(file) == "flo" && is_numbered(file, FLOWS.word));
+            for (t, flow) in own.into_iter().chain(self.chairs(folder)) {
+                flows.entry(t).or_insert(flow);
+            }
         }
+        flows
     }
-    flows
-}
 
-/// The flow that is called as the clip.
-fn own_flow(subject: &Subject) -> Option<PathBuf> {
-    let own = if subject.path.is_dir() {
-        let mut name = subject.path.file_name()?.to_owned();
-        name.push(".flo");
-        subject.path.with_file_name(name)
-    } else {
-        subject.path.with_extension("flo")
-    };
-    (own.is_file() && !subject.gap_after(0)).then_some(own)
-}
-
-fn masks_in(folder: &Path, subject: &Subject) -> BTreeMap<usize, PathBuf> {
-    let mut masks = MASKS.search(folder, subject, is_png);
-    let is_mask = |file: &Path| is_png(file) && file_name(file).starts_with("occ") && subject.named(file).is_none();
-    for (t, mask) in subject.by_frame(list(folder, is_mask)) {
-        masks.entry(t).or_insert(mask);
+    /// The flows of Flying Chairs: `00001_flow.flo` is that of `00001_img1.ppm`.
+    fn chairs(&mut self, folder: &Path) -> BTreeMap<usize, PathBuf> {
+        let subject = self.subject;
+        let frame = |file: &Path| subject.called(&format!("{}_img1", stem(file).strip_suffix("_flow")?));
+        let all = list(folder, |file| extension(file) == "flo" && frame(file).is_some());
+        self.known(all).into_iter().filter_map(|file| Some((frame(&file)?, file))).collect()
     }
-    masks
-}
 
-fn tracks_in(folder: &Path) -> Option<PathBuf> {
-    // MOTChallenge keeps the pictures in `img1`, what was detected in `det` and the tracks in `gt` beside both.
-    let above = if folder.ends_with("img1") || folder.ends_with("det") { folder.parent() } else { None };
-    [Some(folder), above]
-        .into_iter()
-        .flatten()
-        .flat_map(|folder| [folder.join("gt.txt"), folder.join("gt").join("gt.txt")])
-        .find(|file| file.is_file())
+    fn masks(&mut self, folder: &Path) -> BTreeMap<usize, PathBuf> {
+        let mut masks = self.places(&MASKS, folder, is_png);
+        let subject = self.subject;
+        let is_mask = |file: &Path| is_png(file) && is_numbered(file, MASKS.word) && subject.named(file).is_none();
+        for (t, mask) in self.frames(folder, is_mask) {
+            masks.entry(t).or_insert(mask);
+        }
+        masks
+    }
+
+    fn tracks(&mut self, folder: &Path) -> Option<PathBuf> {
+        // MOTChallenge keeps the pictures in `img1`, what was detected in `det` and the tracks in `gt` beside both.
+        let above = if folder.ends_with("img1") || folder.ends_with("det") { folder.parent() } else { None };
+        let folders = [Some(folder), above].into_iter().flatten();
+        let files = folders.flat_map(|folder| [folder.join(TRACKS), folder.join("gt").join(TRACKS)]);
+        self.known(files.filter(|file| file.is_file())).into_iter().next()
+    }
 }
 
 fn is_png(file: &Path) -> bool {
@@ -254,15 +348,76 @@ mod tests {
         }
         let u_of = |clip| u(&open(&folder.path().join(format!("image_2/00000{clip}_10.png"))), 0);
         assert_eq!((u_of(0), u_of(1), u_of(2)), (Some(0.0), Some(1.0), None));
+        let named = open(&folder.path().join("image_2/000001_10.png"));
+        assert_eq!(named.truth().unwrap().names(), ["flow_occ/000001_10.png"]);
     }
 
     #[test]
-    fn a_clip_s_own_flow_is_that_of_its_first_frame() {
+    fn flow_lies_where_flying_chairs_have_it() {
         let folder = tempfile::tempdir().unwrap();
-        pictures(&folder.path().join("whale"));
+        for pair in [1, 2] {
+            for t in [1, 2] {
+                let picture = export::png(4, 3, Pixels::Gray(&[9; 12])).unwrap();
+                put(folder.path(), &format!("0000{pair}_img{t}.png"), picture);
+            }
+            put(folder.path(), &format!("0000{pair}_flow.flo"), export::flo(&flow(pair as f32)));
+        }
+        let u_of = |pair| u(&open(&folder.path().join(format!("0000{pair}_img1.png"))), 0);
+        assert_eq!((u_of(1), u_of(2)), (Some(1.0), Some(2.0)));
+    }
+
+    #[test]
+    fn only_the_names_of_benchmarks_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let frames = folder.path().join("whale");
+        pictures(&frames);
         put(folder.path(), "whale.flo", export::flo(&flow(1.0)));
-        let clip = open(&folder.path().join("whale"));
-        assert_eq!((u(&clip, 0), u(&clip, 1)), (Some(1.0), None));
+        for name in ["result_7.flo", "frame-0008_vectors.flo", "frame09.flo", "flow_of_07.flo", "flow07b.flo"] {
+            put(&frames, name, export::flo(&flow(1.0)));
+        }
+        put(&frames, "occluded_by_me_7.png", export::png(4, 3, Pixels::Gray(&[255; 12])).unwrap());
+        let clip = open(&frames);
+        assert!(clip.truth().is_none() && clip.info().warnings.len() == 2, "{:?}", clip.info().warnings);
+        put(&frames, "flow_07.flo", export::flo(&flow(2.0)));
+        put(&frames, "flow-8.flo", export::flo(&flow(3.0)));
+        let clip = open(&frames);
+        assert_eq!((u(&clip, 0), u(&clip, 1), u(&clip, 2)), (Some(2.0), Some(3.0), None));
+    }
+
+    #[test]
+    fn results_are_never_truth_and_truth_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        pictures(folder.path());
+        let at = |name: &str| folder.path().join(name);
+        put(folder.path(), "flow/frame_0007.flo", export::flo(&flow(7.0)));
+        let pixels = vec![255; 12];
+        for (name, bytes) in [
+            ("flow08.flo", export::flo(&flow(8.0))),
+            ("flow/frame_0009.png", export::kitti_result(&flow(9.0)).unwrap().bytes),
+            ("occ_0008.png", export::png_result(4, 3, Pixels::Gray(&pixels)).unwrap()),
+            (
+                "gt.txt",
+                export::mot(&[vec![ObjectBox { id: 1, x: 0.0, y: 0.0, width: 2.0, height: 2.0, visibility: 1.0 }]])
+                    .into_bytes(),
+            ),
+        ] {
+            export::save_result(&at(name), &bytes).unwrap();
+        }
+        let clip = open(folder.path());
+        assert_eq!((0..4).map(|t| u(&clip, t)).collect::<Vec<_>>(), [Some(7.0), None, None, None]);
+        let truth = clip.truth().unwrap();
+        assert_eq!((truth.kinds(), truth.names()), (vec!["flow"], vec!["flow/frame_0007.flo".to_owned()]));
+        let told = clip.info().warnings.join("\n");
+        assert!(told.contains("frame_0009.png and 3 more are results that Motionscope wrote"), "{told}");
+        // What others write there afterwards is truth again.
+        put(folder.path(), "flow08.flo", export::flo(&flow(5.0)));
+        let clip = open(folder.path());
+        assert_eq!(u(&clip, 1), Some(5.0));
+        assert_eq!(clip.truth().unwrap().names(), ["flow/frame_0007.flo and 1 more"]);
+        // A person may mean it.
+        let options = Open { truth: Some(at("flow/frame_0009.png")), ..Open::default() };
+        let clip = media::open(folder.path(), &options).unwrap();
+        assert_eq!((u(&clip, 2), clip.truth().unwrap().names()), (Some(9.0), vec!["frame_0009.png".to_owned()]));
     }
 
     #[test]
@@ -277,6 +432,7 @@ mod tests {
         let truth = clip.truth().unwrap();
         assert_eq!(clip.info().frames, Some(5));
         assert_eq!(truth.kinds(), ["occlusion", "objects"]);
+        assert_eq!(truth.names(), ["occ_0008.png", "gt/gt.txt"]);
         assert!(truth.occlusion(0).unwrap().is_none());
         assert!(truth.occlusion(1).unwrap().unwrap().cells().iter().all(|&hidden| hidden));
         assert_eq!(truth.objects(1).unwrap(), Some(vec![object]));

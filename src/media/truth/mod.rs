@@ -12,7 +12,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use motionscope_core::{Error, Flow, Grid, ObjectBox, Truth};
 
-pub(crate) use find::{Found, beside, open};
+use super::names::file_name;
+use super::sequence::parent;
+
+pub(crate) use find::{Found, Lying, beside, is_place, open};
 pub(crate) use subject::Subject;
 
 /// Truth in files: a field is read when it is asked for, and the last few are kept.
@@ -20,9 +23,17 @@ struct Files {
     size: (usize, usize),
     flows: BTreeMap<usize, PathBuf>,
     masks: BTreeMap<usize, PathBuf>,
-    objects: Option<BTreeMap<usize, Vec<ObjectBox>>>,
+    objects: Option<Objects>,
+    /// What the files of each kind are called.
+    names: Vec<String>,
     last_flows: Mutex<Last<Flow>>,
     last_masks: Mutex<Last<Grid<bool>>>,
+}
+
+/// The true objects of each frame, and the file that they were read from.
+struct Objects {
+    path: PathBuf,
+    frames: BTreeMap<usize, Vec<ObjectBox>>,
 }
 
 impl Files {
@@ -32,6 +43,7 @@ impl Files {
             flows: BTreeMap::new(),
             masks: BTreeMap::new(),
             objects: None,
+            names: Vec::new(),
             last_flows: Mutex::default(),
             last_masks: Mutex::default(),
         }
@@ -39,6 +51,15 @@ impl Files {
 
     fn is_empty(&self) -> bool {
         self.kinds().is_empty()
+    }
+
+    /// Has the files called as they are found from `folder`.
+    fn tell_from(&mut self, folder: &Path) {
+        let fields = [&self.flows, &self.masks].into_iter().filter_map(|files| {
+            let first = name_from(folder, files.values().next()?);
+            Some(if files.len() > 1 { format!("{first} and {} more", files.len() - 1) } else { first })
+        });
+        self.names = fields.chain(self.objects.iter().map(|objects| name_from(folder, &objects.path))).collect();
     }
 }
 
@@ -52,7 +73,7 @@ impl Truth for Files {
     }
 
     fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
-        Ok(self.objects.as_ref().map(|frames| frames.get(&t).cloned().unwrap_or_default()))
+        Ok(self.objects.as_ref().map(|objects| objects.frames.get(&t).cloned().unwrap_or_default()))
     }
 
     fn kinds(&self) -> Vec<&'static str> {
@@ -63,6 +84,20 @@ impl Truth for Files {
         ];
         kinds.into_iter().filter_map(|(name, known)| known.then_some(name)).collect()
     }
+
+    fn names(&self) -> Vec<String> {
+        self.names.clone()
+    }
+}
+
+/// What `file` is called from `folder`: its name, and where it lies elsewhere, the folders that lead to it.
+fn name_from(folder: &Path, file: &Path) -> String {
+    /// Truth lies two folders up at most.
+    const UP: usize = 3;
+    let whole = |folder: &Path| folder.canonicalize().unwrap_or_else(|_| folder.into());
+    let (from, to) = (whole(folder), whole(parent(file)).join(file_name(file)));
+    let near = from.ancestors().take(UP).find_map(|above| to.strip_prefix(above).ok());
+    near.map_or_else(|| file_name(file), |near| near.display().to_string())
 }
 
 /// The last fields that were asked for, newest at the back.

@@ -9,6 +9,7 @@ use motionscope_core::{Error, ObjectBox};
 
 use super::file_error;
 use crate::media::cannot_read;
+use crate::media::input::Node;
 
 /// More than any sequence of the benchmark by a factor of ten.
 const MOST_BYTES: u64 = 256 << 20;
@@ -68,6 +69,7 @@ pub(crate) fn is_object(line: &str) -> bool {
 }
 
 fn text(path: &Path) -> Result<String, Error> {
+    Node::of(path).map_err(|why| file_error(path, why))?;
     let mut text = String::new();
     let file = File::open(path).map_err(|e| file_error(path, cannot_read(&e)))?;
     let read = file.take(MOST_BYTES).read_to_string(&mut text).map_err(|e| file_error(path, cannot_read(&e)))?;

@@ -56,7 +56,12 @@ impl Subject {
 
     /// The frame whose picture has the name of `file`.
     pub(super) fn named(&self, file: &Path) -> Option<usize> {
-        self.by_name.get(&stem(file)).copied()
+        self.called(&stem(file))
+    }
+
+    /// The frame whose picture is called `name`, without its ending.
+    pub(super) fn called(&self, name: &str) -> Option<usize> {
+        self.by_name.get(name).copied()
     }
 
     /// The frame whose picture has the number of `file`; in a video the number counts frames from 0.

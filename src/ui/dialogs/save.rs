@@ -1,16 +1,18 @@
 //! Writing: where to, as what, and how it looks.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
 use motionscope_core::{Cursor, ProductKind};
 
+use crate::media::export::Inputs;
 use crate::results::{self, Export};
 use crate::shot::{Format, Look, Steps};
 use crate::ui::action::{Action, Actions, Browse};
 use crate::ui::commands::Rungs;
 use crate::ui::model::snapshot::Snapshot;
-use crate::ui::model::writer::{Order, What};
+use crate::ui::model::writer::{self, Order, What};
 use crate::ui::parts::widgets;
 
 /// Scales that can be chosen.
@@ -93,8 +95,18 @@ pub struct State {
     to: String,
     rung: usize,
     focused: bool,
-    /// The target that was looked up, and what lies there already.
-    found: Option<(PathBuf, bool)>,
+    /// All files that the clip is read from.
+    inputs: Arc<Inputs>,
+    /// The target that was looked up, and what was found there.
+    found: Option<(PathBuf, Found)>,
+}
+
+/// What lies already where something is to be written.
+#[derive(Clone)]
+struct Found {
+    is_there: bool,
+    /// Why it must not be written over.
+    refused: Option<String>,
 }
 
 impl State {
@@ -116,6 +128,7 @@ impl State {
             to: to.to_string(),
             rung: Rungs::new(shown.info.rungs).event(),
             focused: false,
+            inputs: Arc::clone(&shown.subject.inputs),
             found: None,
         };
         let ending = state.ending();
@@ -167,19 +180,24 @@ impl State {
         })
     }
 
-    /// Whether `target` is there already: the file itself, or numbered pictures in the folder.
-    fn is_there(&mut self, target: &Path) -> bool {
+    /// What is there already: the file itself, or numbered pictures in the folder.
+    fn find(&mut self, order: &Order) -> Found {
+        let target = &order.path;
         let file = match self.kind {
             Kind::Steps => target.join(Steps::file_name(0, self.format())),
             _ => target.to_owned(),
         };
         // Looking may take a while on a drive far away: once for each name.
-        if self.found.as_ref().is_none_or(|(path, _)| *path != file) {
-            let prefix = self.choice().export.and_then(|export| export.folder);
-            let is_there = prefix.map_or_else(|| file.exists(), |prefix| holds_numbered(&file, prefix));
-            self.found = Some((file, is_there));
+        match &self.found {
+            Some((path, found)) if *path == file => found.clone(),
+            _ => {
+                let refused = writer::refuse_losses(order, &self.inputs).err().map(|why| format!("{why}."));
+                let prefix = self.choice().export.and_then(|export| export.folder);
+                let is_there = prefix.map_or_else(|| file.exists(), |prefix| holds_numbered(&file, prefix));
+                let found = Found { is_there, refused };
+                self.found.insert((file, found)).1.clone()
+            }
         }
-        self.found.as_ref().is_some_and(|(_, is_there)| *is_there)
     }
 
     fn format(&self) -> Format {
@@ -339,8 +357,12 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
 }
 
 fn buttons(ui: &mut Ui, state: &mut State, look: Look, entered: bool, actions: &mut Actions) -> bool {
-    let order = state.order(look);
-    let replaces = order.as_ref().is_ok_and(|order| state.is_there(&order.path));
+    let (mut order, mut replaces) = (state.order(look), false);
+    if let Ok(wanted) = &order {
+        let Found { is_there, refused } = state.find(wanted);
+        replaces = is_there;
+        order = refused.map_or(order, Err);
+    }
     let mut done = false;
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

@@ -10,6 +10,7 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Params, Value, e
 use super::history::History;
 use super::snapshot::{Job, Place, Snapshot, Subject};
 use crate::company::Company;
+use crate::media::export::Inputs;
 use crate::source::Source;
 
 /// Where a clip comes from.
@@ -99,6 +100,8 @@ pub struct Document {
     frame: usize,
     /// Truth given by hand.
     truth: Option<PathBuf>,
+    /// All files that the clip is read from.
+    inputs: Arc<Inputs>,
     /// The sliders that the clip was made with, if it is synthetic.
     made: Option<Difficulty>,
     /// Why the clip could not be made with these sliders.
@@ -113,7 +116,17 @@ impl Default for Document {
         let estimator = estimators().swap_remove(0);
         let setup =
             History::new(Setup { estimator, company: Company::default(), difficulty: None, parents: Vec::new() });
-        Self { clip: None, setup, frame: 0, truth: None, made: None, refused: None, run: None, place: Place::default() }
+        Self {
+            clip: None,
+            setup,
+            frame: 0,
+            truth: None,
+            inputs: Arc::default(),
+            made: None,
+            refused: None,
+            run: None,
+            place: Place::default(),
+        }
     }
 }
 
@@ -198,8 +211,14 @@ impl Document {
         self.clip = Some((clip, origin));
         self.frame = 0;
         (self.truth, self.refused) = (truth, None);
+        self.inputs = Arc::default();
         self.made = difficulty.clone();
         self.setup = History::new(Setup { difficulty, parents: Vec::new(), ..self.setup.now().clone() });
+    }
+
+    /// Notes the files that the clip is read from, so that nothing is written over them.
+    pub fn read_from(&mut self, inputs: Inputs) {
+        self.inputs = Arc::new(inputs);
     }
 
     /// Takes an estimator with its parameters, its company and a frame, as a session has them: without a past.
@@ -370,6 +389,7 @@ impl Document {
             clip: self.clip()?.clone(),
             source: self.source()?,
             truth: self.truth.clone(),
+            inputs: Arc::clone(&self.inputs),
             estimator: self.estimator().boxed_clone(),
             company: self.company().clone(),
             frame: self.frame,

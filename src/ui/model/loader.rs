@@ -7,6 +7,7 @@ use std::sync::Arc;
 use motionscope_core::{Clip, Error};
 
 use super::background::Background;
+use crate::media::export::{Inputs, What};
 use crate::media::{self, Open, Progress};
 use crate::session::{Named, Session};
 use crate::source::Source;
@@ -21,6 +22,8 @@ pub struct Opened {
     pub truth: Option<PathBuf>,
     /// The session that named it, if one did.
     pub session: Option<Session>,
+    /// All files that it is read from.
+    pub inputs: Inputs,
 }
 
 /// A clip that is being opened.
@@ -49,8 +52,13 @@ fn open(name: &OsStr, beside: Option<Source>, progress: Arc<dyn Progress>) -> Re
         None => Named::find(name, None)?,
     };
     let Named { source, truth, session } = named;
-    let clip = source.open(&Open { progress: Some(progress), truth: truth.clone(), ..Open::default() })?;
-    Ok(Opened { clip, source, truth, session })
+    let options = Open { progress: Some(progress), truth: truth.clone(), ..Open::default() };
+    let clip = source.open(&options)?;
+    let mut inputs = source.inputs(&clip, &options);
+    if session.is_some() {
+        inputs.add(What::Session, name);
+    }
+    Ok(Opened { clip, source, truth, session, inputs })
 }
 
 #[cfg(test)]

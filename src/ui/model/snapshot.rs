@@ -6,6 +6,7 @@ use std::sync::Arc;
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Pace, Role, Rung, Scene, Step};
 
 use crate::company::Company;
+use crate::media::export::Inputs;
 use crate::motion::Offer;
 use crate::paint::Pictures;
 use crate::pixel::Pixel;
@@ -20,6 +21,8 @@ pub struct Subject {
     pub source: Source,
     /// Truth that was given for it by hand.
     pub truth: Option<PathBuf>,
+    /// All files that it is read from.
+    pub inputs: Arc<Inputs>,
     /// The estimator with its parameters.
     pub estimator: Box<dyn AnyEstimator>,
     /// Who goes in lockstep with it.

@@ -8,13 +8,13 @@ use motionscope_core::{Cursor, Error, Output};
 use super::background::Background;
 use super::snapshot::{Snapshot, Subject};
 use crate::media::Progress;
-use crate::media::export;
+use crate::media::export::{self, Inputs, Target};
 use crate::pixel::Chosen;
 use crate::results::Export;
-use crate::shot::{Format, Look, Moment, Steps};
+use crate::shot::{Format, Look, Moment, STEP, Steps};
 
 /// What to write.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum What {
     /// The step that is shown.
     Picture,
@@ -47,6 +47,33 @@ pub struct Order {
     /// How it looks.
     pub look: Look,
 }
+
+impl What {
+    /// Where this is written to, if `path` is what was chosen.
+    fn target(self, path: &Path) -> Target<'_> {
+        match self {
+            Self::Steps { .. } => Target::Numbered(path, STEP),
+            Self::Result(export) => export.target(path),
+            Self::Picture | Self::Session => Target::File(path),
+        }
+    }
+}
+
+/// Refuses to write over `inputs`, or among the frames of the clip. The session that was opened is there to be saved again.
+///
+/// # Errors
+/// One sentence that names the file.
+pub fn refuse_losses(order: &Order, inputs: &Inputs) -> Result<(), Error> {
+    let inputs = if order.what == What::Session { &inputs.clone().without(export::What::Session) } else { inputs };
+    let target = order.what.target(&order.path);
+    export::check(inputs, &[target]).map_err(|clash| {
+        let name = order.path.file_name().unwrap_or(order.path.as_os_str()).to_string_lossy();
+        Error::new(format!("{name} {}; choose {}", clash.why, target.other()))
+    })
+}
+
+/// What writes an order, and says what it wrote.
+pub type Work = Box<dyn FnOnce(&Order, &dyn Progress) -> Result<String, Error> + Send>;
 
 /// Something that is being written.
 pub struct Writing {
@@ -83,7 +110,7 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
         pictures: &shown.pictures,
         tiles: &shown.tiles,
     };
-    export::save(&order.path, &moment.encode(&order.look, format, order.scale)?)?;
+    export::save_result(&order.path, &moment.encode(&order.look, format, order.scale)?)?;
     Ok(format!("Wrote {}.", order.path.display()))
 }
 
@@ -94,11 +121,10 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
 pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
     let What::Steps { from, to, rung, format } = order.what else { return picture(order, shown) };
     let pixel = shown.held().map(Chosen::Held);
-    let steps = Steps { from, to, rung, format, scale: order.scale, look: order.look, pixel };
+    let steps = Steps { from, to, rung, format, scale: order.scale, look: order.look, pixel, must_have_layer: false };
     let Subject { clip, estimator, company, frame, .. } = &*shown.subject;
-    let count = steps.write((estimator.as_ref(), company), clip, *frame, &order.path, Some(progress))?;
-    let plural = if count == 1 { "" } else { "s" };
-    Ok(format!("Wrote {count} picture{plural} into {}.", order.path.display()))
+    let written = steps.write((estimator.as_ref(), company), clip, *frame, &order.path, Some(progress))?;
+    Ok(format!("Wrote {} into {}{}.", written.pictures(), order.path.display(), written.without()))
 }
 
 /// Writes a result as soon as it comes, in the format that the ending of `path` asks for; says what was written.

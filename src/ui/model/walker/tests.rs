@@ -21,6 +21,7 @@ fn subject() -> Subject {
         clip: clip(),
         source: Source::File("shift".into()),
         truth: None,
+        inputs: Arc::default(),
         estimator,
         company: Company::default(),
         frame: 0,

@@ -1,0 +1,226 @@
+//! What must not be written over: whatever a run reads, and another result of the same run.
+//!
+//! Files are compared by what they are, so that a link hides nothing. Command line and window ask here before anything runs.
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::media::names::file_name;
+use crate::media::sequence::{parent, would_join};
+
+/// What of a clip a file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// The clip, all of it.
+    Clip,
+    /// One picture of it.
+    Frame,
+    /// Truth.
+    Truth,
+    /// Detections.
+    Detections,
+    /// The session that names it.
+    Session,
+}
+
+impl What {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Clip => "the clip",
+            Self::Frame => "a frame of the clip",
+            Self::Truth => "the truth of the clip",
+            Self::Detections => "the detections",
+            Self::Session => "the session",
+        }
+    }
+}
+
+/// All files that a run reads.
+#[derive(Clone, Debug, Default)]
+pub struct Inputs {
+    files: Vec<(What, PathBuf)>,
+    /// What was opened, if that is made of pictures.
+    pictures: Option<PathBuf>,
+}
+
+impl Inputs {
+    /// Adds a file.
+    pub fn add(&mut self, what: What, file: impl Into<PathBuf>) {
+        self.files.push((what, file.into()));
+    }
+
+    /// Adds the pictures that `opened` stands for: a folder, a pattern, or the first of them.
+    pub fn add_pictures(&mut self, opened: &Path, files: impl IntoIterator<Item = PathBuf>) {
+        self.files.extend(files.into_iter().map(|file| (What::Frame, file)));
+        self.pictures = Some(opened.into());
+    }
+
+    /// The same without files that are `what`.
+    #[must_use]
+    pub fn without(mut self, what: What) -> Self {
+        self.files.retain(|(other, _)| *other != what);
+        self
+    }
+
+    fn first_frame(&self) -> Option<&Path> {
+        self.files.iter().find(|(what, _)| *what == What::Frame).map(|(_, file)| file.as_path())
+    }
+}
+
+/// Where something is to be written.
+#[derive(Clone, Copy, Debug)]
+pub enum Target<'a> {
+    /// A file; `-` is the standard output.
+    File(&'a Path),
+    /// Numbered files in a folder, whose names begin with this.
+    Numbered(&'a Path, &'static str),
+}
+
+impl<'a> Target<'a> {
+    /// The file or the folder.
+    pub fn path(self) -> &'a Path {
+        match self {
+            Self::File(path) | Self::Numbered(path, _) => path,
+        }
+    }
+
+    /// What to choose instead.
+    pub fn other(self) -> &'static str {
+        if matches!(self, Self::File(_)) { "another name" } else { "another folder" }
+    }
+
+    /// Whether this is a file that can be lost: no pipe, and no device.
+    fn is_kept(self) -> bool {
+        match self {
+            Self::File(path) => path != Path::new("-") && fs::metadata(path).map_or(true, |facts| facts.is_file()),
+            Self::Numbered(..) => true,
+        }
+    }
+
+    /// Whether both would write the same file, or a file where the other needs a folder.
+    fn meets(self, other: Self) -> bool {
+        let is_in = |file: &Path, folder: &Path, begin: &str| {
+            file_name(file).starts_with(begin) && Identity::of(parent(file)) == Identity::of(folder)
+        };
+        let is_same = Identity::of(self.path()) == Identity::of(other.path());
+        is_same
+            || match (self, other) {
+                (Self::File(file), Self::Numbered(folder, begin))
+                | (Self::Numbered(folder, begin), Self::File(file)) => is_in(file, folder, begin),
+                _ => false,
+            }
+    }
+
+    /// The files that are there and would be replaced.
+    fn replaced(self) -> Vec<PathBuf> {
+        match self {
+            Self::File(path) => vec![path.into()],
+            Self::Numbered(folder, begin) => {
+                let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+                let ours = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(begin));
+                ours.map(|entry| entry.path()).collect()
+            }
+        }
+    }
+}
+
+/// Why something must not be written where it is wanted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Clash {
+    /// The place among those that were asked about.
+    pub at: usize,
+    /// The other place that is written to, where two are the same.
+    pub also: Option<usize>,
+    /// What would happen, said of what is written: `would replace a.png, a frame of the clip`.
+    pub why: String,
+}
+
+/// Whether all `targets` can be written without a loss.
+///
+/// # Errors
+/// The first that cannot be.
+pub fn check(inputs: &Inputs, targets: &[Target<'_>]) -> Result<(), Clash> {
+    let kept: Vec<_> = targets.iter().copied().enumerate().filter(|(_, target)| target.is_kept()).collect();
+    for (i, &(also, first)) in kept.iter().enumerate() {
+        if let Some(&(at, _)) = kept[i + 1..].iter().find(|(_, second)| first.meets(*second)) {
+            return Err(Clash { at, also: Some(also), why: "would be written to the same place".into() });
+        }
+    }
+    let mut known = None;
+    kept.iter().try_for_each(|&(at, target)| {
+        refuse(inputs, target, &mut known).map_or(Ok(()), |why| Err(Clash { at, also: None, why }))
+    })
+}
+
+/// Why `target` must not be written; the files of `inputs` are looked at once, and only if need be.
+fn refuse(inputs: &Inputs, target: Target<'_>, known: &mut Option<HashMap<Identity, usize>>) -> Option<String> {
+    for file in target.replaced() {
+        let Some(identity) = Identity::of_file(&file) else { continue };
+        let known = known.get_or_insert_with(|| {
+            let files = inputs.files.iter().enumerate().rev();
+            files.filter_map(|(i, (_, file))| Some((Identity::of_file(file)?, i))).collect()
+        });
+        if let Some(&i) = known.get(&identity) {
+            let (what, input) = &inputs.files[i];
+            let (name, what) = (file_name(input), what.words());
+            let is_told = name == file_name(target.path());
+            return Some(if is_told {
+                format!("would replace {what}")
+            } else {
+                format!("would replace {name}, {what}")
+            });
+        }
+    }
+    match target {
+        Target::File(path) => {
+            let joins = inputs.pictures.as_ref().is_some_and(|opened| would_join(opened, path));
+            joins.then(|| "would become a frame of the clip".to_owned())
+        }
+        Target::Numbered(folder, _) if folder.exists() && !folder.is_dir() => Some("is a file, not a folder".into()),
+        Target::Numbered(folder, _) => {
+            let frames = inputs.first_frame().map(|first| Identity::of(parent(first)));
+            (frames == Some(Identity::of(folder)))
+                .then(|| "would mix its pictures with the frames of the clip".to_owned())
+        }
+    }
+}
+
+/// What a file is, by whatever name.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Identity {
+    /// Its device and its number there.
+    #[cfg(unix)]
+    Node(u64, u64),
+    /// Where it is, or will be.
+    Place(PathBuf),
+}
+
+impl Identity {
+    /// The file or folder at `path`, which need not be there yet.
+    fn of(path: &Path) -> Self {
+        Self::of_file(path).unwrap_or_else(|| Self::Place(place(path)))
+    }
+
+    /// The file or folder at `path`, if it is there.
+    #[cfg(unix)]
+    fn of_file(path: &Path) -> Option<Self> {
+        use std::os::unix::fs::MetadataExt;
+        fs::metadata(path).ok().map(|facts| Self::Node(facts.dev(), facts.ino()))
+    }
+
+    /// The file or folder at `path`, if it is there.
+    #[cfg(not(unix))]
+    fn of_file(path: &Path) -> Option<Self> {
+        path.exists().then(|| Self::Place(place(path)))
+    }
+}
+
+/// Where `path` leads in the end.
+fn place(path: &Path) -> PathBuf {
+    let whole = |path: &Path| fs::canonicalize(path).ok();
+    let beside = || Some(whole(parent(path))?.join(path.file_name()?));
+    let place = whole(path).or_else(beside).or_else(|| std::path::absolute(path).ok()).unwrap_or_else(|| path.into());
+    // Their file systems take both cases for one.
+    if cfg!(any(windows, target_os = "macos")) { place.to_string_lossy().to_lowercase().into() } else { place }
+}
