@@ -12,7 +12,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, RwLock, RwLockReadGuard, TryLockError};
 use std::thread;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -22,13 +22,13 @@ const PREFIX: &str = ".motionscope-";
 const NOTE: &str = "unfinished";
 /// How long the end of a run waits for the sweep that it began with.
 const SWEEP: Duration = Duration::from_secs(1);
-/// How long a signal waits until what is being moved into place is there.
-const MOVE: Duration = Duration::from_secs(2);
+/// How long a signal waits until what is being written, or moved into place, is there.
+const WRITE: Duration = Duration::from_secs(2);
 
 /// The run of this process, if one was begun.
 static RUN: OnceLock<Run> = OnceLock::new();
-/// Held while finished things are moved into place.
-static MOVING: Mutex<()> = Mutex::new(());
+/// Read by whoever is writing, and written by a signal that ends this run: from then on nothing is written.
+static AT_WORK: RwLock<()> = RwLock::new(());
 
 /// How the names of unfinished things in `folder` are to begin.
 pub fn prefix(folder: &Path) -> String {
@@ -43,9 +43,10 @@ pub fn prefix(folder: &Path) -> String {
     prefix
 }
 
-/// Keeps signals from ending this run until it is dropped: several files are then moved into place, or none.
-pub fn moving() -> MutexGuard<'static, ()> {
-    MOVING.lock().unwrap_or_else(PoisonError::into_inner)
+/// Keeps signals from ending this run until it is dropped, as long as that does not take long: so a file is written, and several
+/// are moved into place, whole or not at all. Where a signal was faster, it waits for the end.
+pub fn at_work() -> RwLockReadGuard<'static, ()> {
+    AT_WORK.read().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A run, until it is dropped.
@@ -71,6 +72,7 @@ pub fn begin() -> Begun {
 
 impl Drop for Begun {
     fn drop(&mut self) {
+        let _at_work = at_work();
         // Hanging up says that it is swept.
         self.0.recv_timeout(SWEEP).unwrap_or_default();
         if let Some(run) = RUN.get() {
@@ -235,9 +237,10 @@ fn listen() {
     let wait = move || {
         if let Some(signal) = signals.forever().next() {
             let begun = std::time::Instant::now();
+            // Nobody waits for this lock: one who reads it may read it again.
             let _still = loop {
-                match MOVING.try_lock() {
-                    Err(TryLockError::WouldBlock) if begun.elapsed() < MOVE => thread::sleep(Duration::from_millis(5)),
+                match AT_WORK.try_write() {
+                    Err(TryLockError::WouldBlock) if begun.elapsed() < WRITE => thread::sleep(Duration::from_millis(1)),
                     lock => break lock,
                 }
             };

@@ -28,7 +28,7 @@ impl Place {
 
     /// A run that writes a long clip, once it is in the middle of that.
     fn writes(&self) -> Child {
-        let line = "synth traffic --set frames=600 --set width=320 --set height=240 --out";
+        let line = "synth traffic --set frames=500 --set width=320 --set height=240 --out";
         let run = self.command(line).arg(self.out.path()).spawn().unwrap();
         let begun = Instant::now();
         while !unfinished(self.out.path()).is_some_and(|draft| draft.join("frame_0002.png").exists()) {

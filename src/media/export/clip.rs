@@ -67,11 +67,13 @@ struct Draft {
 
 impl Draft {
     fn new(folder: &Path) -> Result<Self, Error> {
+        let _at_work = unfinished::at_work();
         let made = tempfile::Builder::new().prefix(&unfinished::prefix(folder)).tempdir_in(folder);
         Ok(Self { folder: made.map_err(|e| not_made(folder, &e))?, written: Ledger::default() })
     }
 
     fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {
+        let _at_work = unfinished::at_work();
         let path = self.folder.path().join(name);
         path.parent().map_or(Ok(()), make_folder)?;
         save(&path, bytes)?;
@@ -81,7 +83,7 @@ impl Draft {
 
     /// Takes the place of the clip `before` in `folder`.
     fn settle(self, folder: &Path, before: &Ledger) -> Result<(), Error> {
-        let _whole = unfinished::moving();
+        let _at_work = unfinished::at_work();
         let places = || self.written.names().map(|name| (name, folder.join(name)));
         // Where a folder cannot be made, nothing is lost yet.
         places().try_for_each(|(_, path)| path.parent().map_or(Ok(()), make_folder))?;

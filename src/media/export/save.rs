@@ -47,6 +47,7 @@ fn pour(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
 
 /// Writes beside `path`, then renames.
 fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let _at_work = unfinished::at_work();
     let prefix = unfinished::prefix(&folder(path));
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix);
