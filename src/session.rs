@@ -655,7 +655,10 @@ mod tests {
             ("[picture]\nlegend = \"yes\"", "line 5, picture.legend: true or false is needed, not the text \"yes\""),
             ("[picture]\nstreaks = {}", "line 5, picture.streaks: a number is needed, not a section"),
             ("[picture]\nlooks = 1", "line 5: there is no key looks here; there are view, level"),
-            ("[sight]\ncenter = [1, 2, 3]\nzoom = 1", "line 5, sight.center: a list of 2 numbers is needed, not a list"),
+            (
+                "[sight]\ncenter = [1, 2, 3]\nzoom = 1",
+                "line 5, sight.center: a list of 2 numbers is needed, not a list",
+            ),
             ("[sight]\ncenter = [1, 2]", "line 4: sight has no key zoom; add it"),
             ("beside = 1", "line 4, beside: a list of sections is needed, not 1"),
             ("[[beside]]\nset = {}", "line 4: beside has no key estimator; add it"),

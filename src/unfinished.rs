@@ -35,7 +35,8 @@ pub fn prefix(folder: &Path) -> String {
     let Some(run) = RUN.get() else { return PREFIX.into() };
     let prefix = run.prefix();
     // What lies in something unfinished goes with it.
-    let is_inside = |part: std::path::Component<'_>| part.as_os_str().to_str().is_some_and(|part| part.starts_with(&prefix));
+    let is_inside =
+        |part: std::path::Component<'_>| part.as_os_str().to_str().is_some_and(|part| part.starts_with(&prefix));
     if !folder.components().any(is_inside) {
         // Where no note can be taken, a signal finds it all the same.
         run.note(folder).unwrap_or_default();

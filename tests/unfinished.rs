@@ -91,7 +91,8 @@ fn what_a_crash_leaves_is_swept_at_the_next_start_and_a_run_at_work_keeps_its_ow
 fn a_signal_that_was_turned_off_stays_so() {
     let place = Place::new();
     let program = env!("CARGO_BIN_EXE_motionscope");
-    let line = format!("trap '' HUP; exec {program} synth traffic --set frames=40 --out {}", place.out.path().display());
+    let line =
+        format!("trap '' HUP; exec {program} synth traffic --set frames=40 --out {}", place.out.path().display());
     let mut shell = Command::new("sh");
     shell.args(["-c", &line]).env("XDG_DATA_HOME", place.data.path()).stdout(Stdio::null());
     let mut run = shell.spawn().unwrap();

@@ -102,7 +102,10 @@ mod tests {
 
     #[test]
     fn it_is_one_line_without_control_characters() {
-        assert_eq!(told("cannot open a\u{1B}[31m\u{0}b.mp4:\r\nit is\tdamaged\n"), "cannot open a�[31m�b.mp4: it is damaged");
+        assert_eq!(
+            told("cannot open a\u{1B}[31m\u{0}b.mp4:\r\nit is\tdamaged\n"),
+            "cannot open a�[31m�b.mp4: it is damaged"
+        );
         assert_eq!(told("a\u{202E}4pm.exe"), "a�4pm.exe");
     }
 
@@ -113,7 +116,10 @@ mod tests {
         assert_eq!(told.chars().count(), LONGEST);
         assert!(told.starts_with("cannot open /home/xxx") && told.contains("xxx/ball.mp4: its index"), "{told}");
         let short = Error::short_name(&name);
-        assert!(short.chars().count() == LONGEST_NAME && short.contains('…') && short.ends_with("/ball.mp4"), "{short}");
+        assert!(
+            short.chars().count() == LONGEST_NAME && short.contains('…') && short.ends_with("/ball.mp4"),
+            "{short}"
+        );
         assert_eq!(Error::short_name("ball.mp4"), "ball.mp4");
     }
 

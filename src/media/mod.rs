@@ -161,7 +161,9 @@ fn open_clip(path: &Path, options: &Open) -> Result<Clip, Error> {
         });
     }
     let mut source = contain::contain(|| open_source(path, options))
-        .unwrap_or_else(|panic| Err(Error::new(format!("it is damaged in a way that cannot be read{}", reason::bracketed(&panic)))))
+        .unwrap_or_else(|panic| {
+            Err(Error::new(format!("it is damaged in a way that cannot be read{}", reason::bracketed(&panic))))
+        })
         .map_err(|error| about(path, &error))?;
     let truth = contain::contain(|| find_truth(path, options, &mut source)).unwrap_or_else(|panic| {
         let why = format!("its truth is damaged in a way that cannot be read{}", reason::bracketed(&panic));

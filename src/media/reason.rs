@@ -11,7 +11,10 @@ pub(crate) fn bracketed(words: &str) -> String {
 
 fn is_plain(words: &str) -> bool {
     let is_usual = |c: char| c.is_alphanumeric() || " ,;:'’-–+/×%=".contains(c);
-    !words.is_empty() && words.chars().count() <= MOST && words.chars().all(is_usual) && !words.split(' ').any(is_identifier)
+    !words.is_empty()
+        && words.chars().count() <= MOST
+        && words.chars().all(is_usual)
+        && !words.split(' ').any(is_identifier)
 }
 
 /// Whether this is the name of something in a program: `UnexpectedEof`, `image::Error`.

@@ -19,7 +19,10 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
     let mut top = Section::parse(text).map_err(|why| if text.lines().any(is_version) { why } else { none() })?;
     let version = top.take("motionscope").ok_or_else(none)?;
     if version.count()? != VERSION as usize {
-        let told = format!("its format is {}, and this Motionscope reads {VERSION}; open it with its own version", version.plain()?);
+        let told = format!(
+            "its format is {}, and this Motionscope reads {VERSION}; open it with its own version",
+            version.plain()?
+        );
         return Err(Error::new(told));
     }
     let source = top.need("clip")?.parsed(|clip| Source::parse(clip))?.map_path(|path| folder.join(path));

@@ -133,7 +133,8 @@ impl<'a> Entry<'a> {
     /// # Errors
     /// If it is something else.
     pub fn whole(&self) -> Result<i64, Error> {
-        let number = self.value.as_integer().and_then(|number| i64::from_str_radix(number.as_str(), number.radix()).ok());
+        let number =
+            self.value.as_integer().and_then(|number| i64::from_str_radix(number.as_str(), number.radix()).ok());
         number.ok_or_else(|| self.is_no("a whole number"))
     }
 

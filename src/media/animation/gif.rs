@@ -86,7 +86,9 @@ impl Gif {
         let at_hand = kept.map_or(fresh, |(number, _)| number.max(fresh));
         match (here, kept) {
             (Some(here), _) if here.next >= at_hand => Ok(here),
-            (_, Some((number, packed))) if number > fresh => self.start(number, Canvas::unpack(&packed.bytes, self.size)?),
+            (_, Some((number, packed))) if number > fresh => {
+                self.start(number, Canvas::unpack(&packed.bytes, self.size)?)
+            }
             _ => self.start(fresh, Canvas::new(self.size)),
         }
     }
@@ -99,7 +101,9 @@ impl Gif {
         file.seek(SeekFrom::Start(self.pieces[number].start)).map_err(|e| cannot_read(&e))?;
         let mut options = DecodeOptions::new();
         options.set_color_output(ColorOutput::Indexed);
-        options.set_memory_limit(std::num::NonZeroU64::new(MAX_AREA_PX as u64).map_or(MemoryLimit::Unlimited, MemoryLimit::Bytes));
+        options.set_memory_limit(
+            std::num::NonZeroU64::new(MAX_AREA_PX as u64).map_or(MemoryLimit::Unlimited, MemoryLimit::Bytes),
+        );
         let input = Cursor::new(head).chain(BufReader::with_capacity(64 << 10, file));
         let decoder = options.read_info(input).map_err(|e| damaged(&e))?;
         Ok(Position { next: number, canvas, decoder })

@@ -1,7 +1,7 @@
 //! From luma and chroma planes to a frame.
 
-use motionscope_core::{Error, Frame, Grid};
 use crate::media::reason;
+use motionscope_core::{Error, Frame, Grid};
 use yuv::{YuvPlanarImage, YuvRange, YuvStandardMatrix};
 
 /// How chroma is sampled.
@@ -230,10 +230,9 @@ impl Yuv {
             _ => yuv::yuv444_to_rgb,
         };
         let mut rgb = vec![[0_u8; 3]; self.width * self.height];
-        convert(&image, bytemuck::cast_slice_mut(&mut rgb), 3 * self.width as u32, range, matrix)
-            .map_err(|error| {
-                Error::new(format!("its colours cannot be converted{}", reason::bracketed(&error.to_string())))
-            })?;
+        convert(&image, bytemuck::cast_slice_mut(&mut rgb), 3 * self.width as u32, range, matrix).map_err(|error| {
+            Error::new(format!("its colours cannot be converted{}", reason::bracketed(&error.to_string())))
+        })?;
         Grid::from_vec(self.width, self.height, rgb).map(Frame::rgb)
     }
 }

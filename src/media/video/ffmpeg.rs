@@ -224,7 +224,9 @@ impl Failed {
             ),
             // Whoever knows the format tells best what is wrong.
             Failed::Refused if *is_known && !error.to_string().contains("ffmpeg") => return error.clone(),
-            Failed::Refused => format!("{error}, and the ffmpeg of this computer cannot read it; convert it, or copy it again"),
+            Failed::Refused => {
+                format!("{error}, and the ffmpeg of this computer cannot read it; convert it, or copy it again")
+            }
             Failed::Stopped(error) => return error,
         })
     }

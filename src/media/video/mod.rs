@@ -94,8 +94,9 @@ fn decode(input: Input, mut track: Track) -> Result<Source, Error> {
         warnings: std::mem::take(&mut track.warnings),
     };
     let mut coded = Coded::new(input, track, codec);
-    let (size, warnings) = contain(|| coded.look())
-        .unwrap_or_else(|panic| Err(Error::new(format!("its first picture is damaged{}", reason::bracketed(&panic)))))?;
+    let (size, warnings) = contain(|| coded.look()).unwrap_or_else(|panic| {
+        Err(Error::new(format!("its first picture is damaged{}", reason::bracketed(&panic))))
+    })?;
     (info.width, info.height) = size;
     info.warnings.extend(warnings);
     Ok(Source::new(info, coded))

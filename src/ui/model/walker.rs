@@ -207,8 +207,8 @@ impl Walker {
         old_desk.stop_check.set(true);
         old_desk.quit = true;
         let mut desk = shared.desk();
-        let subject = old_desk.subject.take();
         let shown = old_desk.stopped();
+        let subject = old_desk.subject.take();
         (desk.job, desk.starting) = (old_desk.job.take(), old_desk.starting);
         if desk.job.is_none() {
             let place = |shown: &Snapshot| Place { hold: Hold::Set(shown.held()), ..Place::at(shown.cursor) };
@@ -217,7 +217,9 @@ impl Walker {
         }
         (desk.focus, desk.want, desk.subject) = (old_desk.focus, old_desk.want, subject);
         let refused = (shown.is_none() && desk.job.is_none()).then(|| {
-            Error::new("the run was stopped before its frames were there; change a parameter or the frame to start it again")
+            Error::new(
+                "the run was stopped before its frames were there; change a parameter or the frame to start it again",
+            )
         });
         desk.view = View { shown, refused, busy: desk.job.is_some(), ..View::default() };
         drop(old_desk);
@@ -381,12 +383,15 @@ impl Desk {
 
     /// What is to be seen of the run at hand, if it is left behind now: how far it has come, or what was known before.
     fn stopped(&mut self) -> Option<Arc<Snapshot>> {
-        let is_ours = |shown: &Arc<Snapshot>| self.subject.as_ref().is_some_and(|ours| Arc::ptr_eq(ours, &shown.subject));
+        let is_ours =
+            |shown: &Arc<Snapshot>| self.subject.as_ref().is_some_and(|ours| Arc::ptr_eq(ours, &shown.subject));
         let (shown, coming) = (self.view.shown.take(), self.view.coming.take());
         match (shown, coming.filter(is_ours)) {
             // Another run is about to begin; until then the old picture stays.
             (shown, _) if self.job.is_some() => shown,
-            (Some(shown), _) if is_ours(&shown) => Some(Arc::new(Snapshot { bound_for: None, ..Snapshot::clone(&shown) })),
+            (Some(shown), _) if is_ours(&shown) => {
+                Some(Arc::new(Snapshot { bound_for: None, ..Snapshot::clone(&shown) }))
+            }
             (_, Some(coming)) => Some(Arc::new(stopped(&coming))),
             (shown, None) => shown,
         }
@@ -688,10 +693,12 @@ impl<'a> Worker<'a> {
     }
 
     fn publish(&self) {
-        self.show(None);
-        let mut desk = self.shared.desk();
-        desk.view.refused = None;
-        desk.view.progress = None;
+        if self.run.is_some() {
+            self.show(None);
+            let mut desk = self.shared.desk();
+            desk.view.refused = None;
+            desk.view.progress = None;
+        }
     }
 
     /// Shows where the run stands, if it is on its way to `bound_for`.

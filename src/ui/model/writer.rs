@@ -1,7 +1,8 @@
 //! Writes pictures, vectors and sessions on a thread of its own, with progress and cancel.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::Receiver;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::Duration;
 
 use motionscope_core::{Cursor, Error, Output};
 
@@ -11,6 +12,9 @@ use crate::media::Progress;
 use crate::media::export::{self, FlowFormat, TrackFormat};
 use crate::pixel::Chosen;
 use crate::shot::{Format, Look, Moment, Steps};
+
+/// How often writing that waits for the run asks whether it was cancelled.
+const POLL: Duration = Duration::from_millis(50);
 
 /// What to write.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,6 +136,14 @@ pub fn masks(folder: &Path, output: &Receiver<Output>, progress: &dyn Progress) 
 }
 
 fn come(output: &Receiver<Output>, progress: &dyn Progress) -> Result<Output, Error> {
-    let output = output.recv().map_err(|_| Error::new("the run went on meanwhile; stop it and write again"))?;
-    if progress.cancelled() { Err(Error::new("writing was cancelled")) } else { Ok(output) }
+    loop {
+        if progress.cancelled() {
+            return Err(Error::new("writing was cancelled"));
+        }
+        match output.recv_timeout(POLL) {
+            Ok(output) => return Ok(output),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(_) => return Err(Error::new("the run went on meanwhile; stop it and write again")),
+        }
+    }
 }
