@@ -14,3 +14,4 @@ pub mod shot;
 pub mod source;
 pub mod tile;
 pub mod ui;
+pub mod unfinished;

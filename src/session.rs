@@ -21,13 +21,16 @@
 //! layer = "error"                  # the colours that tell of motion
 //! ```
 
+mod read;
+mod toml_text;
+
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
 
 use motionscope_core::params::Parameter;
-use motionscope_core::{AnyEstimator, Cursor, Error, Pace, Value, estimator};
-use serde::{Deserialize, Serialize};
+use motionscope_core::{AnyEstimator, Cursor, Error, Pace, Value};
+use serde::Serialize;
 
 use crate::company::Company;
 use crate::media::{self, export};
@@ -159,8 +162,7 @@ impl From<Look> for Wanted {
 }
 
 /// The part of the picture that is seen on the stage.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Sight {
     /// The pixel in the middle of the stage.
     pub center: [f32; 2],
@@ -175,15 +177,13 @@ impl Sight {
 }
 
 /// The file as it is written.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Serialize)]
 struct Text {
     motionscope: u32,
     clip: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     truth: Option<String>,
     estimator: String,
-    #[serde(default)]
     frame: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     step: Option<String>,
@@ -191,22 +191,18 @@ struct Text {
     pixel: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pace: Option<String>,
-    #[serde(default)]
     set: BTreeMap<String, toml::Value>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     beside: Vec<Companion>,
-    #[serde(default)]
     picture: Picture,
     #[serde(skip_serializing_if = "Option::is_none")]
     sight: Option<Sight>,
 }
 
 /// An estimator in lockstep with the first, and what it does not share with that.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Serialize)]
 struct Companion {
     estimator: String,
-    #[serde(default)]
     set: BTreeMap<String, toml::Value>,
 }
 
@@ -218,22 +214,9 @@ impl Companion {
             set: own.map(|(name, value)| (name.to_string(), told(value))).collect(),
         }
     }
-
-    /// The company of `leader` that `all` name.
-    fn company(all: &[Self], leader: &mut dyn AnyEstimator, pace: Pace) -> Result<Company, Error> {
-        let ids: Vec<_> = all.iter().map(|companion| companion.estimator.as_str()).collect();
-        let mut company = if all.is_empty() { Company::default() } else { Company::of(leader, &ids, pace)? };
-        for Self { estimator, set } in all {
-            for (name, value) in set {
-                company.set(leader, &format!("{estimator}.{name}={}", plain(value)))?;
-            }
-        }
-        Ok(company)
-    }
 }
 
-#[derive(Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Serialize)]
 struct Picture {
     #[serde(skip_serializing_if = "Option::is_none")]
     view: Option<String>,
@@ -266,7 +249,7 @@ struct Picture {
 }
 
 /// A level of a pyramid by its number, or `at-work`.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 #[serde(untagged)]
 enum Level {
     Number(usize),
@@ -280,17 +263,10 @@ impl Level {
             LevelShown::AtWork => Self::Named(shown.to_string()),
         }
     }
-
-    fn shown(&self) -> Result<LevelShown, Error> {
-        match self {
-            Self::Number(level) => Ok(LevelShown::Number(*level)),
-            Self::Named(name) => name.parse(),
-        }
-    }
 }
 
 /// How many times their length displacements are drawn, or `auto`.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 #[serde(untagged)]
 enum Arrows {
     Times(f32),
@@ -300,18 +276,11 @@ enum Arrows {
 /// What displacements can be lengthened by: beyond, nothing is left to see.
 const LENGTHEN: std::ops::RangeInclusive<f32> = 0.01..=100.0;
 
-impl Arrows {
-    fn lengthen(&self) -> Result<Lengthen, Error> {
-        match self {
-            Self::Named(name) if name == "auto" => Ok(Lengthen::Auto),
-            Self::Times(factor) if LENGTHEN.contains(factor) => Ok(Lengthen::Times(*factor)),
-            Self::Times(_) | Self::Named(_) => Err(Error::new(format!(
-                "arrows can be drawn {} to {} times as long, or auto",
-                LENGTHEN.start(),
-                LENGTHEN.end()
-            ))),
-        }
-    }
+/// So many times as long, if displacements can be drawn so.
+fn stretch(factor: Option<f32>) -> Result<Lengthen, Error> {
+    let (least, most) = (LENGTHEN.start(), LENGTHEN.end());
+    let told = || Error::new(format!("arrows can be drawn {least} to {most} times as long, or auto"));
+    factor.filter(|factor| LENGTHEN.contains(factor)).map(Lengthen::Times).ok_or_else(told)
 }
 
 /// How long displacements are drawn, as `auto` or a factor.
@@ -319,7 +288,7 @@ impl Arrows {
 /// # Errors
 /// A sentence with the factors that there may be.
 pub fn lengthen(text: &str) -> Result<Lengthen, Error> {
-    text.parse().map_or_else(|_| Arrows::Named(text.into()), Arrows::Times).lengthen()
+    if text == "auto" { Ok(Lengthen::Auto) } else { stretch(text.parse().ok()) }
 }
 
 /// How far displacements may be from each other, in px.
@@ -346,7 +315,8 @@ impl Session {
     /// # Errors
     /// One sentence that names the file, tells what is wrong and what to do.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let about = |error: String| Error::new(format!("cannot open the session {}: {error}", path.display()));
+        let name = Error::short_name(&path.display().to_string());
+        let about = |error: String| Error::new(format!("cannot open the session {name}: {error}"));
         let text = media::read_text(path).map_err(|error| about(error.to_string()))?;
         Self::parse(&text, folder_of(path)).map_err(|error| about(error.to_string()))
     }
@@ -356,32 +326,7 @@ impl Session {
     /// # Errors
     /// If the text is no session, or names what does not exist.
     pub fn parse(text: &str, folder: &Path) -> Result<Self, Error> {
-        let text: Text = toml::from_str(text).map_err(|error| Error::new(first_line(&error)))?;
-        if text.motionscope != VERSION {
-            let told = format!(
-                "its format is {}, and this Motionscope reads {VERSION}; open it with its own version",
-                text.motionscope
-            );
-            return Err(Error::new(told));
-        }
-        let mut estimator = estimator(&text.estimator)?;
-        for (name, value) in &text.set {
-            estimator.set(name, &plain(value))?;
-        }
-        let whole = |path: &Path| folder.join(path);
-        let pace = text.pace.as_deref().map_or(Ok(Pace::Block), pace)?;
-        let company = Companion::company(&text.beside, &mut *estimator, pace)?;
-        Ok(Self {
-            source: Source::parse(&text.clip)?.map_path(whole),
-            truth: text.truth.map(|path| folder.join(path)),
-            estimator,
-            company,
-            frame: text.frame,
-            cursor: text.step.map(|step| step.parse()).transpose()?,
-            pixel: text.pixel.map(|pixel| pixel.parse()).transpose()?,
-            look: text.picture.look()?,
-            sight: text.sight.filter(Sight::is_sound),
-        })
+        read::session(text, folder)
     }
 
     /// Writes the session to `path`, whole or not at all.
@@ -439,23 +384,6 @@ impl Picture {
             legend: look.legend,
             caption: look.caption,
         }
-    }
-
-    fn look(&self) -> Result<Wanted, Error> {
-        Ok(Wanted {
-            view: self.view.as_deref().map(view).transpose()?,
-            level: self.level.as_ref().map(Level::shown).transpose()?,
-            share: self.blend.map(Share::new).transpose()?,
-            theme: self.theme.as_deref().map(theme).transpose()?,
-            colors: self.colors.as_deref().map(colors).transpose()?,
-            layer: self.layer.as_deref().map(str::parse).transpose()?,
-            opacity: self.layer_opacity.map(Opacity::new).transpose()?,
-            lengthen: self.arrows.as_ref().map(Arrows::lengthen).transpose()?,
-            spacing_px: self.arrow_spacing.map(spacing_px).transpose()?,
-            streaks: self.streaks.map(Phase::new).transpose()?,
-            legend: self.legend,
-            caption: self.caption,
-        })
     }
 }
 
@@ -548,19 +476,11 @@ fn told(value: Value) -> toml::Value {
     }
 }
 
-/// A value as a person would type it.
-fn plain(value: &toml::Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), str::to_string)
-}
-
-/// The first line of what a TOML reader has to say, with the place.
-fn first_line(error: &toml::de::Error) -> String {
-    format!("it is no session of Motionscope ({})", error.message().lines().next().unwrap_or("not TOML"))
-}
-
 #[cfg(test)]
 mod tests {
     use std::fs;
+
+    use motionscope_core::estimator;
 
     use super::*;
 
@@ -713,5 +633,46 @@ mod tests {
         ] {
             assert!(parse(text).contains(told), "{text}: {}", parse(text));
         }
+    }
+
+    #[test]
+    fn line_and_key_are_told_in_words() {
+        let start = "motionscope = 1\nclip = \"a.mp4\"\nestimator = \"full-search\"\n";
+        for (text, told) in [
+            ("frame = \"x\"", "line 4, frame: a whole number is needed, not the text \"x\""),
+            ("frame = -1", "line 4, frame: a whole number from 0 on is needed, not -1"),
+            ("frame = 99999999999999999999", "line 4, frame: a whole number is needed, not 99999999999999999999"),
+            ("frame = ", "line 4 is not written as key = value"),
+            ("frame = 1\nframe = 2", "line 5 has a key that is there already"),
+            ("step = 35.412", "line 4, step: a text in quotes is needed, not 35.412"),
+            ("step = \"x\"", "line 4, step: a step is written UNIT.EVENT"),
+            ("frmae = 3", "line 4: there is no key frmae here; there are motionscope, clip, truth, estimator"),
+            ("clip.a = 3", "line 4 is not written as key = value"),
+            ("\n[set]\n\nblock = 400", "line 7, set.block: "),
+            ("[set]\nblock = [4]", "line 5, set.block: a single value is needed, not a list"),
+            ("[set]\nblok = 4", "line 5, set.blok: "),
+            ("set = 3", "line 4, set: a section is needed, not 3"),
+            ("[picture]\nlevel = true", "line 5, picture.level: a level is at-work or a number"),
+            ("[picture]\narrows = []", "line 5, picture.arrows: a number or a text in quotes is needed, not a list"),
+            ("[picture]\nlegend = \"yes\"", "line 5, picture.legend: true or false is needed, not the text \"yes\""),
+            ("[picture]\nstreaks = {}", "line 5, picture.streaks: a number is needed, not a section"),
+            ("[picture]\nlooks = 1", "line 5: there is no key looks here; there are view, level"),
+            (
+                "[sight]\ncenter = [1, 2, 3]\nzoom = 1",
+                "line 5, sight.center: a list of 2 numbers is needed, not a list",
+            ),
+            ("[sight]\ncenter = [1, 2]", "line 4: sight has no key zoom; add it"),
+            ("beside = 1", "line 4, beside: a list of sections is needed, not 1"),
+            ("[[beside]]\nset = {}", "line 4: beside has no key estimator; add it"),
+            ("[[beside]]\nestimator = \"diamond\"\nset = { block = 4 }", "line 6, beside.set.block: "),
+            ("[[beside]]\nestimator = \"magic\"", "line 5, beside.estimator: there is no estimator magic"),
+        ] {
+            let whole = format!("{start}{text}\n");
+            let found = Session::parse(&whole, Path::new("")).err().map(|e| e.to_string()).unwrap_or_default();
+            assert!(found.starts_with(told), "{text}: {found}");
+            assert!(!found.contains("variant") && !found.contains("expected"), "{found}");
+        }
+        let lacks = Session::parse("motionscope = 1\nestimator = \"full-search\"", Path::new("")).err().unwrap();
+        assert_eq!(lacks.to_string(), "it has no key clip; add a line clip = …");
     }
 }

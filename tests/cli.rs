@@ -55,6 +55,33 @@ fn list_names_every_estimator_with_its_parameters() {
     assert!(text.contains("full-search") && text.contains("4 to 64 px; 16 unless set"));
 }
 
+/// An ffprobe that knows no file, as the real one answers then.
+#[cfg(unix)]
+#[test]
+fn our_own_diagnosis_stands_beside_an_ffmpeg_that_has_none() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let tool = folder.path().join("ffprobe");
+    fs::write(&tool, "#!/bin/sh\necho '{ \"program_version\": { \"version\": \"7.1\" } }'\nexit 1\n").unwrap();
+    fs::set_permissions(&tool, fs::Permissions::from_mode(0o755)).unwrap();
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    let whole = |name: &str| fs::read(fixtures.join(name)).unwrap();
+    let (mp4, avi, vp8) = (whole("h264_bframes.mp4"), whole("mjpeg.avi"), whole("vp8.webm"));
+    for (name, bytes, told) in [
+        // Its index lies at its end.
+        ("cut.mp4", &mp4[..mp4.len() / 2], "its index (the moov box) is missing"),
+        ("cut.avi", &avi[..12], "header is missing"),
+        ("vp8.webm", &vp8[..], "coded as vp8, which needs ffmpeg, and the ffmpeg of this computer cannot read it"),
+        ("odd.bin", b"\x01\x02 this is no video at all", "its format is not known, and the ffmpeg of this computer"),
+    ] {
+        fs::write(folder.path().join(name), bytes).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+        let command = command.current_dir(folder.path()).args(["info", name]).env("PATH", folder.path());
+        let error = String::from_utf8(command.output().unwrap().stderr).unwrap();
+        assert!(error.contains(told) && !error.contains("no video;"), "{name}: {error}");
+    }
+}
+
 #[test]
 fn info_has_every_key_that_scripts_read() {
     let folder = tempfile::tempdir().unwrap();

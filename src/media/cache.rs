@@ -9,7 +9,7 @@ use std::time::Duration;
 use motionscope_core::{Error, Frame, FrameSource, Stop};
 
 use super::names::file_name;
-use super::{Decoder, Source, contain};
+use super::{Decoder, Source, contain, reason};
 
 /// How often a thread that waits for the decoder asks whether it should stop.
 const POLL: Duration = Duration::from_millis(2);
@@ -30,7 +30,7 @@ impl Lazy {
     pub(crate) fn new(source: Source, cache_bytes: usize) -> Self {
         let Source { info, decoder, files } = source;
         Self {
-            name: info.name,
+            name: Error::short_name(&info.name),
             size: (info.width, info.height),
             files,
             decoder: Mutex::new(decoder),
@@ -79,7 +79,8 @@ impl Lazy {
             lock(&self.cache).insert(number, frame);
         };
         let result = contain::contain(|| decoder.decode(index, stop, &mut keep))
-            .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged ({panic})"))));
+            .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic)))));
+        stop.tell(0, 0);
         match (wanted, misfit, result) {
             (Some(frame), _, _) => Ok(Some(frame)),
             (None, Some((number, (w, h))), _) if number == index => {

@@ -13,6 +13,7 @@ mod info;
 pub(crate) mod input;
 pub(crate) mod names;
 mod picture;
+mod reason;
 mod sequence;
 mod sniff;
 mod stills;
@@ -142,6 +143,14 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
     if path.exists() {
         Node::of(path).map_err(|error| about(path, &error))?;
     }
+    let clip = open_clip(path, options)?;
+    // What is told of names and by others' decoders is one sentence as well.
+    let warnings = clip.info().warnings.iter().map(|told| Error::new(told.as_str()).to_string()).collect();
+    let info = ClipInfo { warnings, ..clip.info().clone() };
+    Ok(clip.with_info(info))
+}
+
+fn open_clip(path: &Path, options: &Open) -> Result<Clip, Error> {
     if detections::is(path) {
         let clip = detections::open(path)?;
         let subject = truth::Subject::new(path, clip.info(), &[]);
@@ -158,10 +167,13 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
         });
     }
     let mut source = contain::contain(|| open_source(path, options))
-        .unwrap_or_else(|panic| Err(Error::new(format!("it is damaged in a way that cannot be read ({panic})"))))
+        .unwrap_or_else(|panic| {
+            Err(Error::new(format!("it is damaged in a way that cannot be read{}", reason::bracketed(&panic))))
+        })
         .map_err(|error| about(path, &error))?;
     let truth = contain::contain(|| find_truth(path, options, &mut source)).unwrap_or_else(|panic| {
-        Err(about(path, &Error::new(format!("its truth is damaged in a way that cannot be read ({panic})"))))
+        let why = format!("its truth is damaged in a way that cannot be read{}", reason::bracketed(&panic));
+        Err(about(path, &Error::new(why)))
     })?;
     let info = source.info.clone();
     let clip = Clip::new(info, Arc::new(cache::Lazy::new(source, options.cache_bytes)));
@@ -291,7 +303,7 @@ fn find_truth(path: &Path, options: &Open, source: &mut Source) -> Result<Option
 
 /// Puts the file's name in front of what is wrong with it.
 fn about(path: &Path, error: &Error) -> Error {
-    Error::new(format!("cannot open {}: {error}", path.display()))
+    Error::new(format!("cannot open {}: {error}", Error::short_name(&path.display().to_string())))
 }
 
 /// Why a file cannot be read, without its name.

@@ -8,7 +8,7 @@ use std::path::Path;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use motionscope_core::{Error, Frame, Grid};
 
-use super::{MAX_AREA_PX, MAX_SIDE_PX, cannot_read, check_size};
+use super::{MAX_AREA_PX, MAX_SIDE_PX, cannot_read, check_size, reason};
 
 /// A picture whose header was read and whose pixels were not.
 pub(crate) struct Picture<D> {
@@ -139,18 +139,17 @@ pub(crate) fn damaged(error: &ImageError) -> Error {
                 "its header claims more than {MAX_SIDE_PX} px a side, so it is damaged or must be scaled down first"
             )
         }
-        ImageError::Unsupported(_) => format!("it uses a rare variant ({error}); save it again as a plain PNG"),
+        ImageError::Unsupported(_) => "it uses a rare variant that cannot be read; save it again as a plain PNG".into(),
         ImageError::IoError(e) if e.kind() == io::ErrorKind::UnexpectedEof => CUT_SHORT.into(),
-        _ => format!("it is damaged ({}); copy it again from where it came", reason(error)),
+        _ => format!("it is damaged{}; copy it again from where it came", words(error)),
     })
 }
 
-const CUT_SHORT: &str = "it is cut short; copy it again from where it came";
+pub(crate) const CUT_SHORT: &str = "it is cut short; copy it again from where it came";
 
 /// The decoder's own words, without those around them.
-fn reason(error: &ImageError) -> String {
-    let words = error.source().map_or_else(|| error.to_string(), ToString::to_string);
-    words.lines().next().unwrap_or_default().trim_end_matches('.').to_owned()
+fn words(error: &ImageError) -> String {
+    reason::bracketed(&error.source().map_or_else(|| error.to_string(), ToString::to_string))
 }
 
 fn turns(orientation: image::metadata::Orientation) -> bool {

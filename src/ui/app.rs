@@ -23,7 +23,6 @@ use super::parts::widgets;
 use super::style;
 use super::{keys, status, topbar, transport};
 use crate::company::Company;
-use crate::paint::grouped;
 
 /// The key under which is stored how the panes are looked at.
 const STATES: &str = "panes";
@@ -149,7 +148,9 @@ impl App {
             std::thread::sleep(std::time::Duration::from_millis(2));
             self.receive();
         }
-        self.walker.wait();
+        while !self.walker.wait_for(std::time::Duration::from_millis(20)) {
+            self.walker.tend();
+        }
         self.receive();
     }
 
@@ -281,13 +282,8 @@ impl App {
         let dim = ui.visuals().weak_text_color();
         ui.horizontal(|ui| {
             ui.set_min_height(small.size + 8.0);
-            if let Some((done, of)) = self.view.progress {
-                ui.add(egui::ProgressBar::new(done as f32 / of.max(1) as f32).desired_width(120.0).desired_height(6.0));
-                ui.label(RichText::new(format!("{} of {}", grouped(done), grouped(of))).small());
-                let stop = format!("{} ({})", Command::Stop.face().text, Command::Stop.key());
-                if ui.add(egui::Button::new(RichText::new(stop).small()).small()).clicked() {
-                    actions.command(Command::Stop);
-                }
+            if let Some(work) = status::work(&self.view) {
+                status::progress(ui, &work, actions);
                 return;
             }
             if let Some(writing) = &self.writing {
@@ -329,6 +325,7 @@ impl App {
             stage_alone: layout::stage_alone(&self.settings.tree),
             alone: layout::alone(&self.settings.tree),
             animate: !calm && !ui.input(|i| i.pointer.any_down()),
+            lecture: self.settings.lecture,
             flows: !self.settings.reduced_motion,
             gpu,
             look,
@@ -411,6 +408,10 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         let mut actions = Actions::default();
         self.receive();
+        if self.view.busy {
+            // That it takes long is seen even if nobody says so.
+            ctx.request_repaint_after(status::LATE);
+        }
         self.play(&ctx);
         self.measure(&ctx);
         let overlaid = !matches!(self.overlay, Overlay::None);

@@ -18,6 +18,7 @@ use super::model::loader::{Loading, Opened};
 use super::model::snapshot::{Hold, Place, Snapshot, Subject};
 use super::model::writer::{self, Order, What, Work, Writing};
 use super::stage::Zoom;
+use super::status;
 use crate::company::Company;
 use crate::media::Open;
 use crate::paint::{Opacity, Phase};
@@ -35,17 +36,25 @@ const FIRST_PLACE: [f32; 2] = [0.19, 0.57];
 impl App {
     /// Takes in what other threads have done.
     pub(super) fn receive(&mut self) {
-        self.view = self.walker.view();
-        // A clip that no run can be made of is not shown under another's name.
-        if self.view.refused.is_some() {
-            self.view.shown = self.view.shown.take().filter(|shown| self.document.is_of_clip(shown));
-        }
         if let Some(outcome) = self.loading.as_ref().and_then(|loading| loading.work.take()) {
             let name = self.loading.take().map(|loading| loading.name).unwrap_or_default();
             match outcome {
                 Ok(opened) => self.opened(opened, Path::new(&name)),
                 Err(error) => self.not_opened(Path::new(&name), error),
             }
+        }
+        self.walker.tend();
+        self.view = self.walker.view();
+        // A run that takes long to begin is seen as far as it is known, rather than another clip under its name.
+        let is_late = self.view.busy_for.is_some_and(|time| time > status::LATE);
+        if let Some(coming) = self.view.coming.take().filter(|_| is_late)
+            && !self.view.shown.as_deref().is_some_and(|shown| self.document.is_of_clip(shown))
+        {
+            self.view.shown = Some(coming);
+        }
+        // A clip that no run can be made of is not shown under another's name.
+        if self.view.refused.is_some() {
+            self.view.shown = self.view.shown.take().filter(|shown| self.document.is_of_clip(shown));
         }
         if let Some(outcome) = self.writing.as_ref().and_then(|writing| writing.work.take()) {
             let folder = self.writing.take().and_then(|writing| writing.folder);
@@ -121,7 +130,9 @@ impl App {
         self.begin();
         let Some(session) = session else {
             self.choose_tracker();
-            self.walk_from(Place::default());
+            // Where there are no pictures, what was detected is the first thing to be seen.
+            let is_blank = self.document.clip().is_some_and(Clip::is_blank);
+            self.walk_from(Place::at(Cursor { unit: 0, event: usize::from(is_blank) }));
             return;
         };
         let Session { estimator, company, frame, cursor, pixel, look, sight, .. } = session;

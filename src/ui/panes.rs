@@ -20,7 +20,8 @@ use super::model::snapshot::Snapshot;
 use super::model::walker::View;
 use super::parts::widgets;
 use super::{
-    distribution, heat_map, histogram, matrices, parameters, plane, plots, stack3d, stage, style, surface3d, tiles, why,
+    distribution, heat_map, histogram, matrices, parameters, plane, plots, stack3d, stage, status, style, surface3d,
+    tiles, why,
 };
 use crate::paint::{LevelShown, Theme};
 use crate::shot::Look;
@@ -76,6 +77,8 @@ pub struct Panes<'a> {
     pub animate: bool,
     /// Whether particles may.
     pub flows: bool,
+    /// Whether the line at the bottom is folded away.
+    pub lecture: bool,
     /// The window's graphics card, if it has one.
     pub gpu: Option<&'a RenderState>,
     /// How pictures look.
@@ -194,7 +197,12 @@ impl Panes<'_> {
         if let Some(loading) = self.loading {
             self.opening(ui, loading);
         }
-        let failure = self.view.shown.as_ref().and_then(|shown| shown.failure.as_ref());
+        if let Some(work) = status::work(self.view).filter(|_| self.lecture && self.view.shown.is_some()) {
+            ui.horizontal(|ui| status::progress(ui, &work, self.actions));
+        }
+        // What is still shown of another clip is no news of this one.
+        let shown = self.view.shown.as_ref().filter(|shown| self.document.is_of_clip(shown));
+        let failure = shown.and_then(|shown| shown.failure.as_ref());
         let error = self.error.or(self.view.refused.as_ref()).or(self.document.refused()).or(failure);
         let Some(error) = error else { return };
         let told = sentence(error, self.document.clip());
@@ -245,6 +253,12 @@ impl Panes<'_> {
 
     /// The stage before anything is open says what to do.
     fn nothing_yet(&mut self, ui: &mut Ui) {
+        if let Some(work) = status::work(self.view) {
+            ui.vertical_centered(|ui| {
+                ui.add_space((ui.available_height() * 0.4).max(16.0));
+                status::progress(ui, &work, self.actions);
+            });
+        }
         if self.view.busy || self.loading.is_some() {
             return;
         }

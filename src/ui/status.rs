@@ -1,11 +1,61 @@
-//! The line at the bottom: where the run stands, in words.
+//! The line at the bottom: where the run stands, in words, or how far the work is.
 
+use std::time::Duration;
+
+use eframe::egui::{Button, ProgressBar, RichText, Ui};
 use motionscope_core::Cursor;
 
+use super::action::Actions;
 use super::commands::{Command, Rungs, key_text};
 use super::model::snapshot::{Pointed, Snapshot};
+use super::model::walker::{Phase, View};
 use crate::paint::grouped;
 use crate::tile;
+
+/// Work that takes longer is told of.
+pub const LATE: Duration = Duration::from_millis(250);
+
+/// Work that takes a while.
+pub struct Work {
+    /// What is done.
+    pub what: String,
+    /// The share of it that is done, from 0 to 1, if that is known.
+    pub share: Option<f32>,
+}
+
+/// What is being worked on, if that takes a while.
+pub fn work(view: &View) -> Option<Work> {
+    let is_late = view.busy_for.is_some_and(|time| time > LATE);
+    let share = |(done, of): (usize, usize)| Some(done as f32 / of.max(1) as f32);
+    let counted = |(done, of): (usize, usize)| format!("{} of {}", grouped(done), grouped(of));
+    match (view.progress, view.reading.filter(|_| is_late)) {
+        _ if !view.busy => None,
+        (_, Some(frames)) => Some(Work { what: format!("Reading frame {}", counted(frames)), share: share(frames) }),
+        (Some(units), _) => Some(Work { what: counted(units), share: share(units) }),
+        (None, None) if !is_late => None,
+        (None, None) => {
+            let what = match view.phase {
+                Phase::Starting => "Starting the run…",
+                Phase::Running => "Running…",
+                Phase::Measuring => "Measuring the result…",
+            };
+            Some(Work { what: what.into(), share: None })
+        }
+    }
+}
+
+/// Shows how far `work` is, with a button that stops it.
+pub fn progress(ui: &mut Ui, work: &Work, actions: &mut Actions) {
+    match work.share {
+        Some(share) => drop(ui.add(ProgressBar::new(share).desired_width(120.0).desired_height(6.0))),
+        None => drop(ui.spinner()),
+    }
+    ui.label(RichText::new(&work.what).small());
+    let stop = format!("{} ({})", Command::Stop.face().text, Command::Stop.key());
+    if ui.add(Button::new(RichText::new(stop).small()).small()).clicked() {
+        actions.command(Command::Stop);
+    }
+}
 
 /// Where the run stands: `block 35 of 1200 · probe 412 of 1104 · Best so far 812 at (−3, 2) · 38 % of the work`.
 pub fn line(shown: &Snapshot) -> String {
@@ -80,5 +130,20 @@ mod tests {
     #[test]
     fn only_the_end_is_all() {
         assert_eq!((percent(0.0), percent(0.999), percent(1.0)), (0, 99, 100));
+    }
+
+    #[test]
+    fn work_is_told_of_when_it_takes_a_while() {
+        let told = |view: View| work(&view).map(|work| work.what);
+        let busy = |time| View { busy: true, busy_for: Some(time), ..View::default() };
+        let (short, long) = (busy(LATE / 2), busy(2 * LATE));
+        assert_eq!((told(View::default()), told(short.clone())), (None, None));
+        assert_eq!(told(long.clone()).as_deref(), Some("Starting the run…"));
+        assert_eq!(told(View { phase: Phase::Measuring, ..long.clone() }).as_deref(), Some("Measuring the result…"));
+        let units = View { progress: Some((3, 20)), ..short };
+        assert_eq!(told(units).as_deref(), Some("3 of 20"));
+        let reading = View { reading: Some((7, 20_000)), ..long };
+        assert_eq!(told(reading.clone()).as_deref(), Some(format!("Reading frame 7 of {}", grouped(20_000)).as_str()));
+        assert_eq!(told(View { busy: false, ..reading }), None);
     }
 }

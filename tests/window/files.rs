@@ -410,3 +410,43 @@ fn objects_and_masks_are_exported() {
     write_to(&mut window, &masks);
     assert!(masks.join("mask_0003.png").exists() && window.app().message().is_some_and(|m| m.contains("4 files")));
 }
+
+#[test]
+fn what_is_wrong_with_a_clip_is_not_told_of_the_next_one() {
+    let folders = [0; 3].map(|_| tempfile::tempdir().expect("a folder"));
+    let [damaged, single, good] = &folders;
+    let picture = |folder: &tempfile::TempDir, index: u32| {
+        let picture = image::GrayImage::from_fn(64, 48, |x, y| image::Luma([(x * 3 + y * 5 + index) as u8]));
+        picture.save(folder.path().join(format!("frame_{index}.png"))).expect("a picture");
+    };
+    (0..4).for_each(|index| picture(damaged, index));
+    (0..3).for_each(|index| picture(good, index));
+    picture(single, 0);
+    let third = damaged.path().join("frame_2.png");
+    let bytes = fs::read(&third).expect("a picture");
+    fs::write(&third, &bytes[..bytes.len() / 2]).expect("half of it");
+
+    let mut window = Window::usual();
+    window.click("Estimator: Full search");
+    window.click("Frame difference");
+    for (folder, told) in [(damaged, "frame_2.png"), (single, "two")] {
+        window.harness.state_mut().open(folder.path());
+        window.settle();
+        window.key(Key::End);
+        let alert = window.harness.get_by_role(Role::Alert).accesskit_node().label().unwrap_or_default();
+        assert!(alert.contains(told) || folder.path() == single.path(), "{alert}");
+        // Not even in the first frame that shows the next clip.
+        window.harness.state_mut().open(good.path());
+        let begun = Instant::now();
+        loop {
+            window.harness.step();
+            let open = window.app().document().clip().is_some_and(|clip| clip.info().frames == Some(3));
+            assert!(!open || window.harness.query_by_role(Role::Alert).is_none(), "{alert} is stale");
+            if open && !window.app().view().busy {
+                break;
+            }
+            assert!(begun.elapsed() < Duration::from_secs(20), "it does not open");
+        }
+        window.settle();
+    }
+}

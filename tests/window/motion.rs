@@ -159,3 +159,32 @@ fn only_charts_that_may_have_something_are_offered() {
     assert_eq!(tabs(&window), ["Cost surface", "3-D", "Plot", "Numbers", "Histogram"]);
     assert!(window.shown().scene.marks.iter().all(|mark| !matches!(mark.shape, Shape::Flow { .. })));
 }
+
+/// How soon the window wants to be drawn again by itself.
+fn next_frame(window: &mut Window) -> Duration {
+    window.harness.step();
+    let views = window.harness.output().viewport_output.values();
+    views.map(|view| view.repaint_delay).min().unwrap_or(Duration::MAX)
+}
+
+#[test]
+fn streaklines_move_where_there_are_some_and_cost_nothing_where_there_are_none() {
+    let mut window = dense();
+    window.key(Key::End);
+    window.key(Key::S);
+    assert!(window.shown().pictures.streaks.as_ref().is_some_and(|streaks| !streaks.is_empty()));
+    assert!(next_frame(&mut window) < Duration::from_secs(1), "particles move");
+
+    // Two frames alike: nothing moves at all.
+    let folder = tempfile::tempdir().expect("a folder");
+    for index in 0..2 {
+        let picture = image::GrayImage::from_fn(64, 48, |x, y| image::Luma([(x * 3 + y * 5) as u8]));
+        picture.save(folder.path().join(format!("frame_{index}.png"))).expect("a picture");
+    }
+    window.harness.state_mut().open(folder.path());
+    window.settle();
+    window.key(Key::End);
+    assert!(window.shown().at_end);
+    assert!(window.shown().pictures.streaks.as_ref().is_some_and(|streaks| streaks.is_empty()), "they are wanted");
+    assert_eq!(next_frame(&mut window), Duration::MAX, "nothing is to be drawn");
+}

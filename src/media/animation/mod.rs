@@ -1,21 +1,22 @@
 //! Animated GIF, PNG and WebP: composed pictures, one after the other.
 
+mod gif;
 mod scan;
 
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
-use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
 use image::codecs::webp::WebPDecoder;
 use image::{AnimationDecoder, Frames, ImageDecoder, ImageResult, RgbaImage};
 use motionscope_core::{ClipInfo, Error, Frame, Stop};
 
 use self::scan::Scan;
-use super::{Decoder, Open, Source, cannot_read, check_size, contain, name_of, picture, stills};
+use super::{Decoder, Open, Source, cannot_read, check_size, contain, name_of, picture, reason, stills};
 
 /// What can be animated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +54,7 @@ impl Format {
 /// One sentence, without the file's name.
 pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     let format = Format::of(path)?;
-    let scan = scan::scan(path, format).map_err(|e| cannot_read(&e))?;
+    let scan = scan::scan(path, format, options)?;
     if scan.delays_ms.is_empty() && format != Format::Gif {
         // It only looked as if it moved.
         return stills::open(path, options);
@@ -63,9 +64,10 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     if scan.delays_ms.is_empty() {
         return Err(Error::new("it is cut short within its first picture; copy it again from where it came"));
     }
-    let animation = Animation { path: path.into(), format, stream: None };
     let mut warnings = warnings(&scan);
-    if animation.first()?.pixels().any(|pixel| pixel[3] < 255) {
+    let (frames, fps) = (scan.delays_ms.len(), fps(&scan.delays_ms));
+    let (decoder, is_clear) = decoder(path, format, scan)?;
+    if is_clear {
         warnings.push("what is transparent is shown on black".into());
     }
     let (container, codec) = format.names();
@@ -73,13 +75,25 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
         name: name_of(path),
         width,
         height,
-        frames: Some(scan.delays_ms.len()),
-        fps: fps(&scan.delays_ms),
+        frames: Some(frames),
+        fps,
         container: container.into(),
         codec: codec.into(),
         warnings,
     };
-    Ok(Source::new(info, animation))
+    Ok(Source { info, decoder, files: Arc::default() })
+}
+
+/// What decodes the pictures, and whether pixels of the first one are clear.
+fn decoder(path: &Path, format: Format, scan: Scan) -> Result<(Box<dyn Decoder>, bool), Error> {
+    if format == Format::Gif {
+        let mut gif = gif::Gif::new(path, scan);
+        let is_clear = gif.is_clear()?;
+        return Ok((Box::new(gif), is_clear));
+    }
+    let animation = Animation { path: path.into(), format, stream: None };
+    let is_clear = animation.first()?.pixels().any(|pixel| pixel[3] < 255);
+    Ok((Box::new(animation), is_clear))
 }
 
 /// How long browsers show a picture that asks for no time, in milliseconds.
@@ -108,7 +122,7 @@ fn warnings(scan: &Scan) -> Vec<String> {
     warnings
 }
 
-/// Decodes from the start on, because each picture builds on those before it.
+/// APNG and WebP: decodes from the start on, because each picture builds on those before it.
 struct Animation {
     path: PathBuf,
     format: Format,
@@ -132,8 +146,10 @@ impl Decoder for Animation {
             Some(stream) if stream.next <= index => stream,
             _ => Stream::start(&self.path, self.format)?,
         };
+        let from = stream.next;
         while stream.next <= index {
             stop.check()?;
+            stop.tell(stream.next - from, index + 1 - from);
             let Ok(picture) = stream.pictures.recv() else { return Ok(()) };
             keep(stream.next, picture::frame(picture?.into())?);
             stream.next += 1;
@@ -157,7 +173,7 @@ impl Stream {
         let path = path.to_path_buf();
         let work = move || {
             let done = contain::contain(|| pour(&path, format, &sender))
-                .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged ({panic})"))));
+                .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic)))));
             if let Err(error) = done {
                 // Nobody may be listening any more.
                 _ = sender.send(Err(error));
@@ -174,11 +190,8 @@ impl Stream {
 fn pour(path: &Path, format: Format, to: &SyncSender<Result<RgbaImage, Error>>) -> Result<(), Error> {
     let input = BufReader::new(File::open(path).map_err(|e| cannot_read(&e))?);
     let frames = match format {
-        Format::Gif => GifDecoder::new(input).and_then(limited).map(AnimationDecoder::into_frames),
-        Format::Png => {
-            PngDecoder::new(input).and_then(limited).and_then(PngDecoder::apng).map(AnimationDecoder::into_frames)
-        }
         Format::WebP => WebPDecoder::new(input).and_then(limited).map(AnimationDecoder::into_frames),
+        _ => PngDecoder::new(input).and_then(limited).and_then(PngDecoder::apng).map(AnimationDecoder::into_frames),
     };
     let frames: Frames = frames.map_err(|e| picture::damaged(&e))?;
     for frame in frames {

@@ -2,6 +2,7 @@ use std::fs;
 use std::io::Cursor;
 use std::sync::LazyLock;
 
+use image::AnimationDecoder;
 use image::codecs::gif::{GifEncoder, Repeat};
 use image::{Delay, ExtendedColorType};
 use motionscope_core::Clip;
@@ -114,9 +115,24 @@ fn every_format_is_composed_and_can_be_sought() {
 
 #[test]
 fn what_was_given_up_can_be_asked_for_again() {
-    for (bytes, extension) in FIXTURES.iter().zip(EXTENSIONS) {
+    // A GIF that builds on what comes before, as the others are taken to do.
+    let changes = (0..FRAMES).map(|t| Patch {
+        place: [0, 0, 8, 6],
+        clear: Some(0),
+        dispose: ::gif::DisposalMethod::Keep,
+        codes: (0..48).map(|i| u8::from(i % 8 == t) * 2).collect(),
+        own_colors: false,
+    });
+    let gif = patched(&changes.collect::<Vec<_>>());
+    let wanted = |extension: &str, frame: &Frame| match extension {
+        "gif" => *frame == composed(&gif)[2],
+        _ => shows(frame, 2),
+    };
+    for (bytes, extension) in [&gif, &FIXTURES[1], &FIXTURES[2]].into_iter().zip(EXTENSIONS) {
         let (_folder, path) = write(bytes, extension);
-        let mut animation = Animation { format: Format::of(&path).unwrap(), path, stream: None };
+        let format = Format::of(&path).unwrap();
+        let scan = scan::scan(&path, format, &Open::default()).unwrap();
+        let (mut animation, _) = decoder(&path, format, scan).unwrap();
         let stop = Stop::default();
         let mut met = vec![];
         let given_up = animation.decode(4, &stop, &mut |number, _| {
@@ -127,7 +143,7 @@ fn what_was_given_up_can_be_asked_for_again() {
         stop.set(false);
         let mut last = None;
         animation.decode(2, &stop, &mut |number, frame| last = Some((number, frame))).unwrap();
-        assert!(last.is_some_and(|(number, frame)| number == 2 && shows(&frame, 2)), "{extension}");
+        assert!(last.is_some_and(|(number, frame)| number == 2 && wanted(extension, &frame)), "{extension}");
     }
 }
 
@@ -175,6 +191,117 @@ fn hostile_sizes_are_refused() {
     hostile[6..10].copy_from_slice(&[0; 4]);
     fs::write(&path, &hostile).unwrap();
     assert!(open(&path, 0).unwrap_err().to_string().contains("0×0"));
+}
+
+/// A picture of a GIF: where it lies, which of its codes is clear, and what becomes of its place.
+#[derive(Clone, Debug)]
+struct Patch {
+    place: [u16; 4],
+    clear: Option<u8>,
+    dispose: ::gif::DisposalMethod,
+    codes: Vec<u8>,
+    own_colors: bool,
+}
+
+/// Four colours; codes reach one further.
+const COLORS: [u8; 12] = [0, 0, 0, 250, 10, 10, 10, 250, 10, 10, 10, 250];
+
+fn patched(patches: &[Patch]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = ::gif::Encoder::new(&mut bytes, 8, 6, &COLORS).unwrap();
+    for Patch { place: [left, top, width, height], clear, dispose, codes, own_colors } in patches {
+        let mut frame = ::gif::Frame::from_indexed_pixels(*width, *height, codes.as_slice(), *clear);
+        (frame.left, frame.top, frame.dispose) = (*left, *top, *dispose);
+        frame.palette = own_colors.then(|| COLORS.iter().rev().copied().collect());
+        encoder.write_frame(&frame).unwrap();
+    }
+    drop(encoder);
+    bytes
+}
+
+fn patch() -> impl Strategy<Value = Patch> {
+    use ::gif::DisposalMethod::{Any, Background, Keep, Previous};
+    let dispose = prop::sample::select(vec![Any, Keep, Background, Previous]);
+    let whole = Just([0, 0, 8, 6]);
+    let part = (0..9_u16, 0..7_u16, 1..9_u16, 1..7_u16).prop_map(|(x, y, w, h)| [x, y, w, h]);
+    let codes = prop::collection::vec(0..5_u8, 64);
+    (prop_oneof![whole, part], prop::option::of(0..4_u8), dispose, codes, any::<bool>()).prop_map(
+        |(place, clear, dispose, mut codes, own_colors)| {
+            codes.truncate(usize::from(place[2]) * usize::from(place[3]));
+            Patch { place, clear, dispose, codes, own_colors }
+        },
+    )
+}
+
+/// The pictures as the library composes them, from the first on.
+fn composed(bytes: &[u8]) -> Vec<Frame> {
+    let frames = image::codecs::gif::GifDecoder::new(Cursor::new(bytes)).unwrap().into_frames();
+    frames.map(|frame| picture::frame(frame.unwrap().into_buffer().into()).unwrap()).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+    #[test]
+    fn a_gif_in_any_order_is_what_it_is_from_the_first_picture_on(
+        patches in prop::collection::vec(patch(), 1..12),
+        order in prop::collection::vec(any::<prop::sample::Index>(), 12),
+        every in 1..4_usize,
+    ) {
+        let bytes = patched(&patches);
+        let wanted = composed(&bytes);
+        let (_folder, path) = write(&bytes, "gif");
+        let scan = scan::scan(&path, Format::Gif, &Open::default()).unwrap();
+        prop_assert_eq!((scan.whole, scan.pieces.len()), (true, patches.len()));
+        let mut gif = gif::Gif::new(&path, scan);
+        gif.keep_every(every);
+        for index in order.into_iter().map(|index| index.index(patches.len())) {
+            let mut last = None;
+            gif.decode(index, &Stop::default(), &mut |number, frame| last = Some((number, frame))).unwrap();
+            prop_assert!(last == Some((index, wanted[index].clone())), "picture {}", index);
+        }
+    }
+}
+
+#[test]
+fn no_picture_is_far_once_all_were_met() {
+    // Each changes a part of the one before; nothing begins afresh.
+    let bytes = patched(&vec![
+        Patch {
+            place: [1, 1, 5, 4],
+            clear: Some(0),
+            dispose: ::gif::DisposalMethod::Keep,
+            codes: (0..20).map(|i| i % 4).collect(),
+            own_colors: false,
+        };
+        500
+    ]);
+    let (_folder, path) = write(&bytes, "gif");
+    let scan = scan::scan(&path, Format::Gif, &Open::default()).unwrap();
+    assert_eq!(scan.pieces.iter().filter(|piece| piece.is_fresh).count(), 1);
+    let mut gif = gif::Gif::new(&path, scan);
+    gif.keep_every(20);
+    let (stop, mut told) = (Stop::default(), Vec::new());
+    let mut way = |gif: &mut gif::Gif, index: usize| {
+        stop.tell(0, 0);
+        gif.decode(index, &stop, &mut |_, _| told.push(stop.told())).unwrap();
+        stop.told().map_or(0, |(_, of)| of)
+    };
+    assert_eq!(way(&mut gif, 499), 500, "the first way there is the longest");
+    for index in [0, 480, 17, 250, 499, 1] {
+        assert_eq!(way(&mut gif, index), 0, "picture {index} is near");
+    }
+    assert!(told.contains(&Some((499, 500))), "how far it is is told: {told:?}");
+}
+
+#[test]
+fn canvases_are_kept_where_it_is_far_and_no_oftener() {
+    let long = |is_fresh: fn(usize) -> bool| -> Vec<scan::Piece> {
+        (0..20_000).map(|i| scan::Piece { start: 0, area_px: 640 * 480, is_fresh: is_fresh(i) }).collect()
+    };
+    let stops = gif::stops(&long(|i| i == 0));
+    assert!((100..200).contains(&stops.len()), "{}", stops.len());
+    assert!(stops.windows(2).all(|pair| pair[1] - pair[0] < 200));
+    assert!(gif::stops(&long(|i| i % 100 == 0)).is_empty());
 }
 
 proptest! {

@@ -11,6 +11,7 @@ use super::{Pixels, flo, make_folder, mot, png, save};
 use crate::media::Progress;
 use crate::media::names::file_name;
 use crate::media::sequence::{Sequence, number};
+use crate::unfinished;
 
 /// Writes `clip` into `folder`: `frame_0000.png` …, and what is known about it as `flow/frame_0000.flo` …,
 /// `occ/frame_0000.png` … and `gt.txt`, so that opening the folder finds all of it again. A clip that was written there
@@ -66,11 +67,13 @@ struct Draft {
 
 impl Draft {
     fn new(folder: &Path) -> Result<Self, Error> {
-        let made = tempfile::Builder::new().prefix(".motionscope-").tempdir_in(folder);
+        let _at_work = unfinished::at_work();
+        let made = tempfile::Builder::new().prefix(&unfinished::prefix(folder)).tempdir_in(folder);
         Ok(Self { folder: made.map_err(|e| not_made(folder, &e))?, written: Ledger::default() })
     }
 
     fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {
+        let _at_work = unfinished::at_work();
         let path = self.folder.path().join(name);
         path.parent().map_or(Ok(()), make_folder)?;
         save(&path, bytes)?;
@@ -80,6 +83,7 @@ impl Draft {
 
     /// Takes the place of the clip `before` in `folder`.
     fn settle(self, folder: &Path, before: &Ledger) -> Result<(), Error> {
+        let _at_work = unfinished::at_work();
         let places = || self.written.names().map(|name| (name, folder.join(name)));
         // Where a folder cannot be made, nothing is lost yet.
         places().try_for_each(|(_, path)| path.parent().map_or(Ok(()), make_folder))?;

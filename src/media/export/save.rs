@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use motionscope_core::Error;
 
+use crate::unfinished;
+
 /// Writes `bytes` to the file at `path`, whole or not at all; `-` is the standard output.
 ///
 /// # Errors
@@ -50,8 +52,10 @@ fn pour(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
 
 /// Writes beside `path`, then renames.
 fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let _at_work = unfinished::at_work();
+    let prefix = unfinished::prefix(&folder(path));
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".motionscope-");
+    builder.prefix(&prefix);
     if let Some(permissions) = permissions(path) {
         builder.permissions(permissions);
     }

@@ -1,5 +1,6 @@
 //! From luma and chroma planes to a frame.
 
+use crate::media::reason;
 use motionscope_core::{Error, Frame, Grid};
 use yuv::{YuvPlanarImage, YuvRange, YuvStandardMatrix};
 
@@ -229,8 +230,9 @@ impl Yuv {
             _ => yuv::yuv444_to_rgb,
         };
         let mut rgb = vec![[0_u8; 3]; self.width * self.height];
-        convert(&image, bytemuck::cast_slice_mut(&mut rgb), 3 * self.width as u32, range, matrix)
-            .map_err(|error| Error::new(format!("its colours cannot be converted ({error})")))?;
+        convert(&image, bytemuck::cast_slice_mut(&mut rgb), 3 * self.width as u32, range, matrix).map_err(|error| {
+            Error::new(format!("its colours cannot be converted{}", reason::bracketed(&error.to_string())))
+        })?;
         Grid::from_vec(self.width, self.height, rgb).map(Frame::rgb)
     }
 }

@@ -13,6 +13,7 @@ use std::time::Duration;
 use motionscope_core::{ClipInfo, Error, Frame, Grid, Stop};
 use serde::Deserialize;
 
+use super::Why;
 use crate::media::{Decoder, Open, Source, check_size, name_of};
 
 /// Frames that are decoded before the one sought, so that stepping back is at hand.
@@ -32,10 +33,10 @@ const STREAMS: [&str; 4] = ["mpegts", "mpeg", "mpegvideo", "h264"];
 ///
 /// # Errors
 /// One sentence, without the file's name, with `why` in it.
-pub(crate) fn open(path: &Path, options: &Open, why: &Error) -> Result<Source, Error> {
+pub(super) fn open(path: &Path, options: &Open, why: &Why) -> Result<Source, Error> {
     // A pipe has been read to its end already.
     if path == Path::new("-") || !path.is_file() {
-        return Err(Error::new(format!("{why}; save what the pipe holds to a file and open that")));
+        return Err(Error::new(format!("{}; save what the pipe holds to a file and open that", why.error)));
     }
     if !options.ffmpeg {
         return Err(Failed::Absent.told(why));
@@ -59,9 +60,9 @@ pub(crate) fn open(path: &Path, options: &Open, why: &Error) -> Result<Source, E
         first: None,
     };
     decoder.start(0)?;
-    let first = decoder.read(&|| options.report(0.0))?.ok_or_else(|| {
-        Error::new(format!("{why}, and ffmpeg finds no picture in it either; copy it again from where it came"))
-    })?;
+    let first = decoder.read(&|| options.report(0.0));
+    options.report(0.0)?;
+    let first = first.ok().flatten().ok_or_else(|| Failed::Refused.told(why))?;
     if probe.varies() {
         warnings.push("the frame rate varies; one frame is taken as one step of time".into());
     }
@@ -148,7 +149,7 @@ struct Probe {
 }
 
 impl Probe {
-    fn run(path: &Path, options: &Open, why: &Error) -> Result<Self, Error> {
+    fn run(path: &Path, options: &Open, why: &Why) -> Result<Self, Error> {
         let entries = "stream=codec_name,avg_frame_rate,r_frame_rate,nb_frames:format=format_name";
         let what = ["-show_program_version", "-show_entries", entries];
         let answer = ask(path, &what, options).map_err(|failed| failed.told(why))?;
@@ -156,7 +157,8 @@ impl Probe {
         match (answer.streams.into_iter().next(), answer.format) {
             (_, Some(format)) if SCREENS.contains(&format.format_name.as_str()) => Err(Failed::Refused.told(why)),
             (Some(stream), Some(format)) => Ok(Self { stream, format, version }),
-            _ => Err(Error::new("it holds no video; open a clip with pictures")),
+            (None, Some(_)) if !why.is_known => Err(Error::new("it holds no video; open a clip with pictures")),
+            _ => Err(Failed::Refused.told(why)),
         }
     }
 
@@ -215,12 +217,16 @@ enum Failed {
 
 impl Failed {
     /// In words, where `why` tells what keeps us from opening the file ourselves.
-    fn told(self, why: &Error) -> Error {
+    fn told(self, Why { error, is_known }: &Why) -> Error {
         Error::new(match self {
             Failed::Absent => format!(
-                "{why}; if you install ffmpeg (ffmpeg.org), it is used by itself, or convert the clip to MP4 with H.264"
+                "{error}; if you install ffmpeg (ffmpeg.org), it is used by itself, or convert the clip to MP4 with H.264"
             ),
-            Failed::Refused => format!("{why}, and ffmpeg does not know it either; convert it, or copy it again"),
+            // Whoever knows the format tells best what is wrong.
+            Failed::Refused if *is_known && !error.to_string().contains("ffmpeg") => return error.clone(),
+            Failed::Refused => {
+                format!("{error}, and the ffmpeg of this computer cannot read it; convert it, or copy it again")
+            }
             Failed::Stopped(error) => return error,
         })
     }
@@ -337,8 +343,10 @@ impl Decoder for Ffmpeg {
         if self.running.is_none() || index < self.next || (seekable && index > self.next + PATIENCE_FRAMES) {
             self.start(if seekable { index.saturating_sub(RUN_UP_FRAMES) } else { 0 })?;
         }
+        let from = self.next;
         while self.next <= index {
             let number = self.next;
+            stop.tell(number - from, index + 1 - from);
             let Some(frame) = self.read(&|| stop.check())? else { return Ok(()) };
             keep(number, frame);
         }

@@ -6,7 +6,7 @@ use rust_h264::nal::{NalUnit, NalUnitType, SpsInfo, parse_avcc, parse_avcc_confi
 
 use super::coded::Codec;
 use super::color::{Chroma, Colors, Matrix, Picture, Yuv};
-use crate::media::check_size;
+use crate::media::{check_size, reason};
 
 /// Most reference frames that the standard allows.
 const MAX_REFERENCES: u32 = 16;
@@ -21,7 +21,7 @@ pub(crate) struct H264 {
 }
 
 fn damaged(what: &str) -> Error {
-    Error::new(format!("its H.264 data are damaged ({what})"))
+    Error::new(format!("its H.264 data are damaged{}", reason::bracketed(what)))
 }
 
 impl H264 {

@@ -21,7 +21,7 @@ use motionscope_core::{ClipInfo, Error};
 
 use super::contain::contain;
 use super::input::Input;
-use super::{Open, Source};
+use super::{Open, Source, reason};
 use coded::{Codec, Coded, Track};
 use h264::H264;
 use mjpeg::Mjpeg;
@@ -59,7 +59,15 @@ pub(crate) fn open(path: &Path, format: Format, mut input: Input, options: &Open
         return Err(Error::new("its video is encrypted (copy protection); open an unprotected copy"));
     }
     // A file that our own decoders cannot begin may still be one that ffmpeg knows.
-    track.and_then(|track| decode(input, track)).or_else(|why| ffmpeg::open(path, options, &why))
+    let is_known = format != Format::Other;
+    track.and_then(|track| decode(input, track)).or_else(|error| ffmpeg::open(path, options, &Why { error, is_known }))
+}
+
+/// What keeps us from showing a video by ourselves.
+struct Why {
+    error: Error,
+    /// Whether the format is known: then the error is the best that can be told, if ffmpeg does not help.
+    is_known: bool,
 }
 
 /// The frames of `track` by our own decoders.
@@ -86,8 +94,9 @@ fn decode(input: Input, mut track: Track) -> Result<Source, Error> {
         warnings: std::mem::take(&mut track.warnings),
     };
     let mut coded = Coded::new(input, track, codec);
-    let (size, warnings) = contain(|| coded.look())
-        .unwrap_or_else(|panic| Err(Error::new(format!("its first picture is damaged ({panic})"))))?;
+    let (size, warnings) = contain(|| coded.look()).unwrap_or_else(|panic| {
+        Err(Error::new(format!("its first picture is damaged{}", reason::bracketed(&panic))))
+    })?;
     (info.width, info.height) = size;
     info.warnings.extend(warnings);
     Ok(Source::new(info, coded))

@@ -5,7 +5,7 @@ use rusty_vp9::{BitReader, DecodedFrame, FrameHeader, Vp9Decoder, parse_uncompre
 
 use super::coded::Codec;
 use super::color::{Chroma, Colors, Matrix, Picture, Yuv};
-use crate::media::check_size;
+use crate::media::{check_size, reason};
 
 /// Decodes VP9.
 pub(crate) struct Vp9 {
@@ -18,7 +18,7 @@ pub(crate) struct Vp9 {
 }
 
 fn damaged(what: &str) -> Error {
-    Error::new(format!("its VP9 data are damaged ({what})"))
+    Error::new(format!("its VP9 data are damaged{}", reason::bracketed(what)))
 }
 
 impl Vp9 {

@@ -6,6 +6,7 @@ pub mod document;
 pub mod history;
 pub mod loader;
 pub mod player;
+pub mod preview;
 pub mod settings;
 pub mod snapshot;
 pub mod walker;

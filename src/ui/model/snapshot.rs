@@ -56,8 +56,16 @@ impl Place {
     /// The end of the run.
     pub const END: Self = Self { cursor: Cursor { unit: usize::MAX, event: usize::MAX }, near: None, hold: Hold::Kept };
 
+    /// At `cursor`.
+    pub fn at(cursor: Cursor) -> Self {
+        Self { cursor, ..Self::default() }
+    }
+
     /// Where `shown` stands: the end of the run or of a unit stays one.
     pub fn of(shown: &Snapshot) -> Self {
+        if let Some(cursor) = shown.bound_for {
+            return Self::at(cursor);
+        }
         let Cursor { unit, event } = shown.cursor;
         if shown.at_end {
             return Self::END;
@@ -107,6 +115,7 @@ pub struct Pointed {
 }
 
 /// Everything there is to see at one cursor.
+#[derive(Clone)]
 pub struct Snapshot {
     /// What is run.
     pub subject: Arc<Subject>,
@@ -142,6 +151,8 @@ pub struct Snapshot {
     pub tested: usize,
     /// Each of those that go in lockstep; none where there is but one.
     pub tiles: Vec<Tile>,
+    /// Where the run is on its way to, while it is shown how far it has come.
+    pub bound_for: Option<Cursor>,
 }
 
 impl Snapshot {

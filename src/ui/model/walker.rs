@@ -1,8 +1,11 @@
 //! A run on its own thread: moves go in, immutable pictures of the run come out.
 //!
-//! Nothing here knows the window. A request never waits for an earlier one that takes long: it replaces it.
+//! Nothing here knows the window. A request never waits for an earlier one that takes long: it replaces it. What cannot be
+//! interrupted is left behind: another thread takes over, with what was shown last, and the old one ends when it can.
 
-use std::cell::{OnceCell, RefCell};
+mod way;
+
+use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,6 +18,7 @@ use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::scene::{Fact, Readout};
 use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Histogram, Move, Output, Scene, Step, Stop, Walk};
 
+use super::preview::{preview, stopped};
 use super::snapshot::{Hold, Job, Place, Pointed, Snapshot, Subject};
 use crate::motion::{Motion, Offer, Site, Want, backward};
 use crate::paint::{FlowLayer, Pictures};
@@ -22,11 +26,16 @@ use crate::pixel::{Pixel, is_explained, walks_pixels};
 use crate::shot::{LastPair, pictures};
 use crate::tile::{self, Ending, add_assessment, add_facts, endings, tiles};
 use crate::ui::action::Side;
+use way::Way;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
 const PATIENCE: Duration = Duration::from_millis(60);
 /// How often a long move tells how far it is.
 const NEWS: Duration = Duration::from_millis(60);
+/// How long work may go on after it was stopped before it is left behind.
+const GRACE: Duration = Duration::from_millis(250);
+/// So many threads that were left behind may be at work when another run is started.
+const LEFT: usize = 2;
 /// Small moves that may wait: more would make a held key run on after it is let go.
 const QUEUE: usize = 4;
 
@@ -43,6 +52,26 @@ pub struct View {
     pub progress: Option<(usize, usize)>,
     /// Whether the reverse pair is being run.
     pub checking: bool,
+    /// What is being done.
+    pub phase: Phase,
+    /// For how long it has been.
+    pub busy_for: Option<Duration>,
+    /// Frames read of those that the frame which is wanted needs.
+    pub reading: Option<(usize, usize)>,
+    /// What is known of a run that has nothing to show yet.
+    pub coming: Option<Arc<Snapshot>>,
+}
+
+/// What is being done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Phase {
+    /// A run is begun.
+    #[default]
+    Starting,
+    /// A run is on its way.
+    Running,
+    /// What it has come to is worked out.
+    Measuring,
 }
 
 type Visit = Box<dyn FnOnce(&Arc<Subject>, &dyn Walk) + Send>;
@@ -62,6 +91,12 @@ enum Request {
 #[derive(Default)]
 struct Desk {
     job: Option<Job>,
+    /// What was run when the work was left behind: it is taken up where it was when somebody wants to go on.
+    dormant: Option<Job>,
+    /// What is run, or about to be.
+    subject: Option<Arc<Subject>>,
+    /// When the work at hand was to stop, or another job was laid on the desk.
+    unwanted: Option<Instant>,
     /// A job is on the desk or in hand: small moves wait until it stands at its place.
     starting: bool,
     requests: VecDeque<Request>,
@@ -86,10 +121,23 @@ struct Shared {
     superseded: AtomicBool,
     /// Frames need not be decoded any further: the run that wants them is not wanted itself.
     stop: Stop,
-    changed: Box<dyn Fn() + Send + Sync>,
+    changed: Changed,
 }
 
+type Changed = Arc<dyn Fn() + Send + Sync>;
+
 impl Shared {
+    fn new(changed: Changed) -> Self {
+        Self {
+            desk: Mutex::default(),
+            wake: Condvar::new(),
+            idle: Condvar::new(),
+            superseded: AtomicBool::new(false),
+            stop: Stop::default(),
+            changed,
+        }
+    }
+
     fn desk(&self) -> MutexGuard<'_, Desk> {
         self.desk.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -99,6 +147,8 @@ impl Shared {
 pub struct Walker {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
+    /// Threads whose work was left behind.
+    left: Vec<JoinHandle<()>>,
 }
 
 impl Walker {
@@ -107,17 +157,9 @@ impl Walker {
     /// # Errors
     /// If the system gives no thread.
     pub fn new(changed: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        let shared = Arc::new(Shared {
-            desk: Mutex::default(),
-            wake: Condvar::new(),
-            idle: Condvar::new(),
-            superseded: AtomicBool::new(false),
-            stop: Stop::default(),
-            changed: Box::new(changed),
-        });
-        let worker = Arc::clone(&shared);
-        let thread = std::thread::Builder::new().name("walker".into()).spawn(move || Worker::new(&worker).run())?;
-        Ok(Self { shared, thread: Some(thread) })
+        let shared = Arc::new(Shared::new(Arc::new(changed)));
+        let thread = spawn(&shared)?;
+        Ok(Self { shared, thread: Some(thread), left: Vec::new() })
     }
 
     /// Starts another run; the picture of the old one stays until the new one has something to show.
@@ -127,14 +169,70 @@ impl Walker {
             desk.stop_check.set(true);
             desk.requests.clear();
             desk.starting = true;
+            desk.dormant = None;
+            desk.unwanted = desk.unwanted.or(desk.since.map(|_| Instant::now()));
+            let is_other = |subject: &Arc<Subject>| !std::ptr::eq(subject.clip.info(), job.subject.clip.info());
+            if desk.subject.as_ref().is_none_or(is_other) {
+                // What was wrong with another clip is no news of this one.
+                (desk.view.refused, desk.view.coming) = (None, None);
+            }
+            desk.subject = Some(Arc::clone(&job.subject));
             desk.job = Some(job);
         });
+    }
+
+    /// Leaves work behind that goes on although it was stopped, or stands in the way of another run. To be called now and
+    /// then as long as the walker is busy.
+    pub fn tend(&mut self) {
+        self.left.retain(|thread| !thread.is_finished());
+        let is_stuck = {
+            let desk = self.shared.desk();
+            let is_late = desk.unwanted.is_some_and(|since| since.elapsed() > GRACE);
+            is_late && desk.since.is_some() && (desk.job.is_none() || self.left.len() < LEFT)
+        };
+        if is_stuck {
+            self.leave();
+        }
+    }
+
+    /// Another thread takes over, which knows what was shown last.
+    fn leave(&mut self) {
+        let shared = Arc::new(Shared::new(Arc::clone(&self.shared.changed)));
+        let Ok(thread) = spawn(&shared) else { return };
+        let old = std::mem::replace(&mut self.shared, Arc::clone(&shared));
+        self.left.extend(self.thread.replace(thread));
+        let mut old_desk = old.desk();
+        old.stop.set(true);
+        old.superseded.store(true, Ordering::Relaxed);
+        old_desk.stop_check.set(true);
+        old_desk.quit = true;
+        let mut desk = shared.desk();
+        let shown = old_desk.stopped();
+        let subject = old_desk.subject.take();
+        (desk.job, desk.starting) = (old_desk.job.take(), old_desk.starting);
+        if desk.job.is_none() {
+            let place = |shown: &Snapshot| Place { hold: Hold::Set(shown.held()), ..Place::at(shown.cursor) };
+            let job = |subject| Job { place: shown.as_deref().map_or(Place::default(), place), subject };
+            (desk.dormant, desk.starting) = (subject.clone().map(job), false);
+        }
+        (desk.focus, desk.want, desk.subject) = (old_desk.focus, old_desk.want, subject);
+        let refused = (shown.is_none() && desk.job.is_none()).then(|| {
+            Error::new(
+                "the run was stopped before its frames were there; change a parameter or the frame to start it again",
+            )
+        });
+        desk.view = View { shown, refused, busy: desk.job.is_some(), ..View::default() };
+        drop(old_desk);
+        drop(desk);
+        shared.wake.notify_one();
+        (shared.changed)();
     }
 
     /// Asks for a move. One to a place replaces all others; small moves queue up unless one takes long. A run that
     /// starts comes to its place before a small move goes on from there.
     pub fn go(&self, to: Move) {
         let mut desk = self.shared.desk();
+        desk.take_up();
         let slow = !desk.starting && desk.since.is_some_and(|since| since.elapsed() > PATIENCE);
         let replaces = slow || !matches!(to, Move::Rung(..));
         if !replaces && desk.requests.len() >= QUEUE {
@@ -150,7 +248,10 @@ impl Walker {
     /// Goes to the end or the start of the unit whose result lies at pixel `point` of frame t. Where single pixels are
     /// explained, that one is from now on, until the run moves on to others; if its turn has not come, the run goes there.
     pub fn go_at(&self, point: [f32; 2], side: Side) {
-        self.ask(true, |desk| desk.requests.push_back(Request::GoAt(point, side)));
+        self.ask(true, |desk| {
+            desk.take_up();
+            desk.requests.push_back(Request::GoAt(point, side));
+        });
     }
 
     /// Gives up the move at work, and the check with the reverse pair; the run stays where it stands, a new one at its start.
@@ -159,6 +260,7 @@ impl Walker {
             desk.stop_check.set(true);
             desk.requests.retain(|request| matches!(request, Request::Visit(_)));
             desk.requests.push_front(Request::Stay);
+            desk.unwanted = desk.unwanted.or(desk.since.map(|_| Instant::now()));
             if let Some(job) = &mut desk.job {
                 job.place = Place { hold: job.place.hold, ..Place::default() };
             }
@@ -192,7 +294,10 @@ impl Walker {
 
     /// Has `visit` look at the run, on the walker's thread, after what was asked for before.
     pub fn visit(&self, visit: impl FnOnce(&Arc<Subject>, &dyn Walk) + Send + 'static) {
-        self.ask(false, |desk| desk.requests.push_back(Request::Visit(Box::new(visit))));
+        self.ask(false, |desk| {
+            desk.take_up();
+            desk.requests.push_back(Request::Visit(Box::new(visit)));
+        });
     }
 
     /// What the run amounts to where `shown` shows it; nothing comes if it has moved on or was replaced.
@@ -210,15 +315,21 @@ impl Walker {
 
     /// What there is to show just now.
     pub fn view(&self) -> View {
-        self.shared.desk().view.clone()
+        let desk = self.shared.desk();
+        let busy_for = desk.since.filter(|_| desk.view.busy).map(|since| since.elapsed());
+        View { busy_for, reading: self.shared.stop.told().filter(|_| desk.view.busy), ..desk.view.clone() }
     }
 
     /// Waits until nothing is left to do.
     pub fn wait(&self) {
-        let mut desk = self.shared.desk();
-        while desk.view.busy || desk.view.checking {
-            desk = self.shared.idle.wait(desk).unwrap_or_else(PoisonError::into_inner);
-        }
+        while !self.wait_for(Duration::MAX) {}
+    }
+
+    /// Waits until nothing is left to do, but no longer than that; gives whether nothing is.
+    pub fn wait_for(&self, longest: Duration) -> bool {
+        let is_busy = |desk: &mut Desk| desk.view.busy || desk.view.checking;
+        let waited = self.shared.idle.wait_timeout_while(self.shared.desk(), longest, is_busy);
+        !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
     fn ask(&self, replaces: bool, put: impl FnOnce(&mut Desk)) {
@@ -243,9 +354,46 @@ impl Drop for Walker {
             desk.stop_check.set(true);
             desk.quit = true;
         });
+        // Whatever cannot be interrupted ends with the program.
+        let asked = Instant::now();
         if let Some(thread) = self.thread.take() {
-            // A worker that panicked has nothing left to tell.
-            let _ = thread.join();
+            while !thread.is_finished() && asked.elapsed() < GRACE {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            if thread.is_finished() {
+                // A worker that panicked has nothing left to tell.
+                let _ = thread.join();
+            }
+        }
+    }
+}
+
+fn spawn(shared: &Arc<Shared>) -> std::io::Result<JoinHandle<()>> {
+    let shared = Arc::clone(shared);
+    std::thread::Builder::new().name("walker".into()).spawn(move || Worker::new(&shared).run())
+}
+
+impl Desk {
+    /// Somebody wants to go on: what was left behind is run again.
+    fn take_up(&mut self) {
+        if let Some(job) = self.dormant.take() {
+            (self.job, self.starting) = (Some(job), true);
+        }
+    }
+
+    /// What is to be seen of the run at hand, if it is left behind now: how far it has come, or what was known before.
+    fn stopped(&mut self) -> Option<Arc<Snapshot>> {
+        let is_ours =
+            |shown: &Arc<Snapshot>| self.subject.as_ref().is_some_and(|ours| Arc::ptr_eq(ours, &shown.subject));
+        let (shown, coming) = (self.view.shown.take(), self.view.coming.take());
+        match (shown, coming.filter(is_ours)) {
+            // Another run is about to begin; until then the old picture stays.
+            (shown, _) if self.job.is_some() => shown,
+            (Some(shown), _) if is_ours(&shown) => {
+                Some(Arc::new(Snapshot { bound_for: None, ..Snapshot::clone(&shown) }))
+            }
+            (_, Some(coming)) => Some(Arc::new(stopped(&coming))),
+            (shown, None) => shown,
         }
     }
 }
@@ -266,6 +414,8 @@ struct Run {
     backward: Option<Result<Flow, Error>>,
     /// What was seen of motion last, where, and whether the reverse pair was known.
     motion: RefCell<Option<(MotionKey, Motion)>>,
+    /// What takes long to work out at the end is not shown yet.
+    is_brief: Cell<bool>,
 }
 
 /// What the end of a run shows beside its last step.
@@ -321,7 +471,7 @@ impl<'a> Worker<'a> {
             }
             let task = job.or_else(|| desk.requests.pop_front().map(Task::Request));
             if task.is_some() {
-                desk.since = Some(Instant::now());
+                (desk.since, desk.unwanted) = (Some(Instant::now()), None);
                 return task;
             }
             if let Some((subject, flow)) = desk.backward.take() {
@@ -432,6 +582,7 @@ impl<'a> Worker<'a> {
             Hold::Set(pixel) => pixel.map(Pixel::point),
         };
         let clip = subject.clip.clone().until(self.shared.stop.clone());
+        self.announce(&subject, &clip)?;
         let mut pairs = LastPair::default();
         let walk = subject.company.walk(&*subject.estimator, &clip, subject.frame)?;
         let pair = pairs.of(&*walk, &clip)?.clone();
@@ -439,9 +590,17 @@ impl<'a> Worker<'a> {
         if let Some(unit) = near.and_then(|point| walk.unit_at(point)) {
             cursor.unit = unit;
         }
-        let (end, motion) = (OnceCell::new(), RefCell::default());
-        self.run = Some(Run { subject, walk, clip, pairs, pair, end, backward: None, motion });
+        let (end, motion, is_brief) = (OnceCell::new(), RefCell::default(), Cell::new(false));
+        self.run = Some(Run { subject, walk, clip, pairs, pair, end, backward: None, motion, is_brief });
         Ok(cursor == Cursor::default() || self.travel(Move::To(cursor)))
+    }
+
+    /// Has what is known of a run at hand before it has anything to show.
+    fn announce(&self, subject: &Arc<Subject>, clip: &Clip) -> Result<(), Error> {
+        self.shared.desk().view.phase = Phase::Starting;
+        let coming = Arc::new(preview(subject, clip)?);
+        self.shared.desk().view.coming = Some(coming);
+        Ok(())
     }
 
     fn go(&mut self, to: Move) {
@@ -471,33 +630,79 @@ impl<'a> Worker<'a> {
         self.held.filter(|at| self.run.as_ref().is_some_and(|run| is_explained(&*run.walk, *at)))
     }
 
-    /// Works on a move until it is done or another one is wanted more; gives whether it is done.
+    /// Works on a move until it is done or another one is wanted more; gives whether it is done. A long one shows now and
+    /// then how far it has come.
     fn travel(&mut self, to: Move) -> bool {
-        let Some(run) = &mut self.run else { return false };
+        self.shared.desk().view.phase = Phase::Running;
+        let Some(mut way) = self.run.as_ref().map(|run| Way::new(run, to)) else { return false };
+        loop {
+            match self.leg(&mut way) {
+                Leg::NotWanted => return false,
+                Leg::There => break,
+                Leg::Part => {
+                    let begun = Instant::now();
+                    if !self.turn() {
+                        return false;
+                    }
+                    self.show(way.goal);
+                    way.go_on(begun.elapsed());
+                }
+            }
+        }
+        if !self.turn() {
+            return false;
+        }
+        if way.is_long && self.run.as_ref().is_some_and(|run| run.walk.at_end()) {
+            self.run.iter().for_each(|run| run.is_brief.set(true));
+            self.show(None);
+            self.run.iter().for_each(|run| run.is_brief.set(false));
+        }
+        true
+    }
+
+    /// Goes the next part of a way.
+    fn leg(&mut self, way: &mut Way) -> Leg {
+        let Some(run) = &mut self.run else { return Leg::NotWanted };
         let shared = self.shared;
+        let asked = way.begun;
+        let wanted = || asked.elapsed() < PATIENCE || !shared.superseded.load(Ordering::Relaxed);
         let begun = Instant::now();
-        let wanted = || begun.elapsed() < PATIENCE || !shared.superseded.load(Ordering::Relaxed);
-        run.walk.go(to);
+        run.walk.go(way.next);
         loop {
             let slice = Instant::now();
             if run.walk.work(&mut || slice.elapsed() < NEWS && wanted()) {
-                return match run.turn() {
-                    Ok(()) => true,
-                    Err(error) => {
-                        self.refuse(error);
-                        false
-                    }
-                };
+                let at = run.walk.cursor();
+                return if way.comes_to(at, run.walk.at_end(), begun.elapsed()) { Leg::There } else { Leg::Part };
             }
             if !wanted() {
-                return false;
+                return Leg::NotWanted;
             }
-            shared.desk().view.progress = run.walk.progress();
+            let progress = run.walk.progress();
+            shared.desk().view.progress = way.progress(progress);
             (shared.changed)();
+            if let Some(reached) = way.breaks_off(begun.elapsed(), progress) {
+                run.walk.go(reached);
+            }
         }
     }
 
+    /// Takes the frames of the place where the run stands; gives whether they can be read.
+    fn turn(&mut self) -> bool {
+        let turned = self.run.as_mut().map_or(Ok(()), Run::turn);
+        turned.map_err(|error| self.refuse(error)).is_ok()
+    }
+
     fn publish(&self) {
+        if self.run.is_some() {
+            self.show(None);
+            let mut desk = self.shared.desk();
+            desk.view.refused = None;
+            desk.view.progress = None;
+        }
+    }
+
+    /// Shows where the run stands, if it is on its way to `bound_for`.
+    fn show(&self, bound_for: Option<Cursor>) {
         let Some(run) = &self.run else { return };
         let (focus, want) = {
             let mut desk = self.shared.desk();
@@ -507,7 +712,10 @@ impl<'a> Worker<'a> {
         let held = self.held();
         let pointed =
             held.or(focus.filter(|at| is_explained(&*run.walk, *at))).map(|at| Pointed { at, is_held: held.is_some() });
-        let mut shown = Snapshot { pointed, ..run.snapshot(held.or(focus), want) };
+        if run.walk.at_end() && !run.is_brief.get() {
+            self.shared.desk().view.phase = Phase::Measuring;
+        }
+        let mut shown = Snapshot { pointed, bound_for, ..run.snapshot(held.or(focus), want) };
         let before = self.shared.desk().view.shown.clone();
         // What looks the same is the same, so that nobody paints it anew.
         if let Some(before) = before {
@@ -521,8 +729,7 @@ impl<'a> Worker<'a> {
         self.check(run, &want, &shown.offer);
         let mut desk = self.shared.desk();
         desk.view.shown = Some(Arc::new(shown));
-        desk.view.refused = None;
-        desk.view.progress = None;
+        desk.view.coming = None;
         drop(desk);
         (self.shared.changed)();
     }
@@ -542,7 +749,7 @@ impl Run {
 
     fn snapshot(&self, focus: Option<[f32; 2]>, want: Want) -> Snapshot {
         let walk = &self.walk;
-        let mut tiles = tiles(&**walk, focus, if walk.at_end() { &self.end().beside } else { &[] });
+        let mut tiles = tiles(&**walk, focus, self.end().map_or(&[], |end| &end.beside));
         let (mut pictures, scene) = (self.pictures(), tile::scene(&**walk, focus, &tiles));
         let motion = self.motion(&scene, want);
         motion.put(&mut pictures, &mut tiles);
@@ -562,6 +769,7 @@ impl Run {
             step: Arc::new(self.step(focus, &motion)),
             scene: Arc::new(scene),
             pointed: None,
+            bound_for: None,
             tested: walk.evaluations().partition_point(|event| *event <= walk.cursor().event),
             tiles,
         }
@@ -587,8 +795,8 @@ impl Run {
     /// What the cursor tells; at the end, also how good the estimate is.
     fn step(&self, focus: Option<[f32; 2]>, motion: &Motion) -> Step {
         let mut step = self.walk.step(focus);
-        if self.walk.at_end() {
-            if let Some(assessment) = &self.end().assessment {
+        if let Some(end) = self.end() {
+            if let Some(assessment) = &end.assessment {
                 add_assessment(&mut step, assessment);
             }
             match (motion.check, &self.backward) {
@@ -598,17 +806,21 @@ impl Run {
                 }
                 _ => {}
             }
-            step.readouts.extend(self.end().histogram.clone().map(Readout::Histogram));
+            step.readouts.extend(end.histogram.clone().map(Readout::Histogram));
         }
         step
     }
 
     fn pictures(&self) -> Pictures {
-        if self.walk.at_end() { self.end().pictures.clone() } else { self.pair.clone() }
+        self.end().map_or_else(|| self.pair.clone(), |end| end.pictures.clone())
     }
 
-    fn end(&self) -> &End {
-        self.end.get_or_init(|| {
+    /// What the end of the run shows, if that is where it stands.
+    fn end(&self) -> Option<&End> {
+        if !self.walk.at_end() || self.is_brief.get() && self.end.get().is_none() {
+            return None;
+        }
+        Some(self.end.get_or_init(|| {
             let output = self.walk.output();
             let reference = Reference { clip: &self.clip, frame: self.walk.frame() };
             End {
@@ -617,8 +829,18 @@ impl Run {
                 assessment: output.assess(&reference).ok(),
                 beside: endings(&*self.walk, &self.clip, &self.pair),
             }
-        })
+        }))
     }
+}
+
+/// How far a part of a move has come.
+enum Leg {
+    /// To where the move leads.
+    There,
+    /// Some of the way.
+    Part,
+    /// Something else is wanted more.
+    NotWanted,
 }
 
 fn panicked(panic: &(dyn std::any::Any + Send)) -> Error {

@@ -1,7 +1,8 @@
 //! Writes pictures, vectors and sessions on a thread of its own, with progress and cancel.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::Receiver;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::Duration;
 
 use motionscope_core::{Cursor, Error, Output};
 
@@ -12,6 +13,9 @@ use crate::media::export::{self, Inputs, Target};
 use crate::pixel::Chosen;
 use crate::results::Export;
 use crate::shot::{Format, Look, Moment, STEP, Steps};
+
+/// How often writing that waits for the run asks whether it was cancelled.
+const POLL: Duration = Duration::from_millis(50);
 
 /// What to write.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,6 +149,14 @@ pub fn result(
 }
 
 fn come(output: &Receiver<Output>, progress: &dyn Progress) -> Result<Output, Error> {
-    let output = output.recv().map_err(|_| Error::new("the run went on meanwhile; stop it and write again"))?;
-    if progress.cancelled() { Err(Error::new("writing was cancelled")) } else { Ok(output) }
+    loop {
+        if progress.cancelled() {
+            return Err(Error::new("writing was cancelled"));
+        }
+        match output.recv_timeout(POLL) {
+            Ok(output) => return Ok(output),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(_) => return Err(Error::new("the run went on meanwhile; stop it and write again")),
+        }
+    }
 }

@@ -319,7 +319,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     if state.glides.iter().any(|glide| glide.is_moving(time)) {
         ui.ctx().request_repaint();
     }
-    if input.flows && input.pictures.streaks.is_some() {
+    if input.flows && spots.iter().any(moves) {
         ui.ctx().request_repaint_after_secs(FLOW_SECS);
     }
     let shown = spots.last().map(|spot| spot.lens);
@@ -365,6 +365,11 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
         paint(ui, spot, input, state);
     }
     response.hovered = hovered.map(to_point);
+}
+
+/// Whether particles move on a picture.
+fn moves(spot: &Spot<'_>) -> bool {
+    spot.panel.shows(Picture::Current) && spot.pictures.streaks.as_ref().is_some_and(|streaks| !streaks.is_empty())
 }
 
 fn to_point(pixel: [usize; 2]) -> [f32; 2] {

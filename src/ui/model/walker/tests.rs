@@ -243,3 +243,145 @@ fn a_check_that_takes_long_is_given_up_and_can_be_tried_again() {
     assert_eq!(layer.map(|layer| layer.kind), Some(FlowLayer::Consistency));
     assert!(!told(&walker));
 }
+
+/// What never comes as long as it is held, whether it is wanted or not.
+struct Deaf(Clip, Arc<AtomicBool>);
+
+impl Deaf {
+    fn wait(&self) {
+        while self.1.load(Ordering::Relaxed) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+impl FrameSource for Deaf {
+    fn frame(&self, index: usize, _stop: &Stop) -> Result<Arc<Frame>, Error> {
+        self.wait();
+        self.0.frame(index)
+    }
+
+    fn cached(&self, _index: usize) -> Option<Arc<Frame>> {
+        None
+    }
+}
+
+impl motionscope_core::Truth for Deaf {
+    fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
+        self.wait();
+        Ok(None)
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        vec!["flow"]
+    }
+}
+
+/// Tends `walker` until it is idle.
+fn tended(walker: &mut Walker) {
+    let begun = Instant::now();
+    while !walker.wait_for(Duration::from_millis(5)) {
+        walker.tend();
+        assert!(begun.elapsed() < Duration::from_secs(20), "it is busy for ever");
+    }
+}
+
+#[test]
+fn a_run_that_cannot_be_interrupted_is_left_behind() {
+    let held = Arc::new(AtomicBool::new(true));
+    let mut walker = Walker::new(|| {}).unwrap();
+    let clip = Clip::new(clip().info().clone(), Arc::new(Deaf(clip(), Arc::clone(&held))));
+    let deaf = || Job { subject: Arc::new(Subject { clip: clip.clone(), ..subject() }), place: Place::default() };
+    walker.start(deaf());
+    std::thread::sleep(2 * PATIENCE);
+    assert!(walker.view().busy_for.is_some_and(|time| time > PATIENCE));
+    let begun = Instant::now();
+    walker.stop();
+    tended(&mut walker);
+    assert!(begun.elapsed() < 4 * GRACE, "it stops at once: {:?}", begun.elapsed());
+    assert!(walker.view().refused.is_some_and(|error| error.to_string().contains("stopped before")));
+
+    // Nor does it stand in the way of another one.
+    walker.start(deaf());
+    std::thread::sleep(2 * PATIENCE);
+    walker.start(job());
+    tended(&mut walker);
+    assert!(walker.view().refused.is_none() && walker.view().shown.is_some());
+    walker.go(Move::Rung(2, Way::Forward));
+    assert_eq!(cursor(&walker), Cursor { unit: 0, event: 1 });
+
+    // Those that were left behind end when they can.
+    held.store(false, Ordering::Relaxed);
+    while !walker.left.is_empty() {
+        walker.tend();
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn what_was_left_behind_is_taken_up_where_it_was() {
+    let held = Arc::new(AtomicBool::new(true));
+    let truth = Arc::new(Deaf(clip(), Arc::clone(&held)));
+    let mut walker = Walker::new(|| {}).unwrap();
+    let clip = clip().with_truth(truth);
+    walker.start(Job { subject: Arc::new(Subject { clip, ..subject() }), place: Place::END });
+    while walker.view().phase != Phase::Measuring {
+        std::thread::yield_now();
+    }
+    assert!(walker.view().shown.is_none() && walker.view().coming.is_some(), "its frames are known");
+    walker.stop();
+    tended(&mut walker);
+    let shown = walker.view().shown.unwrap();
+    assert_eq!((shown.cursor, shown.events), (Cursor::default(), 0), "what was known is shown");
+    held.store(false, Ordering::Relaxed);
+    let output = walker.output(&shown);
+    walker.go(Move::End);
+    walker.wait();
+    assert!(walker.view().shown.is_some_and(|shown| shown.at_end) && output.recv().is_ok());
+}
+
+/// Frames that take a while each.
+struct Lame(Clip);
+
+impl FrameSource for Lame {
+    fn frame(&self, index: usize, stop: &Stop) -> Result<Arc<Frame>, Error> {
+        stop.check()?;
+        std::thread::sleep(Duration::from_millis(if index > 1 { 60 } else { 0 }));
+        self.0.frame(index % 2)
+    }
+
+    fn cached(&self, _index: usize) -> Option<Arc<Frame>> {
+        None
+    }
+}
+
+#[test]
+fn a_long_run_shows_how_far_it_has_come_and_can_be_stopped_there() {
+    let info = motionscope_core::ClipInfo { frames: Some(200), ..clip().info().clone() };
+    let clip = Clip::new(info, Arc::new(Lame(clip())));
+    let estimator = estimator("frame-difference").unwrap();
+    let walker = Walker::new(|| {}).unwrap();
+    let subject = Arc::new(Subject { clip, estimator, ..subject() });
+    walker.start(Job { subject: Arc::clone(&subject), place: Place::END });
+    let begun = Instant::now();
+    let shown = loop {
+        match walker.view().shown {
+            Some(shown) if shown.bound_for.is_some() => break shown,
+            _ => assert!(begun.elapsed() < Duration::from_secs(20), "nothing is shown"),
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    assert!(shown.cursor.unit > 1 && !shown.at_end && walker.view().busy, "{}", shown.cursor);
+    assert_eq!(Place::of(&shown), Place::END, "with other parameters it is bound for the same place");
+    while walker.view().progress.is_none_or(|(done, _)| done <= shown.cursor.unit) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let progress = walker.view().progress;
+    assert!(progress.is_some_and(|(done, of)| done > shown.cursor.unit && done < of), "{progress:?}");
+    walker.stop();
+    walker.wait();
+    let stopped = walker.view().shown.unwrap();
+    assert!(stopped.cursor >= shown.cursor && stopped.bound_for.is_none() && !stopped.at_end, "{}", stopped.cursor);
+    walker.go(Move::Rung(2, Way::Forward));
+    assert!(cursor(&walker) > stopped.cursor);
+}

@@ -1,0 +1,248 @@
+//! TOML that is read key by key, so that whatever is wrong is told with its line and its key.
+
+use std::borrow::Cow;
+
+use motionscope_core::Error;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A table of the text. Keys are taken out of it one after the other; what is left is not known.
+pub struct Section<'a> {
+    /// What its keys begin with: `picture.`.
+    path: String,
+    /// Where it begins.
+    line: usize,
+    entries: Vec<(String, Entry<'a>)>,
+    known: Vec<&'static str>,
+}
+
+/// A value and where it stands.
+pub struct Entry<'a> {
+    text: &'a str,
+    line: usize,
+    key: String,
+    value: DeValue<'a>,
+}
+
+impl<'a> Section<'a> {
+    /// The whole of `text`.
+    ///
+    /// # Errors
+    /// A sentence that names the line if it is no TOML.
+    pub fn parse(text: &'a str) -> Result<Self, Error> {
+        let table = DeTable::parse(text).map_err(|error| unreadable(text, &error))?;
+        Ok(Self::new(text, (String::new(), 1), table.into_inner()))
+    }
+
+    fn new(text: &'a str, (path, line): (String, usize), table: DeTable<'a>) -> Self {
+        let entry = |(name, value): (Spanned<Cow<'a, str>>, Spanned<DeValue<'a>>)| {
+            let line = line_at(text, name.span().start);
+            let key = format!("{path}{}", name.get_ref());
+            (name.into_inner().into_owned(), Entry { text, line, key, value: value.into_inner() })
+        };
+        let entries = table.into_iter().map(entry).collect();
+        Self { entries, line, known: Vec::new(), path }
+    }
+
+    /// A section without keys.
+    pub fn empty() -> Self {
+        Self { path: String::new(), line: 1, entries: Vec::new(), known: Vec::new() }
+    }
+
+    /// The value of a key, if it is there.
+    pub fn take(&mut self, key: &'static str) -> Option<Entry<'a>> {
+        self.known.push(key);
+        let place = self.entries.iter().position(|(name, _)| name == key)?;
+        Some(self.entries.swap_remove(place).1)
+    }
+
+    /// The value of a key that must be there.
+    ///
+    /// # Errors
+    /// If it is not.
+    pub fn need(&mut self, key: &'static str) -> Result<Entry<'a>, Error> {
+        let lacks = || match self.path.trim_end_matches('.') {
+            "" => Error::new(format!("it has no key {key}; add a line {key} = …")),
+            path => Error::new(format!("line {}: {path} has no key {key}; add it", self.line)),
+        };
+        // The error is made first: the key is taken out of what it tells of.
+        let lacks = lacks();
+        self.take(key).ok_or(lacks)
+    }
+
+    /// All keys with their values, whatever they are called, in the order of the text.
+    pub fn all(self) -> Vec<(String, Entry<'a>)> {
+        let mut entries = self.entries;
+        entries.sort_by_key(|(_, entry)| entry.line);
+        entries
+    }
+
+    /// Nothing more is to be taken.
+    ///
+    /// # Errors
+    /// If there is a key that nobody has asked for.
+    pub fn end(self) -> Result<(), Error> {
+        let known = self.known.join(", ");
+        match self.entries.iter().min_by_key(|(_, entry)| entry.line) {
+            None => Ok(()),
+            Some((name, entry)) => {
+                let name = Error::short_name(name);
+                Err(Error::new(format!("line {}: there is no key {name} here; there are {known}", entry.line)))
+            }
+        }
+    }
+}
+
+impl<'a> Entry<'a> {
+    /// What is wrong with the value, with its line and key.
+    pub fn wrong(&self, why: impl std::fmt::Display) -> Error {
+        Error::new(format!("line {}, {}: {why}", self.line, Error::short_name(&self.key)))
+    }
+
+    fn is_no(&self, what: &str) -> Error {
+        let found = match &self.value {
+            DeValue::String(text) => format!("the text \"{}\"", Error::short_name(text)),
+            DeValue::Integer(number) => format!("{number}"),
+            DeValue::Float(number) => format!("{number}"),
+            DeValue::Boolean(value) => format!("{value}"),
+            DeValue::Datetime(_) => "a date".into(),
+            DeValue::Array(_) => "a list".into(),
+            DeValue::Table(_) => "a section".into(),
+        };
+        self.wrong(format!("{what} is needed, not {found}"))
+    }
+
+    /// A text.
+    ///
+    /// # Errors
+    /// If it is something else.
+    pub fn text(&self) -> Result<&str, Error> {
+        self.value.as_str().ok_or_else(|| self.is_no("a text in quotes"))
+    }
+
+    /// A text, read as something.
+    ///
+    /// # Errors
+    /// If it is none, or cannot be read so.
+    pub fn parsed<T>(&self, parse: impl FnOnce(&str) -> Result<T, Error>) -> Result<T, Error> {
+        parse(self.text()?).map_err(|why| self.wrong(why))
+    }
+
+    /// A whole number.
+    ///
+    /// # Errors
+    /// If it is something else.
+    pub fn whole(&self) -> Result<i64, Error> {
+        let number =
+            self.value.as_integer().and_then(|number| i64::from_str_radix(number.as_str(), number.radix()).ok());
+        number.ok_or_else(|| self.is_no("a whole number"))
+    }
+
+    /// A number that counts something.
+    ///
+    /// # Errors
+    /// If it is something else, or negative.
+    pub fn count(&self) -> Result<usize, Error> {
+        usize::try_from(self.whole()?).map_err(|_| self.is_no("a whole number from 0 on"))
+    }
+
+    /// A number.
+    ///
+    /// # Errors
+    /// If it is something else.
+    pub fn number(&self) -> Result<f32, Error> {
+        number(&self.value).ok_or_else(|| self.is_no("a number"))
+    }
+
+    /// Yes or no.
+    ///
+    /// # Errors
+    /// If it is something else.
+    pub fn switch(&self) -> Result<bool, Error> {
+        self.value.as_bool().ok_or_else(|| self.is_no("true or false"))
+    }
+
+    /// A number or a text: whichever it is.
+    ///
+    /// # Errors
+    /// If it is something else.
+    pub fn number_or_text(&self) -> Result<Result<f32, &str>, Error> {
+        match (number(&self.value), self.value.as_str()) {
+            (Some(number), _) => Ok(Ok(number)),
+            (None, Some(text)) => Ok(Err(text)),
+            _ => Err(self.is_no("a number or a text in quotes")),
+        }
+    }
+
+    /// So many numbers.
+    ///
+    /// # Errors
+    /// If it is something else.
+    pub fn numbers<const N: usize>(&self) -> Result<[f32; N], Error> {
+        let all: Option<Vec<f32>> =
+            self.value.as_array().and_then(|all| all.iter().map(|value| number(value.get_ref())).collect());
+        let all = all.and_then(|all| <[f32; N]>::try_from(all).ok());
+        all.ok_or_else(|| self.is_no(&format!("a list of {N} numbers")))
+    }
+
+    /// The value as a person would type it on the command line.
+    ///
+    /// # Errors
+    /// If it is a list or a section.
+    pub fn plain(&self) -> Result<String, Error> {
+        match &self.value {
+            DeValue::String(text) => Ok(text.clone().into_owned()),
+            DeValue::Boolean(value) => Ok(value.to_string()),
+            DeValue::Integer(_) => self.whole().map(|number| number.to_string()),
+            DeValue::Float(number) => Ok(number.as_str().to_owned()),
+            _ => Err(self.is_no("a single value")),
+        }
+    }
+
+    /// A section with keys of its own.
+    ///
+    /// # Errors
+    /// If it is something else.
+    pub fn section(self) -> Result<Section<'a>, Error> {
+        match self.value {
+            DeValue::Table(table) => Ok(Section::new(self.text, (format!("{}.", self.key), self.line), table)),
+            _ => Err(self.is_no("a section")),
+        }
+    }
+
+    /// Several sections.
+    ///
+    /// # Errors
+    /// If it is something else.
+    pub fn sections(self) -> Result<Vec<Section<'a>>, Error> {
+        let DeValue::Array(all) = self.value else { return Err(self.is_no("a list of sections")) };
+        let entry = |value: Spanned<DeValue<'a>>| {
+            let line = line_at(self.text, value.span().start);
+            Entry { text: self.text, line, key: self.key.clone(), value: value.into_inner() }.section()
+        };
+        all.into_iter().map(entry).collect()
+    }
+}
+
+fn number(value: &DeValue<'_>) -> Option<f32> {
+    match value {
+        DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix()).ok().map(|n| n as f32),
+        DeValue::Float(number) => number.as_str().parse().ok(),
+        _ => None,
+    }
+}
+
+/// The line of the byte `at`, counted from 1.
+fn line_at(text: &str, at: usize) -> usize {
+    let before = text.as_bytes().get(..at).unwrap_or(text.as_bytes());
+    1 + before.iter().filter(|byte| **byte == b'\n').count()
+}
+
+/// Why `text` is no TOML.
+fn unreadable(text: &str, error: &toml::de::Error) -> Error {
+    let line = line_at(text, error.span().map_or(0, |span| span.start));
+    if error.message().contains("duplicate key") {
+        return Error::new(format!("line {line} has a key that is there already; leave one of them out"));
+    }
+    Error::new(format!("line {line} is not written as key = value, with texts in quotes"))
+}

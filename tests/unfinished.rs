@@ -1,0 +1,107 @@
+//! What a run that is ended by a signal, or by a crash, leaves behind.
+#![cfg(unix)]
+
+use std::fs;
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// A folder for the output, and one for what the program remembers.
+struct Place {
+    out: tempfile::TempDir,
+    data: tempfile::TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        Self { out: tempfile::tempdir().unwrap(), data: tempfile::tempdir().unwrap() }
+    }
+
+    fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+        command.args(line.split_whitespace()).env("XDG_DATA_HOME", self.data.path());
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command
+    }
+
+    /// A run that writes a long clip, once it is in the middle of that.
+    fn writes(&self) -> Child {
+        let line = "synth traffic --set frames=500 --set width=320 --set height=240 --out";
+        let run = self.command(line).arg(self.out.path()).spawn().unwrap();
+        let begun = Instant::now();
+        while !unfinished(self.out.path()).is_some_and(|draft| draft.join("frame_0002.png").exists()) {
+            assert!(begun.elapsed() < Duration::from_secs(60), "nothing is written");
+            thread::sleep(Duration::from_millis(5));
+        }
+        run
+    }
+
+    fn names(&self) -> Vec<PathBuf> {
+        fs::read_dir(self.out.path()).unwrap().map(|entry| entry.unwrap().path()).collect()
+    }
+}
+
+fn unfinished(folder: &Path) -> Option<PathBuf> {
+    let mut all = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
+    all.find(|entry| entry.file_name().to_string_lossy().starts_with(".motionscope-")).map(|entry| entry.path())
+}
+
+fn send(signal: &str, run: &Child) {
+    let sent = Command::new("kill").args([signal, &run.id().to_string()]).status();
+    assert!(sent.is_ok_and(|status| status.success()));
+}
+
+#[test]
+fn a_signal_ends_a_run_and_leaves_nothing() {
+    for (name, number) in [("-INT", 2), ("-TERM", 15), ("-HUP", 1)] {
+        let place = Place::new();
+        let mut run = place.writes();
+        send(name, &run);
+        let status = run.wait().unwrap();
+        assert_eq!(status.signal(), Some(number), "whoever waits learns what has ended it");
+        assert_eq!(place.names(), [PathBuf::new(); 0], "{name}");
+        let notes = place.data.path().join("motionscope/unfinished");
+        assert_eq!(fs::read_dir(notes).unwrap().count(), 0, "{name}");
+    }
+}
+
+#[test]
+fn what_a_crash_leaves_is_swept_at_the_next_start_and_a_run_at_work_keeps_its_own() {
+    let (place, other) = (Place::new(), Place::new());
+    let mut crashed = place.writes();
+    send("-KILL", &crashed);
+    crashed.wait().unwrap();
+    assert!(unfinished(place.out.path()).is_some(), "a crash leaves something");
+    // Another one is at work, in a folder of its own and with the same memory.
+    let at_work = Place { out: other.out, data: place.data };
+    let mut alive = at_work.writes();
+    let draft = unfinished(at_work.out.path()).unwrap();
+    let before = fs::read_dir(&draft).unwrap().count();
+    assert!(at_work.command("list").status().unwrap().success());
+    assert_eq!(unfinished(place.out.path()), None, "it is swept");
+    assert!(fs::read_dir(&draft).unwrap().count() >= before, "what is at work is left alone");
+    send("-TERM", &alive);
+    alive.wait().unwrap();
+    assert!(at_work.names().is_empty());
+}
+
+#[test]
+fn a_signal_that_was_turned_off_stays_so() {
+    let place = Place::new();
+    let program = env!("CARGO_BIN_EXE_motionscope");
+    let line =
+        format!("trap '' HUP; exec {program} synth traffic --set frames=40 --out {}", place.out.path().display());
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &line]).env("XDG_DATA_HOME", place.data.path()).stdout(Stdio::null());
+    let mut run = shell.spawn().unwrap();
+    let begun = Instant::now();
+    while unfinished(place.out.path()).is_none() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "nothing is written");
+        thread::sleep(Duration::from_millis(2));
+    }
+    send("-HUP", &run);
+    assert!(run.wait().unwrap().success(), "as with nohup");
+    assert!(place.out.path().join("frame_0039.png").exists());
+}
