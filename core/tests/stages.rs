@@ -86,16 +86,24 @@ fn points_are_carried_by_the_flow_that_the_stage_makes() {
     assert!(compared > 10, "only {compared} points were compared");
 }
 
+/// Of the five cars some drive under the bridge: from the true boxes with noise MOTA is 0.83. What a detector finds of a car that
+/// is half hidden is half a box, so less is reached from masks.
 #[test]
 fn the_pipeline_of_the_course_does_not_tear_cars() {
     let clip = clip("traffic", &[]);
-    for id in ["kalman-tracker", "trajectory-analysis"] {
-        let pipeline = set(id, &[("source", "moving"), ("detector", "mixture-of-gaussians")]);
+    for id in ["kalman-tracker", "blob-tracker", "trajectory-analysis"] {
+        let pipeline = set(id, &[("source", "moving")]);
         let output = pipeline.run(&clip, 0, &Threads::new(2).expect("sound")).expect("a run");
         let assessment = output.assess(&Reference { clip: &clip, frame: 0 }).expect("frames");
-        let mota =
-            assessment.scores.iter().find(|score| score.measure.key == "mota").and_then(|score| score.value.real());
-        assert!(mota.is_some_and(|mota| mota >= 0.8), "{id}: MOTA {mota:?}");
+        let of = |key: &str| {
+            let score = assessment.scores.iter().find(|score| score.measure.key == key);
+            score.and_then(|score| score.value.real()).expect("it is scored")
+        };
+        if id != "trajectory-analysis" {
+            assert!(of("objects") <= 7.0, "{id}: {} tracks of five cars", of("objects"));
+        }
+        // Before there were stages, the hidden detector came to −0.25.
+        assert!(of("mota") >= 0.5 && of("precision") >= 0.8, "{id}: MOTA {}, {}", of("mota"), of("precision"));
     }
 }
 
