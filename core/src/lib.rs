@@ -2,6 +2,52 @@
 //!
 //! An estimator is one file in the folder of its family. It implements [`Estimator`]; the registry,
 //! [`estimators`], makes it known to the window, the command line and the laws that test it.
+//!
+//! A run makes products: [`Output::get`] gives each by its kind.
+//!
+//! ```
+//! use motionscope_core::{BlockField, Threads, estimator, synth};
+//!
+//! let sample = synth::scene("pillar")?;
+//! let clip = synth::make(sample.id, &sample.difficulty())?;
+//! let mut search = estimator("diamond")?;
+//! search.set("block", "8")?;
+//! let output = search.run(&clip, 0, &Threads::all()?)?;
+//! let blocks = output.get::<BlockField>().expect("a block search makes block vectors");
+//! println!("{} candidates for {} blocks", blocks.candidates(), blocks.vectors.len());
+//! # assert!(blocks.candidates() > 0);
+//! # Ok::<(), motionscope_core::Error>(())
+//! ```
+//!
+//! The same run can be walked through, in both directions, with a sentence for every step:
+//!
+//! ```
+//! use motionscope_core::{Cursor, Move, Way, estimator, synth};
+//!
+//! # let sample = synth::scene("pillar")?;
+//! # let clip = synth::make(sample.id, &sample.difficulty())?;
+//! let mut walk = estimator("diamond")?.walk(&clip, 0)?;
+//! walk.jump(Move::To(Cursor { unit: 34, event: 2 }));
+//! let there = walk.step(None);
+//! println!("{}", there.sentence.plain());
+//! let event = walk.info().rungs.len() - 1;
+//! walk.jump(Move::Rung(event, Way::Forward));
+//! walk.jump(Move::Rung(event, Way::Back));
+//! assert_eq!(walk.step(None), there);
+//! # Ok::<(), motionscope_core::Error>(())
+//! ```
+//!
+//! An estimator can be a stage of another, with parameters of its own:
+//!
+//! ```
+//! use motionscope_core::estimator;
+//!
+//! let mut tracker = estimator("kalman-tracker")?;
+//! tracker.set("detector", "mixture-of-gaussians")?;
+//! tracker.set("detector.rate", "0.01")?;
+//! assert!(tracker.set("detector", "full-search").unwrap_err().to_string().contains("makes block vectors"));
+//! # Ok::<(), motionscope_core::Error>(())
+//! ```
 
 pub mod block_matching;
 mod block_search;
