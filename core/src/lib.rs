@@ -30,6 +30,7 @@ pub mod optical_flow;
 mod output;
 pub mod params;
 mod polynomial;
+pub mod pseudocode;
 mod pyramid;
 mod registry;
 pub mod scene;
