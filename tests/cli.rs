@@ -51,6 +51,8 @@ fn list_names_every_estimator_with_its_parameters() {
         (&block["range"], &block["default"], &block["unit"]),
         (&serde_json::json!([4, 64]), &16.into(), &"px".into())
     );
+    let best = serde_json::json!({ "name": "keep-best", "text": "      best ← cost at (u, v)" });
+    assert!(full["pseudocode"].as_array().unwrap().contains(&best), "{}", full["pseudocode"]);
     let text = stdout(folder.path(), "list");
     assert!(text.contains("full-search") && text.contains("4 to 64 px; 16 unless set"));
 }

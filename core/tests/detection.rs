@@ -409,8 +409,7 @@ fn what_a_stage_does_can_be_seen() {
             walk.step(None).line.as_str()
         })
         .collect();
-    let stages =
-        ["compare", "decide", "remove-shadows", "open", "close", "label", "keep-blobs", "update-model"];
+    let stages = ["compare", "decide", "remove-shadows", "open", "close", "label", "keep-blobs", "update-model"];
     assert_eq!(lines, stages);
     assert_eq!(walk.at_frame(), 11);
 }

@@ -163,7 +163,8 @@ fn every_step_of_a_feature_is_told() {
         lines.push(walk.step(None).line.as_str());
         walk.jump(Move::Rung(3, Way::Forward));
     }
-    let expected = ["compute-responses", "find-peaks", "take-strongest", "track", "track-back", "fit-first-view", "move"];
+    let expected =
+        ["compute-responses", "find-peaks", "take-strongest", "track", "track-back", "fit-first-view", "move"];
     for line in expected {
         assert!(lines.contains(&line), "line {line} is never lit: {lines:?}");
     }

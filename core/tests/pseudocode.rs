@@ -11,8 +11,8 @@ use motionscope_core::params::{Kind, Placed, Spot, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
 use motionscope_core::scene::Sentence;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Flow, Frame, Grid, Info, Move, ObjectBox, Promise, Spec, Step, Truth,
-    Walk, Way, estimators, pseudocode,
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Flow, Frame, Grid, Info, Move, ObjectBox, Promise, Spec,
+    Step, Truth, Walk, Way, estimators, pseudocode,
 };
 
 /// The size of a picture of which each part does something else.
@@ -53,8 +53,7 @@ fn boxes(t: usize) -> Vec<ObjectBox> {
         (6, [54.0, 2.0 + 4.0 * (t - 20.0)], [8.0, 8.0], 20.0..99.0),
     ];
     let there = all.into_iter().filter(|(.., when)| when.contains(&t));
-    let boxed =
-        there.map(|(id, [x, y], [width, height], _)| ObjectBox { id, x, y, width, height, visibility: 1.0 });
+    let boxed = there.map(|(id, [x, y], [width, height], _)| ObjectBox { id, x, y, width, height, visibility: 1.0 });
     boxed.collect()
 }
 
@@ -65,7 +64,8 @@ fn objects(frames: usize) -> Clip {
         Frame::rgb(Grid::from_fn(SIZE.0, SIZE.1, |x, y| {
             let (u, v) = (x as f32, y as f32);
             let inside = |b: &&ObjectBox| (b.x..b.x + b.width).contains(&u) && (b.y..b.y + b.height).contains(&v);
-            let shaded = |b: &ObjectBox| (b.x..b.x + b.width).contains(&u) && (0.0..4.0).contains(&(v - b.y - b.height));
+            let shaded =
+                |b: &ObjectBox| (b.x..b.x + b.width).contains(&u) && (0.0..4.0).contains(&(v - b.y - b.height));
             // A speck that opening takes off.
             if (x, y, t % 3) == (62, 46, 1) {
                 return [250; 3];
@@ -91,9 +91,11 @@ fn objects(frames: usize) -> Clip {
 
 /// Whether a pixel belongs to one of two black figures on the wall: a ring, and a U whose arms meet at its end.
 fn is_black((x, y): (usize, usize)) -> bool {
-    let is_in = |[left, right]: [usize; 2], [top, bottom]: [usize; 2]| (left..right).contains(&x) && (top..bottom).contains(&y);
-    let is_ring = is_in([1, 15], [33, 47]) && !is_in([5, 11], [37, 43]);
-    is_ring || is_in([44, 58], [30, 46]) && !is_in([48, 54], [30, 42])
+    let is_in =
+        |[left, right]: [usize; 2], [top, bottom]: [usize; 2]| (left..right).contains(&x) && (top..bottom).contains(&y);
+    // Their insides are wider than what closing fills.
+    let is_ring = is_in([1, 19], [28, 46]) && !is_in([4, 16], [31, 43]);
+    is_ring || is_in([40, 58], [28, 46]) && !is_in([43, 55], [28, 43])
 }
 
 /// What a detector makes of boxes: those that overlap are one, one of them it is not sure of now and then.
@@ -183,7 +185,7 @@ fn stripped(sentence: &str) -> String {
     let mut words = String::new();
     let mut letters = sentence.chars().peekable();
     while let Some(c) = letters.next() {
-        let is_within = || words.ends_with('#') && letters.peek().is_some_and(char::is_ascii_digit);
+        let mut is_within = || words.ends_with('#') && letters.peek().is_some_and(char::is_ascii_digit);
         let is_number = c.is_ascii_digit() || (".,\u{2009}\u{202f}".contains(c) && is_within());
         match is_number {
             true if words.ends_with('#') => {}

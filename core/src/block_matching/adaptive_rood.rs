@@ -53,7 +53,9 @@ impl BlockSearch for AdaptiveRood {
     }
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        tester.stage(line::TEST_ZERO, [[0, 0]].into_iter(), || "Does the block stay where it is? (0, 0) is tested first.".into());
+        tester.stage(line::TEST_ZERO, [[0, 0]].into_iter(), || {
+            "Does the block stay where it is? (0, 0) is tested first.".into()
+        });
         let (cost, most) = (tester.best_distortion(), tester.cost_of_levels(self.still));
         if cost <= most {
             let settings = tester.settings.free();
@@ -68,8 +70,8 @@ impl BlockSearch for AdaptiveRood {
             None => format!("There is no block to the left to learn from, so the arms are {arm} px long."),
         });
         tester.stage(line::TEST_ROOD, around([0, 0], &SMALL, arm).chain(predicted), || match predicted {
-            Some(p) => format!("The ends of the arms around (0, 0) are tested, and {}.", vector(p)),
-            None => "The ends of the arms around (0, 0) are tested.".into(),
+            Some(p) if p != [0, 0] => format!("(0, 0), the 4 ends of the arms around it and {} are tested.", vector(p)),
+            _ => "(0, 0) and the 4 ends of the arms around it are tested.".into(),
         });
         let lines = Downhill { test: line::TEST_SMALL_DIAMOND, decide: line::UNTIL_BEST_STAYS };
         walk_downhill(tester, &SMALL, lines, "small diamond");

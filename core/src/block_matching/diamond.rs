@@ -11,7 +11,9 @@
 //! . . . . . . . .
 //! ```
 
-use crate::block_search::{BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector};
+use crate::block_search::{
+    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector,
+};
 use crate::pseudocode::Name;
 use crate::{Info, Observer};
 
@@ -50,7 +52,7 @@ impl BlockSearch for Diamond {
         let lines = Downhill { test: line::TEST_LARGE_DIAMOND, decide: line::MOVE_CENTER };
         let centre = walk_downhill(tester, &LARGE, lines, "large diamond");
         tester.stage(line::TEST_SMALL_DIAMOND, around(centre, &SMALL, 1), || {
-            format!("The small diamond looks closer, at the 4 points next to {}.", vector(centre))
+            format!("The small diamond looks closer: its centre {} and the 4 points next to it.", vector(centre))
         });
     }
 }
@@ -74,10 +76,12 @@ pub(super) fn walk_downhill(
     let mut verb = "begins";
     loop {
         let centre = tester.best();
-        tester.stage(lines.test, around(centre, pattern, 1), || format!("The {name} {verb} at {}.", vector(centre)));
+        tester.stage(lines.test, around(centre, pattern, 1), || {
+            format!("The {name} {verb} at {}, with {} points.", vector(centre), pattern.len())
+        });
         let best = tester.best();
         tester.tell(lines.decide, || match best == centre {
-            true => format!("Nothing on the {name} beats its centre {}: the {name} stays.", vector(centre)),
+            true => format!("Nothing on the {name} beats its centre {}: it stays.", vector(centre)),
             false => format!(
                 "{} is better than the centre {}: the {name} moves there and looks further that way.",
                 vector(best),

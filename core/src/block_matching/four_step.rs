@@ -46,8 +46,11 @@ impl BlockSearch for FourStep {
         let (mut centre, squares) = ([0, 0], (self.range / 2).max(1));
         for number in 1..=squares {
             tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, 2), || match number {
-                1 => "The square begins at (0, 0), its points 2 px apart.".into(),
-                _ => format!("The square stands at {}: number {number} of {squares} at most.", vector(centre)),
+                1 => "The square begins at (0, 0), its 9 points 2 px apart.".into(),
+                _ => format!(
+                    "The square of 9 points stands at {}: number {number} of {squares} at most.",
+                    vector(centre)
+                ),
             });
             let best = tester.best();
             tester.tell(line::MOVE_CENTER, || match best == centre {
@@ -61,7 +64,7 @@ impl BlockSearch for FourStep {
         }
         let best = tester.best();
         tester.stage(line::TEST_NEIGHBORS, around(best, &SQUARE, 1), || {
-            format!("The last step looks at the 8 neighbours of {}.", vector(best))
+            format!("The last step looks at {} and its 8 neighbours.", vector(best))
         });
     }
 }

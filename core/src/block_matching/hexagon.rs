@@ -11,7 +11,9 @@
 //! ```
 
 use super::diamond::{Downhill, SMALL, walk_downhill};
-use crate::block_search::{BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector};
+use crate::block_search::{
+    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector,
+};
 use crate::{Info, Observer, Promise};
 
 block_search_params! {
@@ -48,7 +50,7 @@ impl BlockSearch for Hexagon {
         let lines = Downhill { test: line::TEST_HEXAGON, decide: line::MOVE_CENTER };
         let centre = walk_downhill(tester, &HEXAGON, lines, "hexagon");
         tester.stage(line::TEST_SMALL_DIAMOND, around(centre, &SMALL, 1), || {
-            format!("The 4 points next to {} end the search.", vector(centre))
+            format!("The centre {} and the 4 points next to it end the search.", vector(centre))
         });
     }
 }

@@ -48,7 +48,9 @@ impl BlockSearch for NewThreeStep {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let mut left = self.range as i32;
         let step = (left + 1) / 2;
-        tester.tell(line::SET_STEP, || format!("The search can go {left} px: the first step is half of that, {step} px."));
+        tester.tell(line::SET_STEP, || {
+            format!("The search can go {left} px: the first step is half of that, {step} px.")
+        });
         tester.stage(line::TEST_BOTH_SQUARES, around([0, 0], &SQUARE, 1).chain(around([0, 0], &SQUARE[1..], step)), || {
             format!(
                 "Most motion is small, so the neighbours of (0, 0) are tested as well as the 8 points {step} px away."

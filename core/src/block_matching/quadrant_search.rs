@@ -12,7 +12,9 @@
 //! 1 . . . . . . . 1 . . . . . . . 1
 //! ```
 
-use crate::block_search::{BlockSearch, Displacement, Event, Tester, Window, block_search_params, search_pseudocode, vector};
+use crate::block_search::{
+    BlockSearch, Displacement, Event, Tester, Window, block_search_params, search_pseudocode, vector,
+};
 use crate::{Info, Observer, Promise};
 
 block_search_params! {

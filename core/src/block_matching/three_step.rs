@@ -12,7 +12,9 @@
 //! 1 . . . 1 . 2 . 2
 //! ```
 
-use crate::block_search::{BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector};
+use crate::block_search::{
+    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector,
+};
 use crate::{Info, Observer};
 
 block_search_params! {

@@ -1,7 +1,7 @@
 //! How corner detection is told and drawn.
 
-use super::declare::line;
 use super::corners::{Corners, Event, Measure, Stage, State};
+use super::declare::line;
 use super::select::{Peaks, Settings};
 use crate::differential::{Tensor, tell};
 use crate::pseudocode::Name;
@@ -43,7 +43,11 @@ impl<M: Measure> Corners<M> {
         let Some(last) = seen.events.last() else {
             let sentence = "A place can be found again if gradients around it point in several directions. How much of a \
                             corner each pixel is, its structure tensor tells.";
-            return Step { line: line::TAKE_DERIVATIVES, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+            return Step {
+                line: line::TAKE_DERIVATIVES,
+                sentence: Sentence::default().text(sentence),
+                readouts: Vec::new(),
+            };
         };
         let at_work = match last {
             Event::Response(_) => line::RESPOND,

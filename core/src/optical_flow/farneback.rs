@@ -230,7 +230,11 @@ impl Estimator for Farneback {
             let sentence = "A neighbourhood is described by the polynomial x · A x + b · x + c that fits it best. If the picture \
                             moves by d, the polynomial becomes that of x − d, and its b becomes b − 2 A d: what b has \
                             changed by tells d.";
-            return Step { line: line::START_AT_ZERO, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+            return Step {
+                line: line::START_AT_ZERO,
+                sentence: Sentence::default().text(sentence),
+                readouts: Vec::new(),
+            };
         };
         let line = match looked.part {
             Part::Expanded => line::EXPAND,

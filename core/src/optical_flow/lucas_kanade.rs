@@ -176,7 +176,7 @@ impl State {
 pseudocode! {
     START_AT_ZERO: "(u, v) ← 0 for each pixel",
     EACH_ITERATION: "for each iteration",
-    LINEARIZE: "  (u₀, v₀) ← (u, v) where known; bring frame t+1 back along it, take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀",
+    LINEARIZE: "  (u₀, v₀) ← (u, v) where known; bring frame t+1 back along it, take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀, unknown where a pixel left the picture",
     EACH_PIXEL: "  for each pixel: T ← Σ w (I_x², I_x I_y; I_x I_y, I_y²) over what is known of the window around it, Σ w = 1",
     IS_SINGULAR: "    if the smaller eigenvalue of T < threshold, then unknown",
     SOLVE: "    else (u, v) ← −T⁻¹ Σ w c (I_x, I_y)",

@@ -162,7 +162,11 @@ impl Estimator for NormalFlow {
     fn step(&self, seen: &Seen<Self>) -> Step {
         let Some(pixel) = pixel(seen) else {
             let sentence = "Both frames are smoothed and their derivatives taken. Each pixel is asked by itself.";
-            return Step { line: line::TAKE_DERIVATIVES, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+            return Step {
+                line: line::TAKE_DERIVATIVES,
+                sentence: Sentence::default().text(sentence),
+                readouts: Vec::new(),
+            };
         };
         let of = &seen.before.fixed.derivatives;
         let found = self.nearest(of.at(pixel));

@@ -127,8 +127,11 @@ impl Looked<'_> {
                 .text(format!(" has the gradient b₁ = {}.", words::vector(polynomial.b)))
             }
             Part::Paired => {
-                let said =
-                    said.text("By now ").ink(Role::Reference, pixel).text(" moves by ").ink(Role::Best, px(self.from()));
+                let said = said
+                    .text("By now ")
+                    .ink(Role::Reference, pixel)
+                    .text(" moves by ")
+                    .ink(Role::Best, px(self.from()));
                 said.text(match self.whole() {
                     Some(whole) => {
                         format!(", so it is compared with the polynomial {} whole px away.", words::vector(whole))
@@ -141,7 +144,10 @@ impl Looked<'_> {
                     .text("What b has changed by from one polynomial of ")
                     .ink(Role::Reference, pixel)
                     .text(format!(" to the other, and the way between them, say A d = {}.", words::vector(shift.b))),
-                None => said.ink(Role::Reference, pixel).text(" has left the picture: it says nothing."),
+                None => said
+                    .text("There is no second polynomial for ")
+                    .ink(Role::Reference, pixel)
+                    .text(", so it says nothing."),
             },
             Part::Averaged => {
                 let [large, small] = self.tensor.eigenvalues().map(words::number);

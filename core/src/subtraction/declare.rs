@@ -61,9 +61,7 @@ pub(crate) use subtraction_params;
 
 /// The lines that all background subtractions have; shadows are not looked for by all.
 pub(super) mod line {
-    crate::line_names!(
-        BEGIN_MODEL, COMPARE, DECIDE, REMOVE_SHADOWS, OPEN, CLOSE, LABEL, KEEP_BLOBS, UPDATE_MODEL
-    );
+    crate::line_names!(BEGIN_MODEL, COMPARE, DECIDE, REMOVE_SHADOWS, OPEN, CLOSE, LABEL, KEEP_BLOBS, UPDATE_MODEL);
 }
 
 /// The pseudocode of a background subtraction: how the model begins, how a pixel is compared and decided, the line that

@@ -12,8 +12,8 @@ use crate::objects::{Bounds, Life, ObjectField, ObjectFrame};
 use crate::params::{Line, Spots};
 use crate::scene::Chart;
 use crate::{
-    Clip, Error, Estimator, Explained, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step, params,
-    pseudocode,
+    Clip, Error, Estimator, Explained, Info, Observer, Output, Progress, Promise, Role, Rung, Scene, Seen, Step,
+    params, pseudocode,
 };
 
 params! {

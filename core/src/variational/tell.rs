@@ -26,7 +26,11 @@ impl<M: Model> Variational<M> {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let (line, sentence, mut readouts) = match (seen.events.last(), Looked::at(seen)) {
             (None, _) => {
-                return Step { line: line::ENERGY, sentence: Sentence::default().text(M::OPENING), readouts: Vec::new() };
+                return Step {
+                    line: line::ENERGY,
+                    sentence: Sentence::default().text(M::OPENING),
+                    readouts: Vec::new(),
+                };
             }
             (Some(Event::Step(step, _)), Some(looked)) => {
                 let Told { sentence, facts, equation, points, lines } = self.0.told(*step, &looked);
@@ -34,7 +38,9 @@ impl<M: Model> Variational<M> {
                 let plane = plane(seen.before, &looked, points, lines);
                 (M::STEPS[*step], sentence, vec![Readout::Facts(facts), Readout::Equation(equation), plane])
             }
-            (Some(Event::Medians), _) => (line::TAKE_MEDIANS, medians(seen.before), vec![Readout::Facts(self.facts(seen, None))]),
+            (Some(Event::Medians), _) => {
+                (line::TAKE_MEDIANS, medians(seen.before), vec![Readout::Facts(self.facts(seen, None))])
+            }
             _ => (line::WARP, self.warped(seen.before), vec![Readout::Facts(self.facts(seen, None))]),
         };
         readouts.extend(self.series(seen).into_iter().map(Readout::Series));

@@ -100,9 +100,13 @@ impl Klt {
             ));
         };
         match event {
-            Event::Enough if self.replenish => {
-                said.text(format!("{} features are tracked: there is no room for more.", state.live.len()))
-            }
+            Event::Enough if self.replenish => said.text(format!(
+                "{} tracked already: there is no room for more.",
+                match state.live.len() {
+                    1 => "1 feature is".into(),
+                    count => format!("{count} features are"),
+                }
+            )),
             Event::Enough => said.text("Features that were lost are not replaced."),
             Event::Responses(found) => {
                 let largest = found.map.cells().iter().copied().fold(0.0f32, f32::max);

@@ -50,7 +50,11 @@ impl LucasKanade {
             let sentence = "One pixel says too little, so those of a window are asked together: T (u, v) = −Σ w ∇I I_t, where \
                             T holds the products of I_x and I_y alone, summed over the window. (In some course notes it reads \
                             (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x): a misprint.)";
-            return Step { line: line::START_AT_ZERO, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+            return Step {
+                line: line::START_AT_ZERO,
+                sentence: Sentence::default().text(sentence),
+                readouts: Vec::new(),
+            };
         };
         let line = if looked.is_told() { line::SOLVE } else { line::IS_SINGULAR };
         Step { line, sentence: self.sentence(&looked), readouts: self.readouts(seen, &looked) }

@@ -142,7 +142,7 @@ impl KalmanFilter {
                     String::new()
                 }),
             Some(Event::Missed(None)) => said.text(match seen.before.begun {
-                0 => format!("Nothing was ever measured up to frame {frame}: there is nothing to believe."),
+                0 => format!("Nothing was measured up to frame {frame}: no object has begun yet."),
                 _ => format!(
                     "The object was given up, and nothing is measured in frame {frame} that could begin another."
                 ),
