@@ -51,6 +51,8 @@ fn list_names_every_estimator_with_its_parameters() {
         (&block["range"], &block["default"], &block["unit"]),
         (&serde_json::json!([4, 64]), &16.into(), &"px".into())
     );
+    let best = serde_json::json!({ "name": "keep-best", "text": "      best ← cost at (u, v)" });
+    assert!(full["pseudocode"].as_array().unwrap().contains(&best), "{}", full["pseudocode"]);
     let text = stdout(folder.path(), "list");
     assert!(text.contains("full-search") && text.contains("4 to 64 px; 16 unless set"));
 }
@@ -495,7 +497,7 @@ fn a_damaged_truth_found_beside_the_clip_is_a_warning() {
     assert!(told.starts_with("warning: ") && told.contains("frame_0000.flo"), "{told}");
     let metrics = &serde_json::from_slice::<Value>(&run.stdout).unwrap()["metrics"];
     assert!(metrics["candidates"].is_u64() && metrics["psnr_db"].is_f64() && metrics["epe_px"].is_null());
-    assert!(stdout(here, "run clip --estimator full-search").contains("the true flow cannot be read"));
+    assert!(stdout(here, "run clip --estimator full-search").contains("endpoint error      unknown: "));
     refusal(here, "run clip --estimator full-search --truth clip/flow --json");
 }
 
@@ -703,7 +705,7 @@ fn objects_are_tracked_from_detections_alone_and_scored() {
         "{table}"
     );
     let text = stdout(folder.path(), "run det.txt --estimator kalman-tracker");
-    assert!(text.contains("mota, motp") && text.contains("identity switches   0\n"), "{text}");
+    assert!(text.contains("mota, motp") && text.contains("identity switches  0\n"), "{text}");
     // Without looking back the first frames of each object are missing, and the one in which nothing was found.
     let share = 2.0 * (12.0 - 3.0) / 24.0;
     assert_eq!((&metrics["recall"], &told["live"]["recall"]), (&1.0.into(), &share.into()), "{told}");

@@ -287,7 +287,7 @@ fn own_results_are_never_truth() {
     assert_eq!((&info["truth"], &info["truth_files"]), (&serde_json::json!([]), &serde_json::json!([])), "{info}");
     assert!(info["warnings"].to_string().contains("results that Motionscope wrote"), "{info}");
     let told = run("");
-    assert!(told.contains("error       unknown") && !told.contains("truth "), "{told}");
+    assert!(told.contains("unknown: there is no true flow") && !told.contains("truth "), "{told}");
     // Who points to one means it.
     assert_eq!(json(here, "run clip --estimator diamond --truth clip.flo --json")["metrics"]["epe_px"], 0.0);
 }
@@ -302,7 +302,7 @@ fn truth_is_named_wherever_errors_are_told() {
     assert_eq!((kinds.len(), &files[0]), (files.len(), &"flow/frame_0000.flo and 1 more".into()), "{info}");
     assert!(stdout(here, "info clip").contains("flow (flow/frame_0000.flo and 1 more)"));
     let told = stdout(here, "run pair/frame10.png --estimator full-search");
-    assert!(told.contains("truth       flow10.flo, occ_10.png\n") && told.contains("px endpoint"), "{told}");
+    assert!(told.contains("truth       flow10.flo, occ_10.png\n") && told.contains("mean endpoint error"), "{told}");
     let run = json(here, "run pair/frame10.png --estimator full-search --json");
     assert_eq!(run["truth_files"], serde_json::json!(["flow10.flo", "occ_10.png"]));
     let run = json(here, "run ball.y4m --truth known --estimator full-search --json");

@@ -153,7 +153,8 @@ fn a_small_pane_shows_words_numbers_symbols_and_the_line_at_work() {
         _ => None,
     });
     let (sentence, equation) = (fixture.step.sentence.plain(), equation.expect("full search has an equation"));
-    let line = fixture.walk.info().pseudocode[fixture.step.line].trim();
+    let info = fixture.walk.info();
+    let line = info.pseudocode[info.line(fixture.step.line).expect("it is declared")].text.trim();
     let at_work = format!("current line: {line}");
     let pinned = harness.query_all_by_label(&at_work).map(|node| node.rect()).next_back().expect("the line at work");
     assert!(pinned.max.y <= SMALL_PANE.y + 1.0, "{pinned}");

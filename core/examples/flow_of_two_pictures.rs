@@ -22,7 +22,13 @@ fn main() -> Result<(), Error> {
     let flow = output.flow().ok_or_else(|| Error::new(format!("{} makes no flow", method.info().id)))?;
     let known: Vec<_> = flow.0.cells().iter().filter(|uv| uv.iter().all(|c| c.is_finite())).collect();
     let mean = |axis: usize| known.iter().map(|uv| f64::from(uv[axis])).sum::<f64>() / known.len().max(1) as f64;
-    println!("{}: mean displacement ({:.3}, {:.3}) px over {} pixels", method.info().name, mean(0), mean(1), known.len());
+    println!(
+        "{}: mean displacement ({:.3}, {:.3}) px over {} pixels",
+        method.info().name,
+        mean(0),
+        mean(1),
+        known.len()
+    );
     for fact in output.assess(&Reference { clip: &clip, frame: 0 })?.facts {
         println!("{}: {}", fact.label, fact.value);
     }

@@ -1,6 +1,7 @@
 //! What every estimator is: a declaration, a unit of work, and how it is seen and told.
 
 use crate::products::ProductKind;
+use crate::pseudocode::{self, Line, Name};
 use crate::scene::Chart;
 use crate::threads::Threads;
 use crate::timeline::Timeline;
@@ -61,8 +62,8 @@ pub struct Info {
     pub summary: &'static str,
     /// The source that it follows.
     pub source: &'static str,
-    /// The algorithm, line by line; indentation by two spaces.
-    pub pseudocode: &'static [&'static str],
+    /// The algorithm, line by line, as [`pseudocode!`](crate::pseudocode!) declares it.
+    pub pseudocode: &'static [Line],
     /// Names of the ladder's rungs, outermost first. The last is an event, the one before it a unit.
     pub rungs: &'static [&'static str],
     /// How many frames a run looks at, from the one that it starts on.
@@ -102,6 +103,11 @@ pub enum Promise {
 }
 
 impl Info {
+    /// Where in [`Info::pseudocode`] the line called `name` is.
+    pub fn line(&self, name: Name) -> Option<usize> {
+        pseudocode::find(self.pseudocode, name)
+    }
+
     /// Whether a unit of a run is a frame of the clip.
     pub fn is_by_frame(&self) -> bool {
         self.rungs.iter().rev().nth(1) == Some(&"frame")

@@ -75,6 +75,7 @@ pub mod optical_flow;
 pub mod params;
 mod polynomial;
 pub mod products;
+pub mod pseudocode;
 mod pyramid;
 mod registry;
 pub mod scene;

@@ -144,7 +144,7 @@ impl Lockstep {
         family: "Comparison",
         summary: "Several estimators on the same pair of frames, in lockstep.",
         source: "that of each estimator",
-        pseudocode: &["for each block B of frame t", "  each estimator tests its next candidate"],
+        pseudocode: &[],
         rungs: &["frame", "block", "candidate"],
         frames: 2,
     };

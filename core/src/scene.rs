@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use crate::pseudocode::Name;
 use crate::{Grid, Histogram, Levels, Mask, Stack};
 
 /// What a mark or a word stands for. A role has one colour, and one shape or line style, everywhere.
@@ -654,10 +655,10 @@ pub struct Spread {
 }
 
 /// What a step tells: the line of the pseudocode, why, and the numbers.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// Line of [`crate::Info::pseudocode`], from 0.
-    pub line: usize,
+    /// The line of [`crate::Info::pseudocode`] that is at work.
+    pub line: Name,
     /// What happened and why, in one or two sentences.
     pub sentence: Sentence,
     /// What the panels show.

@@ -140,7 +140,7 @@ fn farneback_tells_what_it_does() {
         assert!(left < 0.02 * unlike, "{left} of {unlike} gray levels² are left");
     }
     // What a pixel says is two lines, what its window says many.
-    for (event, lines) in [(2, 2..=2), (3, 20..=200)] {
+    for (event, lines) in [(3, 2..=2), (4, 20..=200)] {
         walk.jump(Move::To(Cursor { unit: 2, event }));
         let count = walk.step(Some(focus)).readouts.iter().find_map(|readout| match readout {
             scene::Readout::Plane(plane) => Some(plane.lines.len()),

@@ -432,10 +432,11 @@ fn every_decision_says_why() {
         let told = told(id, settings, &clip, 12);
         assert!(told.iter().any(|told| told == sentence), "{id}: {told:#?}");
     };
+    has("three-step", &range, "The search can still go 3 px: the step is half of that, rounded up, 2 px.");
     has(
         "three-step",
         &range,
-        "The search can still go 3 px, so it takes half: 9 points in steps of 2 px around (0, 0). \
+        "9 points in steps of 2 px around (0, 0) are tested. \
          Of these 9, 8 lie in the window and were not tested before.",
     );
     has(
@@ -446,13 +447,19 @@ fn every_decision_says_why() {
     has(
         "diamond",
         &range,
-        "(2, 0) is better than the centre (0, 0): the large diamond moves there and looks further that way. \
-         Of these 9, 5 lie in the window and were not tested before.",
+        "(2, 0) is better than the centre (0, 0): the large diamond moves there and looks further that way.",
     );
     has(
         "diamond",
         &range,
-        "Nothing on the large diamond beats its centre (2, 0): the small one looks closer. \
+        "The large diamond stands at (2, 0), with 9 points. \
+         Of these 9, 5 lie in the window and were not tested before.",
+    );
+    has("diamond", &range, "Nothing on the large diamond beats its centre (2, 0): it stays.");
+    has(
+        "diamond",
+        &range,
+        "The small diamond looks closer: its centre (2, 0) and the 4 points next to it. \
          Of these 5, 4 lie in the window and were not tested before.",
     );
     has("log-search", &range, "(2, 0) is still the best, so the step is halved to 1 px.");
@@ -463,10 +470,11 @@ fn every_decision_says_why() {
     );
     let still = told("adaptive-rood", &[("still", "16")], &pit(12, (0, 0)), 12);
     assert!(still.contains(&"SAD 4096 is at most SAD 4096: the block counts as still.".into()), "{still:#?}");
+    has("adaptive-rood", &range, "The block to the left moved by (7, 0), so the arms are 7 px long.");
     has(
         "adaptive-rood",
         &range,
-        "The block to the left moved by (7, 0), so the arms are 7 px long. \
+        "(0, 0), the 4 ends of the arms around it and (7, 0) are tested. \
          Of these 6, 4 lie in the window and were not tested before.",
     );
     has(

@@ -1,8 +1,9 @@
 //! Time travel on a toy estimator: levels of items, an end that nobody knows beforehand, and a damaged frame.
 
+use motionscope_core::scene::Sentence;
 use motionscope_core::{
     BlockField, BlockGrid, BlockVector, Border, Clip, Cursor, Error, Estimator, Frame, Grid, Info, Move, Observer,
-    Output, Product, ProductKind, Progress, Rung, Scene, Seen, Step, Timeline, Walk, Way, params,
+    Output, Product, ProductKind, Progress, Rung, Scene, Seen, Step, Timeline, Walk, Way, params, pseudocode,
 };
 
 params! {
@@ -17,6 +18,10 @@ params! {
     }
 }
 
+pseudocode! {
+    COUNT: "count",
+}
+
 impl Estimator for Toy {
     const INFO: Info = Info {
         id: "toy",
@@ -24,7 +29,7 @@ impl Estimator for Toy {
         family: "Toys",
         summary: "Counts.",
         source: "none",
-        pseudocode: &["count"],
+        pseudocode: line::ALL,
         rungs: &["run", "level", "item", "event"],
         frames: 1,
     };
@@ -67,7 +72,7 @@ impl Estimator for Toy {
     }
 
     fn step(&self, _: &Seen<Self>) -> Step {
-        Step::default()
+        Step { line: line::COUNT, sentence: Sentence::default(), readouts: Vec::new() }
     }
 
     fn draw(&self, _: &Seen<Self>, _: &mut Scene) {}

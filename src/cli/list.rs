@@ -1,6 +1,7 @@
 //! What there is: estimators with their parameters, and synthetic scenes with their sliders.
 
 use motionscope_core::params::Kind;
+use motionscope_core::pseudocode::Line;
 use motionscope_core::synth::{Difficulty, SCENES};
 use motionscope_core::{Params, Spec, Value, estimators};
 use serde_json::{Map, json};
@@ -48,6 +49,7 @@ pub fn json() -> String {
                 "family": info.family,
                 "summary": info.summary,
                 "source": info.source,
+                "pseudocode": info.pseudocode.iter().map(line).collect::<Vec<_>>(),
                 "rungs": info.rungs,
                 "frames": info.frames,
                 "produces": estimator.produces().iter().map(|kind| kind.id).collect::<Vec<_>>(),
@@ -56,6 +58,10 @@ pub fn json() -> String {
         })
         .collect();
     format!("{:#}", json!(all))
+}
+
+fn line(line: &Line) -> serde_json::Value {
+    json!({ "name": line.name.as_str(), "text": line.text })
 }
 
 fn spec(spec: &Spec) -> serde_json::Value {

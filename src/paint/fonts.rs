@@ -112,7 +112,8 @@ mod tests {
     fn what_estimators_say_of_themselves_can_be_written() {
         for estimator in motionscope_core::estimators() {
             let info = estimator.info();
-            let words = [info.name, info.summary, info.source].into_iter().chain(info.pseudocode.iter().copied());
+            let words =
+                [info.name, info.summary, info.source].into_iter().chain(info.pseudocode.iter().map(|line| line.text));
             let docs = estimator.specs().iter().map(|spec| spec.doc.as_str());
             for c in words.chain(docs).flat_map(str::chars) {
                 let face = Face::Sans.with(c);

@@ -3,7 +3,7 @@
 use eframe::egui::text::{LayoutJob, TextFormat};
 use eframe::egui::{self, Align, Color32, Rect, Sense, Stroke, Ui, pos2, vec2};
 use motionscope_core::scene::{Fact, Math, Readout, Sentence};
-use motionscope_core::{Info, Step};
+use motionscope_core::{Info, Step, pseudocode as code};
 
 use super::{ink, math};
 use crate::paint::{Chrome, Face, Theme};
@@ -113,7 +113,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
             });
         }
         let (name, code) = pseudocode(ui, input);
-        let at_work = code.get(step.line).copied();
+        let at_work = info.line(step.line).and_then(|line| code.get(line).copied());
         places.push(name);
         // Nothing is seen of the box around them where nothing is seen of the first.
         places.extend(code.first().map(|line| line.with_min_y(line.min.y - BOX)));
@@ -238,8 +238,15 @@ fn pseudocode(ui: &mut Ui, input: Input<'_>) -> (Rect, Vec<Rect>) {
     let frame = egui::Frame::new().fill(ink::color(chrome.raised)).corner_radius(4.0).inner_margin(vec2(0.0, BOX));
     let shown = frame.show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
+        let at_work = info.line(step.line);
+        let around: Vec<usize> = at_work.into_iter().flat_map(|line| code::around(info.pseudocode, line)).collect();
+        let light = |line: usize| match line {
+            line if at_work == Some(line) => Light::AtWork,
+            line if around.contains(&line) => Light::Around,
+            _ => Light::Other,
+        };
         let lines = info.pseudocode.iter().enumerate();
-        lines.map(|(i, line)| code_line(ui, line, i == step.line, theme)).collect()
+        lines.map(|(i, line)| code_line(ui, line.text, light(i), theme)).collect()
     });
     ui.add_space(8.0);
     (name.rect, shown.inner)
@@ -248,16 +255,27 @@ fn pseudocode(ui: &mut Ui, input: Input<'_>) -> (Rect, Vec<Rect>) {
 /// The line at work alone.
 fn pinned(ui: &mut Ui, input: Input<'_>) {
     let Input { info, step, theme, .. } = input;
-    if let Some(line) = info.pseudocode.get(step.line) {
-        code_line(ui, line.trim_start(), true, theme);
+    if let Some(line) = info.line(step.line) {
+        code_line(ui, info.pseudocode[line].text.trim_start(), Light::AtWork, theme);
     }
 }
 
 /// Room for any line at work, so that nothing jumps from line to line.
 fn pinned_height(ui: &Ui, input: Input<'_>) -> f32 {
-    let height = |line: &&str| code_galley(ui, line.trim_start(), true, input.theme).size().y;
+    let height = |line: &code::Line| code_galley(ui, line.text.trim_start(), Light::AtWork, input.theme).size().y;
     let most = input.info.pseudocode.iter().map(height).fold(0.0, f32::max);
     most + 2.0 * CODE_MARGIN + ui.spacing().item_spacing.y
+}
+
+/// How a line of code stands to the step.
+#[derive(Clone, Copy, PartialEq)]
+enum Light {
+    /// The step is at it.
+    AtWork,
+    /// It is the head of a loop or a condition that the step is in.
+    Around,
+    /// Neither.
+    Other,
 }
 
 /// Above and below all of them.
@@ -272,18 +290,18 @@ fn code_indent(line: &str, theme: Theme) -> f32 {
     1.8 * size + (line.len() - line.trim_start().len()) as f32 * 0.6 * size
 }
 
-fn code_galley(ui: &Ui, line: &str, current: bool, theme: Theme) -> std::sync::Arc<egui::Galley> {
+fn code_galley(ui: &Ui, line: &str, light: Light, theme: Theme) -> std::sync::Arc<egui::Galley> {
     let chrome = theme.chrome();
     let size = theme.sizes().mono;
-    let color = if current { chrome.text } else { chrome.text.mix(chrome.raised, 0.25) };
+    let color = if light == Light::Other { chrome.text.mix(chrome.raised, 0.25) } else { chrome.text };
     let room = (ui.available_width() - code_indent(line, theme) - 8.0).max(8.0 * size);
     let font = ink::font(Face::Mono, size);
     ui.painter().layout_job(LayoutJob::simple(line.trim_start().into(), font, ink::color(color), room))
 }
 
-fn code_line(ui: &mut Ui, line: &str, current: bool, theme: Theme) -> Rect {
-    let chrome = theme.chrome();
-    let galley = code_galley(ui, line, current, theme);
+fn code_line(ui: &mut Ui, line: &str, light: Light, theme: Theme) -> Rect {
+    let (chrome, current) = (theme.chrome(), light == Light::AtWork);
+    let galley = code_galley(ui, line, light, theme);
     let room = vec2(ui.available_width(), galley.size().y + 2.0 * CODE_MARGIN);
     let (rect, response) = ui.allocate_exact_size(room, Sense::hover());
     ink::name(&response, || format!("{}{}", if current { "current line: " } else { "" }, line.trim_start()));

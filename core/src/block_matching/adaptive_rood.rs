@@ -12,8 +12,8 @@
 //! . . . . 1 . . . .
 //! ```
 
-use super::diamond::{SMALL, walk_downhill};
-use crate::block_search::{BlockSearch, Event, Tester, around, block_search_params, pseudocode, vector};
+use super::diamond::{Downhill, SMALL, walk_downhill};
+use crate::block_search::{BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, vector};
 use crate::{Info, Observer};
 
 block_search_params! {
@@ -25,6 +25,16 @@ block_search_params! {
     }
 }
 
+search_pseudocode! {
+    TEST_ZERO: "  test (0, 0)",
+    STOP_IF_STILL: "  if its cost is at most still per pixel, then stop",
+    SET_ARM: "  p ← displacement of the block to the left; arm ← the longer of its |u| and |v|, 2 without one",
+    TEST_ROOD: "  test p and the 4 points at distance arm around (0, 0)",
+    REPEAT: "  repeat",
+    TEST_SMALL_DIAMOND: "    test the 4 points next to the best",
+    UNTIL_BEST_STAYS: "  until the best stays",
+}
+
 impl BlockSearch for AdaptiveRood {
     const INFO: Info = Info {
         id: "adaptive-rood",
@@ -33,16 +43,7 @@ impl BlockSearch for AdaptiveRood {
         summary: "Looks as far out as the block to the left moved, and where it moved, then walks downhill.",
         source: "Y. Nie and K.-K. Ma, Adaptive rood pattern search for fast block-matching motion estimation, \
                  IEEE Trans. Image Processing 11(12), 2002",
-        pseudocode: pseudocode![
-            "  test (0, 0)",
-            "  if its cost is at most still per pixel, then stop",
-            "  p ← displacement of the block to the left",
-            "  arm ← the longer of |u| and |v| of p; 2 if there is no such block",
-            "  test p and the 4 points at distance arm around (0, 0)",
-            "  repeat",
-            "    test the 4 points next to the best",
-            "  until the best stays",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "block", "step"],
         frames: 2,
     };
@@ -52,20 +53,27 @@ impl BlockSearch for AdaptiveRood {
     }
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        tester.stage(2, [[0, 0]].into_iter(), || "Does the block stay where it is? (0, 0) is tested first.".into());
+        tester.stage(line::TEST_ZERO, [[0, 0]].into_iter(), || {
+            "Does the block stay where it is? (0, 0) is tested first.".into()
+        });
         let (cost, most) = (tester.best_distortion(), tester.cost_of_levels(self.still));
         if cost <= most {
             let settings = tester.settings.free();
-            return tester.tell(3, || {
+            return tester.tell(line::STOP_IF_STILL, || {
                 format!("{} is at most {}: the block counts as still.", settings.show(cost), settings.show(most))
             });
         }
         let predicted = tester.neighbours.left.map(|left| left.displacement);
         let arm = predicted.map_or(2, |[u, v]| u.abs().max(v.abs()));
-        tester.stage(6, around([0, 0], &SMALL, arm).chain(predicted), || match predicted {
+        tester.tell(line::SET_ARM, || match predicted {
             Some(p) => format!("The block to the left moved by {}, so the arms are {arm} px long.", vector(p)),
             None => format!("There is no block to the left to learn from, so the arms are {arm} px long."),
         });
-        walk_downhill(tester, &SMALL, 8, "small diamond");
+        tester.stage(line::TEST_ROOD, around([0, 0], &SMALL, arm).chain(predicted), || match predicted {
+            Some(p) if p != [0, 0] => format!("(0, 0), the 4 ends of the arms around it and {} are tested.", vector(p)),
+            _ => "(0, 0) and the 4 ends of the arms around it are tested.".into(),
+        });
+        let lines = Downhill { test: line::TEST_SMALL_DIAMOND, decide: line::UNTIL_BEST_STAYS };
+        walk_downhill(tester, &SMALL, lines, "small diamond");
     }
 }

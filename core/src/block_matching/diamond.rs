@@ -11,7 +11,10 @@
 //! . . . . . . . .
 //! ```
 
-use crate::block_search::{BlockSearch, Displacement, Event, Tester, around, block_search_params, pseudocode, vector};
+use crate::block_search::{
+    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector,
+};
+use crate::pseudocode::Name;
 use crate::{Info, Observer};
 
 block_search_params! {
@@ -25,6 +28,13 @@ const LARGE: [Displacement; 9] = [[0, 0], [0, -2], [-1, -1], [1, -1], [-2, 0], [
 /// A centre and the four points around it: the small diamond.
 pub(super) const SMALL: [Displacement; 5] = [[0, 0], [0, -1], [-1, 0], [1, 0], [0, 1]];
 
+search_pseudocode! {
+    REPEAT: "  centre ← (0, 0); repeat",
+    TEST_LARGE_DIAMOND: "    test the 9 points of the large diamond around centre",
+    MOVE_CENTER: "    if the best is centre, then go on below; else centre ← the best",
+    TEST_SMALL_DIAMOND: "  test the 4 points of the small diamond around centre",
+}
+
 impl BlockSearch for Diamond {
     const INFO: Info = Info {
         id: "diamond",
@@ -33,47 +43,54 @@ impl BlockSearch for Diamond {
         summary: "Walks downhill with a diamond of nine points, and ends with one of four.",
         source: "S. Zhu and K.-K. Ma, A new diamond search algorithm for fast block-matching motion estimation, \
                  IEEE Trans. Image Processing 9(2), 2000",
-        pseudocode: pseudocode![
-            "  centre ← (0, 0)",
-            "  repeat",
-            "    test the 9 points of the large diamond around centre",
-            "    if the best is centre, then go on below; else centre ← the best",
-            "  test the 4 points of the small diamond around centre",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "block", "step"],
         frames: 2,
     };
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let centre = walk_downhill(tester, &LARGE, 4, "large diamond");
-        tester.stage(6, around(centre, &SMALL, 1), || {
-            format!("Nothing on the large diamond beats its centre {}: the small one looks closer.", vector(centre))
+        let lines = Downhill { test: line::TEST_LARGE_DIAMOND, decide: line::MOVE_CENTER };
+        let centre = walk_downhill(tester, &LARGE, lines, "large diamond");
+        tester.stage(line::TEST_SMALL_DIAMOND, around(centre, &SMALL, 1), || {
+            format!("The small diamond looks closer: its centre {} and the 4 points next to it.", vector(centre))
         });
     }
 }
 
-/// Moves `pattern`, called `name`, to the best so far until that is its centre, and gives that centre. `line` of the
-/// pseudocode asks for its points.
+/// The lines of the pseudocode that a walk downhill is at.
+#[derive(Clone, Copy)]
+pub(super) struct Downhill {
+    /// That which asks for the points of the pattern.
+    pub test: Name,
+    /// That which decides whether to go on.
+    pub decide: Name,
+}
+
+/// Moves `pattern`, called `name`, to the best so far until that is its centre, and gives that centre.
 pub(super) fn walk_downhill(
     tester: &mut Tester<impl Observer<Event>>,
     pattern: &'static [Displacement],
-    line: usize,
+    lines: Downhill,
     name: &str,
 ) -> Displacement {
-    let mut before = None;
+    let mut verb = "begins";
     loop {
         let centre = tester.best();
-        if before == Some(centre) {
-            return centre;
-        }
-        tester.stage(line, around(centre, pattern, 1), || match before {
-            None => format!("The {name} begins at {}.", vector(centre)),
-            Some(old) => format!(
+        tester.stage(lines.test, around(centre, pattern, 1), || {
+            format!("The {name} {verb} at {}, with {} points.", vector(centre), pattern.len())
+        });
+        let best = tester.best();
+        tester.tell(lines.decide, || match best == centre {
+            true => format!("Nothing on the {name} beats its centre {}: it stays.", vector(centre)),
+            false => format!(
                 "{} is better than the centre {}: the {name} moves there and looks further that way.",
-                vector(centre),
-                vector(old)
+                vector(best),
+                vector(centre)
             ),
         });
-        before = Some(centre);
+        if best == centre {
+            return centre;
+        }
+        verb = "stands";
     }
 }

@@ -13,12 +13,19 @@
 //! ```
 
 use super::three_step::SQUARE;
-use crate::block_search::{BlockSearch, Event, Tester, around, block_search_params, pseudocode, vector};
+use crate::block_search::{BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, vector};
 use crate::{Info, Observer};
 
 block_search_params! {
     /// Four-step search: a small square moves towards the best match; the last step looks at the neighbours.
     pub struct FourStep {}
+}
+
+search_pseudocode! {
+    REPEAT: "  centre ← (0, 0); repeat range / 2 times",
+    TEST_SQUARE: "    test centre and the 8 points at distance 2 around it",
+    MOVE_CENTER: "    if the best is centre, then go on below; else centre ← the best",
+    TEST_NEIGHBORS: "  test the 8 neighbours of the best",
 }
 
 impl BlockSearch for FourStep {
@@ -30,13 +37,7 @@ impl BlockSearch for FourStep {
         source: "L.-M. Po and W.-C. Ma, A novel four-step search algorithm for fast block motion estimation, \
                  IEEE Trans. Circuits and Systems for Video Technology 6(3), 1996 \
                  (±7 px with 3 squares; here as many as reach the edge of the window)",
-        pseudocode: pseudocode![
-            "  centre ← (0, 0)",
-            "  repeat range / 2 times",
-            "    test centre and the 8 points at distance 2 around it",
-            "    if the best is centre, then go on below; else centre ← the best",
-            "  test the 8 neighbours of the best",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "block", "step"],
         frames: 2,
     };
@@ -44,18 +45,26 @@ impl BlockSearch for FourStep {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let (mut centre, squares) = ([0, 0], (self.range / 2).max(1));
         for number in 1..=squares {
-            tester.stage(4, around(centre, &SQUARE, 2), || match number {
-                1 => "The square begins at (0, 0), its points 2 px apart.".into(),
-                _ => format!("{} lies on the edge of the square, so the square moves there: number {number} of {squares} at most.", vector(centre)),
+            tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, 2), || match number {
+                1 => "The square begins at (0, 0), its 9 points 2 px apart.".into(),
+                _ => format!(
+                    "The square of 9 points stands at {}: number {number} of {squares} at most.",
+                    vector(centre)
+                ),
             });
             let best = tester.best();
+            tester.tell(line::MOVE_CENTER, || match best == centre {
+                true => format!("Nothing on the square beats its centre {}: the square stays.", vector(centre)),
+                false => format!("{} lies on the edge of the square, so the square moves there.", vector(best)),
+            });
             if best == centre {
                 break;
             }
             centre = best;
         }
-        tester.stage(6, around(tester.best(), &SQUARE, 1), || {
-            format!("The square stays at {}: the last step looks at the 8 neighbours.", vector(centre))
+        let best = tester.best();
+        tester.stage(line::TEST_NEIGHBORS, around(best, &SQUARE, 1), || {
+            format!("The last step looks at {} and its 8 neighbours.", vector(best))
         });
     }
 }

@@ -15,7 +15,7 @@ use std::ops::Range;
 use crate::block_search::{
     BlockSearch, Displacement, Event, Match, Patch, Settings, Tester, Window, block_search_params, shorter,
 };
-use crate::{Info, Observer, Promise, choices, cost};
+use crate::{Info, Observer, Promise, choices, cost, pseudocode};
 
 choices! {
     /// The order in which the candidates of a window are tested.
@@ -38,6 +38,17 @@ block_search_params! {
     }
 }
 
+pseudocode! {
+    EACH_BLOCK: "for each block B of frame t",
+    LAY_WINDOW: "  lay the window of ±range px around B in frame t+1",
+    EACH_CANDIDATE: "  for each displacement (u, v) in the window",
+    COMPUTE_COST: "    cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v)]",
+    COMPARE_COST: "    if cost < best, or equal and (u, v) shorter, then first",
+    KEEP_BEST: "      best ← cost at (u, v)",
+    REFINE_BEST: "  refine the best to a fraction of a px, if asked for",
+    SET_DISPLACEMENT: "  displacement of B ← (u, v) of the best",
+}
+
 impl BlockSearch for FullSearch {
     const INFO: Info = Info {
         id: "full-search",
@@ -46,16 +57,7 @@ impl BlockSearch for FullSearch {
         summary: "Tests every displacement in a window and keeps the one with the smallest difference.",
         source: "A. K. Jain, Fundamentals of Digital Image Processing, Prentice Hall 1989; \
                  early exit: C.-D. Bei and R. M. Gray, IEEE Trans. Communications 33(10), 1985",
-        pseudocode: &[
-            "for each block B of frame t",
-            "  lay the window of ±range px around B in frame t+1",
-            "  for each displacement (u, v) in the window",
-            "    cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v)]",
-            "    if cost < best, or equal and (u, v) shorter, then first",
-            "      best ← cost at (u, v)",
-            "  refine the best to a fraction of a px, if asked for",
-            "  displacement of B ← (u, v) of the best",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "block", "step"],
         frames: 2,
     };
@@ -101,17 +103,6 @@ impl BlockSearch for FullSearch {
             None => (work.window_costs[index], block.height),
         });
         tester.settle(best, |work, index| work.window_costs[index]);
-    }
-
-    fn line(event: &Event) -> usize {
-        match event {
-            Event::Window => 1,
-            Event::Stage { .. } => 2,
-            Event::Candidate { .. } => 3,
-            Event::NewBest { .. } => 5,
-            Event::Refine(_) | Event::Fit(_) => 6,
-            Event::Found(_) => 7,
-        }
     }
 }
 

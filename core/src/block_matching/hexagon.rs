@@ -10,8 +10,10 @@
 //! . . . . . . . .
 //! ```
 
-use super::diamond::{SMALL, walk_downhill};
-use crate::block_search::{BlockSearch, Displacement, Event, Tester, around, block_search_params, pseudocode, vector};
+use super::diamond::{Downhill, SMALL, walk_downhill};
+use crate::block_search::{
+    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector,
+};
 use crate::{Info, Observer, Promise};
 
 block_search_params! {
@@ -22,6 +24,13 @@ block_search_params! {
 /// The hexagon: all its points are about as far from the centre.
 const HEXAGON: [Displacement; 7] = [[0, 0], [-1, -2], [1, -2], [-2, 0], [2, 0], [-1, 2], [1, 2]];
 
+search_pseudocode! {
+    REPEAT: "  centre ← (0, 0); repeat",
+    TEST_HEXAGON: "    test centre and the 6 points of the hexagon around it",
+    MOVE_CENTER: "    if the best is centre, then go on below; else centre ← the best",
+    TEST_SMALL_DIAMOND: "  test the 4 points next to centre",
+}
+
 impl BlockSearch for Hexagon {
     const INFO: Info = Info {
         id: "hexagon",
@@ -30,13 +39,7 @@ impl BlockSearch for Hexagon {
         summary: "Walks downhill with a hexagon, three new points a move, and ends with the four nearest points.",
         source: "C. Zhu, X. Lin and L.-P. Chau, Hexagon-based search pattern for fast block motion estimation, \
                  IEEE Trans. Circuits and Systems for Video Technology 12(5), 2002",
-        pseudocode: pseudocode![
-            "  centre ← (0, 0)",
-            "  repeat",
-            "    test centre and the 6 points of the hexagon around it",
-            "    if the best is centre, then go on below; else centre ← the best",
-            "  test the 4 points next to centre",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "block", "step"],
         frames: 2,
     };
@@ -44,12 +47,10 @@ impl BlockSearch for Hexagon {
     const PROMISE: Promise = Promise::SmoothTranslation { off_px: 1 };
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let centre = walk_downhill(tester, &HEXAGON, 4, "hexagon");
-        tester.stage(6, around(centre, &SMALL, 1), || {
-            format!(
-                "Nothing on the hexagon beats its centre {}: the 4 points next to it end the search.",
-                vector(centre)
-            )
+        let lines = Downhill { test: line::TEST_HEXAGON, decide: line::MOVE_CENTER };
+        let centre = walk_downhill(tester, &HEXAGON, lines, "hexagon");
+        tester.stage(line::TEST_SMALL_DIAMOND, around(centre, &SMALL, 1), || {
+            format!("The centre {} and the 4 points next to it end the search.", vector(centre))
         });
     }
 }

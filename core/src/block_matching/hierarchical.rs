@@ -27,7 +27,8 @@ use crate::scene::{Chart, Fact, Readout, Sentence};
 use crate::threads::Earlier;
 use crate::{
     Block, BlockField, BlockGrid, Clip, Counted, Error, Estimator, Floor, Frame, Info, Level, Levels, Observer, Output,
-    Product, ProductKind, Progress, Promise, Role, Rung, Scene, Seen, Stack, Step, Threads, choices, pyramid,
+    Product, ProductKind, Progress, Promise, Role, Rung, Scene, Seen, Stack, Step, Threads, choices, pseudocode,
+    pyramid,
 };
 
 choices! {
@@ -247,7 +248,7 @@ impl Hierarchical {
 
     /// Refines on a finer level what was found on the coarser one.
     fn refine(&self, inherited: &[Displacement], tester: &mut Tester<impl Observer<Event>>) {
-        tester.stage(6, inherited.iter().copied().chain([[0, 0]]), || {
+        tester.stage(line::TEST_COARSER, inherited.iter().copied().chain([[0, 0]]), || {
             let twice = inherited.first().map_or(String::new(), |first| vector(*first));
             format!(
                 "The coarser level found half of {twice} here: {twice} is tested, so is what was found next to it, and (0, 0)."
@@ -255,7 +256,7 @@ impl Hierarchical {
         });
         let (best, reach) = (tester.best(), self.refine as i32);
         let row = move |v| (-reach..=reach).map(move |u| [best[0] + u, best[1] + v]);
-        tester.stage(7, (-reach..=reach).flat_map(row), || {
+        tester.stage(line::TEST_AROUND, (-reach..=reach).flat_map(row), || {
             format!(
                 "A pixel of the coarser level is two here, so all within ±{reach} px of {} are tested.",
                 vector(best)
@@ -314,6 +315,23 @@ impl Coarse {
     }
 }
 
+pseudocode! {
+    MAKE_PYRAMIDS: "make a Gaussian pyramid of frame t and one of frame t+1",
+    EACH_LEVEL: "for each level, from the coarsest to the picture itself",
+    EACH_BLOCK: "  for each block B of the level",
+    IS_COARSEST: "    if the level is the coarsest, then",
+    SEARCH_COARSEST: "      search B within ±range / 2^level px as coarse says",
+    IS_FINER: "    else",
+    TEST_COARSER: "      test twice what the nearest coarser blocks moved, and (0, 0)",
+    TEST_AROUND: "      test all within ±refine px of the best",
+    REFINE_BEST: "    refine the best to a fraction of a px, if asked for and the level is the picture",
+    SET_DISPLACEMENT: "    displacement of B ← (u, v) of the best",
+    TEST: "to test (u, v), if it is new and lies in the window",
+    COMPUTE_COST: "  cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v), on the picture]",
+    COMPARE_COST: "  if cost < best, or equal and (u, v) shorter, then first",
+    KEEP_BEST: "    best ← cost at (u, v)",
+}
+
 impl Estimator for Hierarchical {
     const INFO: Info = Info {
         id: "hierarchical",
@@ -323,22 +341,7 @@ impl Estimator for Hierarchical {
         source: "M. Bierling, Displacement estimation by hierarchical blockmatching, Proc. SPIE 1001, Visual \
                  Communications and Image Processing, 1988; pyramid: P. J. Burt and E. H. Adelson, The Laplacian pyramid \
                  as a compact image code, IEEE Trans. Communications 31(4), 1983",
-        pseudocode: &[
-            "make a Gaussian pyramid of frame t and one of frame t+1",
-            "for each level, from the coarsest to the picture itself",
-            "  for each block B of the level",
-            "    if the level is the coarsest, then",
-            "      search B within ±range / 2^level px as coarse says",
-            "    else",
-            "      test twice what the nearest coarser blocks moved, and (0, 0)",
-            "      test all within ±refine px of the best",
-            "    refine the best to a fraction of a px, if asked for and the level is the picture",
-            "    displacement of B ← (u, v) of the best",
-            "to test (u, v), if it is new and lies in the window",
-            "  cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v), on the picture]",
-            "  if cost < best, or equal and (u, v) shorter, then first",
-            "    best ← cost at (u, v)",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "level", "block", "step"],
         frames: 2,
     };
@@ -406,14 +409,14 @@ impl Estimator for Hierarchical {
     fn step(&self, seen: &Seen<Self>) -> Step {
         let state = seen.before;
         let line = match seen.events.last() {
-            None => 0,
-            Some(Event::Window) => 2,
-            Some(Event::Stage { .. }) if state.is_coarsest() => 4,
+            None => line::MAKE_PYRAMIDS,
+            Some(Event::Window) => line::EACH_BLOCK,
+            Some(Event::Stage { .. }) if state.is_coarsest() => line::SEARCH_COARSEST,
             Some(Event::Stage { line, .. }) => *line,
-            Some(Event::Refine(_) | Event::Fit(_)) => 8,
-            Some(Event::Found(_)) => 9,
-            Some(Event::Candidate { .. }) => 11,
-            Some(Event::NewBest { .. }) => 13,
+            Some(Event::Refine(_) | Event::Fit(_)) => line::REFINE_BEST,
+            Some(Event::Found(_)) => line::SET_DISPLACEMENT,
+            Some(Event::Candidate { .. }) => line::COMPUTE_COST,
+            Some(Event::NewBest { .. }) => line::KEEP_BEST,
         };
         let found = state.matches();
         let probe = self.probe(seen, &found);

@@ -10,11 +10,12 @@
 //!        3 . . 0 . . 3 . . 3
 //! ```
 
-use super::diamond::walk_downhill;
+use super::diamond::{Downhill, walk_downhill};
 use super::three_step::SQUARE;
 use crate::block_search::{
-    BlockSearch, Displacement, Event, Match, Subpixel, Tester, around, block_search_params, pseudocode, vector,
+    BlockSearch, Displacement, Event, Match, Subpixel, Tester, around, block_search_params, search_pseudocode, vector,
 };
+use crate::pseudocode::Name;
 use crate::{Info, Observer};
 
 block_search_params! {
@@ -33,6 +34,19 @@ block_search_params! {
     }
 }
 
+search_pseudocode! {
+    TEST_MEDIAN: "  test the median of the displacements to the left, above and above right",
+    STOP_AT_MEDIAN: "  if its cost is at most enough per pixel, then stop",
+    TEST_PREDICTORS: "  test (0, 0), those three, and that of this block one frame before",
+    STOP_AT_PREDICTOR: "  if the best cost is at most enough per pixel, then stop",
+    REPEAT: "  repeat",
+    TEST_SQUARE: "    test the 8 points next to the best",
+    UNTIL_BEST_STAYS: "  until the best stays",
+    IS_POOR: "  if the best cost is more than poor per pixel, then",
+    TEST_GRID: "    test a grid of points all over the window",
+    WALK_FROM_GRID: "    from each of the starts best of them, walk downhill as above",
+}
+
 impl BlockSearch for Predictive {
     const INFO: Info = Info {
         id: "predictive",
@@ -41,18 +55,7 @@ impl BlockSearch for Predictive {
         summary: "Tests what the neighbouring blocks moved, stops if that fits, and walks downhill from the best otherwise.",
         source: "A. M. Tourapis, Enhanced predictive zonal search for single and multiple frame motion estimation, \
                  Proc. SPIE 4671, Visual Communications and Image Processing, 2002",
-        pseudocode: pseudocode![
-            "  test the median of the displacements to the left, above and above right",
-            "  if its cost is at most enough per pixel, then stop",
-            "  test (0, 0), those three, and that of this block one frame before",
-            "  if the best cost is at most enough per pixel, then stop",
-            "  repeat",
-            "    test the 8 points next to the best",
-            "  until the best stays",
-            "  if the best cost is more than poor per pixel, then",
-            "    test a grid of points all over the window",
-            "    from each of the starts best of them, walk downhill as above",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "block", "step"],
         frames: 2,
     };
@@ -70,7 +73,7 @@ impl BlockSearch for Predictive {
         let median = neighbours.median();
         // A search walks in whole px, whatever its result is refined to.
         let whole = if tester.settings.subpixel == Subpixel::None { "" } else { " in whole px" };
-        tester.stage(2, std::iter::once(median), || {
+        tester.stage(line::TEST_MEDIAN, std::iter::once(median), || {
             let names =
                 [("left", neighbours.left), ("above", neighbours.above), ("above right", neighbours.above_right)];
             match named(&names) {
@@ -80,13 +83,13 @@ impl BlockSearch for Predictive {
                 known => format!("The neighbours moved by {known}; their median is {}{whole}.", vector(median)),
             }
         });
-        if self.is_enough(tester, 3) {
+        if self.is_enough(tester, (line::STOP_AT_MEDIAN, "The median")) {
             return;
         }
         let moved = |found: Option<Match>| found.map(|found| found.displacement);
         let around = [neighbours.left, neighbours.above, neighbours.above_right, neighbours.before];
         let predicted = [Some([0, 0])].into_iter().chain(around.map(moved)).flatten();
-        tester.stage(4, predicted, || {
+        tester.stage(line::TEST_PREDICTORS, predicted, || {
             let before = neighbours
                 .before
                 .map(|before| format!(", and {}, where this block moved one frame before", vector(before.vector())));
@@ -95,16 +98,17 @@ impl BlockSearch for Predictive {
                 before.unwrap_or_default()
             )
         });
-        if self.is_enough(tester, 5) {
+        if self.is_enough(tester, (line::STOP_AT_PREDICTOR, "The best of them")) {
             return;
         }
-        walk_downhill(tester, &SQUARE, 7, "square");
+        let lines = Downhill { test: line::TEST_SQUARE, decide: line::UNTIL_BEST_STAYS };
+        walk_downhill(tester, &SQUARE, lines, "square");
         let (settings, cost) = (tester.settings.free(), tester.best_distortion());
         let most = tester.cost_of_levels(self.poor);
         if cost > most {
             let (step, reach) = (self.grid as i32, (self.range / self.grid) as i32);
             let row = move |v| (-reach..=reach).map(move |u| [u * step, v * step]);
-            tester.stage(10, (-reach..=reach).flat_map(row), || {
+            tester.stage(line::TEST_GRID, (-reach..=reach).flat_map(row), || {
                 let (cost, most) = (settings.show(cost), settings.show(most));
                 format!("{cost} is more than {most}: nothing nearby fits, so a grid in steps of {step} px is tested.")
             });
@@ -118,15 +122,15 @@ impl BlockSearch for Predictive {
 }
 
 impl Predictive {
-    /// Whether the best so far is good enough, which `line` of the pseudocode asks.
-    fn is_enough(&self, tester: &mut Tester<impl Observer<Event>>, line: usize) -> bool {
+    /// Whether the best so far, called `name`, is good enough, which `line` of the pseudocode asks.
+    fn is_enough(&self, tester: &mut Tester<impl Observer<Event>>, (line, name): (Name, &str)) -> bool {
         let (settings, cost) = (tester.settings.free(), tester.best_distortion());
         let most = tester.cost_of_levels(self.enough);
         let is_enough = cost <= most;
         if is_enough {
             tester.tell(line, || {
                 let (cost, most) = (settings.show(cost), settings.show(most));
-                format!("{cost} is at most {most}, which is good enough: the search ends.")
+                format!("{name} has {cost}, at most {most}, which is good enough: the search ends.")
             });
         }
         is_enough
@@ -139,7 +143,7 @@ fn descend(tester: &mut Tester<impl Observer<Event>>, start: Displacement, name:
     loop {
         // Where another walk has been, there is nothing to test any more, but perhaps somewhere to go.
         if around(centre, &SQUARE, 1).any(|at| tester.is_new(at)) {
-            tester.stage(11, around(centre, &SQUARE, 1), || {
+            tester.stage(line::WALK_FROM_GRID, around(centre, &SQUARE, 1), || {
                 format!(
                     "From {}, {}, the square walks downhill; it stands at {}.",
                     vector(start),

@@ -12,7 +12,9 @@
 //! 1 . . . . . . . 1 . . . . . . . 1
 //! ```
 
-use crate::block_search::{BlockSearch, Displacement, Event, Tester, Window, block_search_params, pseudocode, vector};
+use crate::block_search::{
+    BlockSearch, Displacement, Event, Tester, Window, block_search_params, search_pseudocode, vector,
+};
 use crate::{Info, Observer, Promise};
 
 block_search_params! {
@@ -26,6 +28,14 @@ block_search_params! {
     }
 }
 
+search_pseudocode! {
+    REPEAT: "  W ← the window; repeat",
+    TEST_QUADRANTS: "    test the corners and the centre of each quadrant of W",
+    KEEP_QUADRANT: "    W ← the quadrant with the best; of several, that with the best centre",
+    STOP_AT_SMALLEST: "    if W is at most smallest px wide and high, or all of it was tested, then stop",
+    STOP_AT_LEAST_GAIN: "    if the best cost fell by less than least-gain, then stop",
+}
+
 impl BlockSearch for QuadrantSearch {
     const INFO: Info = Info {
         id: "quadrant-search",
@@ -34,14 +44,7 @@ impl BlockSearch for QuadrantSearch {
         summary: "Quarters the window, keeps the quadrant with the best match, and halves it again.",
         source: "the course's logarithmic search; the idea is that of J. R. Jain and A. K. Jain, Displacement measurement \
                  and its application in interframe image coding, IEEE Trans. Communications 29(12), 1981",
-        pseudocode: pseudocode![
-            "  W ← the window",
-            "  repeat",
-            "    test the corners and the centre of each quadrant of W",
-            "    W ← the quadrant with the best; of several, that with the best centre",
-            "    if W is at most smallest px wide and high, or all of it was tested, then stop",
-            "    if the best cost fell by less than least-gain, then stop",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "block", "step"],
         frames: 2,
     };
@@ -54,7 +57,7 @@ impl BlockSearch for QuadrantSearch {
         loop {
             let (whole, before) = (part, tester.best_cost());
             tester.narrowed = Some(whole.window());
-            tester.stage(4, whole.points().into_iter(), || {
+            tester.stage(line::TEST_QUADRANTS, whole.points().into_iter(), || {
                 format!("{} is cut into quadrants: their corners and centres are tested.", whole.named())
             });
             let best = tester.best();
@@ -63,19 +66,22 @@ impl BlockSearch for QuadrantSearch {
             // The best point so far was always kept, so a quadrant holds it.
             part = holding.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(whole);
             tester.narrowed = Some(part.window());
-            tester.tell(5, || {
+            tester.tell(line::KEEP_QUADRANT, || {
                 let (best, centre) = (vector(best), vector(part.centre()));
                 format!("The best, {best}, lies in the quadrant around {centre}: the search goes on in there.")
             });
             let gain = if before > 0.0 { 100.0 * (before - tester.best_cost()) / before } else { 0.0 };
             // All corners of a part are tested, so one of 2 px has nothing left to test.
             if part.side() <= self.smallest.max(2) {
-                return tester.tell(6, || format!("This quadrant is {} px wide: the search ends.", part.side()));
+                return tester.tell(line::STOP_AT_SMALLEST, || {
+                    format!("This quadrant is {} px wide: the search ends.", part.side())
+                });
             }
             if before.is_finite() && gain < f64::from(self.least_gain) {
                 let least = self.least_gain;
-                return tester
-                    .tell(7, || format!("The best cost fell by {gain:.1} %, less than {least} %: the search ends."));
+                return tester.tell(line::STOP_AT_LEAST_GAIN, || {
+                    format!("The best cost fell by {gain:.1} %, less than {least} %: the search ends.")
+                });
             }
         }
     }

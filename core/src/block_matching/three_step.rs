@@ -12,7 +12,9 @@
 //! 1 . . . 1 . 2 . 2
 //! ```
 
-use crate::block_search::{BlockSearch, Displacement, Event, Tester, around, block_search_params, pseudocode, vector};
+use crate::block_search::{
+    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector,
+};
 use crate::{Info, Observer};
 
 block_search_params! {
@@ -24,6 +26,12 @@ block_search_params! {
 pub(super) const SQUARE: [Displacement; 9] =
     [[0, 0], [-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
 
+search_pseudocode! {
+    WHILE_LEFT: "  left ← range; while left > 0",
+    HALVE_STEP: "    step ← half of left, rounded up; left ← left − step",
+    TEST_SQUARE: "    test the best so far and the 8 points at distance step around it",
+}
+
 impl BlockSearch for ThreeStep {
     const INFO: Info = Info {
         id: "three-step",
@@ -33,13 +41,7 @@ impl BlockSearch for ThreeStep {
         source: "T. Koga, K. Iinuma, A. Hirano, Y. Iijima and T. Ishiguro, Motion compensated interframe coding for \
                  video conferencing, Proc. National Telecommunications Conference, 1981 \
                  (±6 px in steps of 3, 2 and 1; here as many steps as reach the edge of the window)",
-        pseudocode: pseudocode![
-            "  left ← range",
-            "  while left > 0",
-            "    step ← half of left, rounded up",
-            "    test the best so far and the 8 points at distance step around it",
-            "    left ← left − step",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "block", "step"],
         frames: 2,
     };
@@ -48,9 +50,11 @@ impl BlockSearch for ThreeStep {
         let mut left = self.range as i32;
         while left > 0 {
             let (centre, step) = (tester.best(), (left + 1) / 2);
-            tester.stage(5, around(centre, &SQUARE, step), || {
-                let centre = vector(centre);
-                format!("The search can still go {left} px, so it takes half: 9 points in steps of {step} px around {centre}.")
+            tester.tell(line::HALVE_STEP, || {
+                format!("The search can still go {left} px: the step is half of that, rounded up, {step} px.")
+            });
+            tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, step), || {
+                format!("9 points in steps of {step} px around {} are tested.", vector(centre))
             });
             left -= step;
         }

@@ -15,14 +15,14 @@ use std::sync::Arc;
 
 use crate::cost::Cut;
 use crate::interpolation::Between;
+use crate::pseudocode::Name;
 use crate::{Block, BlockGrid, BlockVector, Clip, Error, Frame, Interpolation, Role};
 
 pub use neighbours::Neighbours;
 pub(crate) use probe::Probe;
 pub(crate) use rate::Rate;
 pub use search::BlockSearch;
-pub(crate) use search::pseudocode;
-pub(crate) use search::unit_at;
+pub(crate) use search::{search_pseudocode, unit_at};
 pub(crate) use settings::block_search_params;
 pub use settings::{BorderRule, Cost, HasSettings, Settings};
 pub use subpixel::{Fit, Subpixel};
@@ -175,8 +175,8 @@ pub enum Event {
     Window,
     /// The search decided what to test next, or that it is over.
     Stage {
-        /// Line of the pseudocode, from 0.
-        line: usize,
+        /// The line of the pseudocode.
+        line: Name,
         /// What it decided.
         stage: Stage,
     },

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use super::probe::Probe;
 use super::tester::Workspace;
 use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
+use crate::line_names;
+use crate::pseudocode::Name;
 use crate::scene::Chart;
 use crate::threads::Earlier;
 use crate::{
@@ -31,40 +33,42 @@ pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 's
 
     /// Searches the tester's block. Whatever it tested that costs least is the result.
     fn search(&self, tester: &mut Tester<impl Observer<Event>>);
+}
 
-    /// The line of the pseudocode that `event` belongs to. Unless told otherwise the pseudocode ends as
-    /// [`pseudocode!`] ends it.
-    fn line(event: &Event) -> usize {
-        let from_end = |lines| Self::INFO.pseudocode.len() - lines;
-        match event {
-            Event::Window => 1,
-            Event::Stage { line, .. } => *line,
-            Event::Refine(_) | Event::Fit(_) => from_end(6),
-            Event::Found(_) => from_end(5),
-            Event::Candidate { .. } => from_end(3),
-            Event::NewBest { .. } => from_end(1),
-        }
+/// The lines that all searches have.
+pub(crate) mod line {
+    super::line_names!(EACH_BLOCK, LAY_WINDOW, REFINE_BEST, SET_DISPLACEMENT, COMPUTE_COST, KEEP_BEST);
+}
+
+/// The line that `event` belongs to.
+fn line_of(event: &Event) -> Name {
+    match event {
+        Event::Window => line::LAY_WINDOW,
+        Event::Stage { line, .. } => *line,
+        Event::Refine(_) | Event::Fit(_) => line::REFINE_BEST,
+        Event::Found(_) => line::SET_DISPLACEMENT,
+        Event::Candidate { .. } => line::COMPUTE_COST,
+        Event::NewBest { .. } => line::KEEP_BEST,
     }
 }
 
-/// The pseudocode of a search that tests displacements one by one: its own lines, counted from 2, between those that
-/// all have.
-macro_rules! pseudocode {
-    ($($line:literal),* $(,)?) => {
-        &[
-            "for each block B of frame t",
-            "  lay the window of ±range px around B in frame t+1",
-            $($line,)*
-            "  refine the best to a fraction of a px, if asked for",
-            "  displacement of B ← (u, v) of the best",
-            "to test (u, v), if it is new and lies in the window",
-            "  cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v)]",
-            "  if cost < best, or equal and (u, v) shorter, then first",
-            "    best ← cost at (u, v)",
-        ]
+/// The pseudocode of a search that tests displacements one by one: its own lines between those that all have.
+macro_rules! search_pseudocode {
+    ($($name:ident: $text:literal),* $(,)?) => {
+        $crate::pseudocode! {
+            EACH_BLOCK: "for each block B of frame t",
+            LAY_WINDOW: "  lay the window of ±range px around B in frame t+1",
+            $($name: $text,)*
+            REFINE_BEST: "  refine the best to a fraction of a px, if asked for",
+            SET_DISPLACEMENT: "  displacement of B ← (u, v) of the best",
+            TEST: "to test (u, v), if it is new and lies in the window",
+            COMPUTE_COST: "  cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v)]",
+            COMPARE_COST: "  if cost < best, or equal and (u, v) shorter, then first",
+            KEEP_BEST: "    best ← cost at (u, v)",
+        }
     };
 }
-pub(crate) use pseudocode;
+pub(crate) use search_pseudocode;
 
 /// What a block search reads and writes.
 #[derive(Clone)]
@@ -180,7 +184,7 @@ impl<S: BlockSearch> Estimator for S {
 
     fn step(&self, seen: &Seen<Self>) -> Step {
         let probe = probe(self, seen);
-        let line = seen.events.last().map_or(0, Self::line);
+        let line = seen.events.last().map_or(line::EACH_BLOCK, line_of);
         Step { line, sentence: probe.sentence(), readouts: probe.readouts() }
     }
 

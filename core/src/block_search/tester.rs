@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use super::subpixel::BESIDE;
 use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Rate, Settings, Stage, Window, shorter};
 use crate::interpolation::Between;
+use crate::pseudocode::Name;
 use crate::{Block, Observer};
 
 /// Buffers that are used again from block to block.
@@ -103,14 +104,14 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
     }
 
     /// Tells of a decision after which nothing is tested at once; `line` is its line of the pseudocode.
-    pub fn tell(&mut self, line: usize, why: impl FnOnce() -> String) {
+    pub fn tell(&mut self, line: Name, why: impl FnOnce() -> String) {
         self.stage(line, std::iter::empty(), why);
     }
 
     /// Tests `points` one after the other. `line` is the line of the pseudocode that asks for them; `why` says why.
     pub fn stage(
         &mut self,
-        line: usize,
+        line: Name,
         points: impl Iterator<Item = Displacement> + Clone,
         why: impl FnOnce() -> String,
     ) {

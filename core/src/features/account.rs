@@ -121,8 +121,7 @@ impl Account<'_> {
                 said.text(told).ink(Role::Predicted, self.px(self.guess)).text(".")
             }
             Some(Event::Iteration { from, mismatch, update }) => {
-                let is_last = update[0].hypot(update[1]) < self.follow.epsilon;
-                let end = if is_last { ", less than epsilon: that was the last" } else { "" };
+                let end = if self.follow.converges(*update) { ", less than epsilon: that was the last" } else { "" };
                 Sentence::default()
                     .text("At ")
                     .ink(Role::Candidate, words::vector(*from))

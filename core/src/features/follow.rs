@@ -50,6 +50,11 @@ pub enum Followed {
 }
 
 impl Follow {
+    /// Whether an update is so short that it is the last one on its level.
+    pub fn converges(&self, update: [f32; 2]) -> bool {
+        update[0].hypot(update[1]) < self.epsilon
+    }
+
     /// Follows the point at `at`, in px of the picture, on one level of both frames, beginning with a guess.
     pub fn on_level(
         &self,
@@ -106,7 +111,7 @@ impl Follow {
             let from = displacement;
             observer.see(|| Event::Iteration { from, mismatch, update });
             displacement = [0, 1].map(|i| from[i] + update[i]);
-            if update[0].hypot(update[1]) < self.epsilon {
+            if self.converges(update) {
                 break;
             }
         }

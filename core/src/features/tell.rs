@@ -1,8 +1,10 @@
 //! How corner detection is told and drawn.
 
 use super::corners::{Corners, Event, Measure, Stage, State};
+use super::declare::line;
 use super::select::{Peaks, Settings};
 use crate::differential::{Tensor, tell};
+use crate::pseudocode::Name;
 use crate::scene::{Fact, Math, Picture, Readout, Sentence, Shape, Step, Tile};
 use crate::words::{self, pixel};
 use crate::{Grid, Role, Scene, Seen};
@@ -41,24 +43,31 @@ impl<M: Measure> Corners<M> {
         let Some(last) = seen.events.last() else {
             let sentence = "A place can be found again if gradients around it point in several directions. How much of a \
                             corner each pixel is, its structure tensor tells.";
-            return Step { line: 0, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+            return Step {
+                line: line::TAKE_DERIVATIVES,
+                sentence: Sentence::default().text(sentence),
+                readouts: Vec::new(),
+            };
         };
-        let line = match last {
-            Event::Response(_) => 3,
-            Event::Row => 4,
-            Event::Over(_, Some(_)) => 5,
-            Event::Over(_, None) => 4,
-            Event::Ranked => 6,
-            Event::Peak(_, Some(_)) => 7,
-            Event::Peak(_, None) => 8,
+        let at_work = match last {
+            Event::Response(_) => line::RESPOND,
+            Event::Row => line::EACH_STRONG,
+            Event::Over(..) => line::SUPPRESS,
+            Event::Ranked => line::EACH_PEAK,
+            Event::Peak(_, Some(_)) => line::DROP_NEAR,
+            Event::Peak(_, None) => line::KEEP,
         };
         let looked = self.look(seen);
-        let sentence = match &looked {
-            // Words and numbers speak of one pixel.
-            Some(looked) if looked.is_pointed_at => {
-                responds(looked).text(format!(" So far: {}.", self.verdict(seen, looked)))
+        // Words, numbers and the line speak of one pixel.
+        let (line, sentence) = match &looked {
+            Some(looked) if looked.is_pointed_at && seen.before.stage == Stage::Response => {
+                (line::RESPOND, responds(looked))
             }
-            looked => self.sentence(seen, *last, looked.as_ref()),
+            Some(looked) if looked.is_pointed_at => {
+                let (line, verdict) = self.verdict(seen, looked);
+                (line, responds(looked).text(format!(" So far: {verdict}.")))
+            }
+            looked => (at_work, self.sentence(seen, *last, looked.as_ref())),
         };
         let readouts = looked.map_or_else(
             || vec![Readout::Facts(vec![Fact { label: "Peaks", value: "none".into(), role: None }])],
@@ -137,7 +146,7 @@ impl<M: Measure> Corners<M> {
         ];
         if state.stage != Stage::Response {
             facts.push(fact("Threshold", words::number(self.peaks(state).limit), None));
-            facts.push(fact("Verdict", self.verdict(seen, looked), None));
+            facts.push(fact("Verdict", self.verdict(seen, looked).1, None));
         }
         let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range };
         let radius = (self.0.settings().window / 2 + 1).min(5);
@@ -151,16 +160,17 @@ impl<M: Measure> Corners<M> {
         vec![Readout::Facts(facts), Readout::Equation(vec![matrix(), symbols, numbers]), Readout::Tiles(tiles)]
     }
 
-    /// What has become of a pixel by now, once all responses are known.
-    fn verdict(&self, seen: &Seen<Self>, looked: &Looked) -> String {
+    /// What has become of a pixel by now, once all responses are known, and the line that decided it.
+    fn verdict(&self, seen: &Seen<Self>, looked: &Looked) -> (Name, String) {
         let (state, peaks, place) = (seen.before, self.peaks(seen.before), looked.place);
         if !peaks.is_over(place.0, place.1) {
             let (width, height) = state.map.size();
             let is_border = place.0 == 0 || place.1 == 0 || place.0 + 1 == width || place.1 + 1 == height;
-            return if is_border { "at the border" } else { "below the threshold" }.into();
+            let why = if is_border { "at the border" } else { "below the threshold" };
+            return (line::EACH_STRONG, why.into());
         }
         if let Some(by) = peaks.suppressed_by(place) {
-            return format!("suppressed by {}", pixel(by));
+            return (line::SUPPRESS, format!("suppressed by {}", pixel(by)));
         }
         let Settings { min_distance, max_points, .. } = self.0.settings();
         let index = (place.1 * state.map.width() + place.0) as u32;
@@ -169,12 +179,14 @@ impl<M: Measure> Corners<M> {
             _ => None,
         });
         match choice {
-            Some(None) => "corner, kept".into(),
-            Some(Some(near)) => format!("peak, nearer than {min_distance} px to {}", pixel(state.place(near))),
-            None if seen.after.is_some() && state.stage == Stage::Choice => {
-                format!("peak, not among the {max_points} strongest")
+            Some(None) => (line::KEEP, "corner, kept".into()),
+            Some(Some(near)) => {
+                (line::DROP_NEAR, format!("peak, nearer than {min_distance} px to {}", pixel(state.place(near))))
             }
-            None => "peak".into(),
+            None if seen.after.is_some() && state.stage == Stage::Choice => {
+                (line::KEEP, format!("peak, not among the {max_points} strongest"))
+            }
+            None => (line::SUPPRESS, "peak".into()),
         }
     }
 

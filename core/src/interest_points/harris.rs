@@ -21,6 +21,8 @@ impl Harris {
     }
 }
 
+corner_pseudocode!("  R ← det T − k (tr T)²");
+
 impl Measure for Harris {
     const INFO: Info = Info {
         id: "harris",
@@ -28,7 +30,7 @@ impl Measure for Harris {
         family: "Interest points",
         summary: "Finds the places where gradients point in several directions, without asking for eigenvalues.",
         source: "C. Harris and M. Stephens, A combined corner and edge detector, Proc. 4th Alvey Vision Conference, 1988",
-        pseudocode: corner_pseudocode!("  R ← det T − k (tr T)²"),
+        pseudocode: line::ALL,
         rungs: &["frame", "stage", "row", "step"],
         frames: 1,
     };

@@ -11,6 +11,8 @@ corner_params! {
     pub struct ShiTomasi {}
 }
 
+corner_pseudocode!("  R ← the smaller eigenvalue of T");
+
 impl Measure for ShiTomasi {
     const INFO: Info = Info {
         id: "shi-tomasi",
@@ -18,7 +20,7 @@ impl Measure for ShiTomasi {
         family: "Interest points",
         summary: "Finds the places that can be tracked best: where even the weaker direction has much gradient.",
         source: "J. Shi and C. Tomasi, Good features to track, CVPR 1994",
-        pseudocode: corner_pseudocode!("  R ← the smaller eigenvalue of T"),
+        pseudocode: line::ALL,
         rungs: &["frame", "stage", "row", "step"],
         frames: 1,
     };

@@ -11,7 +11,7 @@ use crate::span::Span;
 use crate::subtraction::{HasSettings, cleaned, sifted, subtraction_params};
 use crate::{
     Clip, Detection, Error, Estimator, Frame, Grid, Info, Mask, MaskField, ObjectField, ObjectFrame, Observer, Output,
-    PackedMask, Product, ProductKind, Progress, Promise, Rung, Scene, Seen, Threads, choices,
+    PackedMask, Product, ProductKind, Progress, Promise, Rung, Scene, Seen, Threads, choices, pseudocode,
 };
 
 use super::FrameDifference;
@@ -117,6 +117,17 @@ impl ConnectedComponents {
     }
 }
 
+pseudocode! {
+    EACH_ROW: "for each row of the mask",
+    EACH_RUN: "  for each run of pixels that are set",
+    NEW_LABEL: "    if no run of the row above touches it: a new label",
+    TAKE_ROOT: "    else take the root of the label of the first that does",
+    EACH_OTHER_RUN: "    for each other run that touches it",
+    MERGE_ROOTS: "      if its root is another one: hang the larger root below the smaller one",
+    LABEL_BY_ROOT: "label each run by its root, in raster order",
+    KEEP_BLOBS: "measure area, box, centroid and moments; keep those of min-area px or more",
+}
+
 impl Estimator for ConnectedComponents {
     const INFO: Info = Info {
         id: "connected-components",
@@ -125,16 +136,7 @@ impl Estimator for ConnectedComponents {
         summary: "Gives pixels that touch a common label, row by row, and keeps a book of the labels that have met.",
         source: "A. Rosenfeld and J. L. Pfaltz, Sequential operations in digital picture processing, J. ACM 1966; by runs: L. He, \
                  Y. Chao and K. Suzuki, A run-based two-scan labeling algorithm, IEEE Trans. Image Processing 2008",
-        pseudocode: &[
-            "for each row of the mask",
-            "  for each run of pixels that are set",
-            "    if no run of the row above touches it: a new label",
-            "    else take the root of the label of the first that does",
-            "    for each other run that touches it",
-            "      if its root is another one: hang the larger root below the smaller one",
-            "label each run by its root, in raster order",
-            "measure area, box, centroid and moments; keep those of min-area px or more",
-        ],
+        pseudocode: line::ALL,
         rungs: &["clip", "frame", "row", "run"],
         frames: 2,
     };

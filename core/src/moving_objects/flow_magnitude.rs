@@ -87,6 +87,13 @@ impl FlowMagnitude {
     }
 }
 
+subtraction_pseudocode! {
+    begin: "the first frame is the one before the second",
+    compare: "  w ← optical flow from frame t back to frame t−1",
+    decide: "  foreground if |w| > threshold, and around it Σ |I(x, t) − I(x + w, t−1)| < Σ |I(x, t) − I(x, t−1)|",
+    update: "  frame t is the one before the next",
+}
+
 impl Background for FlowMagnitude {
     const INFO: Info = Info {
         id: "flow-magnitude",
@@ -96,12 +103,7 @@ impl Background for FlowMagnitude {
         source: "Length of the flow over a threshold: S. Denman, V. Chandran and S. Sridharan, An adaptive optical flow technique \
                  for person tracking systems, Pattern Recognition Letters 28, 2007; displaced against undisplaced frame \
                  difference: A. M. Tekalp, Digital video processing, 1995",
-        pseudocode: subtraction_pseudocode!(
-            "the first frame is the one before the second",
-            "  w ← optical flow from frame t back to frame t−1",
-            "  foreground if |w| > threshold, and around it Σ |I(x, t) − I(x + w, t−1)| < Σ |I(x, t) − I(x, t−1)|",
-            update: "frame t is the one before the next"
-        ),
+        pseudocode: line::ALL,
         rungs: &["clip", "frame", "stage"],
         frames: 2,
     };

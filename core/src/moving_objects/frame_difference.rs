@@ -55,6 +55,13 @@ fn both_differ([here, there]: [&[u8]; 2], threshold: u8, words: &mut [u64]) {
     }
 }
 
+subtraction_pseudocode! {
+    begin: "the first frame is the one before the second",
+    compare: "  d ← |I(t) − I(t−1)|, or the smaller one of that and |I(t) − I(t−2)|",
+    decide: "  foreground if d > threshold",
+    update: "  frame t is the one before the next",
+}
+
 impl Background for FrameDifference {
     const INFO: Info = Info {
         id: "frame-difference",
@@ -64,12 +71,7 @@ impl Background for FrameDifference {
         source: "R. Jain and H.-H. Nagel, On the analysis of accumulative difference pictures from image sequences of real world \
                  scenes, PAMI 1979; three frames: R. Collins et al., A system for video surveillance and monitoring, \
                  CMU-RI-TR-00-12, 2000",
-        pseudocode: subtraction_pseudocode!(
-            "the first frame is the one before the second",
-            "  d ← |I(t) − I(t−1)|, or the smaller one of that and |I(t) − I(t−2)|",
-            "  foreground if d > threshold",
-            update: "frame t is the one before the next"
-        ),
+        pseudocode: line::ALL,
         rungs: &["clip", "frame", "stage"],
         frames: 2,
     };

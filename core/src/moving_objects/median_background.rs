@@ -40,6 +40,13 @@ fn decide_row(model: &mut [u8], row: &[u8], words: &mut [u64], median: &MedianBa
     }
 }
 
+subtraction_pseudocode! {
+    begin: "B ← the first frame",
+    compare: "  d ← |I − B|",
+    decide: "  foreground if d > threshold",
+    update: "  B ← B + step where I > B, B − step where I < B, but not beyond I",
+}
+
 impl Background for MedianBackground {
     const INFO: Info = Info {
         id: "median-background",
@@ -49,12 +56,7 @@ impl Background for MedianBackground {
         source: "N. J. B. McFarlane and C. P. Schofield, Segmentation and tracking of piglets in images, Machine Vision and \
                  Applications 8, 1995; the median itself: R. Cucchiara, C. Grana, M. Piccardi and A. Prati, Detecting moving \
                  objects, ghosts, and shadows in video streams, PAMI 2003",
-        pseudocode: subtraction_pseudocode!(
-            "B ← the first frame",
-            "  d ← |I − B|",
-            "  foreground if d > threshold",
-            update: "B ← B + step where I > B, B − step where I < B, but not beyond I"
-        ),
+        pseudocode: line::ALL,
         rungs: &["clip", "frame", "stage"],
         frames: 2,
     };

@@ -42,6 +42,14 @@ subtraction_params! {
 /// No σ becomes more than so many times that of a new mode.
 const MAX_SIGMAS: f32 = 2.25;
 
+subtraction_pseudocode! {
+    begin: "one mode for each pixel: w ← 1, μ ← the first frame, σ ← first-sigma",
+    compare: "  mode ← the heaviest with |I − μ| ≤ threshold · σ, if there is one",
+    decide: "  foreground if there is none, or heavier modes have the share background already",
+    shadows: "  shadow if I ≈ a μ with darkest ≤ a ≤ 1 for a mode of the background",
+    update: "  w ← w + rate (1 or 0 − w − prune); the mode's μ, σ² follow I by rate / w; none: a new mode",
+}
+
 impl Background for MixtureOfGaussians {
     const INFO: Info = Info {
         id: "mixture-of-gaussians",
@@ -51,18 +59,11 @@ impl Background for MixtureOfGaussians {
         source: "C. Stauffer and W. E. L. Grimson, Adaptive background mixture models for real-time tracking, CVPR 1999; how many \
                  modes: Z. Zivkovic, Improved adaptive Gaussian mixture model for background subtraction, ICPR 2004; shadows: \
                  A. Prati, I. Mikić, M. Trivedi and R. Cucchiara, Detecting moving shadows, PAMI 2003",
-        pseudocode: subtraction_pseudocode!(
-            "one mode for each pixel: w ← 1, μ ← the first frame, σ ← first-sigma",
-            "  mode ← the heaviest with |I − μ| ≤ threshold · σ, if there is one",
-            "  foreground if there is none, or heavier modes have the share background already",
-            shadows: "  shadow if I ≈ a μ with darkest ≤ a ≤ 1 for a mode of the background",
-            update: "w ← w + rate (1 or 0 − w − prune); the mode's μ, σ² follow I by rate / w; none: a new mode"
-        ),
+        pseudocode: line::ALL,
         rungs: &["clip", "frame", "stage"],
         frames: 2,
     };
     const SHOWN: &'static str = "|I − μ| / σ of the nearest mode of the background";
-    const TELLS_SHADOWS: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
     type Model = Mixture;
 

@@ -42,6 +42,13 @@ fn decide_row(model: &mut [f32], row: &[u8], words: &mut [u64], average: &Runnin
     }
 }
 
+subtraction_pseudocode! {
+    begin: "B ← the first frame",
+    compare: "  d ← |I − B|",
+    decide: "  foreground if d > threshold",
+    update: "  B ← (1 − rate) B + rate · I; if selective, in the background only",
+}
+
 impl Background for RunningAverage {
     const INFO: Info = Info {
         id: "running-average",
@@ -50,12 +57,7 @@ impl Background for RunningAverage {
         summary: "Keeps a mean of each pixel in which the past fades, and takes for moving what differs from it.",
         source: "J. Heikkilä and O. Silvén, A real-time system for monitoring of cyclists and pedestrians, VS 1999; selective: \
                  D. Koller et al., Towards robust automatic traffic scene analysis in real-time, ICPR 1994",
-        pseudocode: subtraction_pseudocode!(
-            "B ← the first frame",
-            "  d ← |I − B|",
-            "  foreground if d > threshold",
-            update: "B ← (1 − rate) B + rate · I; if selective, in the background only"
-        ),
+        pseudocode: line::ALL,
         rungs: &["clip", "frame", "stage"],
         frames: 2,
     };

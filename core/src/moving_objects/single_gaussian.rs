@@ -59,6 +59,13 @@ fn decide_row(model: &mut [Gaussian], row: &[u8], words: &mut [u64], of: &Single
     }
 }
 
+subtraction_pseudocode! {
+    begin: "μ ← the first frame, σ ← first-sigma",
+    compare: "  d ← |I − μ| / σ",
+    decide: "  foreground if d > threshold",
+    update: "  μ ← μ + rate (I − μ), σ² ← σ² + rate ((I − μ)² − σ²); if selective, in the background only",
+}
+
 impl Background for SingleGaussian {
     const INFO: Info = Info {
         id: "single-gaussian",
@@ -67,12 +74,7 @@ impl Background for SingleGaussian {
         summary: "Learns how far each pixel strays from its mean, so that water may flicker and a wall may not.",
         source: "C. Wren, A. Azarbayejani, T. Darrell and A. Pentland, Pfinder: real-time tracking of the human body, PAMI 1997; here \
                  on gray values",
-        pseudocode: subtraction_pseudocode!(
-            "μ ← the first frame, σ ← first-sigma",
-            "  d ← |I − μ| / σ",
-            "  foreground if d > threshold",
-            update: "μ ← μ + rate (I − μ), σ² ← σ² + rate ((I − μ)² − σ²); if selective, in the background only"
-        ),
+        pseudocode: line::ALL,
         rungs: &["clip", "frame", "stage"],
         frames: 2,
     };

@@ -3,10 +3,11 @@
 use std::sync::OnceLock;
 
 use crate::differential::{Field, Linear, filter, relax, tell};
+use crate::pseudocode::Name;
 use crate::scene::{Constraint, Fact, Math, Sentence};
 use crate::variational::{Local, Looked, Model, MotionTensor, Solver, Told, Warp, variational_params};
 use crate::words;
-use crate::{Info, Promise, Role, Threads};
+use crate::{Info, Promise, Role, Threads, pseudocode};
 
 variational_params! {
     /// The combined local-global method. The energy ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), w = (u, v), is made as small as can
@@ -34,6 +35,17 @@ pub struct System {
     tensor: OnceLock<MotionTensor>,
 }
 
+pseudocode! {
+    ENERGY: "E(u, v) = ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), where w = (u, v)",
+    EACH_LEVEL: "(u, v) ← 0; for each level, from the coarsest to the picture itself",
+    EACH_WARP: "  for each warp",
+    TAKE_MEDIANS: "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
+    WARP: "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t; T ← Gaussian of ρ px over their products",
+    EACH_ITERATION: "    for each iteration",
+    AVERAGE: "      (u_m, v_m) ← mean of the neighbours, for each pixel",
+    SOLVE: "      (u, v) ← solution of (T + α²) (u, v) = α² (u_m, v_m) + T (u₀, v₀) − (T_xt, T_yt)",
+}
+
 impl Model for Clg {
     const INFO: Info = Info {
         id: "clg",
@@ -43,23 +55,12 @@ impl Model for Clg {
         source: "A. Bruhn, J. Weickert and C. Schnörr, Lucas/Kanade meets Horn/Schunck: combining local and global optic flow \
                  methods, International Journal of Computer Vision 61(3), 2005; medians: D. Sun, S. Roth and M. J. Black, \
                  Secrets of optical flow estimation and their principles, CVPR 2010",
-        pseudocode: &[
-            "E(u, v) = ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), where w = (u, v)",
-            "(u, v) ← 0 on the coarsest level",
-            "for each level, from the coarsest to the picture itself",
-            "  for each warp",
-            "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
-            "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t",
-            "    T ← Gaussian of ρ px over the products of I_x, I_y and I_t",
-            "    for each iteration",
-            "      (u_m, v_m) ← mean of the neighbours, for each pixel",
-            "      (u, v) ← solution of (T + α²) (u, v) = α² (u_m, v_m) + T (u₀, v₀) − (T_xt, T_yt)",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
     };
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
-    const LINES: (usize, &'static [usize]) = (6, &[8, 9]);
+    const STEPS: &'static [Name] = &[line::AVERAGE, line::SOLVE];
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints of a window \
                                    around each pixel are off, which makes the field proof against noise, and α² times how \

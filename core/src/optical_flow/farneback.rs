@@ -8,7 +8,7 @@ use crate::scene::{Chart, Fact, Readout, Sentence, Series};
 use crate::words;
 use crate::{
     Clip, Confidence, DenseField, Error, Estimator, Explained, Grid, Info, Observer, Output, Product, ProductKind,
-    Progress, Promise, Role, Rung, Scene, Seen, Step, Threads, params,
+    Progress, Promise, Role, Rung, Scene, Seen, Step, Threads, params, pseudocode,
 };
 
 params! {
@@ -135,6 +135,20 @@ impl Farneback {
     }
 }
 
+pseudocode! {
+    START_AT_ZERO: "(u, v) ← 0 on the coarsest level",
+    EACH_LEVEL: "for each level, from the coarsest to the picture itself",
+    EACH_NEIGHBORHOOD: "  for each pixel of frames t and t+1, over the neighbourhood around it",
+    EXPAND: "    A, b, c ← the polynomial x · A x + b · x + c that fits best",
+    EACH_ITERATION: "  for each iteration",
+    EACH_PIXEL: "    for each pixel of frame t, with A₁ and b₁",
+    PAIR: "      (m, n) ← (u, v) in whole px; A₂, b₂ ← those of frame t+1 as far away",
+    COMPARE: "      A ← ½ (A₁ + A₂), Δb ← A (m, n) − ½ (b₂ − b₁)",
+    EACH_WINDOW: "    for each pixel, over the window around it",
+    AVERAGE: "      T ← Σ w A A, h ← Σ w A Δb",
+    SOLVE: "      (u, v) ← (T + λ 1)⁻¹ (h + λ (u, v))",
+}
+
 impl Estimator for Farneback {
     const INFO: Info = Info {
         id: "farneback",
@@ -145,19 +159,7 @@ impl Estimator for Farneback {
                  Polynomial expansion for orientation and motion estimation, dissertation, Linköping 2002; damping: \
                  K. Levenberg, A method for the solution of certain non-linear problems in least squares, Quarterly of \
                  Applied Mathematics 2, 1944",
-        pseudocode: &[
-            "(u, v) ← 0 on the coarsest level",
-            "for each level, from the coarsest to the picture itself",
-            "  for each pixel of frames t and t+1, over the neighbourhood around it",
-            "    A, b, c ← the polynomial x · A x + b · x + c that fits best",
-            "  for each iteration",
-            "    for each pixel of frame t, with A₁ and b₁",
-            "      (m, n) ← (u, v) in whole px; A₂, b₂ ← those of frame t+1 as far away",
-            "      A ← ½ (A₁ + A₂), Δb ← A (m, n) − ½ (b₂ − b₁)",
-            "    for each pixel, over the window around it",
-            "      T ← Σ w A A, h ← Σ w A Δb",
-            "      (u, v) ← (T + λ 1)⁻¹ (h + λ (u, v))",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "level", "iteration", "step"],
         frames: 2,
     };
@@ -178,7 +180,7 @@ impl Estimator for Farneback {
         let change = relax::change(&from, &state.field) as f32 * state.frames.scale(level)[0];
         state.notes.push(Note { level, change, error: state.frames.error(level, &state.field) });
         let mut iteration = None;
-        for part in [Part::Expanded, Part::Compared, Part::Averaged, Part::Moved] {
+        for part in [Part::Expanded, Part::Paired, Part::Compared, Part::Averaged, Part::Moved] {
             if part == Part::Expanded && !is_first {
                 continue;
             }
@@ -229,13 +231,18 @@ impl Estimator for Farneback {
             let sentence = "A neighbourhood is described by the polynomial x · A x + b · x + c that fits it best. If the picture \
                             moves by d, the polynomial becomes that of x − d, and its b becomes b − 2 A d: what b has \
                             changed by tells d.";
-            return Step { line: 0, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+            return Step {
+                line: line::START_AT_ZERO,
+                sentence: Sentence::default().text(sentence),
+                readouts: Vec::new(),
+            };
         };
         let line = match looked.part {
-            Part::Expanded => 3,
-            Part::Compared => 7,
-            Part::Averaged => 9,
-            Part::Moved => 10,
+            Part::Expanded => line::EXPAND,
+            Part::Paired => line::PAIR,
+            Part::Compared => line::COMPARE,
+            Part::Averaged => line::AVERAGE,
+            Part::Moved => line::SOLVE,
         };
         Step { line, sentence: looked.sentence(), readouts: self.readouts(seen, &looked) }
     }

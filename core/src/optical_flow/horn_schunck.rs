@@ -1,10 +1,11 @@
 //! Horn and Schunck's method: the smoothest field that the gradient constraints allow.
 
 use crate::differential::{FLAT, Field, Linear, relax, tell};
+use crate::pseudocode::Name;
 use crate::scene::{Math, Sentence};
 use crate::variational::{Looked, Model, Solver, Told, Warp, variational_params};
 use crate::words;
-use crate::{Info, Promise, Role, Threads};
+use crate::{Info, Promise, Role, Threads, pseudocode};
 
 variational_params! {
     /// Horn and Schunck's method. The energy ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²) is made as small as can be.
@@ -26,6 +27,17 @@ variational_params! {
 /// The steps in which an iteration is told.
 const AVERAGED: usize = 0;
 
+pseudocode! {
+    ENERGY: "E(u, v) = ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²)",
+    EACH_LEVEL: "(u, v) ← 0; for each level, from the coarsest to the picture itself",
+    EACH_WARP: "  for each warp",
+    TAKE_MEDIANS: "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
+    WARP: "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀",
+    EACH_ITERATION: "    for each iteration",
+    AVERAGE: "      (u_m, v_m) ← mean of the neighbours, for each pixel",
+    UPDATE: "      (u, v) ← (u_m, v_m) − ∇I (I_x u_m + I_y v_m + c) / (α² + |∇I|²)",
+}
+
 impl Model for HornSchunck {
     const INFO: Info = Info {
         id: "horn-schunck",
@@ -36,22 +48,12 @@ impl Model for HornSchunck {
                  warping: E. Meinhardt-Llopis, J. Sánchez and D. Kondermann, Horn–Schunck optical flow with a multi-scale \
                  strategy, Image Processing On Line 3, 2013; medians: D. Sun, S. Roth and M. J. Black, Secrets of optical flow \
                  estimation and their principles, CVPR 2010",
-        pseudocode: &[
-            "E(u, v) = ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²)",
-            "(u, v) ← 0 on the coarsest level",
-            "for each level, from the coarsest to the picture itself",
-            "  for each warp",
-            "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
-            "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀",
-            "    for each iteration",
-            "      (u_m, v_m) ← mean of the neighbours, for each pixel",
-            "      (u, v) ← (u_m, v_m) − ∇I (I_x u_m + I_y v_m + c) / (α² + |∇I|²)",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
     };
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
-    const LINES: (usize, &'static [usize]) = (5, &[7, 8]);
+    const STEPS: &'static [Name] = &[line::AVERAGE, line::UPDATE];
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints are off, and α² \
                                    times how unlike neighbours move. (In some course notes the second part is multiplied by \

@@ -15,7 +15,7 @@ use crate::scene::Chart;
 use crate::span::Span;
 use crate::{
     Clip, Error, Estimator, Feature, Flow, Frame, Info, Observer, Output, Product, ProductKind, Progress, Promise,
-    Role, Rung, Scene, Seen, Status, Step, Threads, Track, TrackField, choices, params,
+    Role, Rung, Scene, Seen, Status, Step, Threads, Track, TrackField, choices, params, pseudocode,
 };
 
 choices! {
@@ -291,6 +291,19 @@ impl Klt {
     }
 }
 
+pseudocode! {
+    EACH_FRAME: "for each frame t, up to the last but one",
+    COMPUTE_RESPONSES: "  if there is room: R ← response of each pixel of frame t",
+    FIND_PEAKS: "    peaks ← local maxima with R ≥ quality · largest R",
+    TAKE_STRONGEST: "    take the strongest that keep their distance; remember how each looks",
+    EACH_FEATURE: "  for each feature x",
+    TRACK: "    d ← displacement to frame t+1, by pyramidal Lucas–Kanade",
+    TRACK_BACK: "    b ← displacement back to frame t; lost if |d + b| > max-return",
+    FIT_FIRST_VIEW: "    (A, s, λ, δ) ← how its first view lies in frame t+1, and in what light",
+    IS_CHANGED: "    lost if that differs by more than max-change",
+    MOVE: "    else x ← x + d",
+}
+
 impl Estimator for Klt {
     const INFO: Info = Info {
         id: "klt",
@@ -301,18 +314,7 @@ impl Estimator for Klt {
                  Good features to track, CVPR 1994; tracking: J.-Y. Bouguet, Intel Corporation, 2000; the way back: Z. Kalal, \
                  K. Mikolajczyk and J. Matas, Forward-backward error, ICPR 2010; other light: H. Jin, P. Favaro and S. Soatto, \
                  Real-time feature tracking and outlier rejection with changes in illumination, ICCV 2001",
-        pseudocode: &[
-            "for each frame t, up to the last but one",
-            "  if there is room: R ← response of each pixel of frame t",
-            "    peaks ← local maxima with R ≥ quality · largest R",
-            "    take the strongest that keep their distance; remember how each looks",
-            "  for each feature x",
-            "    d ← displacement to frame t+1, by pyramidal Lucas–Kanade",
-            "    b ← displacement back to frame t; lost if |d + b| > max-return",
-            "    (A, s, λ, δ) ← how its first view lies in frame t+1, and in what light",
-            "    lost if that differs by more than max-change",
-            "    else x ← x + d",
-        ],
+        pseudocode: line::ALL,
         rungs: &["clip", "pair", "feature", "step"],
         frames: 2,
     };

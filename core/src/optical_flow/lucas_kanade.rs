@@ -5,10 +5,11 @@ mod tell;
 use std::sync::{Arc, OnceLock};
 
 use crate::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
+use crate::estimator::Mapped;
 use crate::scene::Chart;
 use crate::{
     Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Product,
-    ProductKind, Progress, Promise, Rung, Scene, Seen, Step, Threads, params,
+    ProductKind, Progress, Promise, Rung, Scene, Seen, Step, Threads, params, pseudocode,
 };
 
 params! {
@@ -57,8 +58,22 @@ pub struct Solution {
     texture: Texture,
 }
 
-/// The next pixel of the row has this solution.
-pub type Event = Solution;
+/// What happens in a row.
+#[derive(Clone, Copy, Debug)]
+pub enum Event {
+    /// Frame t + 1 is brought back and the constraints are taken: before the first row of an iteration.
+    Linearized,
+    /// The next pixel of the row has this solution.
+    Solved(Solution),
+}
+
+/// The solutions of a row among its events.
+fn solved(events: &[Event]) -> &[Event] {
+    match events {
+        [Event::Linearized, solved @ ..] => solved,
+        all => all,
+    }
+}
 
 impl LucasKanade {
     fn window(&self) -> Window {
@@ -87,7 +102,7 @@ impl LucasKanade {
     }
 
     /// Asks the windows of row `y`.
-    fn row(&self, sums: &mut Sums, y: usize, row: &mut [Solution], observer: &mut impl Observer<Event>) {
+    fn row(&self, sums: &mut Sums, y: usize, row: &mut [Solution], observer: &mut impl Observer<Solution>) {
         sums.row(y, |x, tensor| {
             row[x] = self.solve(&tensor);
             observer.see(|| row[x]);
@@ -145,7 +160,10 @@ impl State {
     fn solutions<T>(&self, more: &[Event], f: impl Fn(Option<&Solution>) -> T) -> Grid<T> {
         let (width, height) = self.given.size();
         Grid::from_fn(width, height, |x, y| {
-            let of_row = more.get(x).filter(|_| y == self.y);
+            let of_row = solved(more).get(x).filter(|_| y == self.y).and_then(|event| match event {
+                Event::Solved(solution) => Some(solution),
+                Event::Linearized => None,
+            });
             f(of_row.or_else(|| self.found.get(y * width + x)))
         })
     }
@@ -153,6 +171,15 @@ impl State {
     fn flow(&self, more: &[Event]) -> Grid<[f32; 2]> {
         self.solutions(more, |solution| solution.map_or(Flow::UNKNOWN, |solution| solution.displacement))
     }
+}
+
+pseudocode! {
+    START_AT_ZERO: "(u, v) ← 0 for each pixel",
+    EACH_ITERATION: "for each iteration",
+    LINEARIZE: "  (u₀, v₀) ← (u, v) where known; bring frame t+1 back along it, take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀, unknown where a pixel left the picture",
+    EACH_PIXEL: "  for each pixel: T ← Σ w (I_x², I_x I_y; I_x I_y, I_y²) over what is known of the window around it, Σ w = 1",
+    IS_SINGULAR: "    if the smaller eigenvalue of T < threshold, then unknown",
+    SOLVE: "    else (u, v) ← −T⁻¹ Σ w c (I_x, I_y)",
 }
 
 impl Estimator for LucasKanade {
@@ -164,16 +191,7 @@ impl Estimator for LucasKanade {
         source: "B. D. Lucas and T. Kanade, An iterative image registration technique with an application to stereo vision, \
                  IJCAI 1981; uncertainty: E. P. Simoncelli, E. H. Adelson and D. J. Heeger, Probability distributions of \
                  optical flow, CVPR 1991",
-        pseudocode: &[
-            "(u, v) ← 0 for each pixel",
-            "for each iteration",
-            "  (u₀, v₀) ← (u, v) where known; bring frame t+1 back along it, take I_x, I_y, I_t",
-            "  c ← I_t − I_x u₀ − I_y v₀, unknown where a pixel left the picture",
-            "  for each pixel, over what is known of the window around it, Σ w = 1",
-            "    T ← Σ w (I_x², I_x I_y; I_x I_y, I_y²)",
-            "    if the smaller eigenvalue of T < threshold, then unknown",
-            "    else (u, v) ← −T⁻¹ Σ w c (I_x, I_y)",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "iteration", "row", "pixel"],
         frames: 2,
     };
@@ -192,7 +210,11 @@ impl Estimator for LucasKanade {
         let (width, height) = state.given.size();
         let mut row = vec![NOTHING; width];
         let linear = self.linear(state, &Threads::single());
-        self.row(&mut self.window().sums(&linear.factors), state.y, &mut row, observer);
+        if state.y == 0 {
+            observer.see(|| Event::Linearized);
+        }
+        let mut solved = Mapped { observer, map: Event::Solved };
+        self.row(&mut self.window().sums(&linear.factors), state.y, &mut row, &mut solved);
         state.take(&row);
         Ok(if state.y < height { Progress::More } else { self.next_iteration(state, &Threads::single()) })
     }
@@ -216,8 +238,10 @@ impl Estimator for LucasKanade {
     }
 
     fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        let (x, _) = state.given.pixel_at(point)?;
-        Some(Explained::From(Cursor { unit: self.unit_at(state, point)?, event: x + 1 }))
+        let (x, y) = state.given.pixel_at(point)?;
+        // The first row of an iteration begins with its constraints.
+        let event = x + 1 + usize::from(y == 0);
+        Some(Explained::From(Cursor { unit: self.unit_at(state, point)?, event }))
     }
 
     fn state_bytes(&self, state: &State) -> usize {

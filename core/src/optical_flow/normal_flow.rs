@@ -15,7 +15,7 @@ use crate::scene::{Chart, Fact, Math, Picture, Plane, Readout, Sentence, Shape};
 use crate::words;
 use crate::{
     Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Product,
-    ProductKind, Progress, Promise, Role, Rung, Scene, Seen, Step, Threads, params,
+    ProductKind, Progress, Promise, Role, Rung, Scene, Seen, Step, Threads, params, pseudocode,
 };
 
 params! {
@@ -96,6 +96,13 @@ impl State {
     }
 }
 
+pseudocode! {
+    TAKE_DERIVATIVES: "smooth both frames; I_x, I_y ← derivatives of their mean; I_t ← their difference",
+    EACH_PIXEL: "for each pixel, whose gradient constraint I_x u + I_y v + I_t = 0 is a line in (u, v)",
+    IS_FLAT: "  if |∇I| < threshold, then nothing can be said",
+    TAKE_NEAREST: "  else (u, v) ← the point of the line nearest to (0, 0)",
+}
+
 impl Estimator for NormalFlow {
     const INFO: Info = Info {
         id: "normal-flow",
@@ -105,14 +112,7 @@ impl Estimator for NormalFlow {
         source: "C. L. Fennema and W. B. Thompson, Velocity determination in scenes containing several moving objects, \
                  Computer Graphics and Image Processing 9(4), 1979; aperture problem: S. Ullman, The Interpretation of \
                  Visual Motion, MIT Press 1979",
-        pseudocode: &[
-            "smooth both frames",
-            "I_x, I_y ← derivatives of the mean of both frames, smoothed; I_t ← their difference",
-            "for each pixel",
-            "  the gradient constraint I_x u + I_y v + I_t = 0 is a line in (u, v)",
-            "  if |∇I| < threshold, then nothing can be said",
-            "  else (u, v) ← the point of the line nearest to (0, 0)",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "row", "pixel"],
         frames: 2,
     };
@@ -163,13 +163,17 @@ impl Estimator for NormalFlow {
     fn step(&self, seen: &Seen<Self>) -> Step {
         let Some(pixel) = pixel(seen) else {
             let sentence = "Both frames are smoothed and their derivatives taken. Each pixel is asked by itself.";
-            return Step { line: 1, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+            return Step {
+                line: line::TAKE_DERIVATIVES,
+                sentence: Sentence::default().text(sentence),
+                readouts: Vec::new(),
+            };
         };
         let of = &seen.before.fixed.derivatives;
         let found = self.nearest(of.at(pixel));
         let is_known = found[0].is_finite();
         Step {
-            line: if is_known { 5 } else { 4 },
+            line: if is_known { line::TAKE_NEAREST } else { line::IS_FLAT },
             sentence: self.sentence(pixel, of.at(pixel), found),
             readouts: self.readouts(&seen.before.fixed, pixel, found),
         }

@@ -13,7 +13,7 @@ use crate::span::Span;
 use crate::stage::{DenseFlow, Stage};
 use crate::{
     Clip, Error, Estimator, Explained, Feature, Flow, Grid, Info, Observer, Output, Product, ProductKind, Progress,
-    Promise, Role, Rung, Scene, Seen, Status, Step, Threads, Track, TrackField, params,
+    Promise, Role, Rung, Scene, Seen, Status, Step, Threads, Track, TrackField, params, pseudocode,
 };
 
 params! {
@@ -328,6 +328,18 @@ fn note(track: &mut Arc<Track>, feature: Option<Feature>) {
     track.points.extend(next);
 }
 
+pseudocode! {
+    EACH_FRAME: "for each frame t, up to the last but one",
+    FIND_FLOW: "  w ← dense flow from frame t to t+1, w′ ← that back",
+    BEGIN_POINTS: "  begin a point in each empty cell of the grid, where λ₂ ≥ structure",
+    EACH_POINT: "  for each point x",
+    IS_FLAT: "    lost if λ₂(x) < structure",
+    IS_OUTSIDE: "    lost if x + w(x) lies outside the picture",
+    IS_ASTRAY: "    lost if |w(x) + w′(x + w(x))|² > share · (|w|² + |w′|²) + tolerance",
+    CARRY: "    else x ← x + w(x), between pixels bilinearly",
+    COMPARE_FEATURES: "  y ← the same points as features, by pyramidal Lucas–Kanade; drift ← mean of |x − y|",
+}
+
 impl Estimator for PointTrajectories {
     const INFO: Info = Info {
         id: "point-trajectories",
@@ -338,17 +350,7 @@ impl Estimator for PointTrajectories {
         source: "N. Sundaram, T. Brox and K. Keutzer, Dense point trajectories by GPU-accelerated large displacement optical \
                  flow, ECCV 2010; P. Sand and S. Teller, Particle video: long-range motion estimation using point trajectories, \
                  CVPR 2006; features: J.-Y. Bouguet, Intel Corporation, 2000",
-        pseudocode: &[
-            "for each frame t, up to the last but one",
-            "  w ← dense flow from frame t to t+1, w′ ← that back",
-            "  begin a point in each empty cell of the grid, where λ₂ ≥ structure",
-            "  for each point x",
-            "    lost if λ₂(x) < structure",
-            "    lost if x + w(x) lies outside the picture",
-            "    lost if |w(x) + w′(x + w(x))|² > share · (|w|² + |w′|²) + tolerance",
-            "    else x ← x + w(x), between pixels bilinearly",
-            "    y ← the same point as a feature, by pyramidal Lucas–Kanade; drift = |x − y|",
-        ],
+        pseudocode: line::ALL,
         rungs: &["clip", "pair", "point"],
         frames: 2,
     };

@@ -15,7 +15,7 @@ use crate::words;
 use crate::{
     Clip, Confidence, DenseField, Error, Estimator, Feature, Flow, Frame, Grid, Info, Levels, Observer, Output,
     PointField, Product, ProductKind, Progress, Promise, Role, Rung, Scene, Seen, Stack, Status, Step, Threads,
-    choices, params,
+    choices, params, pseudocode,
 };
 
 choices! {
@@ -189,6 +189,19 @@ fn feature(at: [f32; 2], (displacement, result): ([f32; 2], Result<f32, Status>)
     }
 }
 
+pseudocode! {
+    MAKE_PYRAMIDS: "make a pyramid of frame t and one of frame t+1; choose points",
+    EACH_POINT: "for each point x: g ← 0",
+    EACH_LEVEL: "  for each level, from the coarsest to the picture itself",
+    TAKE_TENSOR: "    T ← mean of (I_x², I_x I_y; I_x I_y, I_y²) over the window at x in frame t",
+    IS_SINGULAR: "    if the smaller eigenvalue of T < threshold, then hand g on, or lost on the picture",
+    REPEAT: "    d ← g; repeat",
+    UPDATE: "      d ← d + T⁻¹ b, b ← mean of δI (I_x, I_y), δI = frame t at x − frame t+1 at x + d",
+    UNTIL_CONVERGED: "    until |T⁻¹ b| < epsilon, or iterations are done",
+    HAND_ON: "    g ← 2 d",
+    CHECK: "  lost if x + d is outside or the window differs too much there, else x moves by d",
+}
+
 impl Estimator for PyramidalLucasKanade {
     const INFO: Info = Info {
         id: "pyramidal-lucas-kanade",
@@ -197,20 +210,7 @@ impl Estimator for PyramidalLucasKanade {
         summary: "Tracks single points from a coarse level of a pyramid to the picture, window by window.",
         source: "J.-Y. Bouguet, Pyramidal implementation of the Lucas Kanade feature tracker: description of the algorithm, \
                  Intel Corporation, Microprocessor Research Labs, 2000",
-        pseudocode: &[
-            "make a pyramid of frame t and one of frame t+1; choose points",
-            "for each point x",
-            "  g ← 0",
-            "  for each level, from the coarsest to the picture itself",
-            "    T ← mean of (I_x², I_x I_y; I_x I_y, I_y²) over the window at x in frame t",
-            "    if the smaller eigenvalue of T < threshold, then hand g on, or lost on the picture",
-            "    d ← g; repeat",
-            "      b ← mean of δI (I_x, I_y), δI = frame t at x − frame t+1 at x + d",
-            "      d ← d + T⁻¹ b",
-            "    until |T⁻¹ b| < epsilon, or iterations are done",
-            "    g ← 2 d",
-            "  lost if x + d is outside or the window differs too much there, else x moves by d",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "feature", "level", "iteration"],
         frames: 2,
     };
@@ -303,12 +303,15 @@ impl Estimator for PyramidalLucasKanade {
     fn step(&self, seen: &Seen<Self>) -> Step {
         let looked = self.look(seen);
         let line = match looked.as_ref().and_then(|looked| looked.trace.last()) {
-            None => 0,
-            Some(follow::Event::Window(_)) => 4,
-            Some(follow::Event::Iteration { .. }) => 8,
-            Some(follow::Event::Handed(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => 5,
-            Some(follow::Event::Handed(..)) => 10,
-            Some(follow::Event::End(..)) => 11,
+            None => line::MAKE_PYRAMIDS,
+            Some(follow::Event::Window(_)) => line::TAKE_TENSOR,
+            Some(follow::Event::Iteration { update, .. }) if self.follow().converges(*update) => line::UNTIL_CONVERGED,
+            Some(follow::Event::Iteration { .. }) => line::UPDATE,
+            Some(follow::Event::Handed(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => {
+                line::IS_SINGULAR
+            }
+            Some(follow::Event::Handed(..)) => line::HAND_ON,
+            Some(follow::Event::End(..)) => line::CHECK,
         };
         Step { line, sentence: self.sentence(seen, looked.as_ref()), readouts: self.readouts(seen, looked.as_ref()) }
     }

@@ -1,10 +1,11 @@
 //! TV-L1: a field that may jump, and constraints that may be broken here and there.
 
 use crate::differential::{Linear, tell};
+use crate::pseudocode::Name;
 use crate::scene::{Fact, Math, Sentence};
 use crate::variational::{Dual, Looked, Model, Told, Warp, primal_dual, variational_params};
 use crate::words;
-use crate::{Info, Promise, Role, Threads};
+use crate::{Info, Promise, Role, Threads, pseudocode};
 
 variational_params! {
     /// TV-L1. The energy ∫∫ λ |I_x u + I_y v + I_t| + |∇u| + |∇v| is made as small as can be. Nothing is squared, so a constraint
@@ -24,6 +25,18 @@ variational_params! {
 const FITTED: usize = 0;
 const SMOOTHED: usize = 1;
 
+pseudocode! {
+    ENERGY: "E(u, v) = ∫∫ λ |ρ| + |∇u| + |∇v|, where ρ = I_x u + I_y v + I_t",
+    EACH_LEVEL: "(u, v) ← 0; for each level, from the coarsest to the picture itself; p ← 0",
+    EACH_WARP: "  for each warp",
+    TAKE_MEDIANS: "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
+    WARP: "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀",
+    EACH_ITERATION: "    for each iteration",
+    FIT_DATA: "      (u_f, v_f) ← (u, v) − ∇I · (ρ / |∇I|², but at most λ θ either way), ρ = I_x u + I_y v + c",
+    SMOOTH: "      (u, v) ← (u_f, v_f) + θ (div p_u, div p_v)",
+    UPDATE_DUAL: "      p ← (p + τ/θ ∇) / (1 + τ/θ |∇|), with ∇u for p_u and ∇v for p_v",
+}
+
 impl Model for TvL1 {
     const INFO: Info = Info {
         id: "tv-l1",
@@ -34,23 +47,12 @@ impl Model for TvL1 {
                  J. Sánchez, E. Meinhardt-Llopis and G. Facciolo, TV-L1 optical flow estimation, Image Processing On Line 3, \
                  2013; medians: D. Sun, S. Roth and M. J. Black, Secrets of optical flow estimation and their principles, \
                  CVPR 2010",
-        pseudocode: &[
-            "E(u, v) = ∫∫ λ |ρ| + |∇u| + |∇v|, where ρ = I_x u + I_y v + I_t",
-            "(u, v) ← 0 on the coarsest level",
-            "for each level, from the coarsest to the picture itself; p ← 0",
-            "  for each warp",
-            "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
-            "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀",
-            "    for each iteration",
-            "      (u_f, v_f) ← (u, v) − ∇I · (ρ / |∇I|², but at most λ θ either way), ρ = I_x u + I_y v + c",
-            "      (u, v) ← (u_f, v_f) + θ (div p_u, div p_v)",
-            "      p ← (p + τ/θ ∇) / (1 + τ/θ |∇|), with ∇u for p_u and ∇v for p_v",
-        ],
+        pseudocode: line::ALL,
         rungs: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
     };
     const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
-    const LINES: (usize, &'static [usize]) = (5, &[7, 8, 9]);
+    const STEPS: &'static [Name] = &[line::FIT_DATA, line::SMOOTH, line::UPDATE_DUAL];
     const ENERGY_UNIT: &'static str = "px";
     const OPENING: &'static str = "The energy to be made small has two parts: λ times how far the gradient constraints are \
                                    off, and how much the field varies (total variation). Neither is squared: a border at \

@@ -12,6 +12,8 @@ use crate::{Grid, Role, Scene};
 pub enum Part {
     /// All neighbourhoods of both frames have become polynomials: before the first iteration of a level.
     Expanded,
+    /// Each pixel has the polynomial of frame t + 1 to which its displacement leads.
+    Paired,
     /// Each pixel says what its two polynomials make of its displacement.
     Compared,
     /// The pixels of each window are put together.
@@ -112,7 +114,6 @@ impl Looked<'_> {
     pub fn sentence(&self) -> Sentence {
         let (said, pixel) = (Sentence::default(), self.pixel());
         let px = |uv: [f32; 2]| format!("{} {}", words::vector(uv), self.unit());
-        let outside = " leaves the picture by now: it says nothing.";
         match self.part {
             Part::Expanded => {
                 let (width, height) = self.frames.size(self.level);
@@ -125,19 +126,28 @@ impl Looked<'_> {
                 .ink(Role::Reference, pixel)
                 .text(format!(" has the gradient b₁ = {}.", words::vector(polynomial.b)))
             }
-            Part::Compared => match (self.shift, self.whole()) {
-                (Some((shift, _)), Some(whole)) => said
+            Part::Paired => {
+                let said = said
                     .text("By now ")
                     .ink(Role::Reference, pixel)
                     .text(" moves by ")
-                    .ink(Role::Best, px(self.from()))
-                    .text(format!(
-                        ", so it is compared with the polynomial {} whole px away. What b has changed by, and that way, say \
-                         A d = {}.",
-                        words::vector(whole),
-                        words::vector(shift.b)
-                    )),
-                _ => said.ink(Role::Reference, pixel).text(outside),
+                    .ink(Role::Best, px(self.from()));
+                said.text(match self.whole() {
+                    Some(whole) => {
+                        format!(", so it is compared with the polynomial {} whole px away.", words::vector(whole))
+                    }
+                    None => ". That leads out of the picture: there is no polynomial to compare it with.".into(),
+                })
+            }
+            Part::Compared => match self.shift {
+                Some((shift, _)) => said
+                    .text("What b has changed by from one polynomial of ")
+                    .ink(Role::Reference, pixel)
+                    .text(format!(" to the other, and the way between them, say A d = {}.", words::vector(shift.b))),
+                None => said
+                    .text("There is no second polynomial for ")
+                    .ink(Role::Reference, pixel)
+                    .text(", so it says nothing."),
             },
             Part::Averaged => {
                 let [large, small] = self.tensor.eigenvalues().map(words::number);
@@ -158,7 +168,7 @@ impl Looked<'_> {
     /// What has happened, in symbols and with the pixel's numbers.
     pub fn readouts(&self) -> Vec<Readout> {
         let (equation, picture) = match self.part {
-            Part::Expanded => (expansion_equation(self), Readout::Tiles(self.tiles())),
+            Part::Expanded | Part::Paired => (expansion_equation(self), Readout::Tiles(self.tiles())),
             Part::Compared => (shift_equation(self), Readout::Plane(self.plane())),
             Part::Averaged | Part::Moved => (self.mean_equation(), Readout::Plane(self.plane())),
         };

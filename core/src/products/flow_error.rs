@@ -52,7 +52,7 @@ pub(super) fn of_tracks(field: &TrackField, reference: &Reference<'_>) -> Assess
 
 fn told(assessment: Result<Assessment, Error>) -> Assessment {
     assessment.unwrap_or_else(|error| Assessment {
-        facts: vec![fact("Truth", error.to_string())],
+        facts: vec![fact("Endpoint error", format!("unknown: {error}"))],
         truth_error: Some(error),
         ..Assessment::default()
     })

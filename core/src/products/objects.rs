@@ -64,7 +64,7 @@ impl Product for ObjectField {
         Ok(match scored {
             Ok(scored) => own.and(scored.flatten().map(tracking).unwrap_or_default()),
             Err(error) => own.and(Assessment {
-                facts: vec![fact("Truth", error.to_string())],
+                facts: vec![fact("Scores", format!("unknown: {error}"))],
                 truth_error: Some(error),
                 ..Assessment::default()
             }),

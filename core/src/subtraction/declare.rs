@@ -59,22 +59,30 @@ macro_rules! subtraction_params {
 }
 pub(crate) use subtraction_params;
 
+/// The lines that all background subtractions have; shadows are not looked for by all.
+pub(super) mod line {
+    crate::line_names!(BEGIN_MODEL, COMPARE, DECIDE, REMOVE_SHADOWS, OPEN, CLOSE, LABEL, KEEP_BLOBS, UPDATE_MODEL);
+}
+
 /// The pseudocode of a background subtraction: how the model begins, how a pixel is compared and decided, the line that
 /// finds shadows where there is one, and how the model takes the frame in.
 macro_rules! subtraction_pseudocode {
-    ($begin:literal, $compare:literal, $decide:literal, $(shadows: $shadows:literal,)? update: $update:literal) => {
-        &[
-            $begin,
-            "for each frame t that follows, and each of its pixels",
-            $compare,
-            $decide,
-            $($shadows,)?
-            "  open the mask: what is smaller than the square goes",
-            "  close it: gaps smaller than the square are filled",
-            "  label its connected components",
-            "  keep those of min-area px or more as blobs",
-            $update,
-        ]
+    (
+        begin: $begin:literal, compare: $compare:literal, decide: $decide:literal,
+        $(shadows: $shadows:literal,)? update: $update:literal $(,)?
+    ) => {
+        $crate::pseudocode! {
+            BEGIN_MODEL: $begin,
+            EACH_FRAME: "for each frame t that follows, and each of its pixels",
+            COMPARE: $compare,
+            DECIDE: $decide,
+            $(REMOVE_SHADOWS: $shadows,)?
+            OPEN: "  open the mask: what is smaller than the square goes",
+            CLOSE: "  close it: gaps smaller than the square are filled",
+            LABEL: "  label its connected components",
+            KEEP_BLOBS: "  keep those of min-area px or more as blobs",
+            UPDATE_MODEL: $update,
+        }
     };
 }
 pub(crate) use subtraction_pseudocode;

@@ -32,8 +32,6 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     const SHOWN: &'static str;
     /// What that is.
     const COMPARED: &'static str = "difference from the background";
-    /// Whether it can tell shadows, which its pseudocode has a line for.
-    const TELLS_SHADOWS: bool = false;
     /// What its steps have charts for.
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     /// What is known of the background.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::declare::line;
 use super::{Background, Event, Explanation, Initial, State, Subtraction};
 use crate::differential::tell;
 use crate::objects::Record;
@@ -49,21 +50,25 @@ impl<'a> Account<'a> {
         self.events.iter().find_map(|event| if let Event::Kept(blobs) = event { Some(&**blobs) } else { None })
     }
 
-    /// What has become of a pixel after it was decided.
+    /// What has become of a pixel after it was decided: what changed it, and what the last stage made of it.
     fn fate(&self, (x, y): (usize, usize)) -> Sentence {
         let mut said = Sentence::default();
         let mut was_set = false;
-        for event in self.events {
+        for (i, event) in self.events.iter().enumerate() {
+            let is_last = i + 1 == self.events.len();
             said = match event {
                 Event::Shadows(_, shadows) if shadows.get(x, y) => {
                     said.text(" It is a ").ink(Role::Rejected, "shadow").text(".")
                 }
+                Event::Shadows(..) if is_last => said.text(" It is no shadow."),
                 Event::Opened(mask) if was_set && !mask.get(x, y) => {
                     said.text(" Opening ").ink(Role::Rejected, "takes it off").text(".")
                 }
+                Event::Opened(_) if is_last => said.text(" Opening leaves it as it is."),
                 Event::Closed(mask) if !was_set && mask.get(x, y) => {
                     said.text(" Closing ").ink(Role::Estimate, "fills it").text(".")
                 }
+                Event::Closed(_) if is_last => said.text(" Closing leaves it as it is."),
                 Event::Labelled(labels, _) if labels[(x, y)] > 0 => said
                     .text(format!(" It belongs to component {}", labels[(x, y)]))
                     .text(match self.kept().map(|[_, dropped]| dropped.iter().any(|d| label(d) == labels[(x, y)])) {
@@ -71,6 +76,8 @@ impl<'a> Account<'a> {
                         Some(true) => ", which is too small.",
                         Some(false) => ", which is kept.",
                     }),
+                Event::Labelled(..) if is_last => said.text(" It belongs to no component."),
+                Event::Kept(_) if is_last && !was_set => said.text(" It belongs to no blob."),
                 _ => said,
             };
             if let Event::Decided(mask) | Event::Shadows(mask, _) | Event::Opened(mask) | Event::Closed(mask) = event {
@@ -218,17 +225,16 @@ pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
 
 impl<M: Background> Subtraction<M> {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
-        let shadows = usize::from(M::TELLS_SHADOWS);
         let line = match seen.events.last() {
-            None | Some(Event::Begun(_)) => 0,
-            Some(Event::Compared(..)) => 2,
-            Some(Event::Decided(_)) => 3,
-            Some(Event::Shadows(..)) => 4,
-            Some(Event::Opened(_)) => 4 + shadows,
-            Some(Event::Closed(_)) => 5 + shadows,
-            Some(Event::Labelled(..)) => 6 + shadows,
-            Some(Event::Kept(_)) => 7 + shadows,
-            Some(Event::Updated) => 8 + shadows,
+            None | Some(Event::Begun(_)) => line::BEGIN_MODEL,
+            Some(Event::Compared(..)) => line::COMPARE,
+            Some(Event::Decided(_)) => line::DECIDE,
+            Some(Event::Shadows(..)) => line::REMOVE_SHADOWS,
+            Some(Event::Opened(_)) => line::OPEN,
+            Some(Event::Closed(_)) => line::CLOSE,
+            Some(Event::Labelled(..)) => line::LABEL,
+            Some(Event::Kept(_)) => line::KEEP_BLOBS,
+            Some(Event::Updated) => line::UPDATE_MODEL,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
@@ -256,7 +262,10 @@ impl<M: Background> Subtraction<M> {
             let mut all = said.ink(Role::Reference, format!("Pixel {}", pixel(place)));
             all.0.extend(verdict.0);
             all.0.extend(account.fate(place).0);
-            return all;
+            return match event {
+                Event::Updated => all.text(format!(" {}.", self.0.update())),
+                _ => all,
+            };
         }
         match event {
             Event::Begun(_) => said.text(match self.0.initial() {
@@ -264,8 +273,8 @@ impl<M: Background> Subtraction<M> {
                     format!("Frame {number} is the first one: all of it is taken for the background.")
                 }
                 Initial::Median => {
-                    "The median of frames from all over the run is the initial background: what moves covers a \
-                                    pixel in less than half of them."
+                    "The median of frames from all over the run is the initial background: what moves covers a pixel \
+                     in less than half of them."
                         .to_owned()
                 }
             }),

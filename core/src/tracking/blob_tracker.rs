@@ -12,7 +12,7 @@ use crate::objects::{Bounds, Detection, Object, ObjectFrame};
 use crate::scene::Chart;
 use crate::{
     Clip, Error, Estimator, Grid, Info, ObjectField, Observer, Output, Product, ProductKind, Progress, Promise, Role,
-    Rung, Scene, Seen, Step, choices,
+    Rung, Scene, Seen, Step, choices, pseudocode,
 };
 use correspond::{Blob, Table};
 
@@ -336,6 +336,19 @@ impl BlobTracker {
     }
 }
 
+pseudocode! {
+    EACH_FRAME: "for each frame t",
+    DETECT: "  detect blobs",
+    PREDICT: "  expect every object where its mean displacement leads",
+    COMPUTE_OVERLAPS: "  O(i, j) ← what the boxes of object i and blob j have in common, as a share of the smaller",
+    TAKE_NEAREST: "  i and j correspond if O(i, j) ≥ min-overlap; else the nearest within max-distance",
+    GO_ON: "  one object, one blob: the object goes on",
+    MERGE: "  several objects, one blob: they merge into a group, and each keeps its identity",
+    SPLIT: "  several blobs: the object or group splits, and appearance tells who is who",
+    COAST_OR_END: "  no blob: the object coasts, or ends if it was not seen for too long",
+    BEGIN_OBJECT: "  no object: a new one begins, tentative until it was seen often enough",
+}
+
 impl Estimator for BlobTracker {
     const INFO: Info = Info {
         id: "blob-tracker",
@@ -346,18 +359,7 @@ impl Estimator for BlobTracker {
                  correspondence matrix and identities after a merge: A. Senior, A. Hampapur, Y.-L. Tian, L. Brown, S. Pankanti and \
                  R. Bolle, Appearance models for occlusion handling, 2nd IEEE workshop on performance evaluation of tracking and \
                  surveillance, 2001",
-        pseudocode: &[
-            "for each frame t",
-            "  detect blobs",
-            "  expect every object where its mean displacement leads",
-            "  O(i, j) ← what the boxes of object i and blob j have in common, as a share of the smaller",
-            "  i and j correspond if O(i, j) ≥ min-overlap; else the nearest within max-distance",
-            "  one object, one blob: the object goes on",
-            "  several objects, one blob: they merge into a group, and each keeps its identity",
-            "  several blobs: the object or group splits, and appearance tells who is who",
-            "  no blob: the object coasts, or ends if it was not seen for too long",
-            "  no object: a new one begins, tentative until it was seen often enough",
-        ],
+        pseudocode: line::ALL,
         rungs: &["clip", "frame", "step"],
         frames: 2,
     };

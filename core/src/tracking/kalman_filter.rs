@@ -17,7 +17,7 @@ use crate::span::Span;
 use crate::stage::{Foreground, Stage};
 use crate::{
     Clip, Detection, Error, Estimator, Info, ObjectField, Observer, Output, Product, ProductKind, Progress, Promise,
-    Role, Rung, Scene, Seen, Step, choices, params,
+    Role, Rung, Scene, Seen, Step, choices, params, pseudocode,
 };
 
 use sensors::{Look, Sensed, Sensors};
@@ -337,6 +337,18 @@ fn nearest_object(clip: &Clip, t: usize, place: [f64; 2]) -> Result<Option<u32>,
     Ok(nearest.map(|object| object.id))
 }
 
+pseudocode! {
+    EACH_FRAME: "for each frame t",
+    PREDICT: "  predict: x ← f(x), P ← F P F^T + Q",
+    MEASURE: "  z ← what is measured in frame t, if anything is",
+    BEGIN_OBJECT: "  without an object: begin one, x ← z with velocity 0, P ← what is uncertain of both",
+    GATE: "  gate: ν ← z − H x, S ← H P H^T + R; taken if ν^T S⁻¹ ν ≤ limit",
+    UPDATE: "  update: K ← P H^T S⁻¹, x ← x + K ν, P ← (I − K H) P (I − K H)^T + K R K^T",
+    COAST_OR_END: "  without a measurement x and P stay as predicted; the object ends if it was not seen for too long",
+    EACH_FRAME_BACK: "for each frame t, backwards",
+    SMOOTH: "  smooth: C ← P F^T P⁻¹(t+1|t), x ← x + C (x(t+1) − x(t+1|t)), P ← P + C (P(t+1) − P(t+1|t)) C^T",
+}
+
 impl Estimator for KalmanFilter {
     const INFO: Info = Info {
         id: "kalman-filter",
@@ -346,19 +358,7 @@ impl Estimator for KalmanFilter {
         source: "R. E. Kalman, A new approach to linear filtering and prediction problems, Journal of Basic Engineering 82, 1960; \
                  models, gate and consistency: Y. Bar-Shalom, X. R. Li and T. Kirubarajan, Estimation with applications to \
                  tracking and navigation, 2001; smoothing: H. E. Rauch, F. Tung and C. T. Striebel, AIAA Journal 3, 1965",
-        pseudocode: &[
-            "for each frame t",
-            "  predict: x ← f(x), P ← F P F^T + Q",
-            "  z ← what is measured in frame t, if anything is",
-            "  without an object: begin one, x ← z with velocity 0, P ← what is uncertain of both",
-            "  gate: ν ← z − H x, S ← H P H^T + R; taken if ν^T S⁻¹ ν ≤ limit",
-            "  update: K ← P H^T S⁻¹, x ← x + K ν",
-            "    P ← (I − K H) P (I − K H)^T + K R K^T",
-            "  without a measurement x and P stay as predicted",
-            "for each frame t, backwards",
-            "  smooth: C ← P F^T P⁻¹(t+1|t), x ← x + C (x(t+1) − x(t+1|t))",
-            "    P ← P + C (P(t+1) − P(t+1|t)) C^T",
-        ],
+        pseudocode: line::ALL,
         rungs: &["clip", "pass", "frame", "step"],
         frames: 2,
     };

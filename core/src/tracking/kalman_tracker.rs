@@ -13,7 +13,7 @@ use crate::objects::{Bounds, Detection, Extent, Object, ObjectFrame};
 use crate::scene::Chart;
 use crate::{
     Clip, Error, Estimator, Info, ObjectField, Observer, Output, Product, ProductKind, Progress, Promise, Role, Rung,
-    Scene, Seen, Step, choices,
+    Scene, Seen, Step, choices, pseudocode,
 };
 
 pub use share::Costs;
@@ -167,6 +167,19 @@ impl KalmanTracker {
     }
 }
 
+pseudocode! {
+    EACH_FRAME: "for each frame t",
+    DETECT: "  detect objects",
+    PREDICT: "  predict every track: x ← F x, P ← F P F^T + Q",
+    COMPUTE_COSTS: "  cost of each pair: Mahalanobis distance, overlap, or both; ∞ outside the gate",
+    ASSIGN: "  choose pairs: believed tracks first, less sure detections and last boxes with what is left",
+    UPDATE_TRACK: "  for each pair: update the track",
+    EACH_UNSEEN_TRACK: "  for each track without a detection",
+    COAST_OR_END: "    coast, or end if it was not seen for too long",
+    EACH_LEFT_DETECTION: "  for each sure detection without a track",
+    BEGIN_TRACK: "    begin a track, tentative until it was seen often enough",
+}
+
 impl Estimator for KalmanTracker {
     const INFO: Info = Info {
         id: "kalman-tracker",
@@ -177,18 +190,7 @@ impl Estimator for KalmanTracker {
                  detections: Y. Zhang and others, ByteTrack, ECCV 2022; last box: J. Cao and others, Observation-centric SORT, CVPR \
                  2023; gate and life of tracks: S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999; assignment: H. W. \
                  Kuhn 1955, R. Jonker and A. Volgenant 1987",
-        pseudocode: &[
-            "for each frame t",
-            "  detect objects",
-            "  predict every track: x ← F x, P ← F P F^T + Q",
-            "  cost of each pair: Mahalanobis distance, overlap, or both; ∞ outside the gate",
-            "  choose pairs: believed tracks first, less sure detections and last boxes with what is left",
-            "  for each pair: update the track",
-            "  for each track without a detection",
-            "    coast, or end if it was not seen for too long",
-            "  for each sure detection without a track",
-            "    begin a track, tentative until it was seen often enough",
-        ],
+        pseudocode: line::ALL,
         rungs: &["clip", "frame", "step"],
         frames: 2,
     };

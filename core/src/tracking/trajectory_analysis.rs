@@ -14,7 +14,7 @@ use crate::scene::Chart;
 use crate::stage::{Foreground, Stage};
 use crate::{
     Clip, Error, Estimator, Explained, Info, ObjectField, Observer, Output, Product, ProductKind, Progress, Promise,
-    Role, Rung, Scene, Seen, Step, params,
+    Role, Rung, Scene, Seen, Step, params, pseudocode,
 };
 
 params! {
@@ -179,6 +179,17 @@ fn tell(trajectory: &Arc<Trajectory>, news: News, observer: &mut impl Observer<E
     }
 }
 
+pseudocode! {
+    EACH_FRAME: "for each frame t",
+    TRACK: "  track the objects",
+    EACH_OBJECT: "  for each object that is seen, x(t) its place",
+    MEASURE_VELOCITY: "    v ← slope of the line that fits its last places best",
+    COUNT_CROSSING: "    count it if the way from where it was seen before to x(t) meets the line",
+    NOTE_ZONE: "    note when it comes into the zone, and when it leaves",
+    IS_UNUSUAL: "    unusual if v differs too much from the mean direction of others there",
+    LEARN_DIRECTIONS: "  learn the directions of this frame",
+}
+
 impl Estimator for TrajectoryAnalysis {
     const INFO: Info = Info {
         id: "trajectory-analysis",
@@ -188,16 +199,7 @@ impl Estimator for TrajectoryAnalysis {
         source: "Tracks: A. Bewley et al., Simple online and realtime tracking, ICIP 2016; usual directions: C. Stauffer and \
                  W. E. L. Grimson, Learning patterns of activity using real-time tracking, PAMI 22, 2000; means of directions: \
                  K. V. Mardia and P. E. Jupp, Directional statistics, 2000",
-        pseudocode: &[
-            "for each frame t",
-            "  track the objects",
-            "  for each object that is seen, x(t) its place",
-            "    v ← slope of the line that fits its last places best",
-            "    count it if the way from where it was seen before to x(t) meets the line",
-            "    note when it comes into the zone, and when it leaves",
-            "    unusual if v differs too much from the mean direction of others there",
-            "  learn the directions of this frame",
-        ],
+        pseudocode: line::ALL,
         rungs: &["clip", "frame", "step"],
         frames: 2,
     };

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::declare::HasSettings;
 use crate::differential::{Field, Linear, tell};
+use crate::pseudocode::Name;
 use crate::scene::{Constraint, Fact, Math, Role, Sentence};
 use crate::words;
 use crate::{Info, Params, Promise, Threads};
@@ -40,8 +41,8 @@ pub trait Model: Params + HasSettings + Default + Clone + Send + Sync + 'static 
     const INFO: Info;
     /// What it can be relied on to find.
     const PROMISE: Promise;
-    /// The line of the pseudocode that begins a warp, and those of the steps in which an iteration is told.
-    const LINES: (usize, &'static [usize]);
+    /// The lines of the pseudocode in whose steps an iteration is told.
+    const STEPS: &'static [Name];
     /// What the energy is measured in.
     const ENERGY_UNIT: &'static str;
     /// What is said before anything was done.

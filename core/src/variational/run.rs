@@ -271,7 +271,7 @@ impl<M: Model> Estimator for Variational<M> {
         }
         let most = field::most_changed(from.field(), to.field());
         let done = Arc::new(Iteration { warp, from, to, most });
-        (0..M::LINES.1.len()).for_each(|step| observer.see(|| Event::Step(step, Arc::clone(&done))));
+        (0..M::STEPS.len()).for_each(|step| observer.see(|| Event::Step(step, Arc::clone(&done))));
         let note = self.note(state, place, &done, change);
         state.notes.push(note);
         Ok(if state.is_done { Progress::Done } else { Progress::More })

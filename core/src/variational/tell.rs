@@ -7,8 +7,10 @@ use crate::scene::{Fact, Picture, Plane, Readout, Sentence, Series, Shape};
 use crate::words;
 use crate::{Estimator, Floor, Levels, Role, Scene, Seen, Stack, Step};
 
-/// The line of every method's pseudocode in which medians are taken.
-const MEDIANS: usize = 4;
+/// The lines that all methods have.
+mod line {
+    crate::line_names!(ENERGY, TAKE_MEDIANS, WARP);
+}
 
 impl<M: Model> Looked<'_, M> {
     /// The iteration at a cursor, at the pixel pointed at, or else the one that changes most; `None` before its first step.
@@ -24,16 +26,22 @@ impl<M: Model> Variational<M> {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let (line, sentence, mut readouts) = match (seen.events.last(), Looked::at(seen)) {
             (None, _) => {
-                return Step { line: 0, sentence: Sentence::default().text(M::OPENING), readouts: Vec::new() };
+                return Step {
+                    line: line::ENERGY,
+                    sentence: Sentence::default().text(M::OPENING),
+                    readouts: Vec::new(),
+                };
             }
             (Some(Event::Step(step, _)), Some(looked)) => {
                 let Told { sentence, facts, equation, points, lines } = self.0.told(*step, &looked);
                 let facts = self.facts(seen, Some((&looked, facts)));
                 let plane = plane(seen.before, &looked, points, lines);
-                (M::LINES.1[*step], sentence, vec![Readout::Facts(facts), Readout::Equation(equation), plane])
+                (M::STEPS[*step], sentence, vec![Readout::Facts(facts), Readout::Equation(equation), plane])
             }
-            (Some(Event::Medians), _) => (MEDIANS, medians(seen.before), vec![Readout::Facts(self.facts(seen, None))]),
-            _ => (M::LINES.0, self.warped(seen.before), vec![Readout::Facts(self.facts(seen, None))]),
+            (Some(Event::Medians), _) => {
+                (line::TAKE_MEDIANS, medians(seen.before), vec![Readout::Facts(self.facts(seen, None))])
+            }
+            _ => (line::WARP, self.warped(seen.before), vec![Readout::Facts(self.facts(seen, None))]),
         };
         readouts.extend(self.series(seen).into_iter().map(Readout::Series));
         readouts.extend(self.stack(seen).map(Readout::Stack));

@@ -27,7 +27,7 @@ pub fn preview(subject: &Arc<Subject>, clip: &Clip) -> Result<Snapshot, Error> {
         place: Vec::new(),
         landmarks: Vec::new(),
         failure: None,
-        step: Arc::new(step("The first step is still being worked out.")),
+        step: Arc::new(step(subject, "The first step is still being worked out.")),
         scene: Arc::new(detected(subject)),
         pointed: None,
         tested: 0,
@@ -39,12 +39,15 @@ pub fn preview(subject: &Arc<Subject>, clip: &Clip) -> Result<Snapshot, Error> {
 
 /// The same, stopped there for good.
 pub fn stopped(preview: &Snapshot) -> Snapshot {
-    let step = step("The run was stopped before its first step was there. A step forward starts it again.");
+    let step =
+        step(&preview.subject, "The run was stopped before its first step was there. A step forward starts it again.");
     Snapshot { step: Arc::new(step), ..preview.clone() }
 }
 
-fn step(sentence: &str) -> Step {
-    Step { line: 0, sentence: Sentence::default().text(sentence), readouts: Vec::new() }
+/// A step before the first: the algorithm is about to begin.
+fn step(subject: &Subject, sentence: &str) -> Step {
+    let line = subject.estimator.info().pseudocode[0].name;
+    Step { line, sentence: Sentence::default().text(sentence), readouts: Vec::new() }
 }
 
 /// The boxes of the detections that come with the clip.

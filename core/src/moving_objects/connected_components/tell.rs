@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{ConnectedComponents, Event, Given};
+use super::{ConnectedComponents, Event, Given, line};
 use crate::objects::{LabelEvent, Run};
 use crate::scene::{Fact, Picture, Readout, Sentence, Shape, Step};
 use crate::subtraction::{self, Account, plots};
@@ -95,13 +95,13 @@ impl SoFar {
 impl ConnectedComponents {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
-            None | Some(Event::Row(_)) => 0,
-            Some(Event::Run(LabelEvent::Made(_))) => 2,
-            Some(Event::Run(LabelEvent::Took(..))) => 3,
-            Some(Event::Run(LabelEvent::Met(..))) => 4,
-            Some(Event::Run(LabelEvent::Merged(..))) => 5,
-            Some(Event::Final(..)) => 6,
-            Some(Event::Kept(..)) => 7,
+            None | Some(Event::Row(_)) => line::EACH_ROW,
+            Some(Event::Run(LabelEvent::Made(_))) => line::NEW_LABEL,
+            Some(Event::Run(LabelEvent::Took(..))) => line::TAKE_ROOT,
+            Some(Event::Run(LabelEvent::Met(..))) => line::EACH_OTHER_RUN,
+            Some(Event::Run(LabelEvent::Merged(..))) => line::MERGE_ROOTS,
+            Some(Event::Final(..)) => line::LABEL_BY_ROOT,
+            Some(Event::Kept(..)) => line::KEEP_BLOBS,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }

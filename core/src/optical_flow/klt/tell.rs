@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Event, Klt, Live, State};
+use super::{Event, Klt, Live, State, line};
 use crate::features::affine::{Fit, place};
 use crate::features::trails::{self, points};
 use crate::features::{Account, Detection, follow, why};
@@ -45,18 +45,18 @@ fn fit(events: &[Event]) -> Option<Fit> {
 impl Klt {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
-            None | Some(Event::Enough) => 0,
-            Some(Event::Responses(_)) => 1,
-            Some(Event::Peaks(_)) => 2,
-            Some(Event::Taken(_)) => 3,
-            Some(Event::Forward(..)) => 5,
-            Some(Event::Back(_)) => 6,
-            Some(Event::Fit(_)) => 7,
+            None => line::EACH_FRAME,
+            Some(Event::Enough | Event::Responses(_)) => line::COMPUTE_RESPONSES,
+            Some(Event::Peaks(_)) => line::FIND_PEAKS,
+            Some(Event::Taken(_)) => line::TAKE_STRONGEST,
+            Some(Event::Forward(..)) => line::TRACK,
+            Some(Event::Back(_)) => line::TRACK_BACK,
+            Some(Event::Fit(_)) => line::FIT_FIRST_VIEW,
             Some(Event::Verdict(Feature { status, .. })) => match status {
-                Status::Astray => 6,
-                Status::Changed => 8,
-                Status::Tracked => 9,
-                _ => 5,
+                Status::Astray => line::TRACK_BACK,
+                Status::Changed => line::IS_CHANGED,
+                Status::Tracked => line::MOVE,
+                _ => line::TRACK,
             },
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
@@ -100,9 +100,13 @@ impl Klt {
             ));
         };
         match event {
-            Event::Enough if self.replenish => {
-                said.text(format!("{} features are tracked: there is no room for more.", state.live.len()))
-            }
+            Event::Enough if self.replenish => said.text(format!(
+                "{} tracked already: there is no room for more.",
+                match state.live.len() {
+                    1 => "1 feature is".into(),
+                    count => format!("{count} features are"),
+                }
+            )),
             Event::Enough => said.text("Features that were lost are not replaced."),
             Event::Responses(found) => {
                 let largest = found.map.cells().iter().copied().fold(0.0f32, f32::max);

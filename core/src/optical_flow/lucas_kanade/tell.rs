@@ -1,6 +1,6 @@
 //! How Lucas and Kanade's method is told and drawn.
 
-use super::{LucasKanade, Solution};
+use super::{Event, LucasKanade, Solution, line, solved};
 use crate::differential::{Constraints, Linear, Tensor, Texture, field, tell};
 use crate::scene::{Constraint, Fact, Math, Picture, Plane, Readout, Sentence, Shape, Spread, Step, arrow_spacing};
 use crate::words;
@@ -28,7 +28,7 @@ fn px(uv: [f32; 2]) -> String {
 impl LucasKanade {
     fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Looked<'a>> {
         let state = seen.before;
-        let last = seen.events.len().checked_sub(1)?;
+        let last = solved(seen.events).len().checked_sub(1)?;
         let pointed_at = seen.focus.and_then(|point| state.given.pixel_at(point));
         let pixel = pointed_at.unwrap_or((last, state.y));
         let linear = self.linear(state, &Threads::single());
@@ -43,14 +43,36 @@ impl LucasKanade {
     }
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+        if let [Event::Linearized] = seen.events {
+            return self.linearized(seen.before.iteration);
+        }
         let Some(looked) = self.look(seen) else {
             let sentence = "One pixel says too little, so those of a window are asked together: T (u, v) = −Σ w ∇I I_t, where \
                             T holds the products of I_x and I_y alone, summed over the window. (In some course notes it reads \
                             (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x): a misprint.)";
-            return Step { line: 0, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+            return Step {
+                line: line::START_AT_ZERO,
+                sentence: Sentence::default().text(sentence),
+                readouts: Vec::new(),
+            };
         };
-        let line = if looked.is_told() { 7 } else { 6 };
+        let line = if looked.is_told() { line::SOLVE } else { line::IS_SINGULAR };
         Step { line, sentence: self.sentence(&looked), readouts: self.readouts(seen, &looked) }
+    }
+
+    /// What is told before the first row of an iteration.
+    fn linearized(&self, iteration: usize) -> Step {
+        let number = format!("Iteration {} of {}", iteration + 1, self.iterations);
+        let what = match iteration {
+            0 => ": the gradient constraint of each pixel is taken from both frames as they are.",
+            _ => {
+                ": frame t+1 is brought back along the displacements found so far, and the gradient constraints are taken \
+                 anew."
+            }
+        };
+        let facts = vec![Fact::new("Iteration", format!("{} of {}", iteration + 1, self.iterations), None)];
+        let sentence = Sentence::default().text(number + what);
+        Step { line: line::LINEARIZE, sentence, readouts: vec![Readout::Facts(facts)] }
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {

@@ -1,6 +1,6 @@
 //! How point trajectories are told and drawn.
 
-use super::{Event, Moved, Note, Pair, PointTrajectories, State, What, distance, end};
+use super::{Event, Moved, Note, Pair, PointTrajectories, State, What, distance, end, line};
 use crate::consistency::returned;
 use crate::differential::field;
 use crate::features::trails;
@@ -42,16 +42,16 @@ impl PointTrajectories {
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match (last(seen.events), self.looked(seen)) {
-            (Some(What::Flow(_)), _) => 1,
-            (Some(What::Begun(_)), _) => 2,
+            (Some(What::Flow(_)), _) => line::FIND_FLOW,
+            (Some(What::Begun(_)), _) => line::BEGIN_POINTS,
             (Some(_), Some((_, moved))) => match moved.feature.status {
-                Status::Flat => 4,
-                Status::Outside => 5,
-                Status::Astray => 6,
-                _ => 7,
+                Status::Flat => line::IS_FLAT,
+                Status::Outside => line::IS_OUTSIDE,
+                Status::Astray => line::IS_ASTRAY,
+                _ => line::CARRY,
             },
-            (Some(What::Done(_)), None) => 8,
-            _ => 0,
+            (Some(What::Done(_)), None) => line::COMPARE_FEATURES,
+            _ => line::EACH_FRAME,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
@@ -93,7 +93,7 @@ impl PointTrajectories {
                         .ink(Role::Error, px(note.apart))
                         .text(" away by now, on average.");
                 }
-                said.text(".")
+                said.text(". None of them is tracked as a feature, so there is no drift to tell.")
             }
         }
     }

@@ -1,6 +1,6 @@
 //! How the tracker is told and drawn.
 
-use super::{BlobTracker, Body, Decision, Event, Identity, Member, State, Table, What};
+use super::{BlobTracker, Body, Decision, Event, Identity, Member, State, Table, What, line};
 use crate::objects::tell::{self, Names, count, short};
 use crate::objects::{Bounds, Life};
 use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Sentence, Shape};
@@ -48,16 +48,16 @@ fn gray(value: Option<f64>) -> String {
 impl BlobTracker {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match last(seen.events) {
-            None | Some(What::Done(_)) => 0,
-            Some(What::Looked(..)) => 1,
-            Some(What::Expected(_)) => 2,
-            Some(What::Corresponded(_)) => 3,
-            Some(What::Decided(decision)) if decision.is_split() => 7,
-            Some(What::Decided(decision)) if decision.is_merge() => 6,
-            Some(What::Decided(decision)) if is_nearest(decision) => 4,
-            Some(What::Decided(_)) => 5,
-            Some(What::Missed(_) | What::Ended(_)) => 8,
-            Some(What::Begun(_)) => 9,
+            None | Some(What::Done(_)) => line::EACH_FRAME,
+            Some(What::Looked(..)) => line::DETECT,
+            Some(What::Expected(_)) => line::PREDICT,
+            Some(What::Corresponded(_)) => line::COMPUTE_OVERLAPS,
+            Some(What::Decided(decision)) if decision.is_split() => line::SPLIT,
+            Some(What::Decided(decision)) if decision.is_merge() => line::MERGE,
+            Some(What::Decided(decision)) if is_nearest(decision) => line::TAKE_NEAREST,
+            Some(What::Decided(_)) => line::GO_ON,
+            Some(What::Missed(_) | What::Ended(_)) => line::COAST_OR_END,
+            Some(What::Begun(_)) => line::BEGIN_OBJECT,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
@@ -90,7 +90,7 @@ impl BlobTracker {
                 let found =
                     table.shares.cells().iter().filter(|share| **share > 0.0 && **share >= f64::from(self.min_overlap));
                 said.text(format!(
-                    "Of {} {} correspond: at least {} of the smaller box lies in the other.",
+                    "Of {} {} have boxes that overlap enough: at least {} of the smaller one lies in the other.",
                     count(table.shares.cells().len(), "pair"),
                     found.count(),
                     percent(f64::from(self.min_overlap))

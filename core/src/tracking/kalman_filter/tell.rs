@@ -2,7 +2,7 @@
 
 use super::matrices::matrices;
 use super::sensors::{Look, Sensed, Sensors};
-use super::{Event, Gated, KalmanFilter, Loss, Moment, State};
+use super::{Event, Gated, KalmanFilter, Loss, Moment, State, line};
 use crate::kalman::{Filter, Measurement, chi_square, ellipse};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Sentence, Series, Shape};
 use crate::words::{self, counted as count, fine, number_64 as short, percent};
@@ -62,15 +62,15 @@ impl KalmanFilter {
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
-            None => 0,
-            Some(Event::Predicted(_)) => 1,
-            Some(Event::Looked(_)) => 2,
-            Some(Event::Begun(..)) => 3,
-            Some(Event::Gated(_)) => 4,
-            Some(Event::Updated(_)) => 5,
-            Some(Event::Missed(_) | Event::Lost(..)) => 7,
-            Some(Event::Smoothed(_)) => 9,
-            Some(Event::Kept(_)) => 8,
+            None => line::EACH_FRAME,
+            Some(Event::Predicted(_)) => line::PREDICT,
+            Some(Event::Looked(_)) => line::MEASURE,
+            Some(Event::Begun(..) | Event::Missed(None)) => line::BEGIN_OBJECT,
+            Some(Event::Gated(_)) => line::GATE,
+            Some(Event::Updated(_)) => line::UPDATE,
+            Some(Event::Missed(Some(_)) | Event::Lost(..)) => line::COAST_OR_END,
+            Some(Event::Smoothed(_)) => line::SMOOTH,
+            Some(Event::Kept(_)) => line::EACH_FRAME_BACK,
         };
         let now = self.now(seen);
         Step { line, sentence: self.sentence(seen, &now), readouts: self.readouts(seen, &now) }
@@ -142,7 +142,7 @@ impl KalmanFilter {
                     String::new()
                 }),
             Some(Event::Missed(None)) => said.text(match seen.before.begun {
-                0 => format!("Nothing was ever measured up to frame {frame}: there is nothing to believe."),
+                0 => format!("Nothing was measured up to frame {frame}: no object has begun yet."),
                 _ => format!(
                     "The object was given up, and nothing is measured in frame {frame} that could begin another."
                 ),

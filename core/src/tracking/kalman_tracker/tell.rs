@@ -1,7 +1,7 @@
 //! How the tracker is told and drawn.
 
 use super::share::{Costs, Turn};
-use super::{Event, KalmanTracker, PairCost, Track};
+use super::{Event, KalmanTracker, PairCost, Track, line};
 use crate::kalman::ellipse;
 use crate::objects::Life;
 use crate::objects::tell::{self, Names, count, short};
@@ -19,14 +19,14 @@ fn speed(track: &Track) -> String {
 impl KalmanTracker {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
-            None | Some(Event::Done(_)) => 0,
-            Some(Event::Looked(..)) => 1,
-            Some(Event::Predicted(_)) => 2,
-            Some(Event::Costs(_)) => 3,
-            Some(Event::Paired(..)) => 4,
-            Some(Event::Updated(..)) => 5,
-            Some(Event::Missed(_) | Event::Ended(_)) => 7,
-            Some(Event::Begun(_)) => 9,
+            None | Some(Event::Done(_)) => line::EACH_FRAME,
+            Some(Event::Looked(..)) => line::DETECT,
+            Some(Event::Predicted(_)) => line::PREDICT,
+            Some(Event::Costs(_)) => line::COMPUTE_COSTS,
+            Some(Event::Paired(..)) => line::ASSIGN,
+            Some(Event::Updated(..)) => line::UPDATE_TRACK,
+            Some(Event::Missed(_) | Event::Ended(_)) => line::COAST_OR_END,
+            Some(Event::Begun(_)) => line::BEGIN_TRACK,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }

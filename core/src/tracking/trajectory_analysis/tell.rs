@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Event, State, TrajectoryAnalysis, near};
+use super::{Event, State, TrajectoryAnalysis, line, near};
 use crate::objects::directions::Directions;
 use crate::objects::trajectory::{Sighting, Trajectory};
 use crate::objects::{Bounds, Life, Object, ObjectFrame};
@@ -16,13 +16,13 @@ const TRAIL_FRAMES: usize = 40;
 impl TrajectoryAnalysis {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
-            None => 0,
-            Some(Event::Tracked(_)) => 1,
-            Some(Event::Moved(_)) => 3,
-            Some(Event::Crossed(..)) => 4,
-            Some(Event::Entered(..) | Event::Left(..)) => 5,
-            Some(Event::Unusual(..)) => 6,
-            Some(Event::Learned(_)) => 7,
+            None => line::EACH_FRAME,
+            Some(Event::Tracked(_)) => line::TRACK,
+            Some(Event::Moved(_)) => line::MEASURE_VELOCITY,
+            Some(Event::Crossed(..)) => line::COUNT_CROSSING,
+            Some(Event::Entered(..) | Event::Left(..)) => line::NOTE_ZONE,
+            Some(Event::Unusual(..)) => line::IS_UNUSUAL,
+            Some(Event::Learned(_)) => line::LEARN_DIRECTIONS,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }

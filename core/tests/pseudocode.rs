@@ -1,0 +1,339 @@
+//! Laws about the pseudocode of every estimator of the registry: each line is lit by some step, and each sentence belongs to
+//! one line. A new estimator is tested here unasked.
+
+mod common;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use common::waves;
+use motionscope_core::params::{Kind, Placed, Spot, Value};
+use motionscope_core::pseudocode::{Line, Name, is_heading};
+use motionscope_core::scene::Sentence;
+use motionscope_core::{
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Flow, Frame, Grid, Info, Move, ObjectBox, Promise, Spec,
+    Step, Truth, Walk, Way, estimators, pseudocode,
+};
+
+/// The size of a picture of which each part does something else.
+const PARTS: (usize, usize) = (48, 36);
+/// The size of a picture with objects.
+const SIZE: (usize, usize) = (64, 48);
+
+/// Frames in which each part of the picture does something else: from the upper left, one rests, one moves a little, one far
+/// and against the others, one has edges in a single direction, one has no texture, and one becomes another picture.
+fn parts(frames: usize) -> Clip {
+    let (width, height) = (PARTS.0 / 3, PARTS.1 / 2);
+    let value = |t: usize, x: usize, y: usize| {
+        let (s, u, v) = (t as f64, x as f64, y as f64);
+        match (x / width, y / height) {
+            (0, 0) => waves(u, v),
+            (1, 0) => waves(u - 1.0 * s, v - 0.4 * s),
+            (2.., 0) => waves(u - 4.0 * s, v + 3.0 * s),
+            (0, _) => 128.0 + 90.0 * ((u - 0.7 * s) / 3.0).sin(),
+            (1, _) => 90.0,
+            _ => waves(u + 311.0 * s, v - 97.0 * s),
+        }
+    };
+    let frame = |t| Frame::gray(Grid::from_fn(PARTS.0, PARTS.1, |x, y| value(t, x, y).clamp(0.0, 255.0) as u8));
+    Clip::from_frames("parts", (0..frames).map(frame).collect()).expect("frames of one size")
+}
+
+/// Boxes that move over a wall: a pair that meets and parts, one that hides for some frames, one that stops, one that is seen
+/// once and one that comes from elsewhere after all others have gone by.
+fn boxes(t: usize) -> Vec<ObjectBox> {
+    let t = t as f32;
+    let all = [
+        (1, [2.0 + 2.0 * t, 6.0], [10.0, 8.0], 0.0..99.0),
+        (2, [52.0 - 2.0 * t, 8.0], [8.0, 9.0], 0.0..99.0),
+        (3, [4.0 + 3.0 * t, 24.0], [9.0, 9.0], 0.0..8.0),
+        (3, [4.0 + 3.0 * t, 24.0], [9.0, 9.0], 12.0..18.0),
+        (4, [40.0 - 3.0 * t.min(6.0), 36.0], [9.0, 9.0], 0.0..99.0),
+        (5, [28.0, 20.0], [8.0, 8.0], 10.0..11.0),
+        (6, [54.0, 2.0 + 4.0 * (t - 20.0)], [8.0, 8.0], 20.0..99.0),
+    ];
+    let there = all.into_iter().filter(|(.., when)| when.contains(&t));
+    let boxed = there.map(|(id, [x, y], [width, height], _)| ObjectBox { id, x, y, width, height, visibility: 1.0 });
+    boxed.collect()
+}
+
+/// Those boxes in front of a wall, with their shadows, what a detector makes of them, and the truth.
+fn objects(frames: usize) -> Clip {
+    let frame = |t: usize| {
+        let (all, noise) = (boxes(t), |x: usize, y: usize| ((x * 7 + y * 13 + t * 5) % 5) as f64);
+        Frame::rgb(Grid::from_fn(SIZE.0, SIZE.1, |x, y| {
+            let (u, v) = (x as f32, y as f32);
+            let inside = |b: &&ObjectBox| (b.x..b.x + b.width).contains(&u) && (b.y..b.y + b.height).contains(&v);
+            let shaded =
+                |b: &ObjectBox| (b.x..b.x + b.width).contains(&u) && (0.0..4.0).contains(&(v - b.y - b.height));
+            // A speck that opening takes off.
+            if (x, y, t % 3) == (62, 46, 1) {
+                return [250; 3];
+            }
+            if is_black((x, y)) {
+                return [0; 3];
+            }
+            match all.iter().find(inside) {
+                Some(found) => [220 - 20 * found.id as u8, 200, 60 + 10 * found.id as u8],
+                None => {
+                    let wall = 60.0 + 0.5 * waves(u.into(), v.into()) + noise(x, y);
+                    let shade = if all.iter().any(shaded) { 0.65 } else { 1.0 };
+                    [1.0, 0.9, 0.8].map(|tint| (wall * tint * shade) as u8)
+                }
+            }
+        }))
+    };
+    let clip = Clip::from_frames("boxes", (0..frames).map(frame).collect()).expect("frames of one size");
+    let truth = (0..frames).map(boxes).collect::<Vec<_>>();
+    let detections = truth.iter().enumerate().map(|(t, all)| detected(t, all)).collect();
+    clip.with_detections(detections).with_truth(Arc::new(Objects(truth)))
+}
+
+/// Whether a pixel belongs to one of two black figures on the wall: a ring, and a U whose arms meet at its end.
+fn is_black((x, y): (usize, usize)) -> bool {
+    let is_in =
+        |[left, right]: [usize; 2], [top, bottom]: [usize; 2]| (left..right).contains(&x) && (top..bottom).contains(&y);
+    // Their insides are wider than what closing fills.
+    let is_ring = is_in([1, 19], [28, 46]) && !is_in([4, 16], [31, 43]);
+    is_ring || is_in([40, 58], [28, 46]) && !is_in([43, 55], [28, 43])
+}
+
+/// What a detector makes of boxes: those that overlap are one, one of them it is not sure of now and then.
+fn detected(t: usize, all: &[ObjectBox]) -> Vec<Detection> {
+    let mut found: Vec<(Bounds, f32)> = Vec::new();
+    for object in all {
+        let (bounds, score) = (Bounds::from(object), if object.id == 4 && t % 4 == 3 { 0.45 } else { 0.9 });
+        match found.iter_mut().find(|(other, _)| other.shared(&bounds) > 0.0) {
+            Some((other, _)) => {
+                other.min = [0, 1].map(|i| other.min[i].min(bounds.min[i]));
+                other.max = [0, 1].map(|i| other.max[i].max(bounds.max[i]));
+            }
+            None => found.push((bounds, score)),
+        }
+    }
+    let detection = |(bounds, score): (Bounds, f32)| Detection { bounds, center: bounds.center(), score, blob: None };
+    found.into_iter().map(detection).collect()
+}
+
+/// A truth that knows objects alone.
+struct Objects(Vec<Vec<ObjectBox>>);
+
+impl Truth for Objects {
+    fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
+        Ok(None)
+    }
+
+    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
+        Ok(self.0.get(t).cloned())
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        vec!["objects"]
+    }
+}
+
+/// What keeps whole runs small, where there is such a parameter.
+const SMALL: [(&str, &str); 8] = [
+    ("block", "8"),
+    ("range", "5"),
+    ("levels", "2"),
+    ("warps", "2"),
+    ("iterations", "2"),
+    ("max-points", "12"),
+    ("window", "7"),
+    ("spacing", "12"),
+];
+
+/// The values that a parameter is tried with: each choice, a switch both ways, a number at its least and a little beyond, and
+/// things placed on the picture.
+fn tried(spec: &Spec) -> Vec<Value> {
+    match &spec.kind {
+        Kind::Int { min, max } => vec![Value::Int(*min), Value::Int((*max).min(min + 9))],
+        Kind::Real { min, max } => vec![Value::Real(*min), Value::Real(*max)],
+        Kind::Switch => vec![Value::Switch(false), Value::Switch(true)],
+        Kind::Choice(all) => all.iter().map(|choice| Value::Choice(choice.name)).collect(),
+        Kind::Stage(kind) => {
+            kind.ids().into_iter().map(|id| Value::Stage(kind.parse(id).expect("one of its own"))).collect()
+        }
+        Kind::Placed(figure) => {
+            let (width, height) = (SIZE.0 as f32, SIZE.1 as f32);
+            let spanned = figure.spanned([width / 2.0, height], [width / 2.0 + 9.0, 0.0]);
+            let spots = [(0, [6.0, 10.0]), (1, [8.0, 10.0]), (2, [10.0, 10.0])];
+            let place = |placed: Placed, (frame, at)| placed.with(Spot { frame, at });
+            vec![Value::Placed(figure.none()), Value::Placed(spots.into_iter().fold(spanned, place))]
+        }
+    }
+}
+
+/// An estimator at its defaults, but small, and with one parameter after the other set to what it is tried with.
+fn settings(estimator: &dyn AnyEstimator) -> Vec<Box<dyn AnyEstimator>> {
+    let mut small = estimator.boxed_clone();
+    for (name, value) in SMALL {
+        if small.get(name).is_ok() {
+            small.set(name, value).expect("in range");
+        }
+    }
+    let one = |(i, value): (usize, Value)| {
+        let mut other = small.boxed_clone();
+        other.set_value(i, value).expect("in range");
+        other
+    };
+    let values = small.specs().iter().enumerate().flat_map(|(i, spec)| tried(spec).into_iter().map(move |v| (i, v)));
+    let changed: Vec<_> = values.filter(|(i, value)| small.value(*i) != *value).map(one).collect();
+    [small].into_iter().chain(changed).collect()
+}
+
+/// A sentence without its numbers.
+fn stripped(sentence: &str) -> String {
+    let mut words = String::new();
+    let mut letters = sentence.chars().peekable();
+    while let Some(c) = letters.next() {
+        let mut is_within = || words.ends_with('#') && letters.peek().is_some_and(char::is_ascii_digit);
+        let is_number = c.is_ascii_digit() || (".,\u{2009}\u{202f}".contains(c) && is_within());
+        match is_number {
+            true if words.ends_with('#') => {}
+            true => {
+                if words.ends_with(['−', '±', '+']) {
+                    words.pop();
+                }
+                words.push('#');
+            }
+            false => words.push(c),
+        }
+    }
+    words
+}
+
+/// What was seen of an estimator.
+#[derive(Default)]
+struct Seen {
+    lit: BTreeSet<Name>,
+    /// The lines of each sentence without its numbers, and one with them.
+    sentences: BTreeMap<String, (BTreeSet<Name>, String)>,
+    unknown: BTreeSet<Name>,
+    runs: usize,
+    refused: usize,
+}
+
+impl Seen {
+    fn see(&mut self, info: &Info, step: &Step) {
+        if info.line(step.line).is_none() {
+            self.unknown.insert(step.line);
+        }
+        self.lit.insert(step.line);
+        let said = step.sentence.plain();
+        self.sentences.entry(stripped(&said)).or_insert_with(|| (BTreeSet::new(), said)).0.insert(step.line);
+    }
+
+    /// Walks through a run, and looks at each step, and at some pixels that can be explained by then.
+    fn walk(&mut self, walk: &mut dyn Walk) {
+        let (info, event) = (walk.info(), walk.info().rungs.len() - 1);
+        self.runs += 1;
+        self.see(info, &walk.step(None));
+        while !walk.at_end() {
+            walk.jump(Move::Rung(event, Way::Forward));
+            assert!(walk.failure().is_none(), "{}: {:?}", info.id, walk.failure());
+            self.see(info, &walk.step(None));
+            let Cursor { unit, event } = walk.cursor();
+            let pixel = [(7 * unit + event) % SIZE.0, (11 * unit + 5 * event) % SIZE.1].map(|c| c as f32);
+            if event % 3 == 1 && walk.explained(pixel).is_some_and(|explained| explained.at(walk.cursor())) {
+                self.see(info, &walk.step(Some(pixel)));
+            }
+        }
+    }
+
+    /// The lines that no step was at. A heading is reached with its body: a run that is in there has passed it.
+    fn unlit(&self, lines: &[Line]) -> Vec<Name> {
+        let mut reached: Vec<bool> = lines.iter().map(|line| self.lit.contains(&line.name)).collect();
+        for i in (0..lines.len()).rev().filter(|&i| is_heading(lines, i)) {
+            let body = (i + 1..lines.len()).take_while(|&j| lines[j].depth() > lines[i].depth());
+            reached[i] |= body.into_iter().any(|j| reached[j]);
+        }
+        lines.iter().zip(reached).filter(|(_, reached)| !reached).map(|(line, _)| line.name).collect()
+    }
+}
+
+/// Walks through all runs of an estimator.
+fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
+    let mut seen = Seen::default();
+    let clip = if estimator.promise() == Promise::Objects { objects } else { parts };
+    for setting in settings(estimator) {
+        match setting.walk(clip, 0) {
+            Ok(mut walk) => seen.walk(&mut *walk),
+            Err(_) => seen.refused += 1,
+        }
+    }
+    seen
+}
+
+/// What is wrong with the pseudocode of an estimator, and with the steps that were seen.
+fn faults(info: &Info, seen: &Seen) -> Vec<String> {
+    let names: BTreeSet<Name> = info.pseudocode.iter().map(|line| line.name).collect();
+    let twice = (names.len() < info.pseudocode.len()).then(|| "two lines have one name".to_owned());
+    let unknown = seen.unknown.iter().map(|name| format!("a step is at {name}, which no line is called"));
+    let unlit = seen.unlit(info.pseudocode).into_iter().map(|name| format!("{name} is never lit"));
+    let shared = seen.sentences.values().filter(|(lines, _)| lines.len() > 1);
+    let shared = shared.map(|(lines, said)| format!("steps of {lines:?} are told alike: {said}"));
+    let all = twice.into_iter().chain(unknown).chain(unlit).chain(shared);
+    all.map(|fault| format!("{}: {fault}", info.id)).collect()
+}
+
+#[test]
+fn every_line_is_lit_and_every_sentence_belongs_to_one() {
+    let clips = [parts(3), objects(26)];
+    let mut all = Vec::new();
+    for estimator in estimators() {
+        let seen = seen(&*estimator, clips.each_ref());
+        let id = estimator.info().id;
+        assert!(seen.runs > 4 * seen.refused, "{id}: {} settings are refused, {} run", seen.refused, seen.runs);
+        all.extend(faults(estimator.info(), &seen));
+    }
+    assert!(all.is_empty(), "{}", all.join("\n"));
+}
+
+pseudocode! {
+    EACH_FRAME: "for each frame",
+    PREDICT: "  predict",
+    UPDATE: "  update",
+    SMOOTH: "smooth",
+}
+
+mod elsewhere {
+    motionscope_core::line_names!(DETECT);
+}
+
+#[test]
+fn what_is_wrong_is_found() {
+    let info = Info {
+        id: "toy",
+        name: "Toy",
+        family: "Toys",
+        summary: "",
+        source: "",
+        pseudocode: line::ALL,
+        rungs: &[],
+        frames: 1,
+    };
+    let mut seen = Seen::default();
+    let mut see = |line, said: &str| {
+        let step = Step { line, sentence: Sentence::default().text(said), readouts: Vec::new() };
+        seen.see(&info, &step);
+    };
+    see(line::PREDICT, "It goes on to (1.5, 2) px.");
+    see(line::UPDATE, "It is measured at (3, −2.25) px.");
+    see(line::UPDATE, "It goes on to (3, −2.25) px.");
+    see(elsewhere::DETECT, "It is detected.");
+    let expected = [
+        "toy: a step is at detect, which no line is called",
+        // The heading is reached with what is in it.
+        "toy: smooth is never lit",
+        "toy: steps of {\"predict\", \"update\"} are told alike: It goes on to (1.5, 2) px.",
+    ];
+    assert_eq!(faults(&info, &seen), expected);
+}
+
+#[test]
+fn numbers_are_stripped_from_a_sentence() {
+    let said = "At (−3.5, 2) px: 1\u{2009}234 of 5, ±0.25.";
+    assert_eq!(stripped(said), "At (#, #) px: # of #, #.");
+}
