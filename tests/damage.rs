@@ -134,7 +134,7 @@ fn y4m() {
 /// Picture `t` of an animation.
 fn canvas(t: usize) -> RgbaImage {
     RgbaImage::from_fn(12, 9, |x, y| {
-        if (x as usize + t) % 4 == 0 { [250, 200, y as u8 * 9, 255].into() } else { [0, 0, 80, 255].into() }
+        if (x as usize + t).is_multiple_of(4) { [250, 200, y as u8 * 9, 255].into() } else { [0, 0, 80, 255].into() }
     })
 }
 
