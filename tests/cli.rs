@@ -1,5 +1,7 @@
 //! The command line as scripts use it: what it prints, writes and refuses.
 
+mod common;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -55,6 +57,36 @@ fn list_names_every_estimator_with_its_parameters() {
     assert!(full["pseudocode"].as_array().unwrap().contains(&best), "{}", full["pseudocode"]);
     let text = stdout(folder.path(), "list");
     assert!(text.contains("full-search") && text.contains("4 to 64 px; 16 unless set"));
+}
+
+#[test]
+fn whatever_is_typed_is_told_in_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let (long, many) = ("x".repeat(5000), "word ".repeat(900));
+    let odd = "a\u{1B}[31m\nb\tc\u{202E}";
+    for typed in [long.as_str(), &many, odd] {
+        let set = format!("block={typed}");
+        let synth = format!("synth:{typed}");
+        for line in [
+            vec!["info", typed],
+            vec![typed, typed],
+            vec!["run", SMALL, "--estimator", typed],
+            vec!["run", SMALL, "--estimator", "full-search", "--set", &set],
+            vec!["run", SMALL, "--estimator", "full-search", "--step", typed],
+            vec!["run", SMALL, "--estimator", "full-search", "--overlay", typed],
+            vec!["run", SMALL, "--estimator", "full-search", "--layer", typed],
+            vec!["info", SMALL, "--truth", typed],
+            vec!["run", &synth, "--estimator", "full-search"],
+            vec!["compare", SMALL, "--estimators", typed],
+        ] {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+            let output = command.current_dir(folder.path()).args(&line).output().unwrap();
+            let error = String::from_utf8(output.stderr).unwrap();
+            let error = error.strip_suffix('\n').unwrap_or(&error);
+            assert!(!output.status.success() && error.starts_with("error: "), "{error}");
+            common::check_sentence(&error["error: ".len()..]);
+        }
+    }
 }
 
 /// An ffprobe that knows no file, as the real one answers then.

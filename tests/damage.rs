@@ -14,7 +14,7 @@ use common::{Random, check_sentence, damaged, in_time, mistaken};
 use image::{DynamicImage, ExtendedColorType, ImageFormat, RgbaImage};
 use motionscope::media::{self, Open, export};
 use motionscope::session::Session;
-use motionscope_core::{Clip, Flow, Frame, Grid};
+use motionscope_core::{Clip, Error, Flow, Frame, Grid};
 
 /// Files of each kind.
 const CASES: u64 = 120;
@@ -26,37 +26,47 @@ fn cases() -> u64 {
     CASES * times.unwrap_or(1)
 }
 
-/// What reading came to: how many were read, and everything that was told.
+/// What reading comes to.
 #[derive(Default)]
 struct Found {
-    read: usize,
-    told: BTreeSet<String>,
+    /// Whether something is read.
+    is_read: bool,
+    /// What is told of it.
+    told: Vec<String>,
 }
 
-/// Has `read` read damaged files; it gives what is told of one, nothing if all of it is read.
+impl Found {
+    /// What is told where nothing is wrong unless there is an error.
+    fn of<'a>(errors: impl IntoIterator<Item = &'a Error>) -> Self {
+        let told: Vec<_> = errors.into_iter().map(Error::to_string).collect();
+        Self { is_read: told.is_empty(), told }
+    }
+}
+
+/// Has `read` read damaged files.
 fn survive(
     name: &str,
     damage: impl Fn(&mut Random) -> Vec<u8>,
-    read: impl Fn(&Path) -> Vec<String> + Send + Sync + Copy + 'static,
+    read: impl Fn(&Path) -> Found + Send + Sync + Copy + 'static,
 ) {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut found = Found::default();
+    let (mut read_cases, mut all_told) = (0, BTreeSet::new());
     for case in 0..cases() {
         // Each kind has its own damage.
         let seed = name.bytes().fold(case, |seed, byte| seed.wrapping_mul(31).wrapping_add(byte.into()));
         let bytes = damage(&mut Random::new(seed));
         let path = folder.path().join(name);
         fs::write(&path, &bytes).expect("it is written");
-        let told = in_time(&format!("case {case} of {name}"), move || read(&path));
-        found.read += usize::from(told.is_empty());
+        let Found { is_read, told } = in_time(&format!("case {case} of {name}"), move || read(&path));
+        read_cases += usize::from(is_read);
         told.iter().for_each(|told| check_sentence(told));
-        found.told.extend(told);
+        all_told.extend(told);
     }
     if std::env::var_os("MOTIONSCOPE_TOLD").is_some() {
-        found.told.iter().for_each(|told| println!("{told}"));
+        all_told.iter().for_each(|told| println!("{told}"));
     }
-    assert!(!found.told.is_empty(), "{name}: no damage is told");
-    assert!(found.read > 0, "{name}: nothing is read any more");
+    assert!(!all_told.is_empty(), "{name}: no damage is told");
+    assert!(read_cases > 0, "{name}: nothing is read any more");
 }
 
 /// By our own decoders alone, so that every computer gives the same answers.
@@ -65,21 +75,20 @@ fn ours() -> Open {
 }
 
 /// Opens a clip and asks for its frames, there and back.
-fn clip(path: &Path) -> Vec<String> {
+fn clip(path: &Path) -> Found {
     let clip = match media::open(path, &ours()) {
         Ok(clip) => clip,
-        Err(error) => return vec![error.to_string()],
+        Err(error) => return Found::of([&error]),
     };
     let frames = clip.info().frames.unwrap_or(FRAMES).min(FRAMES);
-    let order = (0..frames).chain((0..frames).rev().step_by(3));
-    let told = order.filter_map(|t| match clip.frame(t) {
-        Ok(frame) => {
-            assert_eq!(frame.size(), clip.size());
-            None
+    let mut found = Found { is_read: false, told: clip.info().warnings.clone() };
+    for t in (0..frames).chain((0..frames).rev().step_by(3)) {
+        match clip.frame(t) {
+            Ok(frame) => found.is_read |= frame.size() == clip.size(),
+            Err(error) => found.told.push(error.to_string()),
         }
-        Err(error) => Some(error.to_string()),
-    });
-    told.chain(clip.info().warnings.iter().cloned()).collect()
+    }
+    found
 }
 
 fn fixture(name: &str) -> Vec<u8> {
@@ -125,7 +134,7 @@ fn y4m() {
 /// Picture `t` of an animation.
 fn canvas(t: usize) -> RgbaImage {
     RgbaImage::from_fn(12, 9, |x, y| {
-        if (x as usize + t) % 4 == 0 { [250, 200, y as u8 * 9, 255].into() } else { [0, 0, 80, 255].into() }
+        if (x as usize + t).is_multiple_of(4) { [250, 200, y as u8 * 9, 255].into() } else { [0, 0, 80, 255].into() }
     })
 }
 
@@ -213,17 +222,17 @@ fn numbered_stills() {
     survive("deep.tiff", |random| damaged(whole.get_ref(), random), clip);
 }
 
-/// What is told when the truth at `path` is read with a clip of this size.
-fn truth(path: &Path) -> Vec<String> {
+/// Reads the truth at `path` with a small clip.
+fn truth(path: &Path) -> Found {
     let frames = (0..3).map(|_| Frame::gray(Grid::new(6, 5, 0))).collect();
     let clip = Clip::from_frames("clip", frames).expect("a clip");
     let clip = match media::with_truth(clip, path) {
         Ok(clip) => clip,
-        Err(error) => return vec![error.to_string()],
+        Err(error) => return Found::of([&error]),
     };
-    let Some(truth) = clip.truth() else { return Vec::new() };
-    let told = [truth.flow(0).err(), truth.occlusion(0).err(), truth.objects(0).err()];
-    told.into_iter().flatten().map(|error| error.to_string()).collect()
+    let Some(truth) = clip.truth() else { return Found::default() };
+    let errors = [truth.flow(0).err(), truth.occlusion(0).err(), truth.objects(0).err()];
+    Found::of(errors.iter().flatten())
 }
 
 #[test]
@@ -244,7 +253,7 @@ fn rows_of_objects() {
     survive(
         "given.txt",
         |random| mistaken(&detections, random),
-        |path| media::check_detections(path).err().map(|error| error.to_string()).into_iter().collect(),
+        |path| Found::of(media::check_detections(path).err().as_ref()),
     );
 }
 
@@ -254,11 +263,7 @@ fn sessions() {
                  step = \"35.412\"\npixel = \"30,20\"\n\n[set]\nblock = 8\nearly-exit = true\n\n[[beside]]\n\
                  estimator = \"hierarchical\"\nset = { levels = 4 }\n\n[picture]\nview = \"side-by-side\"\nlevel = 1\n\
                  blend = 0.5\nlayer = \"wheel\"\narrows = \"auto\"\nlegend = true\n\n[sight]\ncenter = [10.5, 3.0]\nzoom = 4\n";
-    survive(
-        "a.motionscope",
-        |random| mistaken(whole, random),
-        |path| Session::load(path).err().map(|error| error.to_string()).into_iter().collect(),
-    );
+    survive("a.motionscope", |random| mistaken(whole, random), |path| Found::of(Session::load(path).err().as_ref()));
 }
 
 #[test]
@@ -281,7 +286,7 @@ fn what_is_no_clip_at_all() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("what.bin");
         fs::write(&path, bytes).expect("it is written");
-        in_time(&format!("case {case}"), move || clip(&path)).iter().for_each(|told| check_sentence(told));
+        in_time(&format!("case {case}"), move || clip(&path)).told.iter().for_each(|told| check_sentence(told));
     }
 }
 
@@ -303,11 +308,11 @@ fn names_that_are_long_or_odd_are_told_in_a_sentence() {
             let path = folder.path().join(format!("{}.{ending}", name.display()));
             for bytes in [cut, b"1,-1,2\n3,x", b"motionscope = 1\nclip = 3", b"\x89PNG\r\n\x1A\n"] {
                 fs::write(&path, bytes).expect("it is written");
-                clip(&path).iter().chain(&truth(&path)).for_each(|told| check_sentence(told));
+                clip(&path).told.iter().chain(&truth(&path).told).for_each(|told| check_sentence(told));
                 check_sentence(&Session::load(&path).err().expect("it is none").to_string());
             }
             fs::remove_file(&path).expect("it is there");
-            clip(&path).iter().for_each(|told| check_sentence(told));
+            clip(&path).told.iter().for_each(|told| check_sentence(told));
         }
     }
 }

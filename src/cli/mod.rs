@@ -49,7 +49,9 @@ fn usage(error: &clap::Error) -> ExitCode {
     }
     let told = error.to_string();
     let sentence: Vec<_> = told.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
-    eprintln!("{} (motionscope --help tells what there is)", sentence.join(" "));
+    let sentence = sentence.join(" ");
+    let why = sentence.strip_prefix("error: ").unwrap_or(&sentence);
+    eprintln!("error: {}", Error::new(format!("{why} (motionscope --help tells what there is)")));
     ExitCode::from(2)
 }
 

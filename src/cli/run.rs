@@ -24,8 +24,8 @@ use crate::shot::{self, Format, Still};
 pub fn run(args: &RunArgs) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
     let task = Task::open(&args.task)?;
-    outputs.check(&task)?;
     refuse_losses(|| task.inputs(), &places(args), args.force)?;
+    outputs.check(&task)?;
     if !args.task.beside.is_empty() && outputs.overlay.is_none() {
         return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
     }

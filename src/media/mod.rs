@@ -32,7 +32,7 @@ use input::{Input, Node};
 use sequence::Sequence;
 use sniff::Kind;
 
-/// How long work tells how far it is, and learns that nobody wants it any more.
+/// How long work tells how far it is, and learns that it was cancelled.
 pub trait Progress: Send + Sync {
     /// A share from 0 to 1 of the work is done.
     fn report(&self, fraction: f32);
@@ -86,7 +86,8 @@ pub(crate) trait Decoder: Send {
     /// Decodes frame `index` and gives `keep` every frame that is met on the way, by number; the wanted one comes last.
     ///
     /// Going on from the frame decoded last must be cheap where the format allows. After an error or a panic the next
-    /// call starts afresh. Whoever decodes more than one frame on the way looks at `stop` before each.
+    /// call starts afresh. Whoever decodes more than one frame on the way looks at `stop` before each, and tells it how far
+    /// it is.
     ///
     /// # Errors
     /// One sentence, without the file's name, if there is no such frame, it is damaged, or `stop` is set.

@@ -408,10 +408,6 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         let mut actions = Actions::default();
         self.receive();
-        if self.view.busy {
-            // That it takes long is seen even if nobody says so.
-            ctx.request_repaint_after(status::LATE);
-        }
         self.play(&ctx);
         self.measure(&ctx);
         let overlaid = !matches!(self.overlay, Overlay::None);
@@ -425,6 +421,11 @@ impl eframe::App for App {
         self.drop_hint(ui);
         for action in actions.0 {
             self.act(action);
+        }
+        let view = self.walker.view();
+        if view.busy {
+            // That it takes long, or ends, is seen even if nobody says so.
+            ctx.request_repaint_after(if view.stopping { status::SOON } else { status::LATE });
         }
         if self.styled.replace(self.settings.look()) != Some(self.settings.look()) {
             style::apply(&ctx, self.settings.look());

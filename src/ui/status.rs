@@ -14,6 +14,8 @@ use crate::tile;
 
 /// Work that takes longer is told of.
 pub const LATE: Duration = Duration::from_millis(250);
+/// How soon it is looked whether work that is to stop has done so.
+pub const SOON: Duration = Duration::from_millis(30);
 
 /// Work that takes a while.
 pub struct Work {
@@ -30,6 +32,7 @@ pub fn work(view: &View) -> Option<Work> {
     let counted = |(done, of): (usize, usize)| format!("{} of {}", grouped(done), grouped(of));
     match (view.progress, view.reading.filter(|_| is_late)) {
         _ if !view.busy => None,
+        _ if view.stopping && is_late => Some(Work { what: "Stopping…".into(), share: None }),
         (_, Some(frames)) => Some(Work { what: format!("Reading frame {}", counted(frames)), share: share(frames) }),
         (Some(units), _) => Some(Work { what: counted(units), share: share(units) }),
         (None, None) if !is_late => None,
@@ -144,6 +147,7 @@ mod tests {
         assert_eq!(told(units).as_deref(), Some("3 of 20"));
         let reading = View { reading: Some((7, 20_000)), ..long };
         assert_eq!(told(reading.clone()).as_deref(), Some(format!("Reading frame 7 of {}", grouped(20_000)).as_str()));
+        assert_eq!(told(View { stopping: true, ..reading.clone() }).as_deref(), Some("Stopping…"));
         assert_eq!(told(View { busy: false, ..reading }), None);
     }
 }

@@ -45,7 +45,7 @@ const NEWS: usize = 64;
 pub(super) fn scan(path: &Path, format: Format, options: &Open) -> Result<Scan, Error> {
     let file = File::open(path).map_err(|e| cannot_read(&e))?;
     let all = file.metadata().map_err(|e| cannot_read(&e))?.len();
-    let mut walk = Walk { reader: BufReader::new(file), left: all, all, options, cancelled: None };
+    let mut walk = Walk { reader: BufReader::with_capacity(256 << 10, file), left: all, all, options, cancelled: None };
     let mut scan = Scan::default();
     let end = match format {
         Format::Gif => gif(&mut walk, &mut scan),

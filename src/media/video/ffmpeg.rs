@@ -219,6 +219,8 @@ impl Failed {
     /// In words, where `why` tells what keeps us from opening the file ourselves.
     fn told(self, Why { error, is_known }: &Why) -> Error {
         Error::new(match self {
+            // Where it says what to do, another program would not do better.
+            Failed::Absent if *is_known && error.to_string().contains("; ") => return error.clone(),
             Failed::Absent => format!(
                 "{error}; if you install ffmpeg (ffmpeg.org), it is used by itself, or convert the clip to MP4 with H.264"
             ),

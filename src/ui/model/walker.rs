@@ -54,6 +54,8 @@ pub struct View {
     pub checking: bool,
     /// What is being done.
     pub phase: Phase,
+    /// Whether it is to stop.
+    pub stopping: bool,
     /// For how long it has been.
     pub busy_for: Option<Duration>,
     /// Frames read of those that the frame which is wanted needs.
@@ -317,7 +319,8 @@ impl Walker {
     pub fn view(&self) -> View {
         let desk = self.shared.desk();
         let busy_for = desk.since.filter(|_| desk.view.busy).map(|since| since.elapsed());
-        View { busy_for, reading: self.shared.stop.told().filter(|_| desk.view.busy), ..desk.view.clone() }
+        let stopping = desk.unwanted.is_some() && desk.job.is_none();
+        View { busy_for, stopping, reading: self.shared.stop.told().filter(|_| desk.view.busy), ..desk.view.clone() }
     }
 
     /// Waits until nothing is left to do.

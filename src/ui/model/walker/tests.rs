@@ -298,7 +298,7 @@ fn a_run_that_cannot_be_interrupted_is_left_behind() {
     let begun = Instant::now();
     walker.stop();
     tended(&mut walker);
-    assert!(begun.elapsed() < 4 * GRACE, "it stops at once: {:?}", begun.elapsed());
+    assert!(begun.elapsed() < Duration::from_secs(5), "it stops at once: {:?}", begun.elapsed());
     assert!(walker.view().refused.is_some_and(|error| error.to_string().contains("stopped before")));
 
     // Nor does it stand in the way of another one.
