@@ -25,6 +25,11 @@ impl Stop {
     /// # Errors
     /// If it should stop.
     pub fn check(&self) -> Result<(), Error> {
-        if self.is_set() { Err(Error::new("it was given up, because nobody wants it any more")) } else { Ok(()) }
+        if self.is_set() { Err(Self::given_up()) } else { Ok(()) }
+    }
+
+    /// What is said of work that was stopped.
+    pub(crate) fn given_up() -> Error {
+        Error::new("it was given up, because nobody wants it any more")
     }
 }
