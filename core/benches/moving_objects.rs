@@ -26,12 +26,16 @@ fn value(x: usize, y: usize, t: usize) -> u8 {
     base as u8 + noise as u8
 }
 
-fn clip((width, height): (usize, usize), in_color: bool) -> Clip {
+fn clip(size: (usize, usize), in_color: bool) -> Clip {
+    clip_of(size, in_color, FRAMES)
+}
+
+fn clip_of((width, height): (usize, usize), in_color: bool, frames: usize) -> Clip {
     let frame = |t| {
         let gray = Grid::from_fn(width, height, |x, y| value(x, y, t));
         if in_color { Frame::rgb(gray.map(|&v| [v, v / 2 + 40, 255 - v])) } else { Frame::gray(gray) }
     };
-    Clip::from_frames("discs", (0..FRAMES).map(frame).collect()).expect("frames of one size")
+    Clip::from_frames("discs", (0..frames).map(frame).collect()).expect("frames of one size")
 }
 
 fn detection(c: &mut Criterion) {
@@ -110,5 +114,23 @@ fn scrubbing(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, components, detection, scrubbing);
+/// Mixtures on large pictures: a frame takes an eighth of what is shown.
+fn large(c: &mut Criterion) {
+    const LARGE: usize = 8;
+    let mut group = c.benchmark_group("large");
+    group.sample_size(10);
+    for (name, in_color) in [("gray", false), ("colour", true)] {
+        let clip = clip_of((3840, 2160), in_color, LARGE);
+        let mixture = estimator("mixture-of-gaussians").expect("it is registered");
+        for threads in [1, 2] {
+            let pool = Threads::new(threads).expect("threads");
+            group.bench_function(format!("mixture-of-gaussians 4K {name}, {LARGE} frames, {threads} thread(s)"), |b| {
+                b.iter(|| mixture.run(&clip, 0, &pool).expect("a run"));
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, components, detection, large, scrubbing);
 criterion_main!(benches);

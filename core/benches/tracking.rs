@@ -1,10 +1,12 @@
 //! How fast objects are followed: `cargo bench -p motionscope-core --bench tracking`.
 
 use std::hint::black_box;
+use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use motionscope_core::kalman::{Estimate, Sensor, Velocity};
-use motionscope_core::{Bounds, Clip, Detection, Threads, estimator};
+use motionscope_core::objects::score::scores;
+use motionscope_core::{Bounds, Clip, Detection, Error, Flow, ObjectBox, Threads, Truth, estimator};
 use nalgebra::{SMatrix, Vector2, Vector4};
 
 /// A time step and a measurement of a filter with four numbers, of which two are measured.
@@ -44,5 +46,71 @@ fn tracker(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, filter, tracker);
+/// True objects, by frame.
+struct Objects(Vec<Vec<ObjectBox>>);
+
+impl Truth for Objects {
+    fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
+        Ok(None)
+    }
+
+    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
+        Ok(self.0.get(t).cloned())
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        vec!["objects"]
+    }
+}
+
+/// A number of 0 to 1 that tells an object and a frame from all others.
+fn chance(i: usize, t: usize) -> f32 {
+    let mixed = (i as u64 * 0x9E37_79B9) ^ (t as u64 * 0x85EB_CA6B);
+    (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 40) as f32 / (1u32 << 24) as f32
+}
+
+/// So many objects with their true places; they go straight on, or are anywhere in each frame.
+fn throng(objects: usize, frames: usize, is_smooth: bool) -> Clip {
+    let place = |i: usize, t: usize| match is_smooth {
+        true => [0, 1].map(|k| [1920.0, 1080.0][k] * chance(i, k) + 4.0 * (chance(i, k + 2) - 0.5) * t as f32),
+        false => [1920.0 * chance(i, 2 * t), 1080.0 * chance(i, 2 * t + 1)],
+    };
+    let size = |i: usize| [10.0 + 14.0 * chance(i, 91), 20.0 + 30.0 * chance(i, 92)];
+    let object = |i: usize, t: usize| {
+        let Bounds { min: [x, y], .. } = Bounds::around(place(i, t), size(i));
+        let [width, height] = size(i);
+        ObjectBox { id: i as u32 + 1, x, y, width, height, visibility: 1.0 }
+    };
+    let detection = |i: usize, t: usize| {
+        let center = [0, 1].map(|k| place(i, t)[k] + 3.0 * chance(i, 2 * t + k + 50) - 1.5);
+        Detection { bounds: Bounds::around(center, size(i)), center, score: 0.9, blob: None }
+    };
+    let truth = (0..frames).map(|t| (0..objects).map(|i| object(i, t)).collect()).collect();
+    let found = (0..frames).map(|t| (0..objects).map(|i| detection(i, t)).collect()).collect();
+    Clip::blank("throng", (1920, 1080), frames).with_detections(found).with_truth(Arc::new(Objects(truth)))
+}
+
+/// Very many detections, tracked and scored: a frame takes a tenth of what is shown.
+fn many(c: &mut Criterion) {
+    const FRAMES: usize = 10;
+    let pool = Threads::single();
+    let mut group = c.benchmark_group("many");
+    group.sample_size(10);
+    for (name, is_smooth) in [("smooth", true), ("scattered", false)] {
+        let clip = throng(5000, FRAMES, is_smooth);
+        let truth = clip.truth().expect("exact");
+        for id in ["kalman-tracker", "blob-tracker", "trajectory-analysis"] {
+            let tracker = estimator(id).expect("it is registered");
+            group.bench_function(format!("{id}, 5000 {name} detections with truth, {FRAMES} frames"), |b| {
+                b.iter(|| {
+                    let output = tracker.run(&clip, 0, &pool).expect("a run");
+                    scores(output.objects().expect("objects"), &**truth).expect("readable")
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, filter, tracker, many);
 criterion_main!(benches);

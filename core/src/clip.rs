@@ -293,6 +293,11 @@ impl Clip {
         self
     }
 
+    /// The same clip, given up with another one.
+    pub(crate) fn until_with(self, other: &Clip) -> Self {
+        self.until(other.stop.clone())
+    }
+
     /// Ends work on the clip with `?` when nobody wants it any more.
     ///
     /// # Errors

@@ -184,13 +184,15 @@ impl Stage<DenseFlow> {
         })
     }
 
-    /// Where each pixel of the first of two frames of one size goes in the second.
+    /// Where each pixel of the first of two frames of one size goes in the second; frames of `clip`, with which the work is
+    /// cancelled.
     ///
     /// # Errors
-    /// If the sizes differ, or the frames are too small for the method.
-    pub fn between(&self, frames: [&Frame; 2], threads: &Threads) -> Result<Flow, Error> {
+    /// If the sizes differ, the frames are too small for the method, or the work was cancelled.
+    pub fn between(&self, clip: &Clip, frames: [&Frame; 2], threads: &Threads) -> Result<Flow, Error> {
         let grays = frames.map(|frame| Frame::gray(frame.luma().clone()));
-        self.flow(&Clip::from_frames("a pair of frames", grays.into())?, 0, threads)
+        let pair = Clip::from_frames("a pair of frames", grays.into())?;
+        self.flow(&pair.until_with(clip), 0, threads)
     }
 }
 

@@ -34,7 +34,12 @@ impl Stop {
     /// # Errors
     /// If it should stop.
     pub fn check(&self) -> Result<(), Error> {
-        if self.is_set() { Err(Error::new("it was cancelled")) } else { Ok(()) }
+        if self.is_set() { Err(Self::cancelled()) } else { Ok(()) }
+    }
+
+    /// What is said of work that was stopped.
+    pub(crate) fn cancelled() -> Error {
+        Error::new("it was cancelled")
     }
 
     /// Notes that `done` of `of` parts of the work are done; of no parts there is nothing to tell.

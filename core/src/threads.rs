@@ -64,6 +64,23 @@ impl Threads {
         }
     }
 
+    /// The same as long as it is wanted, which is asked before each.
+    ///
+    /// # Errors
+    /// Those of `wanted`.
+    pub(crate) fn map_while<T: Send>(
+        &self,
+        n: usize,
+        wanted: impl Fn() -> Result<(), Error> + Send + Sync,
+        f: impl Fn(usize) -> T + Send + Sync,
+    ) -> Result<Vec<T>, Error> {
+        let one = |i| wanted().map(|()| f(i));
+        match &self.0 {
+            None => (0..n).map(one).collect(),
+            Some(pool) => pool.install(|| (0..n).into_par_iter().with_max_len(1).map(one).collect()),
+        }
+    }
+
     /// Has `f` write every row of `grid`, given its number; the rows are written in any order.
     pub fn rows<T: Send>(&self, grid: &mut Grid<T>, f: impl Fn(usize, &mut [T]) + Sync) {
         let width = grid.width();
@@ -113,25 +130,30 @@ impl Threads {
 
     /// `f` of every place of a grid, row by row. Each thread takes the next row and works along it, with its own
     /// `desk` of buffers. `f` may ask [`Earlier`] for what it gave at a place before: in a row above, or to the left.
-    /// It waits there until the other thread has come that far, so what it gets does not depend on their number.
-    pub(crate) fn sweep<T: Copy + Send + Sync, D>(
+    /// It waits there until the other thread has come that far, so what it gets does not depend on their number. Whether it is
+    /// still wanted is asked at each place.
+    ///
+    /// # Errors
+    /// Those of `wanted`.
+    pub(crate) fn sweep<T: Copy + Default + Send + Sync, D>(
         &self,
-        (columns, rows): (usize, usize),
+        ((columns, rows), wanted): ((usize, usize), impl Fn() -> Result<(), Error> + Sync),
         desk: impl Fn() -> D + Sync,
         f: impl Fn(&mut D, usize, Earlier<T>) -> T + Sync,
-    ) -> Vec<T> {
+    ) -> Result<Vec<T>, Error> {
         let Some(pool) = &self.0 else {
             let (mut done, mut desk) = (Vec::with_capacity(columns * rows), desk());
             for index in 0..columns * rows {
+                wanted()?;
                 done.push(f(&mut desk, index, Earlier::All(&done)));
             }
-            return done;
+            return Ok(done);
         };
         let cells: Vec<OnceLock<T>> = (0..columns * rows).map(|_| OnceLock::new()).collect();
-        let (next_row, is_lost) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let (next_row, end) = (AtomicUsize::new(0), End::default());
         // Rows are taken in order, so the first that is not finished waits for nobody: there is always one that goes on.
         pool.broadcast(|_| {
-            let _guard = OnPanic(&is_lost);
+            let _guard = OnPanic(&end.is_lost);
             let mut desk = desk();
             loop {
                 let row = next_row.fetch_add(1, Ordering::Relaxed);
@@ -139,14 +161,33 @@ impl Threads {
                     return;
                 }
                 for index in row * columns..(row + 1) * columns {
-                    let value = f(&mut desk, index, Earlier::SoFar { cells: &cells, columns, is_lost: &is_lost });
+                    if let Err(error) = wanted() {
+                        // The first that notices says so for all.
+                        let _ = end.given_up.set(error);
+                    }
+                    if end.given_up.get().is_some() {
+                        return;
+                    }
+                    let value = f(&mut desk, index, Earlier::SoFar { cells: &cells, columns, end: &end });
                     // Nobody else takes this row.
                     let _ = cells[index].set(value);
                 }
             }
         });
-        cells.into_iter().filter_map(OnceLock::into_inner).collect()
+        match end.given_up.into_inner() {
+            Some(error) => Err(error),
+            None => Ok(cells.into_iter().filter_map(OnceLock::into_inner).collect()),
+        }
     }
+}
+
+/// How a sweep may end before it is done.
+#[derive(Default)]
+pub(crate) struct End {
+    /// Whether one of the threads has panicked.
+    is_lost: AtomicBool,
+    /// Why nobody wants it any more.
+    given_up: OnceLock<Error>,
 }
 
 /// What a sweep gave at the places before.
@@ -160,8 +201,8 @@ pub(crate) enum Earlier<'a, T> {
         cells: &'a [OnceLock<T>],
         /// Places in a row.
         columns: usize,
-        /// Whether one of the threads has panicked.
-        is_lost: &'a AtomicBool,
+        /// Whether it ends before that.
+        end: &'a End,
     },
 }
 
@@ -169,15 +210,15 @@ pub(crate) enum Earlier<'a, T> {
 /// memory between them back and forth, which takes longer than a block does.
 const LEAD: usize = 16;
 
-impl<T: Copy> Earlier<'_, T> {
-    /// What was given at `index`.
+impl<T: Copy + Default> Earlier<'_, T> {
+    /// What was given at `index`; anything where the sweep is given up.
     ///
     /// # Panics
     /// If it lies neither in a row above nor to the left, or the thread that was to do it has panicked.
     pub fn at(&self, index: usize) -> T {
         match self {
             Earlier::All(done) => done[index],
-            Earlier::SoFar { cells, columns, is_lost } => {
+            Earlier::SoFar { cells, columns, end } => {
                 if let Some(value) = cells[index].get() {
                     return *value;
                 }
@@ -190,7 +231,10 @@ impl<T: Copy> Earlier<'_, T> {
                         }
                         std::hint::spin_loop();
                     }
-                    assert!(!is_lost.load(Ordering::Relaxed), "another thread of the sweep has panicked");
+                    if end.given_up.get().is_some() {
+                        return T::default();
+                    }
+                    assert!(!end.is_lost.load(Ordering::Relaxed), "another thread of the sweep has panicked");
                     std::thread::yield_now();
                 }
             }
@@ -218,8 +262,8 @@ mod tests {
         let (columns, rows) = (37, 50);
         // Every place depends on the one to the left and the one above to the right: a mistake anywhere spreads.
         let sweep = |threads| {
-            Threads::new(threads).unwrap().sweep(
-                (columns, rows),
+            let swept = Threads::new(threads).unwrap().sweep(
+                ((columns, rows), || Ok(())),
                 || 0u64,
                 |calls, index, earlier: Earlier<u64>| {
                     *calls += 1;
@@ -231,7 +275,8 @@ mod tests {
                     };
                     left.wrapping_mul(0x9E37_79B9).wrapping_add(above) ^ index as u64
                 },
-            )
+            );
+            swept.expect("it is wanted")
         };
         let squares = |n| Threads::new(n).unwrap().map(1000, |i| i * i);
         assert_eq!(squares(1), squares(3));
@@ -245,7 +290,7 @@ mod tests {
     fn a_panic_in_one_thread_ends_the_sweep() {
         let sweep = || {
             Threads::new(2).unwrap().sweep(
-                (4, 4),
+                ((4, 4), || Ok(())),
                 || (),
                 |(), index, earlier: Earlier<usize>| {
                     assert!(index != 5, "as planned");
@@ -254,5 +299,26 @@ mod tests {
             )
         };
         assert!(std::panic::catch_unwind(sweep).is_err());
+    }
+
+    #[test]
+    fn work_that_nobody_wants_any_more_ends_with_its_reason() {
+        for threads in [1, 2, 4] {
+            let threads = Threads::new(threads).unwrap();
+            let asked = AtomicUsize::new(0);
+            let wanted = || match asked.fetch_add(1, Ordering::Relaxed) {
+                0..40 => Ok(()),
+                _ => Err(Error::new("enough")),
+            };
+            let above = |(): &mut (), index: usize, earlier: Earlier<usize>| {
+                if index >= 10 { earlier.at(index - 10) + 1 } else { index }
+            };
+            let swept = threads.sweep(((10, 10_000), wanted), || (), above);
+            assert_eq!(swept.unwrap_err().to_string(), "enough");
+            assert!(asked.swap(0, Ordering::Relaxed) < 60, "nobody goes on to the end");
+            assert_eq!(threads.map_while(100_000, wanted, |i| i).unwrap_err().to_string(), "enough");
+            assert!(asked.load(Ordering::Relaxed) < 60_000);
+            assert_eq!(threads.map_while(9, || Ok(()), |i| i * i).unwrap(), threads.map(9, |i| i * i));
+        }
     }
 }

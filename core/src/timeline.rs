@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::lockstep::Beside;
-use crate::{Clip, Error, Estimator, Explained, Info, Output, Progress, Role, Rung, Scene, Seen, Step};
+use crate::{Clip, Error, Estimator, Explained, Info, Output, Progress, Role, Rung, Scene, Seen, Step, Stop};
 
 /// A place in a run: the unit at hand and how many of its events were seen.
 ///
@@ -401,7 +401,7 @@ impl<E: Estimator> Timeline<E> {
                 self.units = Some(journey.index + 1);
                 Some(self.depart(Goal::end_of(journey.index)))
             }
-            Err(error) => self.give_up(journey.index, error),
+            Err(error) => self.end(journey.index, error),
         }
     }
 
@@ -417,12 +417,16 @@ impl<E: Estimator> Timeline<E> {
                 self.unit = unit;
                 None
             }
-            Err(error) => self.give_up(journey.index, error),
+            Err(error) => self.end(journey.index, error),
         }
     }
 
-    /// Unit `index` cannot be run: the run ends before it. The first unit was run once, so it stays.
-    fn give_up(&mut self, index: usize, error: Error) -> Option<Journey<E>> {
+    /// Unit `index` cannot be run: the run ends before it. The first unit was run once, so it stays. Where it was only given up,
+    /// so is the journey: the run stays where it is.
+    fn end(&mut self, index: usize, error: Error) -> Option<Journey<E>> {
+        if error == Stop::cancelled() || self.clip.wanted().is_err() {
+            return None;
+        }
         self.failure = Some(error);
         self.units = Some(index.max(1));
         index.checked_sub(1).map(|last| self.depart(Goal::end_of(last)))

@@ -474,3 +474,33 @@ fn connected_components_label_what_is_bright() {
     let expected = [(bounds([30.0, 2.0], [36.0, 28.0]), 156), (bounds([3.0, 4.0], [20.0, 20.0]), 140)];
     assert_eq!(found, expected);
 }
+
+#[test]
+fn masks_end_where_the_picture_does_at_any_width() {
+    for width in [17, 33, 40, 47, 63, 64, 65, 129, 200, 854] {
+        let value = |x: usize, y: usize, t: usize| (hash(x, y, t) % 200) as u8;
+        for in_color in [false, true] {
+            let frame = |t| match in_color {
+                true => Frame::rgb(Grid::from_fn(width, 9, |x, y| [0, 1, 2].map(|c| value(x, y, 3 * t + c)))),
+                false => Frame::gray(Grid::from_fn(width, 9, |x, y| value(x, y, t))),
+            };
+            let clip = Clip::from_frames("noise", (0..4).map(frame).collect()).expect("frames of one size");
+            // Where nothing is background, everything is foreground, and no more than that.
+            let all = objects(&*raw("mixture-of-gaussians", &[("background", "0"), ("shadows", "off")]), &clip);
+            assert_eq!(all.frames[3].mask.as_ref().map(|mask| mask.count()), Some(9 * width), "{width}");
+            for mut estimator in estimators().into_iter().filter(|e| e.get("open").is_ok()) {
+                for (name, text) in [("open", "0"), ("close", "0"), ("min-area", "1")] {
+                    estimator.set(name, text).expect("in range");
+                }
+                for threads in [1, 2] {
+                    let output = estimator.run(&clip, 0, &Threads::new(threads).expect("threads")).expect("a run");
+                    for frame in &output.objects().expect("objects").frames {
+                        let mask = frame.mask.as_ref().expect("a mask");
+                        let inside = |found: &motionscope_core::Detection| found.bounds.max[0] <= width as f32 - 0.5;
+                        assert!(mask.count() <= 9 * width && frame.detections.iter().all(inside), "{width}");
+                    }
+                }
+            }
+        }
+    }
+}

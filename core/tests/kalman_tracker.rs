@@ -2,9 +2,16 @@
 
 mod common;
 
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
 use common::set;
+use motionscope_core::objects::score::{scores, scores_on};
 use motionscope_core::scene::Readout;
-use motionscope_core::{AnyEstimator, Bounds, Clip, Detection, Life, Move, ObjectField, Threads, Walk, Way, synth};
+use motionscope_core::{
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Flow, Life, Move, ObjectBox, ObjectField, Stop, Threads,
+    Truth, Walk, Way, synth,
+};
 
 fn run(settings: &[(&str, &str)], clip: &Clip) -> ObjectField {
     let output = set("kalman-tracker", settings).run(clip, 0, &Threads::single()).expect("a run");
@@ -185,4 +192,116 @@ fn a_pair_is_shown_in_a_table_with_names() {
         about += 1;
     }
     assert_eq!(about, 2, "two frames have pairs");
+}
+
+/// True objects, found where they are.
+struct Crowd(Vec<Vec<ObjectBox>>);
+
+impl Truth for Crowd {
+    fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
+        Ok(None)
+    }
+
+    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
+        Ok(self.0.get(t).cloned())
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        vec!["objects"]
+    }
+}
+
+/// A clip of so many objects, each where `place` has it in a frame.
+fn crowd(count: usize, frames: usize, place: impl Fn(usize, usize) -> [f32; 2]) -> Clip {
+    let size = |i: usize| [10.0 + (i % 13) as f32, 20.0 + (i % 7) as f32];
+    let frame = |t: usize| (0..count).map(move |i| (i, t));
+    let found = |(i, t): (usize, usize)| found(place(i, t), size(i), 0.9);
+    let truth = |(i, t): (usize, usize)| {
+        let Bounds { min: [x, y], .. } = Bounds::around(place(i, t), size(i));
+        let [width, height] = size(i);
+        ObjectBox { id: i as u32 + 1, x, y, width, height, visibility: 1.0 }
+    };
+    let truths = (0..frames).map(|t| frame(t).map(truth).collect()).collect();
+    let clip = Clip::blank("a crowd", (1920, 1080), frames);
+    clip.with_detections((0..frames).map(|t| frame(t).map(found).collect()).collect())
+        .with_truth(Arc::new(Crowd(truths)))
+}
+
+/// A number of 0 to 1 that tells an object and a frame from all others.
+fn chance(i: usize, t: usize) -> f32 {
+    let mixed = (i as u64 * 0x9E37_79B9) ^ (t as u64 * 0x85EB_CA6B);
+    (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 40) as f32 / (1u32 << 24) as f32
+}
+
+const TRACKERS: [&str; 3] = ["kalman-tracker", "blob-tracker", "trajectory-analysis"];
+
+#[test]
+fn thousands_of_objects_are_followed_scored_and_walked_through_in_seconds() {
+    let smooth = crowd(5000, 4, |i, t| {
+        [26.0 * (i % 73) as f32 + 1.5 * t as f32, 15.0 * (i / 73) as f32 + (i % 3) as f32 * t as f32]
+    });
+    let scattered = crowd(5000, 4, |i, t| [1920.0 * chance(i, 2 * t), 1080.0 * chance(i, 2 * t + 1)]);
+    for (clip, is_smooth) in [(&smooth, true), (&scattered, false)] {
+        for id in TRACKERS {
+            let begun = Instant::now();
+            let tracker = set(id, &[]);
+            let output = tracker.run(clip, 0, &Threads::single()).expect("a run");
+            let field = output.get::<ObjectField>().expect("objects");
+            let scored = scores(field, &**clip.truth().expect("exact")).expect("readable").expect("objects");
+            assert_eq!(scored.truths, 4 * 5000);
+            if is_smooth && id == "kalman-tracker" {
+                assert_eq!((scored.matches, scored.switches, scored.hasty), (4 * 5000, 0, 0), "{scored:?}");
+            }
+            let mut walk = tracker.walk(clip, 0).expect("a run");
+            walk.jump(Move::To(Cursor { unit: 2, event: 3 }));
+            let events = walk.events();
+            for event in [3, 4, events / 2, events] {
+                walk.jump(Move::To(Cursor { unit: 2, event }));
+                assert!(!walk.step(None).sentence.plain().is_empty() && !walk.scene(None).marks.is_empty());
+            }
+            // It took minutes when every object was compared with every detection.
+            assert!(begun.elapsed() < Duration::from_secs(30), "{id} takes {:?}", begun.elapsed());
+        }
+    }
+}
+
+#[test]
+fn where_everything_lies_on_everything_work_has_an_end_and_stops_when_asked() {
+    let clip = crowd(1500, 3, |i, t| [900.0 + 3.0 * chance(i, 2 * t), 500.0 + 3.0 * chance(i, 2 * t + 1)]);
+    for (id, cost) in [("kalman-tracker", "both"), ("kalman-tracker", "mahalanobis"), ("blob-tracker", "")] {
+        let settings = if cost.is_empty() { vec![] } else { vec![("cost", cost)] };
+        let begun = Instant::now();
+        let told = sentences_until(&*set(id, &settings), &clip, 8);
+        assert!(told.contains("only the 500 nearest"), "{told}");
+        assert!(begun.elapsed() < Duration::from_secs(60), "{id} takes {:?}", begun.elapsed());
+        let stop = Stop::default();
+        let (wanted, late) = (clip.clone().until(stop.clone()), stop.clone());
+        let stopper = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(100));
+            late.set(true);
+            Instant::now()
+        });
+        let run = set(id, &settings).run(&wanted, 0, &Threads::single());
+        let (ended, asked) = (Instant::now(), stopper.join().expect("it only waits"));
+        assert!(run.is_err() || ended < asked, "{id} goes on");
+        assert!(ended.saturating_duration_since(asked) < Duration::from_secs(3), "{id}: {:?}", ended - asked);
+    }
+    // Scores are given up as well.
+    let field = run(&[("association", "nearest")], &clip);
+    let stop = Stop::default();
+    stop.set(true);
+    assert!(scores_on(&clip.clone().until(stop), &field).is_err());
+    assert!(scores_on(&Clip::blank("no truth", (9, 9), 2), &field).expect("readable").is_none());
+}
+
+/// What the first so many events of the last unit tell.
+fn sentences_until(estimator: &dyn AnyEstimator, clip: &Clip, events: usize) -> String {
+    let mut walk = estimator.walk(clip, 0).expect("a run");
+    let last = walk.units().expect("known") - 1;
+    (1..=events)
+        .map(|event| {
+            walk.jump(Move::To(Cursor { unit: last, event }));
+            format!("{}\n", walk.step(None).sentence.plain())
+        })
+        .collect()
 }

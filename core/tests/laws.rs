@@ -699,11 +699,39 @@ fn a_run_that_nobody_wants_ends() {
         stop.set(false);
         assert!(estimator.extent(&clip, 0).is_ok());
     });
-    for id in ["horn-schunck", "tv-l1", "farneback", "lucas-kanade"] {
-        let estimator = motionscope_core::estimator(id).unwrap();
+    each(|estimator| {
+        let id = estimator.info().id;
         let stop = Stop::default();
         let clip = moving(50, 41, (1, -2), 4).until(stop.clone());
+        for threads in [1, 2] {
+            let threads = Threads::new(threads).unwrap();
+            stop.set(true);
+            assert!(estimator.run(&clip, 0, &threads).is_err(), "{id} goes on");
+            stop.set(false);
+            assert!(estimator.run(&clip, 0, &threads).is_ok(), "{id}");
+        }
+    });
+}
+
+#[test]
+fn a_walk_that_nobody_wants_stays_where_it_is_and_can_go_on() {
+    each(|estimator| {
+        let id = estimator.info().id;
+        let stop = Stop::default();
+        let clip = moving(50, 41, (1, -2), 4).until(stop.clone());
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        into(Way::Forward, &mut *walk);
+        let here = walk.cursor();
         stop.set(true);
-        assert!(estimator.run(&clip, 0, &Threads::single()).is_err(), "{id} goes on");
-    }
+        walk.jump(Move::To(Cursor { unit: 2, event: 1 }));
+        assert!(walk.failure().is_none(), "{id}: {:?} is no failure of the run", walk.failure());
+        let there = walk.cursor();
+        assert!(there == here || there == Cursor { unit: 2, event: 1 } || walk.at_end(), "{id}: {there}");
+        stop.set(false);
+        walk.jump(Move::End);
+        assert!(walk.at_end() && walk.failure().is_none(), "{id}");
+        let mut fresh = estimator.walk(&clip, 0).unwrap();
+        fresh.jump(Move::End);
+        assert!(View::of(&*walk).same(&View::of(&*fresh)), "{id}");
+    });
 }

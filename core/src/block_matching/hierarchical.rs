@@ -483,7 +483,8 @@ impl Estimator for Hierarchical {
                 self.search_block(&state, (index, |i| earlier.at(i).0), work, &mut ())
             };
             let mut progress = Progress::More;
-            for result in threads.sweep(state.pair().blocks.counts(), Workspace::default, search) {
+            let blocks = (state.pair().blocks.counts(), || clip.wanted());
+            for result in threads.sweep(blocks, Workspace::default, search)? {
                 progress = state.push(result);
             }
             if progress == Progress::Done {

@@ -240,7 +240,7 @@ impl Stage {
 }
 
 /// A displacement and its cost.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Match {
     /// The displacement in whole px.
     pub displacement: Displacement,

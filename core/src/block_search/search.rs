@@ -111,21 +111,27 @@ fn start<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, before: Option<A
 /// The state before the first block, after the pair of frames before was searched if the search looks back.
 fn prepare<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
     let earlier = frame.checked_sub(1).filter(|_| search.looks_back());
-    let field = |earlier| start(search, clip, earlier, None).map(|state| finish(search, state, threads).found.into());
+    let field = |earlier| {
+        let state = start(search, clip, earlier, None)?;
+        Ok::<_, Error>(finish(search, clip, state, threads)?.found.into())
+    };
     start(search, clip, frame, earlier.map(field).transpose()?)
 }
 
 /// Searches all blocks.
-fn finish<S: BlockSearch>(search: &S, mut state: State, threads: &Threads) -> State {
+///
+/// # Errors
+/// If nobody wants them any more.
+fn finish<S: BlockSearch>(search: &S, clip: &Clip, mut state: State, threads: &Threads) -> Result<State, Error> {
     let blocks = threads.sweep(
-        state.pair.blocks.counts(),
+        (state.pair.blocks.counts(), || clip.wanted()),
         Workspace::default,
         |work, index, earlier: Earlier<(Match, usize)>| {
             search_block(search, &state, (index, |i| earlier.at(i).0), work, &mut ())
         },
-    );
+    )?;
     (state.found, state.tested) = blocks.into_iter().map(|(found, tested)| (found, tested as u32)).unzip();
-    state
+    Ok(state)
 }
 
 impl<S: BlockSearch> Estimator for S {
@@ -201,7 +207,7 @@ impl<S: BlockSearch> Estimator for S {
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        prepare(self, clip, frame, threads).map(|state| finish(self, state, threads))
+        prepare(self, clip, frame, threads).and_then(|state| finish(self, clip, state, threads))
     }
 }
 

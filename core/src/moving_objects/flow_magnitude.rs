@@ -7,7 +7,7 @@ use crate::scene::{Fact, Math, Sentence};
 use crate::stage::{DenseFlow, Stage};
 use crate::subtraction::{Background, Explanation, Found, subtraction_params, subtraction_pseudocode};
 use crate::words;
-use crate::{Border, Flow, Frame, Grid, Info, Mask, Role, Threads};
+use crate::{Border, Clip, Error, Flow, Frame, Grid, Info, Mask, Role, Stop, Threads};
 
 subtraction_params! {
     /// The length of the optical flow.
@@ -57,16 +57,18 @@ impl Seen {
 }
 
 impl FlowMagnitude {
-    fn seen<'a>(&self, model: &'a Model, frame: &Frame, threads: &Threads) -> &'a Seen {
-        model.seen.get_or_init(|| Arc::new(self.look([frame, &model.before], threads)))
+    /// What is seen of a frame that was looked at.
+    fn seen<'a>(&self, model: &'a Model, frame: &Frame) -> &'a Seen {
+        model.seen.get_or_init(|| {
+            let (width, height) = frame.size();
+            Arc::new(self.beside([frame, &model.before], Flow(Grid::new(width, height, [0.0; 2])), &Threads::single()))
+        })
     }
 
-    fn look(&self, frames: [&Frame; 2], threads: &Threads) -> Seen {
+    /// A frame beside the one before, from which `back` leads to that.
+    fn beside(&self, frames: [&Frame; 2], back: Flow, threads: &Threads) -> Seen {
         let [now, before] = frames.map(|frame| frame.luma());
         let (width, height) = now.size();
-        let none = || Flow(Grid::new(width, height, [0.0; 2]));
-        // Of a picture in which nothing can be told nothing is.
-        let back = self.method.between(frames, threads).unwrap_or_else(|_| none());
         let gray = |x: usize, y: usize| f32::from(now[(x, y)]);
         let off = |place: &dyn Fn(usize, usize) -> [f32; 2]| {
             let off = Grid::from_fn(width, height, |x, y| {
@@ -115,8 +117,23 @@ impl Background for FlowMagnitude {
         Model { before: Arc::clone(first), seen: OnceLock::new() }
     }
 
-    fn subtract(&self, model: &mut Model, frame: &Arc<Frame>, threads: &Threads) -> Found {
-        let seen = self.seen(model, frame, threads);
+    fn look(&self, clip: &Clip, model: &Model, frame: &Frame, threads: &Threads) -> Result<(), Error> {
+        if model.seen.get().is_some() {
+            return Ok(());
+        }
+        let (width, height) = frame.size();
+        let back = match self.method.between(clip, [frame, &model.before], threads) {
+            Err(error) if error == Stop::cancelled() => return Err(error),
+            // Of a picture in which nothing can be told nothing is.
+            Err(_) => Flow(Grid::new(width, height, [0.0; 2])),
+            Ok(back) => back,
+        };
+        model.seen.get_or_init(|| Arc::new(self.beside([frame, &model.before], back, threads)));
+        Ok(())
+    }
+
+    fn subtract(&self, model: &mut Model, frame: &Arc<Frame>, _: &Threads) -> Found {
+        let seen = self.seen(model, frame);
         let (width, height) = frame.size();
         let mask = Mask::from_fn(width, height, |x, y| self.is_foreground(seen, (x, y)));
         *model = self.begin(frame);
@@ -128,12 +145,12 @@ impl Background for FlowMagnitude {
     }
 
     fn difference(&self, model: &Model, frame: &Frame, place: (usize, usize)) -> f32 {
-        self.seen(model, frame, &Threads::single()).length(place)
+        self.seen(model, frame).length(place)
     }
 
     fn explain(&self, [before, _]: [Option<&Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
-        let seen = self.seen(before, frame, &Threads::single());
+        let seen = self.seen(before, frame);
         let (is_long, is_explained) = (seen.length(place) > self.threshold, seen.is_explained(place));
         let role = |holds: bool| if holds { Role::Result } else { Role::Rejected };
         let [length, limit] = [seen.length(place), self.threshold].map(words::number);

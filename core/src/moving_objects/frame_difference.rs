@@ -34,12 +34,13 @@ impl FrameDifference {
     pub fn differs(&self, before: &[Arc<Frame>], frame: &Frame, threads: &Threads) -> Mask {
         let (width, height) = frame.size();
         let mut mask = Mask::new(width, height);
-        let (words, in_row) = mask.words_mut();
-        threads.chunks(words, in_row, |y, words| {
-            words.fill(u64::MAX);
-            for earlier in before {
-                both([frame.luma().row(y), earlier.luma().row(y)], self.threshold as u8, words);
-            }
+        mask.write(|words, in_row| {
+            threads.chunks(words, in_row, |y, words| {
+                words.fill(u64::MAX);
+                for earlier in before {
+                    both([frame.luma().row(y), earlier.luma().row(y)], self.threshold as u8, words);
+                }
+            });
         });
         mask
     }

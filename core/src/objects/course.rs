@@ -91,6 +91,8 @@ pub(crate) struct Course {
     /// How many objects there have been.
     begun: u32,
     frames: Vec<Arc<ObjectFrame>>,
+    /// The first of the frames that are done which the last unit has changed.
+    changed_from: usize,
     picture: (usize, usize),
 }
 
@@ -104,7 +106,8 @@ impl Course {
         let span = Span::new(clip, frame, frames)?;
         let noise = Noise { deviation_px: f64::from(added_noise), seed: u64::from(seed) };
         let detector = Detector::new(source, clip, &span, Given { noise, clicks, stage: detector })?;
-        Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), picture: clip.size() })
+        let picture = clip.size();
+        Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), changed_from: 0, picture })
     }
 
     /// The frame that comes next.
@@ -121,7 +124,8 @@ impl Course {
     ///
     /// # Errors
     /// If the frame or the truth cannot be read.
-    pub fn look(&self, clip: &Clip) -> Result<(Vec<Detection>, usize), Error> {
+    pub fn look(&mut self, clip: &Clip) -> Result<(Vec<Detection>, usize), Error> {
+        self.changed_from = self.frames.len();
         let mut detections = self.detector.look(clip, self.frame())?;
         let found = detections.len();
         if self.detector.tells_scores() {
@@ -157,9 +161,10 @@ impl Course {
     /// not seen; `was` is its age before.
     pub fn look_back(&mut self, rules: Rules, object: &Object, was: Age) {
         if rules.backdate && was.life == Life::Tentative && object.life == Life::Confirmed {
-            for frame in self.frames.iter_mut().rev() {
-                let Some(i) = frame.objects.iter().position(|other| other.id == object.id) else { break };
+            for (t, frame) in self.frames.iter_mut().enumerate().rev() {
+                let Some(i) = frame.place(object.id) else { break };
                 Arc::make_mut(frame).objects[i].life = Life::Confirmed;
+                self.changed_from = self.changed_from.min(t);
             }
         }
         if rules.bridge && was.missed > 0 {
@@ -171,12 +176,13 @@ impl Course {
     fn bridge(&mut self, object: &Object, missed: usize) {
         let (now, count) = (object.bounds, self.frames.len());
         let Some(before) = count.checked_sub(missed + 1).map(|i| Arc::clone(&self.frames[i])) else { return };
-        let Some(from) = before.objects.iter().find(|other| other.id == object.id) else { return };
+        let Some(from) = before.object(object.id) else { return };
+        self.changed_from = self.changed_from.min(count - missed);
         for (step, frame) in self.frames[count - missed..].iter_mut().enumerate() {
             let share = (step + 1) as f32 / (missed + 1) as f32;
             let between = |a: [f32; 2], b: [f32; 2]| [0, 1].map(|i| a[i] + (b[i] - a[i]) * share);
             let bounds = Bounds { min: between(from.bounds.min, now.min), max: between(from.bounds.max, now.max) };
-            if let Some(i) = frame.objects.iter().position(|other| other.id == object.id) {
+            if let Some(i) = frame.place(object.id) {
                 let other = &mut Arc::make_mut(frame).objects[i];
                 // Where it was is known by now, but how it moved and how sure that is was only predicted.
                 *other = Object {
@@ -196,10 +202,11 @@ impl Course {
         self.span.place(self.frames.len())
     }
 
-    /// Memory that it takes by itself, in bytes: what earlier frames came to is shared with the states before.
+    /// Memory that it takes by itself, in bytes: what earlier frames came to is shared with the states before, as far as the last
+    /// unit has not changed it.
     pub fn own_bytes(&self) -> usize {
-        let last = self.frames.last().map_or(0, |frame| frame.bytes());
-        size_of::<Self>() + size_of_val(&self.frames[..]) + last
+        let changed: usize = self.frames[self.changed_from..].iter().map(|frame| frame.bytes()).sum();
+        size_of::<Self>() + size_of_val(&self.frames[..]) + changed
     }
 
     /// Memory of the detector and of all frames, in bytes.

@@ -19,6 +19,15 @@ struct Passed {
     id: u32,
     /// The sum of its directions, unit vectors.
     sum: [f64; 2],
+    /// The direction of that sum, a unit vector; none where it is nothing.
+    direction: Option<[f64; 2]>,
+}
+
+impl Passed {
+    fn new(id: u32, sum: [f64; 2]) -> Self {
+        let length = sum[0].hypot(sum[1]);
+        Self { id, sum, direction: (length > 0.0).then(|| sum.map(|c| c / length)) }
+    }
 }
 
 /// Where others go.
@@ -50,9 +59,10 @@ impl Directions {
     pub fn learn(&mut self, id: u32, at: [f64; 2], direction: [f64; 2]) {
         let part = self.part(at);
         let passed = &mut self.parts[part];
-        match passed.iter_mut().find(|passed| passed.id == id) {
-            Some(passed) => passed.sum = [0, 1].map(|i| passed.sum[i] + direction[i]),
-            None => passed.push(Passed { id, sum: direction }),
+        // Whoever passes is mostly among the last that came.
+        match passed.iter_mut().rev().find(|passed| passed.id == id) {
+            Some(passed) => *passed = Passed::new(id, [0, 1].map(|i| passed.sum[i] + direction[i])),
+            None => passed.push(Passed::new(id, direction)),
         }
     }
 
@@ -79,12 +89,9 @@ impl Directions {
 
 fn mean<'a>(passed: impl Iterator<Item = &'a Passed>) -> Option<Usual> {
     let (mut sum, mut others) = ([0.0, 0.0], 0);
-    for Passed { sum: [u, v], .. } in passed {
-        let length = u.hypot(*v);
-        if length > 0.0 {
-            sum = [sum[0] + u / length, sum[1] + v / length];
-            others += 1;
-        }
+    for [u, v] in passed.filter_map(|passed| passed.direction) {
+        sum = [sum[0] + u, sum[1] + v];
+        others += 1;
     }
     let length = f64::hypot(sum[0], sum[1]);
     (length > 0.0).then(|| Usual { direction: sum.map(|c| c / length), agreement: length / others as f64, others })

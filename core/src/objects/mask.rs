@@ -1,4 +1,7 @@
 //! Which pixels of a picture belong to something: a bit for each.
+//!
+//! Whoever writes whole words may write beyond the width. What lies there is cleared wherever words are handed out, so that no
+//! operation sees it.
 
 use std::fmt;
 
@@ -23,10 +26,12 @@ impl Mask {
     pub fn from_fn(width: usize, height: usize, mut is_set: impl FnMut(usize, usize) -> bool) -> Self {
         let mut mask = Self::new(width, height);
         for y in 0..height {
-            for (w, word) in mask.row_mut(y).iter_mut().enumerate() {
-                let columns = w * BITS..width.min((w + 1) * BITS);
-                *word = columns.enumerate().fold(0, |word, (i, x)| word | u64::from(is_set(x, y)) << i);
-            }
+            mask.write_row(y, |row| {
+                for (w, word) in row.iter_mut().enumerate() {
+                    let columns = w * BITS..width.min((w + 1) * BITS);
+                    *word = columns.enumerate().fold(0, |word, (i, x)| word | u64::from(is_set(x, y)) << i);
+                }
+            });
         }
         mask
     }
@@ -60,18 +65,37 @@ impl Mask {
         &self.words[y * words..(y + 1) * words]
     }
 
-    /// The words of row `y`. Bits beyond the width have to stay 0.
+    /// Has `write` change the words of row `y`. Bits beyond the width are 0 afterwards, whatever it writes there.
     ///
     /// # Panics
     /// If there is no such row.
-    pub fn row_mut(&mut self, y: usize) -> &mut [u64] {
-        let words = self.width.div_ceil(BITS);
-        &mut self.words[y * words..(y + 1) * words]
+    pub fn write_row<R>(&mut self, y: usize, write: impl FnOnce(&mut [u64]) -> R) -> R {
+        let (words, beyond) = (self.width.div_ceil(BITS), self.beyond());
+        let row = &mut self.words[y * words..(y + 1) * words];
+        let result = write(row);
+        if let Some(last) = row.last_mut() {
+            *last &= !beyond;
+        }
+        result
     }
 
-    /// The words of all rows, one row after the other, and how many make a row.
-    pub fn words_mut(&mut self) -> (&mut [u64], usize) {
-        (&mut self.words, self.width.div_ceil(BITS))
+    /// Has `write` change the words of all rows, one row after the other; it is told how many make a row. Bits beyond the width
+    /// are 0 afterwards, whatever it writes there.
+    pub fn write<R>(&mut self, write: impl FnOnce(&mut [u64], usize) -> R) -> R {
+        let (words, beyond) = (self.width.div_ceil(BITS), self.beyond());
+        let result = write(&mut self.words, words);
+        if beyond != 0 {
+            self.words.chunks_exact_mut(words).for_each(|row| row[words - 1] &= !beyond);
+        }
+        result
+    }
+
+    /// The bits beyond the width in the last word of a row.
+    fn beyond(&self) -> u64 {
+        match self.width % BITS {
+            0 => 0,
+            inside => u64::MAX << inside,
+        }
     }
 
     /// How many pixels are set.
@@ -135,6 +159,7 @@ impl fmt::Debug for Mask {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::{Connectivity, Labelling};
     use super::*;
 
     /// A mask without any order, of which so many of a hundred pixels are set.
@@ -157,6 +182,37 @@ pub(super) mod tests {
         }
         let object = Mask::from_fn(1920, 1080, |x, y| (900..1000).contains(&x) && (400..600).contains(&y));
         assert!(40 * PackedMask::new(&object).bytes() < object.bytes() * 2, "one object of 100×200 px");
+    }
+
+    /// Whether no bit beyond the width is set.
+    fn is_sound(mask: &Mask) -> bool {
+        (0..mask.height()).all(|y| mask.row(y).last().is_none_or(|last| last & mask.beyond() == 0))
+    }
+
+    #[test]
+    fn no_operation_leaves_bits_beyond_the_width() {
+        for width in (1..=130).chain([200, 854]) {
+            let mut full = Mask::new(width, 7);
+            full.write(|words, in_row| {
+                assert_eq!((in_row, words.len()), (width.div_ceil(BITS), 7 * width.div_ceil(BITS)));
+                words.fill(u64::MAX);
+            });
+            let mut by_rows = Mask::new(width, 7);
+            (0..7).for_each(|y| by_rows.write_row(y, |row| row.fill(u64::MAX)));
+            assert!(is_sound(&full) && full == by_rows && full.count() == 7 * width, "{width}");
+            assert_eq!(full, Mask::from_fn(width, 7, |_, _| true));
+            assert_eq!(full.inverted(), Mask::new(width, 7));
+            for mask in [full, scattered(width, 7, 30), scattered(width, 7, 80), Mask::new(width, 7)] {
+                let made = [mask.inverted(), mask.without(&mask.inverted()), PackedMask::new(&mask).unpacked()];
+                let moved = [0, 1, 3, 30].map(|r| [mask.dilated(r), mask.eroded(r), mask.opened(r), mask.closed(r)]);
+                assert!(made.iter().chain(moved.as_flattened()).all(is_sound), "{width}");
+                assert_eq!(mask.count() + mask.inverted().count(), 7 * width);
+                for connectivity in [Connectivity::Four, Connectivity::Eight] {
+                    let labelling = Labelling::of(&mask, connectivity);
+                    assert!(labelling.runs().iter().all(|run| run.start < run.end && run.end as usize <= width));
+                }
+            }
+        }
     }
 
     #[test]

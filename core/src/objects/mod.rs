@@ -8,6 +8,8 @@ mod extent;
 pub(crate) mod lives;
 mod mask;
 mod morphology;
+pub(crate) mod near;
+pub mod pairs;
 mod record;
 pub mod score;
 pub mod source;
@@ -200,6 +202,16 @@ pub struct ObjectField {
 }
 
 impl ObjectFrame {
+    /// The object with an identity, if it is there.
+    pub fn object(&self, id: u32) -> Option<&Object> {
+        self.place(id).map(|place| &self.objects[place])
+    }
+
+    /// Where among the objects that is.
+    pub(crate) fn place(&self, id: u32) -> Option<usize> {
+        self.objects.binary_search_by_key(&id, |object| object.id).ok()
+    }
+
     /// Memory that it takes, in bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Self>()

@@ -16,15 +16,15 @@ impl Mask {
         let mut wide = self.clone();
         let mut before = vec![0; self.row(0).len()];
         for y in 0..self.height() {
-            spread(wide.row_mut(y), radius_px, &mut before);
+            wide.write_row(y, |row| spread(row, radius_px, &mut before));
         }
-        wide.clear_beyond();
         let mut out = Mask::new(self.width(), self.height());
         for y in 0..self.height() {
-            let row = out.row_mut(y);
-            for near in y.saturating_sub(radius_px)..(y + radius_px + 1).min(self.height()) {
-                row.iter_mut().zip(wide.row(near)).for_each(|(word, near)| *word |= near);
-            }
+            out.write_row(y, |row| {
+                for near in y.saturating_sub(radius_px)..(y + radius_px + 1).min(self.height()) {
+                    row.iter_mut().zip(wide.row(near)).for_each(|(word, near)| *word |= near);
+                }
+            });
         }
         out
     }
@@ -60,8 +60,7 @@ impl Mask {
     #[must_use]
     pub fn inverted(&self) -> Mask {
         let mut out = self.clone();
-        out.words_mut().0.iter_mut().for_each(|word| *word = !*word);
-        out.clear_beyond();
+        out.write(|words, _| words.iter_mut().for_each(|word| *word = !*word));
         out
     }
 
@@ -70,19 +69,9 @@ impl Mask {
     pub fn without(&self, other: &Mask) -> Mask {
         let mut out = self.clone();
         for y in 0..self.height() {
-            out.row_mut(y).iter_mut().zip(other.row(y)).for_each(|(word, other)| *word &= !other);
+            out.write_row(y, |row| row.iter_mut().zip(other.row(y)).for_each(|(word, other)| *word &= !other));
         }
         out
-    }
-
-    /// Clears the bits beyond the width.
-    fn clear_beyond(&mut self) {
-        let bits = self.width() % 64;
-        for y in (0..self.height()).filter(|_| bits > 0) {
-            if let Some(last) = self.row_mut(y).last_mut() {
-                *last &= (1 << bits) - 1;
-            }
-        }
     }
 }
 

@@ -1,10 +1,13 @@
 //! How good tracks are beside the true ones.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::convert::Infallible;
 
-use super::assignment::least_cost;
+use super::assignment::{Effort, least_cost, most_worth};
+use super::near::{Near, corners};
+use super::pairs::{Pairs, Sums};
 use super::{Bounds, Followed, Life, ObjectField};
-use crate::{Error, Grid, Truth};
+use crate::{Clip, Error, Truth};
 
 /// From here on, as intersection over union, an object counts as found.
 const FOUND: f64 = 0.5;
@@ -35,6 +38,9 @@ pub struct Scores {
     pub recall: f64,
     /// Higher order tracking accuracy: the mean of √(DetA · AssA) over limits of 0.05 to 0.95.
     pub hota: f64,
+    /// True objects and tracks that were paired nearest first, and not as well as can be, because so many overlap so many: 0 unless
+    /// nearly everything lies on everything.
+    pub hasty: usize,
 }
 
 /// A share of nothing is 0.
@@ -42,9 +48,29 @@ fn share(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
 
-/// Overlaps of true objects, a row each, and told ones.
-fn overlaps(truth: &Boxes, told: &Boxes) -> Grid<f64> {
-    Grid::from_fn(told.len(), truth.len(), |x, y| f64::from(truth[y].1.iou(&told[x].1)))
+/// Asks whether scores are still wanted; `E` is what refuses them.
+type Wanted<'a, E> = &'a dyn Fn() -> Result<(), E>;
+
+/// So many rows are compared before it is asked whether to go on.
+const ROWS_AT_ONCE: usize = 64;
+
+/// The pairs of a frame, and those of all tracks, are worked out from so many at most, about a second long; then they are chosen
+/// nearest first.
+const MOST_WORK: u64 = 100_000_000;
+
+/// Overlaps of true objects, a row each, and told ones that have something in common.
+fn overlaps<E>((truth, told): &(Boxes, Boxes), wanted: Wanted<E>) -> Result<Pairs, E> {
+    let near = Near::new(told.iter().map(|(_, bounds)| corners(bounds)));
+    let (mut pairs, mut found) = (Pairs::new(told.len()), Vec::new());
+    for (y, (_, bounds)) in truth.iter().enumerate() {
+        if y.is_multiple_of(ROWS_AT_ONCE) {
+            wanted()?;
+        }
+        let overlap = |x: usize| f64::from(bounds.iou(&told[x].1));
+        near.touching(corners(bounds), &mut found, |x| Some(overlap(x)).filter(|overlap| *overlap > 0.0));
+        pairs.push(found.iter().copied());
+    }
+    Ok(pairs)
 }
 
 /// Scores the confirmed objects of a run beside the truth, where one was followed beside that one; `None` where nothing is known
@@ -53,6 +79,19 @@ fn overlaps(truth: &Boxes, told: &Boxes) -> Grid<f64> {
 /// # Errors
 /// If the truth cannot be read.
 pub fn scores(field: &ObjectField, truth: &dyn Truth) -> Result<Option<Scores>, Error> {
+    scores_while(field, truth, &|| Ok(()))
+}
+
+/// The same of a run on a clip, beside its truth; `None` as well where it has none.
+///
+/// # Errors
+/// If the truth cannot be read, or nobody wants the scores any more (see [`Clip::until`]).
+pub fn scores_on(clip: &Clip, field: &ObjectField) -> Result<Option<Scores>, Error> {
+    let scored = clip.truth().map(|truth| scores_while(field, &**truth, &|| clip.wanted()));
+    scored.transpose().map(Option::flatten)
+}
+
+fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -> Result<Option<Scores>, Error> {
     let counts = |id: u32| match &field.followed {
         Followed::Nobody => false,
         Followed::One(ids) => ids.contains(&id),
@@ -74,7 +113,7 @@ pub fn scores(field: &ObjectField, truth: &dyn Truth) -> Result<Option<Scores>, 
         let confirmed = frame.objects.iter().filter(|object| object.life == Life::Confirmed);
         frames.push((known, confirmed.map(|object| (object.id, object.bounds)).collect()));
     }
-    Ok(Some(Scores::of(&frames)))
+    Scores::of_frames(&frames, wanted).map(Some)
 }
 
 impl Scores {
@@ -83,9 +122,33 @@ impl Scores {
     /// MOTA and MOTP: K. Bernardin and R. Stiefelhagen, Evaluating multiple object tracking performance, 2008. IDF1: E. Ristani and
     /// others, Performance measures and a data set for multi-target, multi-camera tracking, 2016. HOTA: J. Luiten and others, 2021.
     pub fn of(frames: &[(Boxes, Boxes)]) -> Self {
-        let truths = frames.iter().map(|(truth, _)| truth.len()).sum();
-        let told = frames.iter().map(|(_, told)| told.len()).sum();
-        let Clear { matches, switches, overlap } = Clear::of(frames);
+        let Ok(scores) = Self::of_frames(frames, &|| Ok::<_, Infallible>(()));
+        scores
+    }
+
+    /// The same, as long as they are wanted.
+    fn of_frames<E>(frames: &[(Boxes, Boxes)], wanted: Wanted<E>) -> Result<Self, E> {
+        let (tracks, mut clear) = (Tracks::of(frames), Clear::default());
+        let rows = tracks.truth.ids.len();
+        let (mut agree, mut shared) = (Sums::new(rows), Sums::new(rows));
+        for frame in frames {
+            let overlaps = overlaps(frame, wanted)?;
+            clear.see(frame, &overlaps, wanted)?;
+            tracks.add_agreement(frame, &overlaps, &mut agree);
+            tracks.add_shared(frame, &overlaps, &mut shared);
+        }
+        let columns = tracks.told.ids.len();
+        let aligned = tracks.aligned(&shared.pairs(columns));
+        let (matched, hasty) = tracks.matched(frames, &aligned, wanted)?;
+        let (agree, hota) = (agree.pairs(columns), tracks.hota(&matched));
+        let identities = most_worth(&agree, &mut Effort::limited(MOST_WORK, wanted))?;
+        clear.hasty += hasty + identities.hasty;
+        let identities = paired(&agree, &identities.columns) as usize;
+        Ok(Self::from_counts([tracks.truth.total, tracks.told.total], &clear, (identities, hota)))
+    }
+
+    fn from_counts([truths, told]: [usize; 2], clear: &Clear, (identities, hota): (usize, f64)) -> Self {
+        let Clear { matches, switches, overlap, hasty, .. } = *clear;
         let wrong = (truths - matches) + (told - matches) + switches;
         let [all, found] = [truths, told].map(|count| count as f64);
         Self {
@@ -95,12 +158,19 @@ impl Scores {
             switches,
             mota: if truths > 0 { 1.0 - wrong as f64 / all } else { 0.0 },
             motp: share(overlap, matches as f64),
-            idf1: share(2.0 * identities(frames) as f64, all + found),
+            idf1: share(2.0 * identities as f64, all + found),
             precision: share(matches as f64, found),
             recall: share(matches as f64, all),
-            hota: hota(frames),
+            hota,
+            hasty,
         }
     }
+}
+
+/// What pairs add up to.
+fn paired(numbers: &Pairs, columns: &[Option<usize>]) -> f64 {
+    let pairs = columns.iter().enumerate().filter_map(|(row, column)| numbers.get(row, (*column)?));
+    pairs.sum()
 }
 
 /// What CLEAR-MOT counts.
@@ -109,123 +179,147 @@ struct Clear {
     matches: usize,
     switches: usize,
     overlap: f64,
+    /// True objects that were paired nearest first.
+    hasty: usize,
+    /// Who was found as whom.
+    found_as: BTreeMap<u32, u32>,
 }
 
 impl Clear {
-    /// Who was found as whom stays so while it can; the others are paired anew in each frame.
-    fn of(frames: &[(Boxes, Boxes)]) -> Self {
-        let mut clear = Self::default();
-        let mut found_as: BTreeMap<u32, u32> = BTreeMap::new();
-        for (truth, told) in frames {
-            let overlaps = overlaps(truth, told);
-            let (mut pairs, mut taken) = (vec![None; truth.len()], BTreeSet::new());
-            for (y, (id, _)) in truth.iter().enumerate() {
-                // Two may have been found as the same one before: the first of them has it.
-                let same = told.iter().position(|(other, _)| found_as.get(id) == Some(other));
-                pairs[y] = same.filter(|&x| overlaps[(x, y)] >= FOUND && taken.insert(x));
-            }
-            let free = Grid::from_fn(told.len(), truth.len(), |x, y| {
-                let is_free = pairs[y].is_none() && !taken.contains(&x) && overlaps[(x, y)] >= FOUND;
-                if is_free { 1.0 - overlaps[(x, y)] } else { f64::INFINITY }
-            });
-            for (pair, new) in pairs.iter_mut().zip(least_cost(&free)) {
-                *pair = pair.or(new);
-            }
-            for (y, x) in pairs.iter().enumerate().filter_map(|(y, x)| Some((y, (*x)?))) {
-                let before = found_as.insert(truth[y].0, told[x].0);
-                clear.switches += usize::from(before.is_some_and(|before| before != told[x].0));
-                clear.matches += 1;
-                clear.overlap += overlaps[(x, y)];
-            }
+    /// Takes in a frame. Who was found as whom stays so while it can; the others are paired anew.
+    fn see<E>(&mut self, (truth, told): &(Boxes, Boxes), overlaps: &Pairs, wanted: Wanted<E>) -> Result<(), E> {
+        let mut first: BTreeMap<u32, usize> = BTreeMap::new();
+        told.iter().enumerate().for_each(|(x, (id, _))| _ = first.entry(*id).or_insert(x));
+        let (mut pairs, mut is_taken) = (vec![None; truth.len()], vec![false; told.len()]);
+        for (y, (id, _)) in truth.iter().enumerate() {
+            // Two may have been found as the same one before: the first of them has it.
+            let same = self.found_as.get(id).and_then(|other| first.get(other)).copied();
+            let is_found = |x: &usize| overlaps.get(y, *x).is_some_and(|overlap| overlap >= FOUND);
+            pairs[y] = same.filter(|x| is_found(x) && !std::mem::replace(&mut is_taken[*x], true));
         }
-        clear
+        let free = overlaps.filter_map(|y, x, overlap| {
+            (pairs[y].is_none() && !is_taken[x] && overlap >= FOUND).then_some(1.0 - overlap)
+        });
+        let new = least_cost(&free, &mut Effort::limited(MOST_WORK, wanted))?;
+        self.hasty += new.hasty;
+        for (pair, new) in pairs.iter_mut().zip(new.columns) {
+            *pair = pair.or(new);
+        }
+        for (y, x) in pairs.iter().enumerate().filter_map(|(y, x)| Some((y, (*x)?))) {
+            let before = self.found_as.insert(truth[y].0, told[x].0);
+            self.switches += usize::from(before.is_some_and(|before| before != told[x].0));
+            self.matches += 1;
+            self.overlap += overlaps.get(y, x).unwrap_or_default();
+        }
+        Ok(())
     }
 }
 
 /// The identities of all frames, in order, with how often each is there.
-fn counted<'a>(frames: impl Iterator<Item = &'a Boxes>) -> (Vec<u32>, Vec<f64>) {
-    let mut counts: BTreeMap<u32, f64> = BTreeMap::new();
-    frames.flatten().for_each(|(id, _)| *counts.entry(*id).or_default() += 1.0);
-    counts.into_iter().unzip()
+struct Identities {
+    ids: Vec<u32>,
+    counts: Vec<f64>,
+    total: usize,
 }
 
-/// The place of an identity that is there.
-fn index(ids: &[u32], id: u32) -> usize {
-    ids.partition_point(|&other| other < id)
+impl Identities {
+    fn of<'a>(frames: impl Iterator<Item = &'a Boxes>) -> Self {
+        let (mut counts, mut total) = (BTreeMap::<u32, f64>::new(), 0);
+        for (id, _) in frames.flatten() {
+            *counts.entry(*id).or_default() += 1.0;
+            total += 1;
+        }
+        let (ids, counts) = counts.into_iter().unzip();
+        Self { ids, counts, total }
+    }
+
+    /// The places of the objects of a frame, which are there.
+    fn places(&self, boxes: &Boxes) -> Vec<usize> {
+        boxes.iter().map(|(id, _)| self.ids.partition_point(|other| other < id)).collect()
+    }
 }
 
-/// In how many frames true and told tracks agree if each is paired with one other for good.
-fn identities(frames: &[(Boxes, Boxes)]) -> usize {
-    let (truths, _) = counted(frames.iter().map(|(truth, _)| truth));
-    let (tolds, _) = counted(frames.iter().map(|(_, told)| told));
-    let mut agree = Grid::new(tolds.len(), truths.len(), 0.0);
-    for (truth, told) in frames {
-        for (id, bounds) in truth {
-            for (other, _) in told.iter().filter(|(_, other)| f64::from(bounds.iou(other)) >= FOUND) {
-                agree[(index(&tolds, *other), index(&truths, *id))] += 1.0;
-            }
+/// All true tracks, a row each, and all told ones.
+struct Tracks {
+    truth: Identities,
+    told: Identities,
+}
+
+/// A true and a told object that were matched in a frame: their tracks, and how much they overlap.
+type Matched = ((usize, usize), f64);
+
+impl Tracks {
+    fn of(frames: &[(Boxes, Boxes)]) -> Self {
+        let truth = Identities::of(frames.iter().map(|(truth, _)| truth));
+        Self { truth, told: Identities::of(frames.iter().map(|(_, told)| told)) }
+    }
+
+    fn places(&self, (truth, told): &(Boxes, Boxes)) -> [Vec<usize>; 2] {
+        [self.truth.places(truth), self.told.places(told)]
+    }
+
+    /// Adds a frame in which tracks agree that overlap enough.
+    fn add_agreement(&self, frame: &(Boxes, Boxes), overlaps: &Pairs, agree: &mut Sums) {
+        let [rows, columns] = self.places(frame);
+        for (y, x, _) in overlaps.iter().filter(|(.., overlap)| *overlap >= FOUND) {
+            agree.add((rows[y], columns[x]), 1.0);
         }
     }
-    let pairs = least_cost(&agree.map(|&count: &f64| -count));
-    let paired = pairs.iter().enumerate().filter_map(|(y, x)| x.map(|x| agree[(x, y)]));
-    paired.sum::<f64>() as usize
-}
 
-fn hota(frames: &[(Boxes, Boxes)]) -> f64 {
-    let (truths, truth_counts) = counted(frames.iter().map(|(truth, _)| truth));
-    let (tolds, told_counts) = counted(frames.iter().map(|(_, told)| told));
-    let aligned = alignment(frames, (&truths, &truth_counts), (&tolds, &told_counts));
-    let place = |truth: u32, told: u32| (index(&tolds, told), index(&truths, truth));
-    // One pairing for all limits: what aligns best over the whole clip, weighed by the overlap in the frame.
-    let mut matched: Vec<((usize, usize), f64)> = Vec::new();
-    for (truth, told) in frames {
-        let overlaps = overlaps(truth, told);
-        let scores =
-            Grid::from_fn(told.len(), truth.len(), |x, y| -aligned[place(truth[y].0, told[x].0)] * overlaps[(x, y)]);
-        let pairs = least_cost(&scores).into_iter().enumerate();
-        matched.extend(pairs.filter_map(|(y, x)| x.map(|x| (place(truth[y].0, told[x].0), overlaps[(x, y)]))));
-    }
-    let all = truth_counts.iter().sum::<f64>() + told_counts.iter().sum::<f64>();
-    let of_limit = |limit: f64| {
-        let mut counts = Grid::new(tolds.len(), truths.len(), 0.0);
-        matched.iter().filter(|(_, overlap)| *overlap >= limit - 1e-9).for_each(|(place, _)| counts[*place] += 1.0);
-        // The sum of nothing is −0.
-        let hits = counts.cells().iter().sum::<f64>() + 0.0;
-        let mut association = 0.0;
-        for (y, truth) in truth_counts.iter().enumerate() {
-            for (x, told) in told_counts.iter().enumerate() {
-                let count: f64 = counts[(x, y)];
-                association += count * share(count, truth + told - count);
-            }
+    /// Adds how much of two tracks is alike in a frame, which is shared out among those that overlap in it.
+    fn add_shared(&self, frame: &(Boxes, Boxes), overlaps: &Pairs, shared: &mut Sums) {
+        let [rows, columns] = self.places(frame);
+        let (mut of_truth, mut of_told) = (vec![0.0; rows.len()], vec![0.0; columns.len()]);
+        for (y, x, overlap) in overlaps.iter() {
+            of_truth[y] += overlap;
+            of_told[x] += overlap;
         }
-        (share(hits, all - hits) * share(association, hits)).sqrt()
-    };
-    (1..20).map(|i| of_limit(f64::from(i) * 0.05)).sum::<f64>() / 19.0
-}
-
-/// How much of two tracks is alike over the whole clip, each frame shared out among those that overlap in it.
-fn alignment(
-    frames: &[(Boxes, Boxes)],
-    (truths, truth_counts): (&[u32], &[f64]),
-    (tolds, told_counts): (&[u32], &[f64]),
-) -> Grid<f64> {
-    let mut shared: Grid<f64> = Grid::new(tolds.len(), truths.len(), 0.0);
-    for (truth, told) in frames {
-        let overlaps = overlaps(truth, told);
-        let of_truth: Vec<f64> = (0..truth.len()).map(|y| (0..told.len()).map(|x| overlaps[(x, y)]).sum()).collect();
-        let of_told: Vec<f64> = (0..told.len()).map(|x| (0..truth.len()).map(|y| overlaps[(x, y)]).sum()).collect();
-        for (y, (id, _)) in truth.iter().enumerate() {
-            for (x, (other, _)) in told.iter().enumerate() {
-                let overlap: f64 = overlaps[(x, y)];
-                let place = (index(tolds, *other), index(truths, *id));
-                shared[place] += share(overlap, of_truth[y] + of_told[x] - overlap);
-            }
+        for (y, x, overlap) in overlaps.iter() {
+            shared.add((rows[y], columns[x]), share(overlap, of_truth[y] + of_told[x] - overlap));
         }
     }
-    Grid::from_fn(tolds.len(), truths.len(), |x, y| {
-        let both: f64 = shared[(x, y)];
-        share(both, truth_counts[y] + told_counts[x] - both)
-    })
+
+    /// How much of two tracks is alike over the whole clip.
+    fn aligned(&self, shared: &Pairs) -> Pairs {
+        shared.map(|y, x, both| share(both, self.truth.counts[y] + self.told.counts[x] - both))
+    }
+
+    /// One pairing of each frame for all limits: what aligns best over the whole clip, weighed by the overlap in the frame; and how
+    /// many were paired nearest first.
+    fn matched<E>(
+        &self,
+        frames: &[(Boxes, Boxes)],
+        aligned: &Pairs,
+        wanted: Wanted<E>,
+    ) -> Result<(Vec<Matched>, usize), E> {
+        let (mut matched, mut hasty) = (Vec::new(), 0);
+        for frame in frames {
+            let ([rows, columns], overlaps) = (self.places(frame), overlaps(frame, wanted)?);
+            let worth = overlaps.map(|y, x, overlap| aligned.get(rows[y], columns[x]).unwrap_or_default() * overlap);
+            let pairs = most_worth(&worth, &mut Effort::limited(MOST_WORK, wanted))?;
+            hasty += pairs.hasty;
+            let pairs = pairs.columns.into_iter().enumerate().filter_map(|(y, x)| Some((y, x?)));
+            matched.extend(pairs.map(|(y, x)| ((rows[y], columns[x]), overlaps.get(y, x).unwrap_or_default())));
+        }
+        matched.sort_by_key(|(place, _)| *place);
+        Ok((matched, hasty))
+    }
+
+    /// The score of what was matched, by tracks.
+    fn hota(&self, matched: &[Matched]) -> f64 {
+        let all = (self.truth.total + self.told.total) as f64;
+        let of_limit = |limit: f64| {
+            let (mut hits, mut association) = (0.0, 0.0);
+            for of_pair in matched.chunk_by(|a, b| a.0 == b.0) {
+                let count = of_pair.iter().filter(|(_, overlap)| *overlap >= limit - 1e-9).count() as f64;
+                let (y, x) = of_pair[0].0;
+                hits += count;
+                association += count * share(count, self.truth.counts[y] + self.told.counts[x] - count);
+            }
+            (share(hits, all - hits) * share(association, hits)).sqrt()
+        };
+        (1..20).map(|i| of_limit(f64::from(i) * 0.05)).sum::<f64>() / 19.0
+    }
 }
 
 #[cfg(test)]

@@ -50,28 +50,31 @@ impl Names {
         })
     }
 
-    /// A table; where there is not room for all of it, the part around what is lit. `None` where rows or columns are missing.
+    /// A table of what `entry` gives for a row and a column; where there is not room for all of it, the part around what is lit.
+    /// `None` where rows or columns are missing.
     pub fn table(
         &self,
         (symbol, name): (&'static str, &'static str),
-        entries: &Grid<f64>,
-        is_lit: impl Fn(usize, usize) -> bool,
+        entry: impl Fn(usize, usize) -> f64,
+        lit: &[(usize, usize)],
     ) -> Option<Matrix> {
-        let (width, height) = entries.size();
-        let lit = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|&(x, y)| is_lit(x, y));
-        let (columns, rows) = (window(width, lit().map(|(x, _)| x)), window(height, lit().map(|(_, y)| y)));
-        let place = |x: usize, y: usize| (columns.start + x, rows.start + y);
-        (!columns.is_empty() && !rows.is_empty()).then(|| Matrix {
+        let rows = window(self.rows.len(), lit.iter().map(|(row, _)| *row));
+        let columns = window(self.columns.len(), lit.iter().map(|(_, column)| *column));
+        if columns.is_empty() || rows.is_empty() {
+            return None;
+        }
+        let mut changed = Grid::new(columns.len(), rows.len(), false);
+        for (row, column) in lit.iter().filter(|(row, column)| rows.contains(row) && columns.contains(column)) {
+            changed[(column - columns.start, row - rows.start)] = true;
+        }
+        Some(Matrix {
             symbol,
             name,
             role: None,
-            entries: Grid::from_fn(columns.len(), rows.len(), |x, y| entries[place(x, y)]),
-            rows: self.rows[rows.clone()].to_vec(),
-            columns: self.columns[columns.clone()].to_vec(),
-            changed: Some(Grid::from_fn(columns.len(), rows.len(), |x, y| {
-                let (x, y) = place(x, y);
-                is_lit(x, y)
-            })),
+            entries: Grid::from_fn(columns.len(), rows.len(), |x, y| entry(rows.start + y, columns.start + x)),
+            rows: self.rows[rows].to_vec(),
+            columns: self.columns[columns].to_vec(),
+            changed: Some(changed),
         })
     }
 }
@@ -115,9 +118,9 @@ pub(crate) fn role(life: Life) -> (Role, &'static str) {
 /// Where an object was in the frames before, up to where it is now.
 pub(crate) fn trail(scene: &mut Scene, course: &Course, role: Role, (id, now): (u32, [f64; 2])) {
     let recent = course.frames().len().saturating_sub(TRAIL_FRAMES);
-    let places = course.frames()[recent..].iter().filter_map(|frame| {
-        frame.objects.iter().find(|object| object.id == id).map(|object| object.position.map(|c| c as f32))
-    });
+    let places = course.frames()[recent..]
+        .iter()
+        .filter_map(|frame| frame.object(id).map(|object| object.position.map(|c| c as f32)));
     let points: Vec<[f32; 2]> = places.chain([now.map(|c| c as f32)]).collect();
     if points.len() > 1 {
         scene.mark_of(id, Picture::Current, role, Shape::Path { points, closed: false });
@@ -166,9 +169,9 @@ mod tests {
 
     #[test]
     fn a_large_table_shows_what_it_is_about_with_its_names() {
-        let entries = Grid::from_fn(40, 15, |x, y| (100 * y + x) as f64);
+        let entry = |row: usize, column: usize| (100 * row + column) as f64;
         let names = Names::new((0..15).map(|i| (i + 200).to_string()), 0..40);
-        let table = names.table(("C", "costs"), &entries, |x, y| (x, y) == (30, 13)).expect("there is one");
+        let table = names.table(("C", "costs"), entry, &[(13, 30)]).expect("there is one");
         assert_eq!(table.entries.size(), (12, 12));
         let lit = table.changed.expect("lit");
         let (x, y) = (0..144).map(|i| (i % 12, i / 12)).find(|&place| lit[place]).expect("the pair");

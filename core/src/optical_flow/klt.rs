@@ -435,7 +435,7 @@ impl Estimator for Klt {
             let found = self.look(&state, &pair, threads);
             self.begin(&mut state, &pair, found.as_ref().map_or(&[], |found| &found.kept));
             let live = std::mem::take(&mut state.live);
-            let became = threads.map(live.len(), |i| self.track(&pair, &live[i], &mut ()));
+            let became = threads.map_while(live.len(), || clip.wanted(), |i| self.track(&pair, &live[i], &mut ()))?;
             became.into_iter().for_each(|became| Self::note(&mut state, became));
             (state.turn, state.live) = (Some(live.len()), live);
             if self.go_on(clip, &mut state) == Progress::Done {

@@ -110,16 +110,26 @@ impl LucasKanade {
     }
 
     /// Asks all windows of an iteration.
-    fn all(&self, of: &Constraints, threads: &Threads) -> Vec<Solution> {
+    ///
+    /// # Errors
+    /// If nobody wants them any more.
+    fn all(&self, clip: &Clip, of: &Constraints, threads: &Threads) -> Result<Vec<Solution>, Error> {
         let ((width, height), window) = (of.a.size(), self.window());
         let rows = threads.rows_at_once(height);
-        let mut found = vec![NOTHING; width * height];
+        let (mut found, given_up) = (vec![NOTHING; width * height], OnceLock::new());
         let bands = found.chunks_mut(rows * width).enumerate().collect();
         threads.each(bands, |(band, found): (usize, &mut [Solution])| {
             let mut sums = window.sums(of);
-            found.chunks_mut(width).enumerate().for_each(|(y, row)| self.row(&mut sums, band * rows + y, row, &mut ()));
+            for (y, row) in found.chunks_mut(width).enumerate() {
+                if let Err(error) = clip.wanted() {
+                    // The first that notices says so for all.
+                    let _ = given_up.set(error);
+                    return;
+                }
+                self.row(&mut sums, band * rows + y, row, &mut ());
+            }
         });
-        found
+        given_up.into_inner().map_or(Ok(found), Err)
     }
 
     /// Goes on after the last row of an iteration.
@@ -271,7 +281,7 @@ impl Estimator for LucasKanade {
         let mut state = self.prepare(clip, frame, threads)?;
         loop {
             clip.wanted()?;
-            state.found = self.all(&self.linear(&state, threads).factors, threads);
+            state.found = self.all(clip, &self.linear(&state, threads).factors, threads)?;
             if self.next_iteration(&mut state, threads) == Progress::Done {
                 return Ok(state);
             }

@@ -289,7 +289,7 @@ impl PointTrajectories {
         let begun = self.begin(state, &pair);
         observer.see(|| Event(What::Begun(begun)));
         let live = std::mem::take(&mut state.live);
-        let all = threads.map(live.len(), |i| self.moved(&pair, live[i]));
+        let all = threads.map_while(live.len(), || clip.wanted(), |i| self.moved(&pair, live[i]))?;
         for moved in &all {
             observer.see(|| Event(What::Moved(Arc::clone(&pair), *moved)));
             let Live { track, .. } = moved.live;

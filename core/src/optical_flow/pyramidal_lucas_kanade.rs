@@ -349,7 +349,8 @@ impl Estimator for PyramidalLucasKanade {
             let result = follow.through(fixed.pyramids(), at, &mut on_level);
             Found { feature: feature(at, result), certainty: smaller.0 }
         };
-        state.found = threads.map(fixed.groups(), |index| fixed.group(index).iter().map(found).collect());
+        let of_group = |index| fixed.group(index).iter().map(found).collect();
+        state.found = threads.map_while(fixed.groups(), || clip.wanted(), of_group)?;
         Ok(state)
     }
 }

@@ -45,6 +45,14 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     /// What is known after the picture that it begins with.
     fn begin(&self, first: &Arc<Frame>) -> Self::Model;
 
+    /// Works out what is compared of a frame, where that takes long enough to be given up with the clip.
+    ///
+    /// # Errors
+    /// If nobody wants it any more.
+    fn look(&self, _clip: &Clip, _model: &Self::Model, _frame: &Frame, _threads: &Threads) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// Decides which pixels of a frame do not belong to the background, and takes the frame into the model. Threads
     /// change nothing of what becomes of a pixel.
     fn subtract(&self, model: &mut Self::Model, frame: &Arc<Frame>, threads: &Threads) -> Found;
@@ -181,21 +189,25 @@ impl<M: Background> Subtraction<M> {
         }
     }
 
-    /// Works on one frame.
+    /// Works on the frame that comes next.
     fn work(
         &self,
+        clip: &Clip,
         state: &mut State<M::Model>,
-        frame: Arc<Frame>,
         threads: &Threads,
         observer: &mut impl Observer<Event>,
-    ) {
+    ) -> Result<Progress, Error> {
+        clip.wanted()?;
+        let frame = self.next_frame(clip, state)?;
         let Some(model) = &mut state.model else {
             state.model = Some(Arc::new(self.0.begin(&frame)));
             observer.see(|| Event::Begun(frame));
             let (width, height) = state.picture;
             let mask = Some(PackedMask::new(&Mask::new(width, height)));
-            return state.record.note(ObjectFrame { mask, ..ObjectFrame::default() });
+            state.record.note(ObjectFrame { mask, ..ObjectFrame::default() });
+            return Ok(state.go_on(clip));
         };
+        self.0.look(clip, model, &frame, threads)?;
         observer.see(|| {
             let (width, height) = frame.size();
             let difference = Grid::from_fn(width, height, |x, y| self.0.difference(model, &frame, (x, y)));
@@ -210,6 +222,7 @@ impl<M: Background> Subtraction<M> {
         let found = blobs(self.0.settings(), mask, frame.luma(), observer);
         observer.see(|| Event::Updated);
         state.record.note(found);
+        Ok(state.go_on(clip))
     }
 }
 
@@ -232,9 +245,7 @@ impl<M: Background> Estimator for Subtraction<M> {
         state: &mut Self::State,
         observer: &mut impl Observer<Event>,
     ) -> Result<Progress, Error> {
-        let frame = self.next_frame(clip, state)?;
-        self.work(state, frame, &Threads::single(), observer);
-        Ok(state.go_on(clip))
+        self.work(clip, state, &Threads::single(), observer)
     }
 
     fn units(&self, state: &Self::State) -> Option<usize> {
@@ -282,12 +293,7 @@ impl<M: Background> Estimator for Subtraction<M> {
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Self::State, Error> {
         let mut state = self.start(clip, frame)?;
-        loop {
-            let frame = self.next_frame(clip, &state)?;
-            self.work(&mut state, frame, threads, &mut ());
-            if state.go_on(clip) == Progress::Done {
-                return Ok(state);
-            }
-        }
+        while self.work(clip, &mut state, threads, &mut ())? == Progress::More {}
+        Ok(state)
     }
 }

@@ -10,9 +10,10 @@ pub fn by_rows<T: Send>(
 ) -> Mask {
     let (width, height) = model.size();
     let mut mask = Mask::new(width, height);
-    let (words, in_row) = mask.words_mut();
-    let rows = model.cells_mut().chunks_mut(width).zip(words.chunks_mut(in_row)).enumerate().collect();
-    threads.each(rows, |(y, (cells, words)): (usize, (&mut [T], &mut [u64]))| f(y, cells, words));
+    mask.write(|words, in_row| {
+        let rows = model.cells_mut().chunks_mut(width).zip(words.chunks_mut(in_row)).enumerate().collect();
+        threads.each(rows, |(y, (cells, words)): (usize, (&mut [T], &mut [u64]))| f(y, cells, words));
+    });
     mask
 }
 

@@ -5,9 +5,10 @@ mod tell;
 
 use std::sync::Arc;
 
-use crate::objects::assignment::least_cost;
+use crate::objects::assignment::{Effort, least_cost};
 use crate::objects::course::{Course, tracker_params};
 use crate::objects::lives::Age;
+use crate::objects::pairs::Pairs;
 use crate::objects::{Bounds, Detection, Object, ObjectFrame};
 use crate::scene::Chart;
 use crate::{
@@ -44,6 +45,10 @@ tracker_params! {
 
 /// A difference of so many gray levels is as unlike as an area twice as large.
 const GRAY_LEVELS: f64 = 20.0;
+
+/// Who is who in a split is worked out from so many pairs at most, some tenths of a second long; then whoever is most alike goes
+/// first.
+const MOST_WORK: u64 = 20_000_000;
 
 /// What a run reads and writes.
 #[derive(Clone)]
@@ -268,16 +273,24 @@ impl BlobTracker {
     }
 
     /// What becomes of objects and blobs that correspond.
-    fn decide(&self, table: &Arc<Table>, (rows, columns): (Vec<usize>, Vec<usize>)) -> Decision {
+    ///
+    /// # Errors
+    /// If nobody wants to know any more.
+    fn decide(
+        &self,
+        clip: &Clip,
+        table: &Arc<Table>,
+        (rows, columns): (Vec<usize>, Vec<usize>),
+    ) -> Result<Decision, Error> {
         let members = members_of(table, &rows);
         let blobs: Vec<&Blob> = columns.iter().map(|&column| &table.blobs[column]).collect();
         let before = if rows.len() == 1 { rows.first().map(|&row| &table.bodies[row]) } else { None };
         if let [blob] = blobs[..] {
             let after = vec![(columns[0], self.seen(before, members, blob))];
-            return Decision { table: Arc::clone(table), rows, columns, after, unlike: None };
+            return Ok(Decision { table: Arc::clone(table), rows, columns, after, unlike: None });
         }
         let unlike = self.unlike(&members, &blobs);
-        let pairs = least_cost(&unlike);
+        let pairs = least_cost(&Pairs::of(&unlike), &mut Effort::limited(MOST_WORK, &|| clip.wanted()))?.columns;
         // Who is left over where there are fewer blobs goes with the one that is most alike.
         let alike = |row: usize| {
             let costs = (0..blobs.len()).map(|x| unlike[(x, row)]).enumerate();
@@ -291,11 +304,17 @@ impl BlobTracker {
         let before = before.filter(|body| !body.is_group());
         let all = shares.into_iter().zip(&columns).filter(|(members, _)| !members.is_empty());
         let after = all.map(|(members, &column)| (column, self.seen(before, members, &table.blobs[column]))).collect();
-        Decision { table: Arc::clone(table), rows, columns, after, unlike: Some(unlike) }
+        Ok(Decision { table: Arc::clone(table), rows, columns, after, unlike: Some(unlike) })
     }
 
     /// Gives objects their blobs, ends and begins some; gives those there are in this frame.
-    fn share_out(&self, state: &mut State, table: &Arc<Table>, observer: &mut impl Observer<Event>) -> Vec<Object> {
+    fn share_out(
+        &self,
+        clip: &Clip,
+        state: &mut State,
+        table: &Arc<Table>,
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Vec<Object>, Error> {
         let mut objects = Vec::new();
         let mut is_taken = vec![false; table.blobs.len()];
         for (rows, columns) in table.parts() {
@@ -310,15 +329,15 @@ impl BlobTracker {
                 state.bodies.extend(missed);
                 continue;
             }
-            let decision = Arc::new(self.decide(table, (rows, columns)));
+            let decision = Arc::new(self.decide(clip, table, (rows, columns))?);
             observer.see(|| Event(What::Decided(Arc::clone(&decision))));
             let was = decision.members();
             for (column, body) in &decision.after {
                 is_taken[*column] = true;
                 for member in &body.members {
                     let object = member.object(Some(*column));
-                    if let Some(was) = was.iter().find(|was| was.id == member.id) {
-                        state.course.look_back(self.rules(), &object, was.age);
+                    if let Ok(place) = was.binary_search_by_key(&member.id, |was| was.id) {
+                        state.course.look_back(self.rules(), &object, was[place].age);
                     }
                     objects.push(object);
                 }
@@ -332,7 +351,7 @@ impl BlobTracker {
             state.bodies.push(body);
         }
         objects.sort_by_key(|object| object.id);
-        objects
+        Ok(objects)
     }
 }
 
@@ -382,9 +401,9 @@ impl Estimator for BlobTracker {
         let bodies = std::mem::take(&mut state.bodies).into_iter();
         let bodies: Vec<Body> = bodies.map(|body| if self.predict { body.expected() } else { body }).collect();
         observer.see(|| Event(What::Expected(Arc::new(bodies.clone()))));
-        let table = Arc::new(Table::new((bodies, blobs), self.min_overlap, self.max_distance));
+        let table = Arc::new(Table::new(clip, (bodies, blobs), (self.min_overlap, self.max_distance))?);
         observer.see(|| Event(What::Corresponded(Arc::clone(&table))));
-        let objects = self.share_out(state, &table, observer);
+        let objects = self.share_out(clip, state, &table, observer)?;
         let detections: Vec<Detection> = table.blobs.iter().map(|blob| blob.detection).collect();
         let frame = Arc::new(ObjectFrame { mask: None, detections, objects });
         observer.see(|| Event(What::Done(Arc::clone(&frame))));

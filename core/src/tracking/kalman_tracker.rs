@@ -215,7 +215,7 @@ impl Estimator for KalmanTracker {
         }
         observer.see(|| Event::Predicted(Arc::new(tracks.clone())));
         let is_sure = |found: &Detection| !state.course.tells_scores() || found.score >= self.sure_score;
-        let costs = Arc::new(self.costs(tracks, detections, is_sure));
+        let costs = Arc::new(self.costs(clip, (tracks, detections), is_sure)?);
         observer.see(|| Event::Costs(Arc::clone(&costs)));
         for (row, pair) in costs.pairs.iter().enumerate().filter_map(|(row, pair)| Some((row, (*pair)?))) {
             observer.see(|| Event::Paired(Arc::clone(&costs), [row, pair.column]));
@@ -274,9 +274,10 @@ impl Estimator for KalmanTracker {
 impl KalmanTracker {
     /// Moves objects to their detections, ends and begins some; gives those there are in this frame.
     fn share_out(&self, state: &mut State, costs: &Costs, observer: &mut impl Observer<Event>) -> Vec<Object> {
-        let mut objects = Vec::new();
+        let (mut objects, mut is_taken) = (Vec::new(), vec![false; costs.detections.len()]);
         for (track, pair) in costs.tracks.iter().zip(&costs.pairs) {
             let column = pair.map(|pair| pair.column);
+            column.into_iter().for_each(|column| is_taken[column] = true);
             let next = match column {
                 Some(column) => {
                     let detection = &costs.detections[column];
@@ -301,7 +302,7 @@ impl KalmanTracker {
             state.tracks.extend(next);
         }
         for (column, detection) in costs.detections.iter().enumerate() {
-            if !costs.is_sure[column] || costs.pairs.iter().flatten().any(|pair| pair.column == column) {
+            if !costs.is_sure[column] || is_taken[column] {
                 continue;
             }
             let track = self.begun(detection, state.course.next_id());

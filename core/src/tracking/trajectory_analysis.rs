@@ -53,6 +53,8 @@ params! {
 
 /// Others have a common heading where their mean of unit vectors is at least so long.
 const AGREEMENT: f64 = 0.7;
+/// So many objects are followed before it is asked whether to go on.
+const OBJECTS_AT_ONCE: usize = 64;
 /// Who points so near to the way of an object, in px, hears of it.
 const NEAR_PX: f64 = 16.0;
 
@@ -119,14 +121,15 @@ impl TrajectoryAnalysis {
     fn follow(&self, state: &mut State, id: u32, observer: &mut impl Observer<Event>) -> Vec<Lesson> {
         let (first, frames) = (state.tracked.first(), state.tracked.frames());
         let place = state.trajectories.binary_search_by_key(&id, |trajectory| trajectory.id);
+        // Taken out, so that it is not copied where nobody else holds it.
         let mut trajectory = match place {
-            Ok(i) => Arc::clone(&state.trajectories[i]),
+            Ok(i) => std::mem::take(&mut state.trajectories[i]),
             Err(_) => Arc::new(Trajectory { id, ..Trajectory::default() }),
         };
         let begin = if place.is_ok() { frames.len() - 1 } else { 0 };
         let mut lessons = Vec::new();
         for (i, frame) in frames.iter().enumerate().skip(begin) {
-            let seen = frame.objects.iter().find(|object| object.id == id && object.detection.is_some());
+            let seen = frame.object(id).filter(|object| object.detection.is_some());
             let Some(object) = seen else { continue };
             let news = Arc::make_mut(&mut trajectory).see(first + i, object.position, &self.places());
             lessons.extend(self.judge(&mut trajectory, &state.directions));
@@ -222,7 +225,13 @@ impl Estimator for TrajectoryAnalysis {
         observer.see(|| Event::Tracked(Arc::clone(&frame)));
         let is_seen = |life: Life, has_detection: bool| life == Life::Confirmed && has_detection;
         let seen = frame.objects.iter().filter(|object| is_seen(object.life, object.detection.is_some()));
-        let lessons: Vec<Lesson> = seen.flat_map(|object| self.follow(state, object.id, observer)).collect();
+        let mut lessons: Vec<Lesson> = Vec::new();
+        for (i, object) in seen.enumerate() {
+            if i.is_multiple_of(OBJECTS_AT_ONCE) {
+                clip.wanted()?;
+            }
+            lessons.extend(self.follow(state, object.id, observer));
+        }
         if !lessons.is_empty() {
             let directions = Arc::make_mut(&mut state.directions);
             lessons.into_iter().for_each(|Lesson { id, at, direction }| directions.learn(id, at, direction));

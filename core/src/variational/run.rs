@@ -15,8 +15,10 @@ use crate::{
 /// How many numbers for each pixel [`Linear`] holds.
 const LINEAR_PARTS: usize = 5;
 
-/// At most so many iterations are done before it is asked whether anybody still wants them.
+/// At most so many iterations are done before it is asked whether anybody still wants them, and over all of them at most so many
+/// pixels: some hundredths of a second.
 const BATCH: usize = 128;
+const BATCH_PIXELS: usize = 40_000_000;
 
 /// The estimator that `M` makes.
 #[derive(Clone, Debug, Default)]
@@ -345,8 +347,10 @@ impl<M: Model> Estimator for Variational<M> {
         let Settings { iterations, tolerance, .. } = self.settings();
         while !state.is_done {
             clip.wanted()?;
+            let (width, height) = state.fixed.frames.size(state.level);
+            let at_once = (BATCH_PIXELS / (width * height)).clamp(1, BATCH);
             // Where each change decides whether to go on, iterations come one by one.
-            let count = if tolerance > 0.0 { 1 } else { BATCH.min(iterations - state.iteration) };
+            let count = if tolerance > 0.0 { 1 } else { at_once.min(iterations - state.iteration) };
             self.work(&mut state, count, threads);
         }
         Ok(state)

@@ -248,7 +248,7 @@ fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static str)
 /// The pixels of the rows to come.
 fn draw_waiting(scene: &mut Scene, given: &Given, row: usize) {
     let mut mask = given.mask.clone();
-    (0..row).for_each(|y| mask.row_mut(y).fill(0));
+    (0..row).for_each(|y| mask.write_row(y, |words| words.fill(0)));
     scene.mark(Picture::Current, Role::Rejected, Shape::Mask(Arc::new(mask)));
     scene.legend(Role::Rejected, "pixel that waits for a label");
 }

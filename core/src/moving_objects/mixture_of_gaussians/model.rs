@@ -1,7 +1,8 @@
 //! The modes of all pixels, and what a frame does to them.
 //!
-//! Pixels go in groups of a row that fit a wide register, and a group works on no more modes than its pixels have: most
-//! have one or two, so that most of the memory is never touched.
+//! Pixels go in groups of a row that fit a wide register, and a group works on no more modes than its pixels have: most have one
+//! or two. The first modes of all groups lie one behind the other, then the second ones, so that memory is read in its order, and
+//! there is only as much of it as there are modes.
 
 use super::{MAX_SIGMAS, MixtureOfGaussians};
 use crate::subtraction::Found;
@@ -36,7 +37,7 @@ impl Mode {
 }
 
 /// What is known of all pixels.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Mixture {
     size: (usize, usize),
     /// 1 for gray values, 3 for colours.
@@ -45,11 +46,34 @@ pub struct Mixture {
     most: usize,
     /// How many modes of each group are in use.
     counts: Vec<u8>,
-    /// For each group and mode: the weights of its pixels, their variances, and the means of each channel. A mode that a
-    /// pixel has not got weighs nothing.
+    /// The modes, by their index, and of each those of all groups: the weights of the pixels, their variances, and the means of
+    /// each channel. A mode that a pixel has not got weighs nothing. None where the mixture is packed.
+    planes: Vec<Vec<f32>>,
+    /// The modes in use, by group, if it is packed.
+    packed: Option<Packed>,
+}
+
+/// Modes without room for those that are not in use.
+#[derive(Clone, Debug, PartialEq)]
+struct Packed {
     cells: Vec<f32>,
-    /// Where each group begins, if there is no room between them for modes that are not in use.
+    /// Where each group begins.
     starts: Vec<usize>,
+}
+
+impl Clone for Mixture {
+    /// What no group uses is not copied.
+    fn clone(&self) -> Self {
+        let used = self.used();
+        let copy =
+            |(index, plane): (usize, &Vec<f32>)| if index < used { plane.clone() } else { vec![0.0; plane.len()] };
+        Self {
+            planes: self.planes.iter().enumerate().map(copy).collect(),
+            counts: self.counts.clone(),
+            packed: self.packed.clone(),
+            ..*self
+        }
+    }
 }
 
 /// What is the same for all pixels.
@@ -89,7 +113,8 @@ struct Band<'a> {
     width: usize,
     most: usize,
     counts: &'a mut [u8],
-    cells: &'a mut [f32],
+    /// Of each mode those of the groups.
+    planes: Vec<&'a mut [f32]>,
     mask: &'a mut [u64],
     shadows: &'a mut [u64],
     frame: &'a Frame,
@@ -105,19 +130,20 @@ impl Mixture {
         let (width, height) = first.size();
         let channels = if first.color().is_some() { 3 } else { 1 };
         let groups = width.div_ceil(LANES) * height;
-        let stride = of.modes * (2 + channels) * LANES;
-        let (mut cells, variance) = (vec![0.0; groups * stride], Rates::new(of).first);
-        for (group, cells) in cells.chunks_exact_mut(stride).enumerate() {
+        let part = (2 + channels) * LANES;
+        let (mut cells, variance) = (vec![0.0; groups * part], Rates::new(of).first);
+        for (group, cells) in cells.chunks_exact_mut(part).enumerate() {
             let (y, start) = (group / width.div_ceil(LANES), group % width.div_ceil(LANES) * LANES);
             cells[..LANES].fill(1.0);
             cells[LANES..2 * LANES].fill(variance);
-            let means = cells[2 * LANES..(2 + channels) * LANES].as_chunks_mut::<LANES>().0;
+            let means = cells[2 * LANES..].as_chunks_mut::<LANES>().0;
             match means {
                 [mean] => *mean = gray(first, y, start)[0],
                 means => means.copy_from_slice(&color(first, y, start)),
             }
         }
-        Self { size: first.size(), channels, most: of.modes, counts: vec![1; groups], cells, starts: Vec::new() }
+        let counts = vec![1; groups];
+        Self { size: first.size(), channels, most: of.modes, counts, planes: vec![cells], packed: None }
     }
 
     /// Numbers of a mode of a group.
@@ -125,64 +151,93 @@ impl Mixture {
         (2 + self.channels) * LANES
     }
 
+    /// The most modes that a group uses.
+    fn used(&self) -> usize {
+        self.counts.iter().copied().max().map_or(0, usize::from)
+    }
+
+    /// A mode of a group.
+    fn mode(&self, group: usize, index: usize) -> &[f32] {
+        let part = self.part();
+        match &self.packed {
+            Some(Packed { cells, starts }) => &cells[starts[group] + index * part..][..part],
+            None => &self.planes[index][group * part..][..part],
+        }
+    }
+
+    /// The modes of a group that are in use.
+    fn modes_of(&self, group: usize) -> impl Iterator<Item = &[f32]> {
+        (0..usize::from(self.counts[group])).map(move |index| self.mode(group, index))
+    }
+
     /// The same without room for modes that are not in use: most pixels have one or two.
     #[must_use]
     pub fn packed(&self) -> Self {
-        if !self.starts.is_empty() {
+        if self.packed.is_some() {
             return self.clone();
         }
         let (part, mut cells, mut starts) = (self.part(), Vec::new(), Vec::with_capacity(self.counts.len()));
         cells.reserve_exact(self.counts.iter().map(|count| usize::from(*count) * part).sum());
-        for (group, count) in self.cells.chunks_exact(self.most * part).zip(&self.counts) {
+        for group in 0..self.counts.len() {
             starts.push(cells.len());
-            cells.extend_from_slice(&group[..usize::from(*count) * part]);
+            self.modes_of(group).for_each(|mode| cells.extend_from_slice(mode));
         }
-        Self { cells, starts, counts: self.counts.clone(), ..*self }
+        let (counts, packed) = (self.counts.clone(), Some(Packed { cells, starts }));
+        Self { counts, planes: Vec::new(), packed, ..*self }
     }
 
-    /// Makes room again for modes that may come.
-    fn unpack(&mut self) {
-        if self.starts.is_empty() {
-            return;
+    /// Makes room for modes that may come with a frame: a group gets at most one more.
+    fn make_room(&mut self) {
+        let (part, used) = (self.part(), self.used());
+        let planes = (used + 1).min(self.most);
+        let plane = || vec![0.0; self.counts.len() * part];
+        while self.planes.len() < planes {
+            self.planes.push(plane());
         }
-        let (part, stride) = (self.part(), self.most * self.part());
-        let mut cells = vec![0.0; self.counts.len() * stride];
-        let groups = cells.chunks_exact_mut(stride).zip(self.counts.iter().zip(&self.starts));
-        for (group, (count, start)) in groups {
-            let used = usize::from(*count) * part;
-            group[..used].copy_from_slice(&self.cells[*start..][..used]);
+        let Some(Packed { cells, starts }) = self.packed.take() else { return };
+        for (group, (count, start)) in self.counts.iter().zip(starts).enumerate() {
+            for (plane, mode) in self.planes.iter_mut().zip(cells[start..].chunks_exact(part)).take(usize::from(*count))
+            {
+                plane[group * part..][..part].copy_from_slice(mode);
+            }
         }
-        (self.cells, self.starts) = (cells, Vec::new());
     }
 
     /// Decides the pixels of a frame, and takes it in.
     pub fn subtract(&mut self, of: &MixtureOfGaussians, frame: &Frame, threads: &Threads) -> Found {
-        self.unpack();
-        let (width, height) = self.size;
+        self.make_room();
+        let ((width, height), part) = (self.size, self.part());
         let (rates, most) = (Rates::new(of), self.most);
         // A clip may have gray pictures among those in colour.
         let gathered = (self.channels == 3 && frame.color().is_none()).then(|| as_color(frame));
         let frame = gathered.as_ref().unwrap_or(frame);
         let (mut mask, mut shadows) = (Mask::new(width, height), Mask::new(width, height));
         let groups = BAND_ROWS * width.div_ceil(LANES);
-        let stride = most * (2 + self.channels) * LANES;
-        let (words, in_row) = mask.words_mut();
-        let bands = self.counts.chunks_mut(groups).zip(self.cells.chunks_mut(groups * stride));
-        let words = words.chunks_mut(BAND_ROWS * in_row).zip(shadows.words_mut().0.chunks_mut(BAND_ROWS * in_row));
-        let bands = bands.zip(words).enumerate().map(|(i, ((counts, cells), (mask, shadows)))| Band {
-            width,
-            most,
-            counts,
-            cells,
-            mask,
-            shadows,
-            frame,
-            first_row: i * BAND_ROWS,
+        let mut planes: Vec<_> = self.planes.iter_mut().map(|plane| plane.chunks_mut(groups * part)).collect();
+        let bands = self.counts.chunks_mut(groups).map(|counts| {
+            let planes: Vec<&mut [f32]> = planes.iter_mut().filter_map(Iterator::next).collect();
+            (counts, planes)
         });
-        match self.channels {
-            1 => threads.each(bands.collect(), |mut band| in_gray(&mut band, rates)),
-            _ => threads.each(bands.collect(), |mut band| in_color(&mut band, rates)),
-        }
+        // Groups reach beyond the width; what they say of pixels there is not kept.
+        mask.write(|words, in_row| {
+            shadows.write(|shadows, _| {
+                let words = words.chunks_mut(BAND_ROWS * in_row).zip(shadows.chunks_mut(BAND_ROWS * in_row));
+                let bands = bands.zip(words).enumerate().map(|(i, ((counts, planes), (mask, shadows)))| Band {
+                    width,
+                    most,
+                    counts,
+                    planes,
+                    mask,
+                    shadows,
+                    frame,
+                    first_row: i * BAND_ROWS,
+                });
+                match self.channels {
+                    1 => threads.each(bands.collect(), |mut band| in_gray(&mut band, rates)),
+                    _ => threads.each(bands.collect(), |mut band| in_color(&mut band, rates)),
+                }
+            });
+        });
         let tells_shadows = of.shadows && self.channels == 3;
         Found { mask, shadows: tells_shadows.then_some(shadows) }
     }
@@ -190,11 +245,8 @@ impl Mixture {
     /// The modes of a pixel, the heaviest first; of two as heavy, the older place.
     pub fn modes(&self, (x, y): (usize, usize)) -> Vec<Mode> {
         let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
-        let part = self.part();
-        let start = self.starts.get(group).copied().unwrap_or(group * self.most * part);
-        let cells = &self.cells[start..][..usize::from(self.counts[group]) * part];
-        let mut modes: Vec<_> = cells
-            .chunks_exact(part)
+        let mut modes: Vec<_> = self
+            .modes_of(group)
             .filter(|mode| mode[lane] > 0.0)
             .map(|mode| Mode {
                 weight: mode[lane],
@@ -210,22 +262,18 @@ impl Mixture {
     /// The heaviest modes whose weight adds up to `background` are the background.
     pub fn distance(&self, frame: &Frame, (x, y): (usize, usize), background: f32) -> f32 {
         let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
-        let part = self.part();
-        let start = self.starts.get(group).copied().unwrap_or(group * self.most * part);
-        let cells = &self.cells[start..][..usize::from(self.counts[group]) * part];
         let gray = f32::from(frame.luma()[(x, y)]);
         let pixel = match (self.channels, frame.color()) {
             (3, Some(color)) => color[(x, y)].map(f32::from),
             _ => [gray; 3],
         };
-        let weights =
-            || cells.chunks_exact(part).map(|mode| mode[lane]).enumerate().filter(|(_, weight)| *weight > 0.0);
+        let weights = || self.modes_of(group).map(|mode| mode[lane]).enumerate().filter(|(_, weight)| *weight > 0.0);
         let (mut nearest, mut of_heaviest) = (f32::INFINITY, [0.0; 2]);
         for (index, weight) in weights() {
             let is_before =
                 |(other, heavier): &(usize, f32)| *heavier > weight || (*heavier == weight && *other < index);
             let heavier: f32 = weights().filter(is_before).map(|(_, weight)| weight).sum();
-            let mode = &cells[index * part..][..part];
+            let mode = self.mode(group, index);
             let means = mode[2 * LANES..].chunks_exact(LANES).map(|mean| mean[lane]);
             let square: f32 = pixel.iter().zip(means).map(|(pixel, mean)| (pixel - mean) * (pixel - mean)).sum();
             let distance = (square / mode[LANES + lane]).sqrt();
@@ -249,7 +297,9 @@ impl Mixture {
 
     /// Memory that it takes, in bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.counts[..]) + size_of_val(&self.cells[..]) + size_of_val(&self.starts[..])
+        let planes: usize = self.planes.iter().map(|plane| size_of_val(&plane[..])).sum();
+        let packed = self.packed.as_ref().map_or(0, |of| size_of_val(&of.cells[..]) + size_of_val(&of.starts[..]));
+        size_of_val(&self.counts[..]) + planes + packed
     }
 }
 
@@ -284,32 +334,70 @@ widest!(fn in_color(band: &mut Band<'_>, rates: Rates) = color_band);
 
 #[inline(always)]
 fn gray_band(band: &mut Band<'_>, rates: Rates) {
-    work(band, Rates { darkest: None, ..rates }, gray);
+    work::<1>(band, Rates { darkest: None, ..rates }, |frame, y, [row]| {
+        row.iter_mut().zip(frame.luma().row(y)).for_each(|(to, gray)| *to = *gray);
+    });
 }
 
 #[inline(always)]
 fn color_band(band: &mut Band<'_>, rates: Rates) {
-    work(band, rates, color);
+    work::<3>(band, rates, |frame, y, [red, green, blue]| {
+        let Some(color) = frame.color() else { return };
+        for (((to_red, to_green), to_blue), [r, g, b]) in red.iter_mut().zip(green).zip(blue).zip(color.row(y)) {
+            (*to_red, *to_green, *to_blue) = (*r, *g, *b);
+        }
+    });
 }
 
+/// Works on the groups of a band; `split` takes the channels of a row apart, which are 0 beyond the edge.
 #[inline(always)]
-fn work<const C: usize>(band: &mut Band<'_>, rates: Rates, pixels: impl Fn(&Frame, usize, usize) -> [[f32; LANES]; C]) {
-    let (in_row, words, stride) = (band.width.div_ceil(LANES), band.width.div_ceil(64), band.most * (2 + C) * LANES);
-    for (group, (count, cells)) in band.counts.iter_mut().zip(band.cells.chunks_exact_mut(stride)).enumerate() {
-        let (row, start) = (group / in_row, group % in_row * LANES);
-        let pixels = pixels(band.frame, band.first_row + row, start);
-        let mut group = Group::<C> { cells, count: usize::from(*count), pixels, rates: &rates };
-        let (foreground, shadows) = group.take_in();
-        *count = group.count as u8;
-        let (word, bit) = (row * words + start / 64, start % 64);
-        band.mask[word] |= u64::from(foreground) << bit;
-        band.shadows[word] |= u64::from(shadows) << bit;
+fn work<const C: usize>(band: &mut Band<'_>, rates: Rates, split: impl Fn(&Frame, usize, [&mut [u8]; C])) {
+    let (in_row, words) = (band.width.div_ceil(LANES), band.width.div_ceil(64));
+    let mut rows: [Vec<u8>; C] = std::array::from_fn(|_| vec![0; in_row * LANES]);
+    for (row, counts) in band.counts.chunks_mut(in_row).enumerate() {
+        split(band.frame, band.first_row + row, rows.each_mut().map(|row| &mut row[..band.width]));
+        for (group, count) in counts.iter_mut().enumerate() {
+            let start = group * LANES;
+            let pixels = rows.each_ref().map(|row| lanes(&row[start..]));
+            let (planes, place) = (&mut band.planes[..], (row * in_row + group) * (2 + C) * LANES);
+            let mut group = Group { planes, place, most: band.most, count: usize::from(*count), pixels, rates: &rates };
+            let (foreground, shadows) = group.take_in();
+            *count = group.count as u8;
+            let (word, bit) = (row * words + start / 64, start % 64);
+            band.mask[word] |= u64::from(foreground) << bit;
+            band.shadows[word] |= u64::from(shadows) << bit;
+        }
     }
 }
 
+/// The first pixels of a row that has so many.
+#[inline(always)]
+fn lanes(row: &[u8]) -> [f32; LANES] {
+    let mut pixels = [0.0; LANES];
+    if let Some(row) = row.first_chunk::<LANES>() {
+        for lane in 0..LANES {
+            pixels[lane] = f32::from(row[lane]);
+        }
+    }
+    pixels
+}
+
+/// A bit for each lane for which `is` holds.
+#[inline(always)]
+fn bits(is: impl Fn(usize) -> bool) -> u16 {
+    let mut bits = [0u32; LANES];
+    for lane in 0..LANES {
+        bits[lane] = if is(lane) { 1 << lane } else { 0 };
+    }
+    bits.iter().fold(0, |all, bit| all | bit) as u16
+}
+
 /// Pixels beside each other with their modes.
-struct Group<'a, const C: usize> {
-    cells: &'a mut [f32],
+struct Group<'a, 'b, const C: usize> {
+    /// Of each mode those of all groups, and where its own begin.
+    planes: &'a mut [&'b mut [f32]],
+    place: usize,
+    most: usize,
     count: usize,
     pixels: [[f32; LANES]; C],
     rates: &'a Rates,
@@ -323,17 +411,14 @@ struct Matches {
     modes: [f32; LANES],
 }
 
-impl<const C: usize> Group<'_, C> {
+impl<const C: usize> Group<'_, '_, C> {
     /// Decides and updates the pixels: a bit for each that is foreground, and for each that is a shadow.
     #[inline(always)]
     fn take_in(&mut self) -> (u16, u16) {
         let matches = self.matches();
         let heavier = self.heavier(&matches.weights, &matches.modes);
-        let mut foreground = 0;
-        for (lane, (weight, heavier)) in matches.weights.iter().zip(&heavier).enumerate() {
-            let is_background = (*weight > 0.0) & (*heavier < self.rates.background);
-            foreground |= u16::from(!is_background) << lane;
-        }
+        let background = self.rates.background;
+        let foreground = !bits(|lane| (matches.weights[lane] > 0.0) & (heavier[lane] < background));
         let shadows = match self.rates.darkest {
             Some(darkest) if foreground != 0 => self.shadows(foreground, darkest),
             _ => 0,
@@ -344,14 +429,12 @@ impl<const C: usize> Group<'_, C> {
 
     #[inline(always)]
     fn mode(&self, mode: usize) -> &[[f32; LANES]] {
-        let part = (2 + C) * LANES;
-        self.cells[mode * part..][..part].as_chunks::<LANES>().0
+        self.planes[mode][self.place..][..(2 + C) * LANES].as_chunks::<LANES>().0
     }
 
     #[inline(always)]
     fn mode_mut(&mut self, mode: usize) -> &mut [[f32; LANES]] {
-        let part = (2 + C) * LANES;
-        self.cells[mode * part..][..part].as_chunks_mut::<LANES>().0
+        self.planes[mode][self.place..][..(2 + C) * LANES].as_chunks_mut::<LANES>().0
     }
 
     /// |I − μ|² of a mode.
@@ -448,8 +531,9 @@ impl<const C: usize> Group<'_, C> {
             }
         }
         self.normalise(matches, &total);
-        if rate > 0.0 {
-            (0..LANES).filter(|lane| matches.weights[*lane] == 0.0).for_each(|lane| self.begin(lane));
+        let new = bits(|lane| matches.weights[lane] == 0.0);
+        if rate > 0.0 && new != 0 {
+            (0..LANES).filter(|lane| new >> lane & 1 == 1).for_each(|lane| self.begin(lane));
         }
     }
 
@@ -463,12 +547,10 @@ impl<const C: usize> Group<'_, C> {
         let mut count = 0;
         for index in 0..self.count {
             let weights = &mut self.mode_mut(index)[0];
-            let mut most = 0.0f32;
             for lane in 0..LANES {
                 weights[lane] *= scale[lane];
-                most = if weights[lane] > most { weights[lane] } else { most };
             }
-            count = if most > 0.0 { index + 1 } else { count };
+            count = if bits(|lane| weights[lane] > 0.0) != 0 { index + 1 } else { count };
         }
         self.count = count;
     }
@@ -478,7 +560,7 @@ impl<const C: usize> Group<'_, C> {
         let weight = |group: &Self, index: usize| group.mode(index)[0][lane];
         let lightest = (0..self.count).reduce(|a, b| if weight(self, b) < weight(self, a) { b } else { a });
         let place = match lightest {
-            Some(index) if weight(self, index) == 0.0 || self.count * (2 + C) * LANES == self.cells.len() => index,
+            Some(index) if weight(self, index) == 0.0 || self.count == self.most => index,
             _ => self.count,
         };
         self.count = self.count.max(place + 1);
@@ -548,7 +630,7 @@ mod tests {
                 assert!((found - expected).abs() <= 1e-5 * expected.abs(), "{place:?}: {found}, {expected}");
                 assert_eq!(packed.distance(&next, place, of.background), found);
             }
-            assert!(packed.bytes() < model.bytes());
+            assert!(packed.bytes() < model.bytes() && model.clone().packed() == packed);
             model.subtract(&of, &next, &Threads::single());
             let mut again = packed;
             again.subtract(&of, &next, &Threads::single());

@@ -1,14 +1,24 @@
 //! How the tracker is told and drawn.
 
+use std::collections::BTreeSet;
+
+use super::correspond::MOST_NEAR;
 use super::{BlobTracker, Body, Decision, Event, Identity, Member, State, Table, What, line};
 use crate::objects::tell::{self, Names, count, short};
 use crate::objects::{Bounds, Life};
 use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Sentence, Shape};
 use crate::{Role, Scene, Seen, Step};
 
-/// `1`, `1 and 2`, `1, 2 and 3`.
+/// So many are listed in a sentence; of others only the number is told.
+const LISTED: usize = 12;
+
+/// `1`, `1 and 2`, `1, 2 and 3`; of very many, the first ones and how many more there are.
 fn listed(all: impl IntoIterator<Item = usize>) -> String {
-    let names: Vec<String> = all.into_iter().map(|number| number.to_string()).collect();
+    let mut names: Vec<String> = all.into_iter().map(|number| number.to_string()).collect();
+    if let Some(more) = names.len().checked_sub(LISTED).filter(|more| *more > 0) {
+        names.truncate(LISTED);
+        names.push(format!("{more} more"));
+    }
     match names.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
         _ => names.concat(),
@@ -86,16 +96,16 @@ impl BlobTracker {
                 ))
             }
             What::Expected(_) => said.text("Each object is expected where it was last."),
-            What::Corresponded(table) => {
-                let found =
-                    table.shares.cells().iter().filter(|share| **share > 0.0 && **share >= f64::from(self.min_overlap));
-                said.text(format!(
-                    "Of {} {} have boxes that overlap enough: at least {} of the smaller one lies in the other.",
-                    count(table.shares.cells().len(), "pair"),
-                    found.count(),
-                    percent(f64::from(self.min_overlap))
-                ))
-            }
+            What::Corresponded(table) => said.text(format!(
+                "Of {} {} have boxes that overlap enough: at least {} of the smaller one lies in the other.{}",
+                count(table.bodies.len() * table.blobs.len(), "pair"),
+                table.corresponding,
+                percent(f64::from(self.min_overlap)),
+                match table.crowded {
+                    0 => String::new(),
+                    all => format!(" Of {}, only the {MOST_NEAR} nearest blobs are compared.", count(all, "object")),
+                }
+            )),
             What::Decided(decision) => self.decided(decision),
             What::Missed(body) => said.ink(Role::Predicted, named(body)).text(format!(
                 " has no blob and coasts for {}. After more than {} it is given up.",
@@ -135,7 +145,7 @@ impl BlobTracker {
             });
             let order =
                 decision.after.iter().flat_map(|(column, body)| body.members.iter().map(move |m| (m.id, *column)));
-            for (i, (id, column)) in order.enumerate() {
+            for (i, (id, column)) in order.take(LISTED).enumerate() {
                 let x = decision.columns.iter().position(|other| *other == column);
                 let y = members.iter().position(|member| member.id == id);
                 let cost = x.zip(y).map_or(0.0, |place| unlike[place]);
@@ -144,7 +154,10 @@ impl BlobTracker {
                     .ink(Role::Estimate, format!("object {id}"))
                     .text(format!(" is blob {}, at a cost of {}", column + 1, short(cost)));
             }
-            return said.text(".");
+            return match members.len().checked_sub(LISTED) {
+                Some(more @ 1..) => said.text(format!("; and {more} more.")),
+                _ => said.text("."),
+            };
         }
         let Some((column, body)) = decision.after.first() else { return said };
         if decision.is_merge() {
@@ -153,17 +166,17 @@ impl BlobTracker {
                 .text(format!(" have blob {blobs} in common: they merge into a group and keep their identities."));
         }
         let row = decision.rows.first().copied().unwrap_or(0);
-        let (table, place) = (&decision.table, (*column, row));
+        let table = &decision.table;
         let said = said.ink(Role::Estimate, named(body));
         let said = if is_nearest(decision) {
             said.text(format!(
                 " overlaps no blob enough: it goes on with the nearest, blob {blobs}, {} px away.",
-                short(table.distances[place])
+                short(table.distance(row, *column))
             ))
         } else {
             said.text(format!(
                 " goes on in blob {blobs}: {} of the smaller box is in common.",
-                percent(table.shares[place])
+                percent(table.share(row, *column))
             ))
         };
         match members.iter().zip(&body.members).find(|(was, is)| was.age.life != is.age.life) {
@@ -208,10 +221,13 @@ impl BlobTracker {
     /// How unlike the objects and blobs of a split are, with who is who lit.
     fn unlike_table(&self, decision: &Decision) -> Option<Matrix> {
         let members = decision.members();
-        let is_paired = |x: usize, y: usize| {
-            let of_blob = decision.after.iter().find(|(column, _)| *column == decision.columns[x]);
-            of_blob.is_some_and(|(_, body)| body.members.iter().any(|member| member.id == members[y].id))
-        };
+        let unlike = decision.unlike.as_ref()?;
+        let paired = decision.after.iter().flat_map(|(column, body)| {
+            let column = decision.columns.binary_search(column).ok();
+            body.members.iter().map(move |member| Some((member.id, column?)))
+        });
+        let row = |id: u32| members.binary_search_by_key(&id, |member| member.id).ok();
+        let paired: Vec<_> = paired.flatten().filter_map(|(id, column)| Some((row(id)?, column))).collect();
         let name = match self.identity {
             Identity::Appearance => {
                 "how unlike: |Δ gray| / 20 + |log₂ of the areas' ratio|, objects down, blobs across"
@@ -219,7 +235,7 @@ impl BlobTracker {
             Identity::Place => "from where each would be, in px: objects down, blobs across",
         };
         let names = Names::new(members.iter().map(|member| member.id.to_string()), decision.columns.iter().copied());
-        names.table(("D", name), decision.unlike.as_ref()?, is_paired)
+        names.table(("D", name), |row, column| unlike[(column, row)], &paired)
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -243,7 +259,7 @@ impl BlobTracker {
 
 /// Whether an object goes on with what is nearest.
 fn is_nearest(decision: &Decision) -> bool {
-    let is_linked = |&row: &usize| decision.columns.iter().any(|&column| decision.table.shares[(column, row)] > 0.0);
+    let is_linked = |&row: &usize| decision.columns.iter().any(|&column| decision.table.share(row, column) > 0.0);
     !decision.rows.iter().any(is_linked)
 }
 
@@ -291,13 +307,16 @@ fn table_of<'a>(seen: &Seen<'a, BlobTracker>) -> Option<(&'a Table, Option<&'a D
 
 /// What objects and blobs have in common, with who goes on with whom lit.
 fn correspondence(table: &Table, names: &Names, decision: Option<&Decision>) -> impl Iterator<Item = Matrix> {
-    let is_lit = |x: usize, y: usize| {
-        table.links[(x, y)]
-            && decision.is_none_or(|decision| decision.rows.contains(&y) && decision.columns.contains(&x))
-    };
+    let rows: Vec<usize> = decision.map_or_else(|| (0..table.bodies.len()).collect(), |decision| decision.rows.clone());
+    let linked = rows.iter().flat_map(|&row| table.links(row).iter().map(move |column| (row, *column)));
+    let lit: Vec<_> = linked.collect();
     let shares = ("O", "in common, as a share of the smaller box: objects down, blobs across");
     let overlaps = ("IoU", "intersection over union, by which pairs are chosen");
-    [names.table(shares, &table.shares, is_lit), names.table(overlaps, &table.overlaps, is_lit)].into_iter().flatten()
+    let tables = [
+        names.table(shares, |row, column| table.share(row, column), &lit),
+        names.table(overlaps, |row, column| table.overlap(row, column), &lit),
+    ];
+    tables.into_iter().flatten()
 }
 
 /// The objects in the middle of a frame: those that were done already as they are now, the others where they are expected.
@@ -308,29 +327,24 @@ fn draw_work(seen: &Seen<BlobTracker>, scene: &mut Scene) {
     let Some(expected) = expected else {
         return before.bodies.iter().for_each(|body| draw_body(scene, body, before));
     };
-    let mut waiting: Vec<&Body> = expected.iter().collect();
-    let (mut done, mut arrows) = (Vec::new(), Vec::new());
+    let (mut gone, mut done, mut arrows) = (BTreeSet::new(), Vec::new(), Vec::new());
     for event in seen.events {
-        let gone = match &event.0 {
+        match &event.0 {
             What::Decided(decision) => {
                 arrows.extend(moves(decision));
                 done.extend(decision.after.iter().map(|(_, body)| body));
-                decision.members()
+                gone.extend(decision.members().iter().map(|member| member.id));
             }
             What::Missed(body) => {
                 done.push(&**body);
-                body.members.clone()
+                gone.extend(body.members.iter().map(|member| member.id));
             }
-            What::Ended(body) => body.members.clone(),
-            What::Begun(body) => {
-                done.push(&**body);
-                continue;
-            }
-            _ => continue,
-        };
-        waiting.retain(|body| !gone.iter().any(|member| body.has(member.id)));
+            What::Ended(body) => gone.extend(body.members.iter().map(|member| member.id)),
+            What::Begun(body) => done.push(&**body),
+            _ => {}
+        }
     }
-    for body in waiting {
+    for body in expected.iter().filter(|body| !body.members.iter().any(|member| gone.contains(&member.id))) {
         tell::rect(scene, Role::Predicted, body.bounds);
         tell::label(scene, Role::Predicted, body.bounds.min, ids(&body.members));
         scene.legend(Role::Predicted, "predicted");

@@ -1,12 +1,14 @@
 //! How the tracker is told and drawn.
 
-use super::share::{Costs, Turn};
+use std::collections::BTreeMap;
+
+use super::share::{Costs, MOST_NEAR, Turn};
 use super::{Event, KalmanTracker, PairCost, Track, line};
 use crate::kalman::ellipse;
 use crate::objects::Life;
 use crate::objects::tell::{self, Names, count, short};
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Sentence, Shape};
-use crate::{Grid, Role, Scene, Seen, Step};
+use crate::{Role, Scene, Seen, Step};
 
 fn named(track: &Track) -> String {
     format!("Object {}", track.id)
@@ -51,14 +53,13 @@ impl KalmanTracker {
                 .text("Each of ")
                 .ink(Role::Predicted, count(tracks.len(), "object"))
                 .text(" goes on as it did, and is less sure of its place than before."),
-            Event::Costs(costs) => {
-                let allowed = costs.costs.cells().iter().filter(|cost| cost.is_finite()).count();
-                said.text(format!(
-                    "Of {} pairs of objects and detections {allowed} are allowed: {}.",
-                    costs.costs.cells().len(),
-                    self.limits(costs)
-                ))
-            }
+            Event::Costs(costs) => said.text(format!(
+                "Of {} pairs of objects and detections {} are allowed: {}.{}",
+                costs.costs.rows() * costs.costs.columns(),
+                costs.costs.len(),
+                self.limits(costs),
+                crowd(costs)
+            )),
             Event::Paired(costs, [row, column]) => {
                 let pair = costs.pairs[*row];
                 let why = match pair.map(|pair| pair.turn) {
@@ -173,31 +174,38 @@ impl KalmanTracker {
         let symbols = cost([squared, Math::text("limit"), Math::text("IoU"), Math::text("min-overlap")]);
         let mut lines = vec![Math::Row(vec![Math::Var("C"), Math::text(" = "), symbols])];
         if let Some([row, column]) = pair {
-            let of = |grid: &Grid<f64>| grid[(column, row)];
             // A pair of the last box has a cost of its own.
-            if !of(&costs.costs).is_finite() {
-                return None;
-            }
-            let least = f64::from(self.min_overlap);
-            let shown = [of(&costs.distances), costs.limit, of(&costs.overlaps), least].map(|v| Math::text(short(v)));
-            let total = Math::ink(Role::Best, short(of(&costs.costs)));
+            let total = Math::ink(Role::Best, short(costs.costs.get(row, column)?));
+            let (distance, overlap) = (self.distance(costs, row, column), costs.overlap(row, column));
+            let shown = [distance, costs.limit, overlap, f64::from(self.min_overlap)].map(|v| Math::text(short(v)));
             lines.push(Math::Row(vec![Math::text("= "), cost(shown), Math::text(" = "), total]));
         }
         Some(lines)
     }
 
+    /// The squared Mahalanobis distance of a detection from an object.
+    fn distance(&self, costs: &Costs, row: usize, column: usize) -> f64 {
+        let measured = self.measurement(&costs.detections[column]);
+        costs.tracks[row].filter.squared_distance(&measured).unwrap_or(f64::INFINITY)
+    }
+
     /// The tables of costs, the pairs that were chosen lit.
     fn tables(&self, costs: &Costs, names: &Names, pair: Option<[usize; 2]>) -> Vec<Matrix> {
-        let is_paired = |x: usize, y: usize| match pair {
-            Some(pair) => pair == [y, x],
-            None => costs.pairs[y].is_some_and(|pair| pair.column == x),
+        let lit: Vec<(usize, usize)> = match pair {
+            Some([row, column]) => vec![(row, column)],
+            None => {
+                let pairs = costs.pairs.iter().enumerate();
+                pairs.filter_map(|(row, pair)| pair.map(|pair| (row, pair.column))).collect()
+            }
         };
-        let mut all = vec![names.table(("C", "costs: objects down, detections across"), &costs.costs, is_paired)];
+        let cost = |row, column| costs.costs.get(row, column).unwrap_or(f64::INFINITY);
+        let mut all = vec![names.table(("C", "costs: objects down, detections across"), cost, &lit)];
         if self.cost != PairCost::Overlap {
-            all.push(names.table(("d²", "squared Mahalanobis distances"), &costs.distances, is_paired));
+            let distance = |row, column| self.distance(costs, row, column);
+            all.push(names.table(("d²", "squared Mahalanobis distances"), distance, &lit));
         }
         if self.cost != PairCost::Mahalanobis {
-            all.push(names.table(("IoU", "overlaps"), &costs.overlaps, is_paired));
+            all.push(names.table(("IoU", "overlaps"), |row, column| costs.overlap(row, column), &lit));
         }
         all.into_iter().flatten().collect()
     }
@@ -223,18 +231,17 @@ impl KalmanTracker {
         let Some(predicted) = predicted else {
             return seen.before.tracks.iter().for_each(|track| draw_track(scene, track, seen));
         };
-        let mut now: Vec<(Track, bool)> = predicted.iter().map(|track| (track.clone(), false)).collect();
+        let mut now: BTreeMap<u32, (&Track, bool)> = predicted.iter().map(|track| (track.id, (track, false))).collect();
         for event in seen.events {
             match event {
-                Event::Updated(both, _) => set(&mut now, &both[1]),
-                Event::Missed(track) => set(&mut now, track),
-                Event::Ended(track) => now.retain(|(other, _)| other.id != track.id),
-                Event::Begun(track) => now.push(((**track).clone(), true)),
+                Event::Updated(both, _) => _ = now.insert(both[1].id, (&both[1], true)),
+                Event::Missed(track) | Event::Begun(track) => _ = now.insert(track.id, (track, true)),
+                Event::Ended(track) => _ = now.remove(&track.id),
                 _ => {}
             }
         }
-        for (track, is_done) in &now {
-            if *is_done {
+        for (track, is_done) in now.into_values() {
+            if is_done {
                 draw_track(scene, track, seen);
             } else {
                 draw(scene, track, (Role::Predicted, "predicted"));
@@ -244,9 +251,17 @@ impl KalmanTracker {
     }
 }
 
-fn set(tracks: &mut [(Track, bool)], track: &Track) {
-    if let Some(place) = tracks.iter_mut().find(|(other, _)| other.id == track.id) {
-        *place = (track.clone(), true);
+/// What was left out because so many compete, if anything was.
+fn crowd(costs: &Costs) -> String {
+    let crowded = match costs.crowded {
+        0 => String::new(),
+        all => format!(" Of {}, only the {MOST_NEAR} nearest detections are compared.", count(all, "object")),
+    };
+    match costs.hasty {
+        0 => crowded,
+        all => {
+            format!("{crowded} Too many compete for one assignment: {} took the nearest left.", count(all, "object"))
+        }
     }
 }
 

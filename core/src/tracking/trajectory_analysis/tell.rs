@@ -125,7 +125,7 @@ impl TrajectoryAnalysis {
         }
         if self.zone.is_some() {
             let frame = frame_at(seen);
-            let is_here = |of: &Trajectory| frame.is_some_and(|frame| frame.objects.iter().any(|o| o.id == of.id));
+            let is_here = |of: &Trajectory| frame.is_some_and(|frame| frame.object(of.id).is_some());
             let is_inside = |of: &&Arc<Trajectory>| is_here(of) && of.stays.last().is_some_and(|stay| !stay.is_over);
             let inside = now(seen).iter().filter(is_inside).count();
             facts.push(Fact::new("In the zone", inside.to_string(), Some(Role::Reference)));
@@ -195,12 +195,9 @@ impl TrajectoryAnalysis {
             }
         }
         for object in frame_at(seen).iter().flat_map(|frame| &frame.objects) {
-            let of = all.iter().find(|trajectory| trajectory.id == object.id);
-            draw_object(
-                scene,
-                object,
-                of.and_then(|trajectory| trajectory.sightings.last()).filter(|seen| seen.frame == t),
-            );
+            let of = all.binary_search_by_key(&object.id, |trajectory| trajectory.id).ok();
+            let last = of.and_then(|i| all[i].sightings.last()).filter(|seen| seen.frame == t);
+            draw_object(scene, object, last);
         }
         let crossings: Vec<[f32; 2]> = all.iter().flat_map(|of| of.crossings.iter().map(|c| point(c.at))).collect();
         if !crossings.is_empty() {
