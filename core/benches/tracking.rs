@@ -6,7 +6,7 @@ use std::sync::Arc;
 use criterion::{Criterion, criterion_group, criterion_main};
 use motionscope_core::kalman::{Estimate, Sensor, Velocity};
 use motionscope_core::objects::score::scores;
-use motionscope_core::{Bounds, Clip, Detection, Error, Flow, ObjectBox, Threads, Truth, estimator};
+use motionscope_core::{Bounds, Clip, Detection, Error, Flow, ObjectBox, ObjectField, Threads, Truth, estimator};
 use nalgebra::{SMatrix, Vector2, Vector4};
 
 /// A time step and a measurement of a filter with four numbers, of which two are measured.
@@ -104,7 +104,7 @@ fn many(c: &mut Criterion) {
             group.bench_function(format!("{id}, 5000 {name} detections with truth, {FRAMES} frames"), |b| {
                 b.iter(|| {
                     let output = tracker.run(&clip, 0, &pool).expect("a run");
-                    scores(output.objects().expect("objects"), &**truth).expect("readable")
+                    scores(output.get::<ObjectField>().expect("objects"), &**truth).expect("readable")
                 });
             });
         }
