@@ -494,7 +494,7 @@ fn masks_end_where_the_picture_does_at_any_width() {
                 }
                 for threads in [1, 2] {
                     let output = estimator.run(&clip, 0, &Threads::new(threads).expect("threads")).expect("a run");
-                    for frame in &output.objects().expect("objects").frames {
+                    for frame in &output.get::<ObjectField>().expect("objects").frames {
                         let mask = frame.mask.as_ref().expect("a mask");
                         let inside = |found: &motionscope_core::Detection| found.bounds.max[0] <= width as f32 - 0.5;
                         assert!(mask.count() <= 9 * width && frame.detections.iter().all(inside), "{width}");
