@@ -28,12 +28,12 @@
 //! # let clip = synth::make(sample.id, &sample.difficulty())?;
 //! let mut walk = estimator("diamond")?.walk(&clip, 0)?;
 //! walk.jump(Move::To(Cursor { unit: 34, event: 2 }));
-//! let there = walk.step(None);
-//! println!("{}", there.sentence.plain());
+//! let there = walk.step(None).sentence;
+//! println!("{}", there.plain());
 //! let event = walk.info().rungs.len() - 1;
 //! walk.jump(Move::Rung(event, Way::Forward));
 //! walk.jump(Move::Rung(event, Way::Back));
-//! assert_eq!(walk.step(None), there);
+//! assert_eq!(walk.step(None).sentence, there);
 //! # Ok::<(), motionscope_core::Error>(())
 //! ```
 //!

@@ -17,12 +17,12 @@ fn a_stage_is_walked_by_itself_on_the_same_frame_and_left_again() {
     window.key(Key::PageDown);
     window.key(Key::PageDown);
     let before = window.cursor();
-    assert_eq!(before.unit, 1);
+    assert!(before.unit > 0, "it has gone on");
     window.command(Command::IntoStage);
     let document = window.app().document();
     assert_eq!(document.estimator().info().id, "mixture-of-gaussians");
     assert_eq!(document.parents().map(|info| info.id).collect::<Vec<_>>(), ["kalman-tracker"]);
-    assert_eq!(window.cursor().unit, 1, "it stands at the frame that its parent is at");
+    assert_eq!(window.cursor().unit, before.unit, "it stands at the frame that its parent is at");
     assert!(window.harness.query_by_label("Kalman tracker ›").is_some(), "the way back is shown");
     window.key(Key::Home);
     assert_eq!(window.cursor(), Cursor::default());
