@@ -1,5 +1,6 @@
 //! The dense flow of a pair by a method of choice, for estimators that go on from one.
 
+use crate::memory::Need;
 use crate::optical_flow::{Farneback, HornSchunck, TvL1};
 use crate::variational::Variational;
 use crate::{Clip, Error, Estimator, Flow, Frame, Threads, choices};
@@ -29,6 +30,16 @@ impl FlowMethod {
         }
     }
 
+    /// Memory that the flow of a pair takes while it is worked out, whoever goes on from it.
+    pub fn need(self, clip: &Clip) -> Need {
+        let Need { run, .. } = match self {
+            Self::Farneback => Farneback::default().need(clip),
+            Self::HornSchunck => Variational::<HornSchunck>::default().need(clip),
+            Self::TvL1 => Variational::<TvL1>::default().need(clip),
+        };
+        Need { run, walk: run }
+    }
+
     /// Where each pixel of the first of two frames of one size goes in the second; frames of `clip`, with which the work is given
     /// up.
     ///
@@ -37,7 +48,7 @@ impl FlowMethod {
     pub fn between(self, clip: &Clip, frames: [&Frame; 2], threads: &Threads) -> Result<Flow, Error> {
         let grays = frames.map(|frame| Frame::gray(frame.luma().clone()));
         let pair = Clip::from_frames("a pair of frames", grays.into())?;
-        self.flow(&pair.until_with(clip), 0, threads)
+        self.flow(&pair.as_part_of(clip), 0, threads)
     }
 }
 

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::memory::Need;
 use crate::scene::{Fact, Math, Sentence};
 use crate::subtraction::{Background, Explanation, Flags, Found, by_rows, subtraction_params, subtraction_pseudocode};
 use crate::wide::wide;
 use crate::words;
-use crate::{Frame, Grid, Info, Role, Threads};
+use crate::{Clip, Frame, Grid, Info, Role, Threads};
 
 subtraction_params! {
     /// A normal distribution for each pixel.
@@ -74,6 +75,10 @@ impl Background for SingleGaussian {
     };
     const SHOWN: &'static str = "|I − μ| / σ";
     type Model = Grid<Gaussian>;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [9.0, 9.0])
+    }
 
     fn begin(&self, first: &Arc<Frame>) -> Grid<Gaussian> {
         let sigma = self.first_sigma.max(self.min_sigma);

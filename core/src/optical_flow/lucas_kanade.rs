@@ -5,6 +5,7 @@ mod tell;
 use std::sync::{Arc, OnceLock};
 
 use crate::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
+use crate::memory::Need;
 use crate::scene::Chart;
 use crate::{
     Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Progress,
@@ -192,6 +193,10 @@ impl Estimator for LucasKanade {
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [80.0, 210.0])
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())

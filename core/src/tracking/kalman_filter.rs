@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::{is_far_outside, object_of};
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
+use crate::memory::Need;
 use crate::objects::source::{Detector, Given, Noise, Source, center, truth_of};
 use crate::objects::{Extent, Followed, Life, Object, ObjectField, ObjectFrame};
 use crate::params::Spots;
@@ -364,6 +365,10 @@ impl Estimator for KalmanFilter {
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let span = Span::new(clip, frame, self.frames)?;
