@@ -4,6 +4,7 @@ pub mod claims;
 pub mod cli;
 pub mod company;
 pub mod comparison;
+mod free_memory;
 pub mod media;
 pub mod motion;
 pub mod paint;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use motionscope_core::memory::Need;
 use motionscope_core::scene::{Picture, Sentence, Shape};
 use motionscope_core::{
     AnyEstimator, BlockField, BlockGrid, BlockVector, Border, Clip, Error, Estimator, Frame, Info, Interpolation, Move,
@@ -43,6 +44,11 @@ impl Estimator for Still {
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
     type Event = u64;
+
+    fn need(&self, clip: &Clip) -> Need {
+        // Bytes for each pixel: of a run, and of one that is walked through.
+        Need::per_pixel(clip, [1.0, 1.0])
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let pair = clip.pair(frame)?;

@@ -211,6 +211,7 @@ pub struct Clip {
     truth: Option<Arc<dyn Truth>>,
     detections: Option<Arc<Vec<Vec<Detection>>>>,
     stop: Stop,
+    budget: Option<u64>,
 }
 
 impl fmt::Debug for Clip {
@@ -222,7 +223,7 @@ impl fmt::Debug for Clip {
 impl Clip {
     /// A clip of frames that `frames` delivers.
     pub fn new(info: ClipInfo, frames: Arc<dyn FrameSource>) -> Self {
-        Self { info: Arc::new(info), frames, truth: None, detections: None, stop: Stop::default() }
+        Self { info: Arc::new(info), frames, truth: None, detections: None, stop: Stop::default(), budget: None }
     }
 
     /// A clip of frames in memory.
@@ -293,9 +294,26 @@ impl Clip {
         self
     }
 
-    /// The same clip, given up with another one.
-    pub(crate) fn until_with(self, other: &Clip) -> Self {
-        self.until(other.stop.clone())
+    /// The same clip, on which a run may take so many bytes of memory, whatever the machine has.
+    #[must_use]
+    pub fn within(mut self, bytes: u64) -> Self {
+        self.budget = Some(bytes);
+        self
+    }
+
+    /// The bytes of memory that a run on the clip may take: as many as it was given, or as are free.
+    pub fn room(&self) -> u64 {
+        self.budget.unwrap_or_else(crate::memory::free)
+    }
+
+    /// Whether the memory of runs was given.
+    pub(crate) fn has_budget(&self) -> bool {
+        self.budget.is_some()
+    }
+
+    /// The same clip, given up with another one, and with its memory.
+    pub(crate) fn as_part_of(self, whole: &Clip) -> Self {
+        Self { budget: whole.budget, ..self.until(whole.stop.clone()) }
     }
 
     /// Ends work on the clip with `?` when nobody wants it any more.
@@ -402,7 +420,7 @@ impl Clip {
     pub fn reversed(&self, t: usize) -> Result<Self, Error> {
         let [first, second] = self.pair(t)?;
         let info = ClipInfo { frames: Some(2), ..ClipInfo::clone(&self.info) };
-        Ok(Self::new(info, Arc::new(InMemory(vec![second, first]))).until(self.stop.clone()))
+        Ok(Self::new(info, Arc::new(InMemory(vec![second, first]))).as_part_of(self))
     }
 }
 

@@ -1,5 +1,6 @@
 //! What every estimator is: a declaration, a unit of work, and how it is seen and told.
 
+use crate::memory::{self, Need};
 use crate::products::ProductKind;
 use crate::pseudocode::{self, Line, Name};
 use crate::scene::Chart;
@@ -188,6 +189,10 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     /// What happens inside a unit.
     type Event: Clone + Send + Sync + 'static;
 
+    /// Memory that a run on a clip takes, known before it starts: about the most, beside the frames of the clip. A run for which
+    /// there is not so much is refused.
+    fn need(&self, clip: &Clip) -> Need;
+
     /// The state before the first unit of a run on frame `frame`.
     ///
     /// # Errors
@@ -316,6 +321,11 @@ fn check_pictures<E: Estimator>(clip: &Clip) -> Result<(), Error> {
     )))
 }
 
+/// Refuses a run for which there is not enough memory.
+fn check_memory<E: Estimator>(estimator: &E, clip: &Clip, of: fn(Need) -> u64) -> Result<(), Error> {
+    memory::check(clip, E::INFO.name, of(estimator.need(clip)))
+}
+
 /// How much a run consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
@@ -358,16 +368,19 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// The same estimator with the same parameters.
     fn boxed_clone(&self) -> Box<dyn AnyEstimator>;
 
+    /// Memory that a run on a clip takes, known before it starts: about the most, beside the frames of the clip.
+    fn need(&self, clip: &Clip) -> Need;
+
     /// A run that can be walked through in both directions.
     ///
     /// # Errors
-    /// If the clip, the frame or the parameters do not allow a run.
+    /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn walk(&self, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error>;
 
     /// The result of a whole run.
     ///
     /// # Errors
-    /// If the clip, the frame or the parameters do not allow a run.
+    /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error>;
 
     /// A run that goes on unit after unit.
@@ -379,13 +392,13 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// How many units and events a whole run consists of.
     ///
     /// # Errors
-    /// If the clip, the frame or the parameters do not allow a run.
+    /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error>;
 
     /// How many candidates each unit of a whole run tests.
     ///
     /// # Errors
-    /// If the clip, the frame or the parameters do not allow a run.
+    /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error>;
 }
 
@@ -452,30 +465,42 @@ impl<E: Estimator> AnyEstimator for E {
         Box::new(self.clone())
     }
 
+    fn need(&self, clip: &Clip) -> Need {
+        Estimator::need(self, clip)
+    }
+
     fn walk(&self, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error> {
         check_pictures::<E>(clip)?;
-        Ok(Box::new(Timeline::new(self.clone(), clip.clone(), frame)?))
+        check_memory(self, clip, |need| need.walk)?;
+        // What is left of the memory may hold states to go back to.
+        let left = clip.room().saturating_sub(Estimator::need(self, clip).walk);
+        let budget = Timeline::<E>::BUDGET_BYTES.min(usize::try_from(left / 2).unwrap_or(usize::MAX));
+        Ok(Box::new(Timeline::new(self.clone(), clip.clone(), frame)?.with_budget(budget)))
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error> {
         check_pictures::<E>(clip)?;
-        crate::memory::keep();
+        check_memory(self, clip, |need| need.run)?;
+        memory::keep();
         Estimator::run(self, clip, frame, threads).map(|state| self.output(&state))
     }
 
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {
         check_pictures::<E>(clip)?;
+        check_memory(self, clip, |need| need.run)?;
         let state = self.start(clip, frame)?;
         Ok(Box::new(Running { estimator: self.clone(), clip: clip.clone(), state }))
     }
 
     fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {
+        check_memory(self, clip, |need| need.run)?;
         let mut events = crate::Count::default();
         let (state, units) = run_observed(self, clip, frame, &mut events)?;
         Ok(Extent { units, events: events.0, memory_bytes: self.memory_bytes(&state) })
     }
 
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error> {
+        check_memory(self, clip, |need| need.run)?;
         Estimator::run(self, clip, frame, threads).map(|state| Estimator::evaluations(self, &state))
     }
 }

@@ -67,7 +67,7 @@ mod interpolation;
 pub mod kalman;
 mod levels;
 pub mod lockstep;
-mod memory;
+pub mod memory;
 pub mod metrics;
 pub mod moving_objects;
 pub mod objects;

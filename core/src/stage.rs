@@ -5,6 +5,7 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::memory::Need;
 use crate::params::{Kind, Parameter, Part, PartKind, Spec, StageValue};
 use crate::registry::{self, Entry};
 use crate::{
@@ -184,6 +185,12 @@ impl Stage<DenseFlow> {
         })
     }
 
+    /// Memory that the flow of a pair takes while it is worked out.
+    pub fn need(&self, clip: &Clip) -> Need {
+        let Need { run, .. } = self.estimator.need(clip);
+        Need { run, walk: run }
+    }
+
     /// Where each pixel of the first of two frames of one size goes in the second; frames of `clip`, with which the work is
     /// cancelled.
     ///
@@ -192,7 +199,7 @@ impl Stage<DenseFlow> {
     pub fn between(&self, clip: &Clip, frames: [&Frame; 2], threads: &Threads) -> Result<Flow, Error> {
         let grays = frames.map(|frame| Frame::gray(frame.luma().clone()));
         let pair = Clip::from_frames("a pair of frames", grays.into())?;
-        self.flow(&pair.until_with(clip), 0, threads)
+        self.flow(&pair.as_part_of(clip), 0, threads)
     }
 }
 

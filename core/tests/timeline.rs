@@ -1,5 +1,6 @@
 //! Time travel on a toy estimator: levels of items, an end that nobody knows beforehand, and a damaged frame.
 
+use motionscope_core::memory::Need;
 use motionscope_core::scene::Sentence;
 use motionscope_core::{
     BlockField, BlockGrid, BlockVector, Border, Clip, Cursor, Error, Estimator, Frame, Grid, Info, Move, Observer,
@@ -37,6 +38,10 @@ impl Estimator for Toy {
     /// Items done, and 1 KiB of ballast.
     type State = (usize, Vec<u8>);
     type Event = usize;
+
+    fn need(&self, _: &Clip) -> Need {
+        Need::default()
+    }
 
     fn start(&self, _: &Clip, _: usize) -> Result<Self::State, Error> {
         Ok((0, vec![7; 1024]))

@@ -30,6 +30,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(args) => args,
         Err(error) => return usage(&error),
     };
+    motionscope_core::memory::measure_with(crate::free_memory::free_bytes);
     match run(args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

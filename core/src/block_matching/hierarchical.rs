@@ -21,8 +21,9 @@ use super::{
 };
 use crate::block_search::{
     BlockSearch, Displacement, Event, HasSettings, Match, Neighbours, Pair, Probe, Settings, Subpixel, Tester,
-    Workspace, block_search_params, unit_at, vector,
+    Workspace, block_search_params, need, unit_at, vector,
 };
+use crate::memory::Need;
 use crate::scene::{Chart, Fact, Readout, Sentence};
 use crate::threads::Earlier;
 use crate::{
@@ -351,6 +352,13 @@ impl Estimator for Hierarchical {
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        let (width, height) = clip.size();
+        let of_level = |level: usize| self.settings().grid((width.div_ceil(1 << level), height.div_ceil(1 << level)));
+        // Beside the levels of both frames.
+        need(clip, (0..self.levels).map(|level| of_level(level).len()).sum()).and([(width * height) as f64; 2])
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())

@@ -22,7 +22,7 @@ pub use neighbours::Neighbours;
 pub(crate) use probe::Probe;
 pub(crate) use rate::Rate;
 pub use search::BlockSearch;
-pub(crate) use search::{search_pseudocode, unit_at};
+pub(crate) use search::{need, search_pseudocode, unit_at};
 pub(crate) use settings::block_search_params;
 pub use settings::{BorderRule, Cost, HasSettings, Settings};
 pub use subpixel::{Fit, Subpixel};
@@ -115,8 +115,7 @@ impl Pair {
                 "a block of {size} px does not fit into a picture of {width}×{height} px; choose a smaller block"
             )));
         }
-        let step = if step == 0 { size } else { step };
-        Ok(Self { current, next, blocks: BlockGrid { picture: (width, height), size, step }, rule })
+        Ok(Self { current, next, blocks: grid((width, height), size, step), rule })
     }
 
     /// Takes `block` moved by `displacement` out of frame t + 1, to be moved on by fractions of a pixel.
@@ -142,6 +141,11 @@ impl Pair {
         let (up, down) = span(block.y, block.height, height);
         Window { min: [-(left as i32), -(up as i32)], size: (left + right + 1, up + down + 1) }
     }
+}
+
+/// Where blocks of `size` px lie every `step` px (0: edge to edge).
+pub(crate) fn grid(picture: (usize, usize), size: usize, step: usize) -> BlockGrid {
+    BlockGrid { picture, size, step: if step == 0 { size } else { step } }
 }
 
 /// The pixels of one block and of all that its window reaches.

@@ -6,6 +6,7 @@ use super::probe::Probe;
 use super::tester::Workspace;
 use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
 use crate::line_names;
+use crate::memory::Need;
 use crate::pseudocode::Name;
 use crate::scene::Chart;
 use crate::threads::Earlier;
@@ -143,6 +144,11 @@ impl<S: BlockSearch> Estimator for S {
     type State = State;
     type Event = Event;
 
+    fn need(&self, clip: &Clip) -> Need {
+        let settings = self.settings();
+        need(clip, settings.grid(clip.size()).len())
+    }
+
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         prepare(self, clip, frame, &Threads::single())
     }
@@ -210,6 +216,17 @@ impl<S: BlockSearch> Estimator for S {
         prepare(self, clip, frame, threads).and_then(|state| finish(self, clip, state, threads))
     }
 }
+
+/// Memory that the search of so many blocks takes: a sweep holds each four times until it is done, and a state that is walked
+/// through once.
+pub(crate) fn need(clip: &Clip, blocks: usize) -> Need {
+    const BLOCK: f64 = size_of::<(Match, usize)>() as f64;
+    let blocks = blocks as f64;
+    Need::per_pixel(clip, [1.0, 2.0]).and([blocks * 7.0 * BLOCK, blocks * 9.0 * BLOCK]).and([0.0, EVENTS])
+}
+
+/// What is told of a block with the largest window, in bytes.
+const EVENTS: f64 = 8e6;
 
 /// The block whose centre is nearest to `point`, if that lies in the picture.
 pub(crate) fn unit_at(blocks: &BlockGrid, [x, y]: [f32; 2]) -> Option<usize> {

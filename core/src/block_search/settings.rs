@@ -142,6 +142,11 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Where the blocks of a picture lie.
+    pub(crate) fn grid(&self, picture: (usize, usize)) -> BlockGrid {
+        super::grid(picture, self.block, self.spacing)
+    }
+
     /// The result of a search: `vectors` for `blocks`.
     pub(crate) fn field(&self, blocks: BlockGrid, vectors: Vec<Option<BlockVector>>) -> BlockField {
         BlockField { blocks, vectors, cost: self.label(), border: self.border.border(), filter: self.filter }

@@ -6,6 +6,7 @@ use super::declare::HasSettings;
 use super::response::Tensors;
 use super::select::{Chosen, Peaks, Settings, largest, rank};
 use crate::differential::Tensor;
+use crate::memory::Need;
 use crate::params::inner_params;
 use crate::scene::{Chart, Math, Step};
 use crate::{
@@ -258,6 +259,14 @@ impl<M: Measure> Corners<M> {
     }
 }
 
+/// Memory that corners take which keep a distance from each other: the map of responses and the peaks, ranked and by place.
+pub fn need_of_corners(clip: &Clip, min_distance: usize) -> [f64; 2] {
+    let (width, height) = clip.size();
+    let pixels = (width * height) as f64;
+    let by_place = pixels * 40.0 / (min_distance.max(1) as f64).powi(2);
+    [14.0 * pixels + by_place, 34.0 * pixels + by_place]
+}
+
 impl<M: Measure> Estimator for Corners<M> {
     const INFO: Info = M::INFO;
     const PROMISE: Promise = Promise::Places;
@@ -265,6 +274,10 @@ impl<M: Measure> Estimator for Corners<M> {
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [0.0; 2]).and(need_of_corners(clip, self.0.settings().min_distance))
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         State::new(clip, frame)

@@ -5,10 +5,11 @@ mod tell;
 use std::sync::Arc;
 
 use crate::estimator::Mapped;
+use crate::memory::{self, Need};
 use crate::objects::{LabelEvent, Labelling, Record};
 use crate::scene::{Chart, Step};
 use crate::span::Span;
-use crate::subtraction::{HasSettings, cleaned, sifted, subtraction_params};
+use crate::subtraction::{HasSettings, cleaned, need_of_blobs, sifted, subtraction_params};
 use crate::{
     Clip, Detection, Error, Estimator, Frame, Grid, Info, Mask, MaskField, ObjectField, ObjectFrame, Observer, Output,
     PackedMask, Product, ProductKind, Progress, Promise, Rung, Scene, Seen, Threads, choices, pseudocode,
@@ -78,6 +79,7 @@ impl ConnectedComponents {
         if let Some(given) = &state.given {
             return Ok(Arc::clone(given));
         }
+        memory::check_kept(clip, state.record.bytes())?;
         let frame = clip.frame(state.frame)?;
         let (width, height) = frame.size();
         let mask = match self.pixels {
@@ -145,6 +147,10 @@ impl Estimator for ConnectedComponents {
     const PRODUCES: &'static [&'static ProductKind] = &[MaskField::KIND, ObjectField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        need_of_blobs(clip, self.settings(), Need::per_pixel(clip, [2.0, 8.0]))
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State {

@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::differential::filter;
+use crate::memory::Need;
 use crate::scene::{Fact, Math, Sentence};
 use crate::stage::{DenseFlow, Stage};
 use crate::subtraction::{Background, Explanation, Found, subtraction_params, subtraction_pseudocode};
@@ -112,6 +113,12 @@ impl Background for FlowMagnitude {
     const SHOWN: &'static str = "|w| in px/frame";
     const COMPARED: &'static str = "length of the optical flow";
     type Model = Model;
+
+    fn need(&self, clip: &Clip) -> Need {
+        let Need { run, .. } = self.method.need(clip);
+        // What is kept of a frame is the flow and two differences.
+        Need { run, ..Need::per_pixel(clip, [0.0, 20.0]) }.and([0.0, run as f64 / 4.0])
+    }
 
     fn begin(&self, first: &Arc<Frame>) -> Model {
         Model { before: Arc::clone(first), seen: OnceLock::new() }

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::memory::Need;
 use crate::scene::{Fact, Math};
 use crate::subtraction::{Background, Explanation, Flags, Found, compared, subtraction_params, subtraction_pseudocode};
 use crate::wide::wide;
 use crate::words;
-use crate::{Frame, Info, Mask, Role, Threads, choices};
+use crate::{Clip, Frame, Info, Mask, Role, Threads, choices};
 
 choices! {
     /// How many frames are looked at.
@@ -79,6 +80,10 @@ impl Background for FrameDifference {
     const SHOWN: &'static str = "|I(t) − B|, B the frame before, of two the nearer one";
     /// The frames before, the last one first.
     type Model = Vec<Arc<Frame>>;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [1.0, 1.0])
+    }
 
     fn begin(&self, first: &Arc<Frame>) -> Self::Model {
         vec![Arc::clone(first)]

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use crate::memory::Need;
 use crate::scene::Fact;
 use crate::subtraction::{
     Background, Explanation, Flags, Found, Initial, by_rows, compared, subtraction_params, subtraction_pseudocode,
 };
 use crate::wide::wide;
 use crate::words;
-use crate::{Frame, Gray, Info, Role, Threads};
+use crate::{Clip, Frame, Gray, Info, Role, Threads};
 
 subtraction_params! {
     /// An approximate median of each pixel.
@@ -62,6 +63,10 @@ impl Background for MedianBackground {
     };
     const SHOWN: &'static str = "|I − B|";
     type Model = Gray;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [2.0, 2.0])
+    }
 
     fn initial(&self) -> Initial {
         self.initial

@@ -5,10 +5,11 @@ mod tell;
 
 use std::sync::Arc;
 
+use crate::memory::Need;
 use crate::scene::Chart;
 use crate::subtraction::{Background, Explanation, Found, Initial, subtraction_params, subtraction_pseudocode};
 use crate::words;
-use crate::{Frame, Info, Threads};
+use crate::{Clip, Frame, Info, Threads};
 
 pub use model::{Mixture, Mode};
 
@@ -66,6 +67,12 @@ impl Background for MixtureOfGaussians {
     const SHOWN: &'static str = "|I − μ| / σ of the nearest mode of the background";
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
     type Model = Mixture;
+
+    fn need(&self, clip: &Clip) -> Need {
+        let is_gray = clip.cached(0).is_some_and(|frame| frame.color().is_none());
+        let bytes = Mixture::need(self.modes, if is_gray { 1 } else { 3 });
+        Need::per_pixel(clip, [bytes; 2])
+    }
 
     fn initial(&self) -> Initial {
         self.initial

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use crate::memory::Need;
 use crate::scene::Fact;
 use crate::subtraction::{
     Background, Explanation, Flags, Found, Initial, by_rows, compared, subtraction_params, subtraction_pseudocode,
 };
 use crate::wide::wide;
 use crate::words;
-use crate::{Frame, Grid, Info, Role, Threads};
+use crate::{Clip, Frame, Grid, Info, Role, Threads};
 
 subtraction_params! {
     /// A running average of each pixel.
@@ -63,6 +64,10 @@ impl Background for RunningAverage {
     };
     const SHOWN: &'static str = "|I − B|";
     type Model = Grid<f32>;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [6.0, 6.0])
+    }
 
     fn initial(&self) -> Initial {
         self.initial

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use crate::memory::Need;
 use crate::scene::{Fact, Math, Sentence};
 use crate::subtraction::{
     Background, Explanation, Flags, Found, Initial, by_rows, subtraction_params, subtraction_pseudocode,
 };
 use crate::wide::wide;
 use crate::words;
-use crate::{Frame, Grid, Info, Role, Threads};
+use crate::{Clip, Frame, Grid, Info, Role, Threads};
 
 subtraction_params! {
     /// A normal distribution for each pixel.
@@ -80,6 +81,10 @@ impl Background for SingleGaussian {
     };
     const SHOWN: &'static str = "|I − μ| / σ";
     type Model = Grid<Gaussian>;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [9.0, 9.0])
+    }
 
     fn initial(&self) -> Initial {
         self.initial

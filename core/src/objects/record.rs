@@ -44,6 +44,11 @@ impl Record {
         size_of_val(&self.frames[..]) + size_of_val(&self.pixels[..]) + last
     }
 
+    /// Memory that all frames take, in bytes.
+    pub fn bytes(&self) -> usize {
+        self.own_bytes() + self.shared_bytes()
+    }
+
     /// Memory that earlier frames take, in bytes.
     pub fn shared_bytes(&self) -> usize {
         self.frames.iter().rev().skip(1).map(|frame| frame.bytes()).sum()

@@ -66,6 +66,7 @@ impl Model for Clg {
                                    around each pixel are off, which makes the field proof against noise, and α² times how \
                                    unlike neighbours move, which fills in where a window says too little.";
     const SYSTEM_PARTS: usize = 5;
+    const NEED: [f64; 2] = [112.0, 220.0];
     type System = System;
     type Unknowns = Field;
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::differential::{Field, Multiscale, Weights, Window, field, relax, tell};
+use crate::memory::Need;
 use crate::polynomial::{Agreed, Agreement, Applicability, Expander, Looked, Moved, Packed, Part};
 use crate::scene::{Chart, Fact, Readout, Sentence, Series};
 use crate::words;
@@ -169,6 +170,10 @@ impl Estimator for Farneback {
     type Event = Event;
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Plane];
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [130.0, 240.0])
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())

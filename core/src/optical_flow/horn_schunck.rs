@@ -59,6 +59,7 @@ impl Model for HornSchunck {
                                    times how unlike neighbours move. (In some course notes the second part is multiplied by \
                                    I_x² + I_y² as well: a misprint, for where there is no gradient, smoothness is all there is.)";
     const SYSTEM_PARTS: usize = 3;
+    const NEED: [f64; 2] = [76.0, 150.0];
     type System = relax::System;
     type Unknowns = Field;
 

@@ -9,8 +9,9 @@ use crate::estimator::Mapped;
 use crate::features::affine::{Fit, IDENTITY, SAME_LIGHT, Start, Unfit, View};
 use crate::features::follow::{self, Follow};
 use crate::features::tracker::Level;
-use crate::features::{Detection, detect_around};
+use crate::features::{Detection, detect_around, need_of_corners};
 use crate::interest_points::{Harris, ShiTomasi};
+use crate::memory::{self, Need};
 use crate::scene::Chart;
 use crate::span::Span;
 use crate::{
@@ -155,6 +156,7 @@ impl Klt {
         if let Some(pair) = &state.pair {
             return Ok(Arc::clone(pair));
         }
+        memory::check_kept(clip, self.state_bytes(state))?;
         let frames = clip.pair(state.frame)?;
         let pyramid = |frame: &Frame| Arc::new(Level::pyramid(frame.luma(), self.levels, self.window / 2));
         let pyramids = [state.pyramid.take().unwrap_or_else(|| pyramid(&frames[0])), pyramid(&frames[1])];
@@ -323,6 +325,13 @@ impl Estimator for Klt {
     const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        // The first view of each point, its derivatives, and its track.
+        let points = self.max_points as f64 * (20.0 * (self.window * self.window) as f64 + 1000.0);
+        let corners = need_of_corners(clip, self.min_distance);
+        Need::per_pixel(clip, [14.0, 20.0]).and([points, 4.0 * points]).and(corners)
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State {

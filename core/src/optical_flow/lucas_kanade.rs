@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
 use crate::estimator::Mapped;
+use crate::memory::Need;
 use crate::scene::Chart;
 use crate::{
     Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Product,
@@ -211,6 +212,10 @@ impl Estimator for LucasKanade {
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [80.0, 210.0])
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())

@@ -11,6 +11,7 @@
 use std::sync::Arc;
 
 use crate::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
+use crate::memory::Need;
 use crate::scene::{Chart, Fact, Math, Picture, Plane, Readout, Sentence, Shape};
 use crate::words;
 use crate::{
@@ -122,6 +123,10 @@ impl Estimator for NormalFlow {
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [44.0, 100.0])
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())

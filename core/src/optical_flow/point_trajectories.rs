@@ -8,6 +8,7 @@ use crate::consistency::returned;
 use crate::differential::truth;
 use crate::features::follow::Follow;
 use crate::features::tracker::{Level, Template};
+use crate::memory::{self, Need};
 use crate::scene::Chart;
 use crate::span::Span;
 use crate::stage::{DenseFlow, Stage};
@@ -283,6 +284,7 @@ impl PointTrajectories {
         state: &mut State,
         observer: &mut impl Observer<Event>,
     ) -> Result<Progress, Error> {
+        memory::check_kept(clip, self.state_bytes(state))?;
         let pair = Arc::new(self.pair(clip, state.frame, threads)?);
         state.pair_bytes = pair.bytes();
         observer.see(|| Event(What::Flow(Arc::clone(&pair))));
@@ -359,6 +361,13 @@ impl Estimator for PointTrajectories {
     const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        let (width, height) = clip.size();
+        let points = (width.div_ceil(self.spacing) * height.div_ceil(self.spacing)) as f64;
+        // The flow there and back and both pyramids beside the method; each point has two tracks.
+        self.method.need(clip).and([28.0 * (width * height) as f64; 2]).and([1500.0 * points, 3000.0 * points])
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State {

@@ -8,6 +8,7 @@ use crate::features::follow::{self, Follow, Followed};
 use crate::features::tracker::Level;
 use crate::features::{Account, Trace, detect};
 use crate::interest_points::ShiTomasi;
+use crate::memory::Need;
 use crate::params::Spots;
 use crate::pyramid::halvings;
 use crate::scene::{Arrow, Chart, Fact, Picture, Readout, Sentence, Shape};
@@ -220,6 +221,14 @@ impl Estimator for PyramidalLucasKanade {
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND, DenseField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        match self.points {
+            Points::Dense => Need::per_pixel(clip, [72.0, 110.0]),
+            // Where corners are looked for, every fourth pixel may be one at first.
+            _ => Need::per_pixel(clip, [14.0, 20.0]),
+        }
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())

@@ -58,6 +58,7 @@ impl Model for TvL1 {
                                    off, and how much the field varies (total variation). Neither is squared: a border at \
                                    which motion jumps costs no more than a slow change from one side to the other.";
     const SYSTEM_PARTS: usize = 0;
+    const NEED: [f64; 2] = [122.0, 275.0];
     type System = ();
     type Unknowns = Dual;
 

@@ -15,6 +15,7 @@ pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
 pub(crate) use tell::{Account, plots};
 
+use crate::memory::{self, Need};
 use crate::objects::{Labelling, Record};
 use crate::params::inner_params;
 use crate::scene::{Chart, Step};
@@ -41,6 +42,9 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     fn initial(&self) -> Initial {
         Initial::FirstFrame
     }
+
+    /// Memory of a model of the frames of a clip, and of all that a frame is compared with.
+    fn need(&self, clip: &Clip) -> Need;
 
     /// What is known after the picture that it begins with.
     fn begin(&self, first: &Arc<Frame>) -> Self::Model;
@@ -144,6 +148,15 @@ pub enum Event {
     Updated,
 }
 
+/// Memory that masks and blobs take beside what a run takes for its model. Where nothing is opened or closed, noise makes a blob
+/// of nearly every pixel.
+pub(crate) fn need_of_blobs(clip: &Clip, settings: Settings, model: Need) -> Need {
+    let (width, height) = clip.size();
+    let pixels = (width * height) as f64;
+    let blobs = if settings.open == 0 && settings.close == 0 { 40.0 } else { 8.0 };
+    model.and([pixels * blobs, pixels * (20.0 + 2.0 * blobs)])
+}
+
 /// From a mask to blobs, as all do it.
 pub(crate) fn blobs(
     settings: Settings,
@@ -198,6 +211,7 @@ impl<M: Background> Subtraction<M> {
         observer: &mut impl Observer<Event>,
     ) -> Result<Progress, Error> {
         clip.wanted()?;
+        memory::check_kept(clip, state.record.bytes())?;
         let frame = self.next_frame(clip, state)?;
         let Some(model) = &mut state.model else {
             state.model = Some(Arc::new(self.0.begin(&frame)));
@@ -233,6 +247,13 @@ impl<M: Background> Estimator for Subtraction<M> {
     const PRODUCES: &'static [&'static ProductKind] = &[MaskField::KIND, ObjectField::KIND];
     type State = State<M::Model>;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        let model = self.0.need(clip);
+        // Walked through, the model before a frame, after it, kept and on its way, and the pictures that are told.
+        let walked = Need { walk: 4 * model.walk, ..model };
+        need_of_blobs(clip, self.0.settings(), walked)
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error> {
         let span = Span::new(clip, frame, self.0.settings().frames)?;

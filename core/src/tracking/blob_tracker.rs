@@ -5,6 +5,7 @@ mod tell;
 
 use std::sync::Arc;
 
+use crate::memory::Need;
 use crate::objects::assignment::{Effort, least_cost};
 use crate::objects::course::{Course, tracker_params};
 use crate::objects::lives::Age;
@@ -388,6 +389,10 @@ impl Estimator for BlobTracker {
     const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State { course: Course::new(self.course_settings(), clip, frame)?, bodies: Vec::new() })

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::{is_far_outside, object_of};
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
+use crate::memory::Need;
 use crate::objects::source::{Detector, Given, Noise, Source, center, truth_of, usual_detector};
 use crate::objects::{Extent, Followed, Life, Object, ObjectFrame};
 use crate::params::Spots;
@@ -368,6 +369,10 @@ impl Estimator for KalmanFilter {
     const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let span = Span::new(clip, frame, self.frames)?;

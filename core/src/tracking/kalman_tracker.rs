@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::{is_far_outside, object_of};
 use crate::kalman::{Filter, Measurement, Model, MotionModel};
+use crate::memory::Need;
 use crate::objects::course::{Course, tracker_params};
 use crate::objects::lives::Age;
 use crate::objects::{Bounds, Detection, Extent, Object, ObjectFrame};
@@ -200,6 +201,10 @@ impl Estimator for KalmanTracker {
     const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State { course: Course::new(self.course_settings(), clip, frame)?, tracks: Vec::new() })

@@ -10,8 +10,25 @@ pub use kalman_filter::KalmanFilter;
 pub use kalman_tracker::KalmanTracker;
 pub use trajectory_analysis::TrajectoryAnalysis;
 
+use crate::Clip;
 use crate::kalman::Filter;
+use crate::memory::Need;
 use crate::objects::{Bounds, Life, Object};
+
+/// Where nobody has detected anything yet, so many objects are reckoned with.
+const RECKONED: usize = 1000;
+
+/// So many pairs of an object are kept for each of its detections at most: see [`kalman_tracker`].
+const PAIRS: usize = 500;
+
+/// Memory that following the objects of a clip takes: for each of the frame that has the most its tracks and pairs, and what is
+/// told of it; and where what moves is looked for, the background, a frame compared with it, and the blobs.
+fn need(clip: &Clip) -> Need {
+    let frames = clip.info().frames.unwrap_or(0);
+    let most = (0..frames).filter_map(|t| clip.detections(t)).map(<[_]>::len).max().unwrap_or(RECKONED) as f64;
+    let objects = most * (4096.0 + 40.0 * most.min(PAIRS as f64));
+    Need::per_pixel(clip, [10.0, 10.0]).and([objects, 4.0 * objects])
+}
 
 /// The object that a filter follows.
 fn object_of(filter: &Filter, id: u32, bounds: Bounds, life: Life) -> Object {

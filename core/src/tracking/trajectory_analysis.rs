@@ -5,6 +5,7 @@ mod tell;
 use std::sync::Arc;
 
 use super::kalman_tracker::{KalmanTracker, State as Tracked};
+use crate::memory::Need;
 use crate::objects::directions::Directions;
 use crate::objects::source::{Source, usual_detector};
 use crate::objects::trajectory::{Crossing, News, Places, Stay, Trajectory, Unusual};
@@ -212,6 +213,10 @@ impl Estimator for TrajectoryAnalysis {
     const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
     type State = State;
     type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let tracked = self.tracker().start(clip, frame)?;

@@ -49,6 +49,8 @@ pub trait Model: Params + HasSettings + Default + Clone + Send + Sync + 'static 
     const OPENING: &'static str;
     /// How many numbers for each pixel [`Model::System`] holds.
     const SYSTEM_PARTS: usize;
+    /// Memory that a run takes for each pixel at most, in bytes, and one that is walked through.
+    const NEED: [f64; 2];
     /// What is worked out from the constraints once for all iterations of a warp.
     type System: Send + Sync + 'static;
     /// What iterations change.

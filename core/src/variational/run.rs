@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::declare::Settings;
 use super::model::{Iteration, Model, Unknowns, Warp};
 use crate::differential::{Field, Linear, Multiscale, field, filter, relax};
+use crate::memory::Need;
 use crate::params::inner_params;
 use crate::scene::Chart;
 use crate::{
@@ -251,6 +252,10 @@ impl<M: Model> Estimator for Variational<M> {
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State<M>;
     type Event = Event<M>;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, M::NEED)
+    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State<M>, Error> {
         self.prepare(clip, frame, &Threads::single())

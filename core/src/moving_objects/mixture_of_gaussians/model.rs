@@ -146,6 +146,11 @@ impl Mixture {
         Self { size: first.size(), channels, most: of.modes, counts, planes: vec![cells], packed: None }
     }
 
+    /// Memory of so many modes for each pixel, in bytes: weight, variance and means.
+    pub fn need(modes: usize, channels: usize) -> f64 {
+        (modes * (2 + channels) * size_of::<f32>() + 2) as f64
+    }
+
     /// Numbers of a mode of a group.
     fn part(&self) -> usize {
         (2 + self.channels) * LANES
