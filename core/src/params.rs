@@ -154,6 +154,10 @@ impl Spec {
             },
             Kind::Choice(all) => all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name)),
             Kind::Placed(figure) => figure.parse(text).map(Value::Placed),
+            // The one that is declared comes as it is declared.
+            Kind::Stage(_) if matches!(&self.default, Value::Stage(usual) if usual.id() == text) => {
+                Some(self.default.clone())
+            }
             Kind::Stage(kind) => return kind.parse(text).map(Value::Stage).map_err(|error| self.stage_refusal(error)),
         };
         value.ok_or_else(|| self.refusal(text)).and_then(|value| self.check(value))

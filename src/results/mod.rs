@@ -114,7 +114,7 @@ impl Export {
         })
     }
 
-    /// Writes `made` to `path`, whole or not at all; gives how many files in words.
+    /// Writes `made` to `path`, each file whole or not at all; says what was written.
     ///
     /// # Errors
     /// If a file cannot be written.

@@ -151,7 +151,11 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Act
                 if matches!(spec.kind, Kind::Placed(_) | Kind::Stage(_)) {
                     continue;
                 }
-                let (value, default) = (part.value(inner), Some(spec.default.clone()));
+                let usual = match &parent.default {
+                    Some(Value::Stage(usual)) if usual.id() == stage.id() => usual.part().value(inner),
+                    _ => spec.default.clone(),
+                };
+                let (value, default) = (part.value(inner), Some(usual));
                 let within = Some((stage, inner));
                 let row = Row { owner, index, within, spec, value, default, theme, is_placing: false };
                 row.show(ui, actions);
@@ -240,7 +244,10 @@ impl Row<'_> {
                 for part in (kind.all)() {
                     let row = ui.selectable_label(part.id() == now.id(), part.name());
                     if row.on_hover_text(part.summary()).clicked() && part.id() != now.id() {
-                        wanted = Some(StageValue::new(part));
+                        wanted = match &self.default {
+                            Some(Value::Stage(usual)) if usual.id() == part.id() => Some(usual.clone()),
+                            _ => Some(StageValue::new(part)),
+                        };
                     }
                 }
             });

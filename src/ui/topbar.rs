@@ -97,13 +97,17 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     ui.add_space(8.0);
     let is_single = input.document.estimator().is_of_single_frames();
     let frames = if is_single { format!("frame {frame}") } else { format!("frame {frame} → {}", frame + 1) };
-    ui.label(RichText::new(frames).color(dim));
-    ui.add_space(8.0);
+    // The way back out of a stage needs the room.
+    if input.document.parents().len() == 0 {
+        ui.label(RichText::new(frames).color(dim));
+        ui.add_space(8.0);
+    }
     let info = input.document.estimator().info();
     let beside = input.document.company().beside.len();
     let name = if beside == 0 { info.name.to_owned() } else { format!("{} and {beside} more", info.name) };
     for parent in input.document.parents() {
-        let crumb = ui.add(Button::new(RichText::new(format!("{} ›", parent.name)).color(dim)).frame(false));
+        let name = widgets::elide(parent.name, 16);
+        let crumb = ui.add(Button::new(RichText::new(format!("{name} ›")).color(dim)).frame(false));
         if crumb.on_hover_text(Command::OutOfStage.with_key("Back out of the stage.")).clicked() {
             actions.command(Command::OutOfStage);
         }

@@ -42,7 +42,7 @@ fn decide_row(model: &mut [u8], row: &[u8], words: &mut [u64], median: &MedianBa
 }
 
 subtraction_pseudocode! {
-    begin: "B ← the first frame",
+    begin: "B ← the initial background",
     compare: "  d ← |I − B|",
     decide: "  foreground if d > threshold",
     update: "  B ← B + step where I > B, B − step where I < B, but not beyond I",

@@ -44,7 +44,7 @@ subtraction_params! {
 const MAX_SIGMAS: f32 = 2.25;
 
 subtraction_pseudocode! {
-    begin: "one mode for each pixel: w ← 1, μ ← the first frame, σ ← first-sigma",
+    begin: "one mode for each pixel: w ← 1, μ ← the initial background, σ ← first-sigma",
     compare: "  mode ← the heaviest with |I − μ| ≤ threshold · σ, if there is one",
     decide: "  foreground if there is none, or heavier modes have the share background already",
     shadows: "  shadow if I ≈ a μ with darkest ≤ a ≤ 1 for a mode of the background",

@@ -44,7 +44,7 @@ fn decide_row(model: &mut [f32], row: &[u8], words: &mut [u64], average: &Runnin
 }
 
 subtraction_pseudocode! {
-    begin: "B ← the first frame",
+    begin: "B ← the initial background",
     compare: "  d ← |I − B|",
     decide: "  foreground if d > threshold",
     update: "  B ← (1 − rate) B + rate · I; if selective, in the background only",

@@ -61,7 +61,7 @@ fn decide_row(model: &mut [Gaussian], row: &[u8], words: &mut [u64], of: &Single
 }
 
 subtraction_pseudocode! {
-    begin: "μ ← the first frame, σ ← first-sigma",
+    begin: "μ ← the initial background, σ ← first-sigma",
     compare: "  d ← |I − μ| / σ",
     decide: "  foreground if d > threshold",
     update: "  μ ← μ + rate (I − μ), σ² ← σ² + rate ((I − μ)² − σ²); if selective, in the background only",

@@ -60,9 +60,10 @@ impl Product for ObjectField {
 
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
         let own = counted(self).and(ways(&self.trajectories));
-        let scored = reference.clip.truth().map(|truth| score::scores(self, &**truth)).transpose();
+        let scored = score::scores_on(reference.clip, self);
+        reference.clip.wanted()?;
         Ok(match scored {
-            Ok(scored) => own.and(scored.flatten().map(tracking).unwrap_or_default()),
+            Ok(scored) => own.and(scored.map(tracking).unwrap_or_default()),
             Err(error) => own.and(Assessment {
                 facts: vec![fact("Scores", format!("unknown: {error}"))],
                 truth_error: Some(error),
@@ -87,7 +88,12 @@ fn counted(field: &ObjectField) -> Assessment {
     let [told, from, of] = [objects, detections, frames].map(grouped);
     let text = format!("{told}, from {from} detections in {of} frames");
     let values = [frames, detections, objects].map(Figure::from);
-    Assessment::default().with(scores(&COUNTS, values), vec![fact("Objects", text)])
+    let told = match field.followed {
+        // Each frame was looked at by itself: there are no tracks to count.
+        Followed::Nobody => fact("Detections", format!("{from} in {of} frames")),
+        _ => fact("Tracks", text),
+    };
+    Assessment::default().with(scores(&COUNTS, values), vec![told])
 }
 
 /// What trajectories tell of the line, the zone and unusual directions, where they were looked at.
@@ -119,11 +125,11 @@ fn ways(all: &[Arc<Trajectory>]) -> Assessment {
 }
 
 fn tracking(of: Scores) -> Assessment {
-    let Scores { truths, switches, mota, motp, idf1, precision, recall, hota, .. } = of;
+    let Scores { truths, switches, mota, motp, idf1, precision, recall, hota, hasty, .. } = of;
     let values = [mota, motp, idf1, hota].map(Figure::from);
     let [a, b, c, d] = values;
     let values = [a, b, c, d, switches.into(), precision.into(), recall.into(), truths.into()];
-    let facts = vec![
+    let mut facts = vec![
         fact("MOTA, MOTP", format!("{mota:.3}, {motp:.3}")),
         fact("IDF1", format!("{idf1:.3}")),
         fact("HOTA", format!("{hota:.3}")),
@@ -133,6 +139,11 @@ fn tracking(of: Scores) -> Assessment {
             format!("{:.1} %, {:.1} % of {} true boxes", 100.0 * precision, 100.0 * recall, grouped(truths)),
         ),
     ];
+    if hasty > 0 {
+        let told =
+            format!("{} boxes were paired greedily: their crowd is too large for the best assignment", grouped(hasty));
+        facts.push(fact("Approximate", told));
+    }
     let headline = format!("MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches");
     Assessment { headline, ..Assessment::default() }.with(scores(&TRACKING, values), facts)
 }

@@ -192,6 +192,7 @@ impl Position {
             DisposalMethod::Background => Disposal::Cleared(place),
             DisposalMethod::Previous => Disposal::Restored(place, self.canvas.copy(place)),
         };
+        super::super::check_size(width.max(1), height.max(1))?;
         if width > 0 && height > 0 {
             let mut codes = vec![0; width * height];
             self.decoder.read_into_buffer(&mut codes).map_err(|e| damaged(&e))?;

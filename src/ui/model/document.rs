@@ -31,6 +31,8 @@ pub struct Setup {
     pub difficulty: Option<Difficulty>,
     /// The estimators of which it is a stage, one of the other, while that is walked by itself: the outermost first.
     pub parents: Vec<Parent>,
+    /// The frame that the stage at work runs on, where it is one.
+    pub stage_frame: Option<usize>,
 }
 
 /// An estimator that waits while one of its stages is walked by itself.
@@ -68,19 +70,20 @@ fn is_same(a: &dyn AnyEstimator, b: &dyn AnyEstimator) -> bool {
 
 impl Clone for Setup {
     fn clone(&self) -> Self {
-        let Self { estimator, company, difficulty, parents } = self;
+        let Self { estimator, company, difficulty, parents, stage_frame } = self;
         let (company, difficulty, parents) = (company.clone(), difficulty.clone(), parents.clone());
-        Self { estimator: estimator.boxed_clone(), company, difficulty, parents }
+        Self { estimator: estimator.boxed_clone(), company, difficulty, parents, stage_frame: *stage_frame }
     }
 }
 
 impl PartialEq for Setup {
     fn eq(&self, other: &Self) -> bool {
-        let Self { estimator, company, difficulty, parents } = self;
+        let Self { estimator, company, difficulty, parents, stage_frame } = self;
         is_same(&**estimator, &*other.estimator)
             && *company == other.company
             && *difficulty == other.difficulty
             && *parents == other.parents
+            && *stage_frame == other.stage_frame
     }
 }
 
@@ -114,8 +117,13 @@ pub struct Document {
 impl Default for Document {
     fn default() -> Self {
         let estimator = estimators().swap_remove(0);
-        let setup =
-            History::new(Setup { estimator, company: Company::default(), difficulty: None, parents: Vec::new() });
+        let setup = History::new(Setup {
+            estimator,
+            company: Company::default(),
+            difficulty: None,
+            parents: Vec::new(),
+            stage_frame: None,
+        });
         Self {
             clip: None,
             setup,
@@ -213,7 +221,8 @@ impl Document {
         (self.truth, self.refused) = (truth, None);
         self.inputs = Arc::default();
         self.made = difficulty.clone();
-        self.setup = History::new(Setup { difficulty, parents: Vec::new(), ..self.setup.now().clone() });
+        self.setup =
+            History::new(Setup { difficulty, parents: Vec::new(), stage_frame: None, ..self.setup.now().clone() });
     }
 
     /// Notes the files that the clip is read from, so that nothing is written over them.
@@ -224,7 +233,7 @@ impl Document {
     /// Takes an estimator with its parameters, its company and a frame, as a session has them: without a past.
     pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, company: Company, frame: usize) {
         let difficulty = self.setup.now().difficulty.clone();
-        self.setup = History::new(Setup { estimator, company, difficulty, parents: Vec::new() });
+        self.setup = History::new(Setup { estimator, company, difficulty, parents: Vec::new(), stage_frame: None });
         self.go_to_frame(frame);
     }
 
@@ -234,6 +243,7 @@ impl Document {
         let before = std::mem::replace(&mut next.estimator, estimator);
         next.company.relieve(&*before, &*next.estimator);
         next.parents.clear();
+        next.stage_frame = None;
         self.setup.settle();
         self.setup.change("estimator", next);
         self.setup.settle();
@@ -242,7 +252,7 @@ impl Document {
 
     /// Has `estimator` go in lockstep with `company` from now on, or alone; undo brings back what was before.
     pub fn keep_company(&mut self, estimator: Box<dyn AnyEstimator>, company: Company) {
-        let next = Setup { estimator, company, parents: Vec::new(), ..self.setup.now().clone() };
+        let next = Setup { estimator, company, parents: Vec::new(), stage_frame: None, ..self.setup.now().clone() };
         self.setup.settle();
         self.setup.change("company", next);
         self.setup.settle();
@@ -258,7 +268,11 @@ impl Document {
     pub fn enter(&mut self, index: usize, shown: &Snapshot) -> Option<Place> {
         let now = self.setup.now();
         let Opened { estimator, frame, cursor } = stage::open(&*now.estimator, index, (self.frame, shown.frame))?;
-        let mut next = Setup { estimator, company: Company::default(), ..now.clone() };
+        // A parent may stand at the last frame, of which there is no pair.
+        let frames = self.clip()?.info().frames;
+        let frame = frame.min(frames.map_or(usize::MAX, |frames| frames.saturating_sub(estimator.info().frames)));
+        let stage_frame = Some(frame);
+        let mut next = Setup { estimator, company: Company::default(), stage_frame, ..now.clone() };
         next.parents.push(Parent {
             estimator: now.estimator.boxed_clone(),
             company: now.company.clone(),
@@ -285,6 +299,7 @@ impl Document {
             estimator.set_value(index, stage::value_of(&*next.estimator)).ok()?;
         }
         (next.estimator, next.company) = (estimator, company);
+        next.stage_frame = (!next.parents.is_empty()).then_some(frame);
         self.setup.settle();
         self.setup.change("stage", next);
         self.setup.settle();
@@ -351,7 +366,9 @@ impl Document {
 
     /// Takes the last change back; gives whether there was one.
     pub fn undo(&mut self) -> bool {
+        let outer = self.outer_frame();
         let done = self.setup.undo();
+        self.frame_of_stage(outer);
         self.remake();
         // What looks at one frame may have stood at the last.
         self.go_to_frame(self.frame);
@@ -360,11 +377,23 @@ impl Document {
 
     /// Makes the change again that was taken back; gives whether there was one.
     pub fn redo(&mut self) -> bool {
+        let outer = self.outer_frame();
         let done = self.setup.redo();
+        self.frame_of_stage(outer);
         self.remake();
         // What looks at one frame may have stood at the last.
         self.go_to_frame(self.frame);
         done
+    }
+
+    /// The frame that the outermost estimator runs on, while one of its stages is walked by itself.
+    fn outer_frame(&self) -> Option<usize> {
+        self.setup.now().parents.first().map(|parent| parent.frame)
+    }
+
+    /// Goes to the frame of the stage that is at work now, or from a stage, `outer` being that of its parent, back to this one.
+    fn frame_of_stage(&mut self, outer: Option<usize>) {
+        self.frame = self.setup.now().stage_frame.or(outer).unwrap_or(self.frame);
     }
 
     /// Whether there is a change to take back.

@@ -480,9 +480,11 @@ impl<'a> Worker<'a> {
             if let Some((subject, flow)) = desk.backward.take() {
                 desk.view.checking = false;
                 desk.view.busy = true;
+                (desk.since, desk.unwanted) = (Some(Instant::now()), None);
                 return Some(Task::Backward(subject, flow));
             }
             if std::mem::take(&mut desk.focus_moved) {
+                (desk.since, desk.unwanted) = (Some(Instant::now()), None);
                 return Some(Task::Focus);
             }
             let was_busy = std::mem::replace(&mut desk.view.busy, false) | desk.view.progress.take().is_some();
