@@ -481,6 +481,7 @@ impl<E: Estimator> AnyEstimator for E {
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error> {
         check_pictures::<E>(clip)?;
         check_memory(self, clip, |need| need.run)?;
+        clip.wanted()?;
         memory::keep();
         Estimator::run(self, clip, frame, threads).map(|state| self.output(&state))
     }

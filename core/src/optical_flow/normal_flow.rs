@@ -205,6 +205,7 @@ impl Estimator for NormalFlow {
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
+        clip.wanted()?;
         let (width, height) = state.fixed.given.size();
         let mut flow = Grid::new(width, height, [0.0; 2]);
         threads.rows(&mut flow, |y, row| self.row(&state.fixed.derivatives, y, row, &mut ()));
