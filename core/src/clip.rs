@@ -312,7 +312,7 @@ impl Clip {
     }
 
     /// The same clip, given up with another one, and with its memory.
-    pub(crate) fn as_part_of(self, whole: &Clip) -> Self {
+    pub(crate) fn part_of(self, whole: &Clip) -> Self {
         Self { budget: whole.budget, ..self.until(whole.stop.clone()) }
     }
 
@@ -420,7 +420,7 @@ impl Clip {
     pub fn reversed(&self, t: usize) -> Result<Self, Error> {
         let [first, second] = self.pair(t)?;
         let info = ClipInfo { frames: Some(2), ..ClipInfo::clone(&self.info) };
-        Ok(Self::new(info, Arc::new(InMemory(vec![second, first]))).as_part_of(self))
+        Ok(Self::new(info, Arc::new(InMemory(vec![second, first]))).part_of(self))
     }
 }
 

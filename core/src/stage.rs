@@ -199,7 +199,7 @@ impl Stage<DenseFlow> {
     pub fn between(&self, clip: &Clip, frames: [&Frame; 2], threads: &Threads) -> Result<Flow, Error> {
         let grays = frames.map(|frame| Frame::gray(frame.luma().clone()));
         let pair = Clip::from_frames("a pair of frames", grays.into())?;
-        self.flow(&pair.as_part_of(clip), 0, threads)
+        self.flow(&pair.part_of(clip), 0, threads)
     }
 }
 

@@ -127,7 +127,7 @@ mod tests {
     /// Boxes of many sizes all over the place, some of them without any, some nowhere.
     fn boxes(count: u64) -> Vec<Bounds> {
         let chance = |i: u64, k: u64| {
-            let mixed = (i * 0x9E37_79B9 ^ k * 0x85EB_CA6B).wrapping_mul(0x2545_F491_4F6C_DD1D);
+            let mixed = ((i * 0x9E37_79B9) ^ (k * 0x85EB_CA6B)).wrapping_mul(0x2545_F491_4F6C_DD1D);
             (mixed >> 40) as f32 / (1u32 << 24) as f32
         };
         let of = |i: u64| {

@@ -171,7 +171,8 @@ mod tests {
 
     #[test]
     fn pairs_are_those_of_the_table() {
-        let cell = |x: usize, y: usize| if (x * 7 + y * 5) % 3 == 0 { (10 * x + y) as f64 } else { f64::INFINITY };
+        let cell =
+            |x: usize, y: usize| if (x * 7 + y * 5).is_multiple_of(3) { (10 * x + y) as f64 } else { f64::INFINITY };
         let table = Grid::from_fn(6, 4, cell);
         let pairs = Pairs::of(&table);
         assert_eq!((pairs.columns(), pairs.rows()), (6, 4));

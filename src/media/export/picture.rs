@@ -28,7 +28,7 @@ pub fn png(width: usize, height: usize, pixels: Pixels) -> Result<Vec<u8>, Error
 /// The same of what an estimator found: the PNG says that Motionscope made it, and is never taken for truth.
 ///
 /// # Errors
-/// As [`png`].
+/// As [`png()`].
 pub fn png_result(width: usize, height: usize, pixels: Pixels) -> Result<Vec<u8>, Error> {
     encode(width, height, pixels, Some(SOFTWARE))
 }

@@ -391,8 +391,8 @@ fn lanes(row: &[u8]) -> [f32; LANES] {
 #[inline(always)]
 fn bits(is: impl Fn(usize) -> bool) -> u16 {
     let mut bits = [0u32; LANES];
-    for lane in 0..LANES {
-        bits[lane] = if is(lane) { 1 << lane } else { 0 };
+    for (lane, bit) in bits.iter_mut().enumerate() {
+        *bit = if is(lane) { 1 << lane } else { 0 };
     }
     bits.iter().fold(0, |all, bit| all | bit) as u16
 }
