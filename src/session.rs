@@ -32,12 +32,12 @@ use motionscope_core::params::Parameter;
 use motionscope_core::{AnyEstimator, Cursor, Error, Pace, Value};
 use serde::Serialize;
 
-use crate::company::Company;
+use crate::experiment::company::Company;
+use crate::experiment::pixel::Pixel;
+use crate::experiment::source::Source;
 use crate::media::{self, export};
 use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
-use crate::pixel::Pixel;
-use crate::shot::Look;
-use crate::source::Source;
+use crate::view::shot::Look;
 
 /// The version of the format that is written.
 const VERSION: u32 = 1;

@@ -6,9 +6,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use motionscope::experiment::source::Source;
 use motionscope::media::{Open, open};
 use motionscope::session::Session;
-use motionscope::source::Source;
 use motionscope_core::{Cursor, Move, estimator};
 use serde_json::Value;
 

@@ -10,10 +10,12 @@ use eframe::egui::{
 };
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use motionscope::motion::Offer;
 use motionscope::paint::{ColorMap, Lengthen, Pictures, Theme, View};
+use motionscope::ui::charts::{heat_map, series, surface3d, tiles};
+use motionscope::ui::drawing::style;
+use motionscope::ui::panes::why;
 use motionscope::ui::stage::{self, Zoom};
-use motionscope::ui::{heat_map, series, style, surface3d, tiles, why};
+use motionscope::view::motion::Offer;
 use motionscope_core::block_matching::FullSearch;
 use motionscope_core::scene::{Readout, Surface, Tile};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Role, Scene, Step, Walk};

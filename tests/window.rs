@@ -1,5 +1,7 @@
 //! The window driven headlessly: no display, no graphics card, but real keys, clicks and drags.
 
+#[path = "window/every.rs"]
+mod every;
 #[path = "window/files.rs"]
 mod files;
 #[path = "window/levels.rs"]
@@ -30,19 +32,20 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, Rect, TouchPhase, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use motionscope::experiment::source::Source;
 use motionscope::media::Open;
-use motionscope::motion::Reverse;
 use motionscope::paint::{ColorMap, Lengthen, LevelShown, Theme, View};
 use motionscope::results::EXPORTS;
 use motionscope::session::Session;
-use motionscope::shot::{Format, Look};
-use motionscope::source::Source;
 use motionscope::ui::app::App;
-use motionscope::ui::commands::{Command, Menu, Rungs};
+use motionscope::ui::app::commands::{Command, Menu, Rungs};
+use motionscope::ui::charts::heat_map;
 use motionscope::ui::model::document::Owner;
 use motionscope::ui::model::snapshot::Snapshot;
 use motionscope::ui::model::writer::{Order, What};
-use motionscope::ui::{self, Start, heat_map};
+use motionscope::ui::{self, Start};
+use motionscope::view::motion::Reverse;
+use motionscope::view::shot::{Format, Look};
 use motionscope_core::scene::Readout;
 use motionscope_core::{Cursor, Value, metrics};
 

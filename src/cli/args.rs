@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::{Args as Group, Parser, Subcommand};
 use motionscope_core::{Cursor, Pace, Threads};
 
+use crate::experiment::pixel::Pixel;
 use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
-use crate::pixel::Pixel;
 use crate::results::Asked;
 use crate::session;
 

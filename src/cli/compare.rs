@@ -7,12 +7,12 @@ use motionscope_core::{Clip, Error, Stop, Threads};
 use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
 use super::say;
-use crate::claims;
-use crate::comparison::{self, Arena, Row};
+use crate::experiment::claims;
+use crate::experiment::comparison::{self, Arena, Row};
+use crate::experiment::source::Source;
 use crate::media::Open;
 use crate::media::export::{self, Inputs, Target, What};
 use crate::session::{Named, Session};
-use crate::source::Source;
 
 /// Compares what `args` name.
 ///

@@ -7,7 +7,7 @@ use super::outputs::refuse_losses;
 use super::say;
 use super::task::Task;
 use crate::media::export::Target;
-use crate::shot::{self, Format, Steps};
+use crate::view::shot::{self, Format, Steps};
 
 /// Writes what `args` ask for; each file whole or not at all.
 ///

@@ -3,6 +3,7 @@
 mod args;
 mod compare;
 mod export;
+mod free_memory;
 mod list;
 mod outputs;
 mod report;
@@ -18,9 +19,9 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use motionscope_core::Error;
 
+use crate::experiment::source::Source;
 use crate::media::{self, Info};
 use crate::session::Named;
-use crate::source::Source;
 use crate::ui;
 use args::{Args, Command};
 
@@ -30,7 +31,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(args) => args,
         Err(error) => return usage(&error),
     };
-    motionscope_core::memory::measure_with(crate::free_memory::free_bytes);
+    motionscope_core::memory::measure_with(free_memory::free_bytes);
     match run(args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -10,7 +10,7 @@ use serde_json::Map;
 
 use super::list::value;
 use super::task::Task;
-use crate::motion::Check;
+use crate::view::motion::Check;
 
 /// One run in numbers.
 #[derive(Serialize)]

@@ -12,10 +12,10 @@ use super::report::{Findings, Report, Timing, to_json};
 use super::say;
 use super::task::Task;
 use crate::media::export::{self, Target};
-use crate::motion::{Check, Reverse};
 use crate::paint::{FlowLayer, LevelShown};
 use crate::results::{self, Export};
-use crate::shot::{self, Format, Still};
+use crate::view::motion::{Check, Reverse};
+use crate::view::shot::{self, Format, Still};
 
 /// Runs what `args` ask for. Files are made in full before the first is written.
 ///

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, estimator};
 
 use super::args::{LookArgs, TaskArgs};
-use crate::company::Company;
+use crate::experiment::company::Company;
+use crate::experiment::pixel::{Chosen, Pixel};
+use crate::experiment::source::Source;
 use crate::media::export::{Inputs, What};
 use crate::media::{self, Open};
 use crate::paint::View;
-use crate::pixel::{Chosen, Pixel};
 use crate::session::{Named, Session, Wanted};
-use crate::shot::Look;
-use crate::source::Source;
+use crate::view::shot::Look;
 
 /// A clip with the estimator to run on it.
 pub struct Task {

@@ -18,6 +18,7 @@ mod sequence;
 mod sniff;
 mod stills;
 mod truth;
+pub mod unfinished;
 mod video;
 
 use std::io;

@@ -6,9 +6,9 @@ use motionscope_core::{AnyEstimator, Error, Pace, estimator};
 
 use super::toml_text::{Entry, Section};
 use super::{Session, Sight, VERSION, Wanted, colors, pace, spacing_px, stretch, theme, view};
-use crate::company::Company;
+use crate::experiment::company::Company;
+use crate::experiment::source::Source;
 use crate::paint::{Lengthen, LevelShown, Opacity, Phase, Share};
-use crate::source::Source;
 
 /// The session in `text`, whose paths are told from `folder`.
 ///

@@ -1,7 +1,7 @@
 //! The levels of a pyramid in the window.
 
 use super::*;
-use motionscope::shot::{self, Still};
+use motionscope::view::shot::{self, Still};
 use motionscope_core::Levels;
 
 /// A window on a hierarchical search, on its first candidates.

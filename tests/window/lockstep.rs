@@ -1,7 +1,7 @@
 //! Estimators in lockstep in the window.
 
 use super::*;
-use motionscope::shot::{self, Still};
+use motionscope::view::shot::{self, Still};
 use motionscope_core::Pace;
 
 fn names(window: &Window) -> Vec<&'static str> {

@@ -8,12 +8,12 @@ use motionscope_core::{Cursor, ProductKind};
 
 use crate::media::export::Inputs;
 use crate::results::{self, Export};
-use crate::shot::{Format, Look, Steps};
-use crate::ui::action::{Action, Actions, Browse};
-use crate::ui::commands::Rungs;
+use crate::ui::app::action::{Action, Actions, Browse};
+use crate::ui::app::commands::Rungs;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{self, Order, What};
 use crate::ui::parts::widgets;
+use crate::view::shot::{Format, Look, Steps};
 
 /// Scales that can be chosen.
 const SCALES: [u32; 4] = [1, 2, 4, 8];

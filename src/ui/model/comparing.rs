@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use motionscope_core::{Clip, Error, Stop, Threads};
 
 use super::background::Background;
-use crate::comparison::{Arena, Contender, Row};
+use crate::experiment::comparison::{Arena, Contender, Row};
+use crate::experiment::source::Source;
 use crate::media::{Open, Progress};
-use crate::source::Source;
 
 /// What is compared, and where.
 pub struct Plan {

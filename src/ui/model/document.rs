@@ -9,9 +9,9 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Params, Value, e
 
 use super::history::History;
 use super::snapshot::{Job, Place, Snapshot, Subject};
-use crate::company::Company;
+use crate::experiment::company::Company;
+use crate::experiment::source::Source;
 use crate::media::export::Inputs;
-use crate::source::Source;
 
 /// Where a clip comes from.
 enum Origin {

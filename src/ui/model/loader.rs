@@ -7,10 +7,10 @@ use std::sync::Arc;
 use motionscope_core::{Clip, Error};
 
 use super::background::Background;
+use crate::experiment::source::Source;
 use crate::media::export::{Inputs, What};
 use crate::media::{self, Open, Progress};
 use crate::session::{Named, Session};
-use crate::source::Source;
 
 /// A clip that was opened.
 pub struct Opened {

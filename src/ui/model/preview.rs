@@ -6,8 +6,8 @@ use motionscope_core::scene::{Picture, Sentence, Shape};
 use motionscope_core::{Clip, Cursor, Error, Role, Scene, Step};
 
 use super::snapshot::{Snapshot, Subject};
-use crate::motion::Offer;
-use crate::shot;
+use crate::view::motion::Offer;
+use crate::view::shot;
 
 /// The run of `subject` before its first step, with frames of `clip`, which is that of the subject.
 ///

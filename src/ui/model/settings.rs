@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::player::Player;
 use crate::paint::{ColorMap, Lengthen, Theme};
-use crate::ui::layout::{self, Folded, Pane, Tight};
-use crate::ui::style::{Look, ZOOM};
+use crate::ui::drawing::style::{Look, ZOOM};
+use crate::ui::panes::layout::{self, Folded, Pane, Tight};
 
 /// Clips that are remembered.
 const RECENT: usize = 12;

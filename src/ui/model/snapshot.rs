@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Pace, Role, Rung, Scene, Step};
 
-use crate::company::Company;
+use crate::experiment::company::Company;
+use crate::experiment::pixel::Pixel;
+use crate::experiment::source::Source;
 use crate::media::export::Inputs;
-use crate::motion::Offer;
 use crate::paint::Pictures;
-use crate::pixel::Pixel;
-use crate::source::Source;
-use crate::tile::Tile;
+use crate::view::motion::Offer;
+use crate::view::tile::Tile;
 
 /// What is run. A run never changes it: whoever has a picture of the run knows what it is a picture of.
 pub struct Subject {

@@ -20,12 +20,12 @@ use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Histogram, Move, Ou
 
 use super::preview::{preview, stopped};
 use super::snapshot::{Hold, Job, Place, Pointed, Snapshot, Subject};
-use crate::motion::{Motion, Offer, Site, Want, backward};
+use crate::experiment::pixel::{Pixel, is_explained, walks_pixels};
 use crate::paint::{FlowLayer, Pictures};
-use crate::pixel::{Pixel, is_explained, walks_pixels};
-use crate::shot::{LastPair, pictures};
-use crate::tile::{self, Ending, add_assessment, add_facts, endings, tiles};
-use crate::ui::action::Side;
+use crate::ui::app::action::Side;
+use crate::view::motion::{Motion, Offer, Site, Want, backward};
+use crate::view::shot::{LastPair, pictures};
+use crate::view::tile::{self, Ending, add_assessment, add_facts, endings, tiles};
 use way::Way;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.

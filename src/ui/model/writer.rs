@@ -8,11 +8,11 @@ use motionscope_core::{Cursor, Error, Output};
 
 use super::background::Background;
 use super::snapshot::{Snapshot, Subject};
+use crate::experiment::pixel::Chosen;
 use crate::media::Progress;
 use crate::media::export::{self, Inputs, Target};
-use crate::pixel::Chosen;
 use crate::results::Export;
-use crate::shot::{Format, Look, Moment, STEP, Steps};
+use crate::view::shot::{Format, Look, Moment, STEP, Steps};
 
 /// How often writing that waits for the run asks whether it was cancelled.
 const POLL: Duration = Duration::from_millis(50);

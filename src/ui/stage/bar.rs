@@ -7,7 +7,7 @@ use motionscope_core::{Frame, Role};
 use super::{Input, Response, State, motion, pixels};
 use crate::paint::legend::{self, Entry, Sample};
 use crate::paint::{Face, FlowLayer, Look, Primitive, Theme, View, grouped, number};
-use crate::ui::{ink, primitives};
+use crate::ui::drawing::{ink, primitives};
 
 /// The most room that the legend needed, so that the pictures do not jump from step to step.
 #[derive(Clone, Copy, Default)]

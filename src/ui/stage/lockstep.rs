@@ -7,9 +7,9 @@ use motionscope_core::scene::Sentence;
 
 use super::{Input, Lens, Response, bar};
 use crate::paint::{Face, Theme, brevity};
-use crate::tile::Tile;
-use crate::ui::commands::Command;
-use crate::ui::ink;
+use crate::ui::app::commands::Command;
+use crate::ui::drawing::ink;
+use crate::view::tile::Tile;
 
 /// Between two tiles, in points.
 const GAP: f32 = 12.0;

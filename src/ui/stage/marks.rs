@@ -8,7 +8,7 @@ use motionscope_core::scene::Mark;
 
 use super::{Input, Lens, pixels};
 use crate::paint::{Look, Panel, Placement, Style, primitive, resolve};
-use crate::ui::primitives::{Kept, Maker};
+use crate::ui::drawing::primitives::{Kept, Maker};
 
 /// The shapes that were shown last, by panel.
 #[derive(Clone, Default)]

@@ -29,13 +29,13 @@ pub(crate) use pictures::image_of;
 pub(crate) use pixels::on_gray;
 pub use placing::{Gesture, Placing};
 
-use super::{ink, primitives};
-use crate::motion::Offer;
 use crate::paint::{
     self, ArrowStyle, ColorMap, Face, FlowLayer, Lengthen, LevelShown, Opacity, Panel, Placement, Share, Shown, Style,
     Theme, View,
 };
-use crate::tile::Tile;
+use crate::ui::drawing::{ink, primitives};
+use crate::view::motion::Offer;
+use crate::view::tile::Tile;
 use glide::Glide;
 use marks::Marks;
 use pictures::Pictures;

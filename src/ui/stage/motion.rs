@@ -9,9 +9,9 @@ use motionscope_core::scene;
 use super::{Input, Response, State};
 use crate::paint::{Face, FlowLayer, Lengthen, Tint, TintKey, legend, number};
 use crate::session::SPACING_PX;
-use crate::ui::commands::Command;
+use crate::ui::app::commands::Command;
+use crate::ui::drawing::{ink, primitives};
 use crate::ui::parts::widgets;
-use crate::ui::{ink, primitives};
 
 /// Diameter of the wheel among the choices, in points.
 const WHEEL: f32 = 88.0;

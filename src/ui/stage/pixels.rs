@@ -5,7 +5,7 @@ use motionscope_core::{Frame, Gray};
 
 use super::Lens;
 use crate::paint::{Face, Panel, Pictures, Shown};
-use crate::ui::ink;
+use crate::ui::drawing::ink;
 
 /// Points per pixel from which the grid is drawn.
 const GRID: f32 = 12.0;

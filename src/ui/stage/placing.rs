@@ -5,7 +5,7 @@ use motionscope_core::params::{Figure, Placed, Spec, Spot};
 
 use super::{Input, Lens, Response, State};
 use crate::paint::Theme;
-use crate::ui::style;
+use crate::ui::drawing::style;
 
 /// How near to a handle one has to press to take it, in points.
 const NEAR_PT: f32 = 12.0;

@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicUsize;
 use motionscope_core::{Frame, FrameSource, Grid, Way, estimator};
 
 use super::*;
-use crate::company::Company;
-use crate::source::Source;
+use crate::experiment::company::Company;
+use crate::experiment::source::Source;
 
 fn clip() -> Clip {
     let texture = |x: usize, y: usize| (x * 31 + y * 57 + x * y % 7 * 20) as u8;

@@ -1,0 +1,14 @@
+//! Charts of what a step tells, as they are drawn and pointed at in the window.
+
+pub mod axis;
+pub mod distribution;
+pub mod heat_map;
+pub mod histogram;
+pub mod map;
+pub mod matrices;
+pub mod plane;
+pub mod plots;
+pub mod series;
+pub mod stack3d;
+pub mod surface3d;
+pub mod tiles;

@@ -1,0 +1,6 @@
+//! How the window draws: the theme's colors and type, primitives as shapes, arrows on the graphics card.
+
+pub mod arrows;
+pub mod ink;
+pub mod primitives;
+pub mod style;
