@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::bounds::Bounds;
 use crate::{Detection, Error, Gray, Grid, Stop};
 
 /// One picture of a clip: its gray values, and its colours if it has any.
@@ -117,6 +118,13 @@ pub struct ObjectBox {
     pub height: f32,
     /// Share of the object that can be seen, 0 to 1.
     pub visibility: f32,
+}
+
+impl From<&ObjectBox> for Bounds {
+    fn from(object: &ObjectBox) -> Self {
+        let min = [object.x, object.y];
+        Self { min, max: [min[0] + object.width, min[1] + object.height] }
+    }
 }
 
 /// What is known about a clip beyond its pixels. `Ok(None)` where nothing is known for that frame.
@@ -303,7 +311,7 @@ impl Clip {
 
     /// The bytes of memory that a run on the clip may take: as many as it was given, or as are free.
     pub fn room(&self) -> u64 {
-        self.budget.unwrap_or_else(crate::memory::free)
+        self.budget.unwrap_or_else(crate::heap::free)
     }
 
     /// Whether the memory of runs was given.

@@ -1,6 +1,6 @@
 //! How often each displacement came: what a search leaves behind, to be seen at one glance.
 
-use crate::{Flow, Grid, coding};
+use crate::{Flow, Grid, entropy};
 
 /// The smallest part of the plane that is shown to either side of (0, 0), in px, so that it does not grow at each step.
 const LEAST: i32 = 2;
@@ -64,7 +64,7 @@ impl Histogram {
             counts,
             units,
             newest: has_newest.then(|| bin(last)),
-            bits: coding::vector_bits(vectors.iter().copied()) / vectors.len() as f64,
+            bits: entropy::vector_bits(vectors.iter().copied()) / vectors.len() as f64,
             is_rounded: vectors.iter().flatten().any(|c| c.fract() != 0.0),
         })
     }

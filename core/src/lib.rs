@@ -49,28 +49,35 @@
 //! # Ok::<(), motionscope_core::Error>(())
 //! ```
 
+mod any;
 pub mod block_matching;
 mod block_search;
+mod bounds;
 mod clip;
 mod coding;
 pub mod compare;
 mod consistency;
 mod cost;
+mod cursor;
+mod detection;
 mod differential;
+mod entropy;
 mod error;
 mod estimator;
 mod features;
 mod grid;
+mod heap;
 mod histogram;
 pub mod interest_points;
 mod interpolation;
 pub mod kalman;
 mod levels;
 pub mod lockstep;
-pub mod memory;
 pub mod metrics;
 pub mod moving_objects;
+mod need;
 pub mod objects;
+mod observer;
 pub mod optical_flow;
 pub mod params;
 mod polynomial;
@@ -78,6 +85,8 @@ pub mod products;
 pub mod pseudocode;
 mod pyramid;
 mod registry;
+mod role;
+mod rows;
 pub mod scene;
 mod span;
 pub mod stage;
@@ -90,32 +99,43 @@ mod threads;
 mod timeline;
 pub mod tracking;
 mod variational;
+mod walk;
 mod wide;
 mod words;
 
+/// Memory: how much is free, and what a run needs.
+pub mod memory {
+    pub use crate::heap::{ASSUMED_FREE, free, measure_with};
+    pub use crate::need::Need;
+}
+
+pub use any::{AnyEstimator, AnyRun, Extent};
+pub use bounds::Bounds;
 pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use coding::Coding;
 pub use consistency::{Agreement, Consistency};
+pub use cursor::Cursor;
+pub use detection::{Blob, Detection};
 pub use error::Error;
-pub use estimator::{
-    AnyEstimator, AnyRun, Count, Estimator, Explained, Extent, Info, Observer, Progress, Promise, Rung, Seen,
-    run_observed,
-};
+pub use estimator::{Estimator, Explained, Info, Progress, Promise, Rung, Seen, run_observed};
 pub use grid::{Border, Gray, Grid};
 pub use histogram::{Counted, Histogram};
 pub use interpolation::Interpolation;
 pub use levels::{Floor, Level, Levels, Stack};
-pub use lockstep::{Beside, Lockstep, Pace};
-pub use objects::{Blob, Bounds, Detection, Followed, Life, Mask, Object, ObjectField, ObjectFrame, PackedMask};
+pub use lockstep::{Lockstep, Pace};
+pub use objects::{Followed, Life, Mask, Object, ObjectField, ObjectFrame, PackedMask};
+pub use observer::{Count, Observer};
 pub use params::{Params, Spec, Value};
 pub use products::{
     Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Feature, MaskField, Output, PointField, Product,
     ProductKind, Status, Track, TrackField, predict,
 };
 pub use registry::{estimator, estimators};
-pub use scene::{Role, Scene, Step};
+pub use role::Role;
+pub use scene::{Scene, Step};
 pub use stop::Stop;
 pub use streaks::{Streak, Streaks};
 pub use threads::Threads;
-pub use timeline::{Cursor, Move, Timeline, Walk, Way};
+pub use timeline::Timeline;
+pub use walk::{Beside, Move, Walk, Way};
 pub use words::{grouped, spaced};

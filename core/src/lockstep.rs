@@ -6,11 +6,10 @@
 //! diamond             ●   ●   ●   ●   found           one that is done waits
 //! ```
 
-use crate::block_search::unit_at;
 use crate::scene::Readout;
 use crate::{
-    AnyEstimator, BlockField, BlockGrid, Clip, Cursor, Error, Info, Move, Output, Role, Rung, Scene, Step, Threads,
-    Walk, Way, choices,
+    AnyEstimator, Beside, BlockField, BlockGrid, Clip, Cursor, Error, Info, Move, Output, Role, Rung, Scene, Step,
+    Threads, Walk, Way, choices,
 };
 
 choices! {
@@ -25,30 +24,6 @@ choices! {
 
 /// As many can stand beside each other.
 pub const MEMBERS: std::ops::RangeInclusive<usize> = 2..=4;
-
-/// One of the estimators that stand beside each other, where it stands.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Beside {
-    /// What there is to say about the estimator.
-    pub info: &'static Info,
-    /// Where its own run stands.
-    pub cursor: Cursor,
-    /// What it tells there; its readouts name the candidates of the block at hand where alone they name its events.
-    pub step: Step,
-    /// What it shows there.
-    pub scene: Scene,
-    /// What its run amounts to there.
-    pub output: Output,
-    /// Candidates that it tested for the block at hand.
-    pub candidates: usize,
-    /// Which of the units that lead to the block it is at, from 1, and how many there are: more than one where levels
-    /// are gone through.
-    pub leg: (usize, usize),
-    /// Candidates that its run has tested in all, to get there.
-    pub candidates_in_all: u64,
-    /// Whether nothing is left to do for it: for this block, or in all where the budget counts.
-    pub is_done: bool,
-}
 
 /// The events of one unit of a member at which candidates were tested.
 #[derive(Clone, Default)]
@@ -422,7 +397,7 @@ impl Walk for Lockstep {
 
     fn unit_at(&self, point: [f32; 2]) -> Option<usize> {
         match self.pace {
-            Pace::Block => unit_at(&self.blocks, point),
+            Pace::Block => self.blocks.at(point),
             Pace::Budget => self.members[0].walk.unit_at(point),
         }
     }

@@ -13,66 +13,52 @@ use crate::moving_objects::{
 use crate::optical_flow::{
     Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
 };
+use crate::stage::{Course, Entries, Entry};
 use crate::tracking::{BlobTracker, KalmanFilter, KalmanTracker, TrajectoryAnalysis};
 use crate::variational::Variational;
-use crate::{AnyEstimator, Error, Estimator, ProductKind};
+use crate::{AnyEstimator, Error};
 
-/// An estimator before it is made.
-pub struct Entry {
-    /// Its id.
-    pub id: &'static str,
-    /// The kinds of products that it makes.
-    pub produces: &'static [&'static ProductKind],
-    /// Makes it, with its default parameters.
-    pub make: fn() -> Box<dyn AnyEstimator>,
+impl Entries for Course {
+    const ENTRIES: &'static [Entry] = &[
+        Entry::of::<FullSearch>(),
+        Entry::of::<QuadrantSearch>(),
+        Entry::of::<LogSearch>(),
+        Entry::of::<ThreeStep>(),
+        Entry::of::<NewThreeStep>(),
+        Entry::of::<FourStep>(),
+        Entry::of::<Diamond>(),
+        Entry::of::<Hexagon>(),
+        Entry::of::<AdaptiveRood>(),
+        Entry::of::<Predictive>(),
+        Entry::of::<Hierarchical>(),
+        Entry::of::<NormalFlow>(),
+        Entry::of::<LucasKanade>(),
+        Entry::of::<PyramidalLucasKanade>(),
+        Entry::of::<Klt>(),
+        Entry::of::<Variational<HornSchunck>>(),
+        Entry::of::<Variational<Clg>>(),
+        Entry::of::<Variational<TvL1>>(),
+        Entry::of::<Farneback>(),
+        Entry::of::<PointTrajectories>(),
+        Entry::of::<Corners<Harris>>(),
+        Entry::of::<Corners<ShiTomasi>>(),
+        Entry::of::<Subtraction<FrameDifference>>(),
+        Entry::of::<Subtraction<RunningAverage>>(),
+        Entry::of::<Subtraction<MedianBackground>>(),
+        Entry::of::<Subtraction<SingleGaussian>>(),
+        Entry::of::<Subtraction<MixtureOfGaussians>>(),
+        Entry::of::<Subtraction<FlowMagnitude>>(),
+        Entry::of::<ConnectedComponents>(),
+        Entry::of::<BlobTracker>(),
+        Entry::of::<KalmanFilter>(),
+        Entry::of::<KalmanTracker>(),
+        Entry::of::<TrajectoryAnalysis>(),
+    ];
 }
-
-impl Entry {
-    const fn of<E: Estimator>() -> Self {
-        Self { id: E::INFO.id, produces: E::PRODUCES, make: || Box::new(E::default()) }
-    }
-}
-
-/// Every estimator, in the order of the course.
-pub const ENTRIES: &[Entry] = &[
-    Entry::of::<FullSearch>(),
-    Entry::of::<QuadrantSearch>(),
-    Entry::of::<LogSearch>(),
-    Entry::of::<ThreeStep>(),
-    Entry::of::<NewThreeStep>(),
-    Entry::of::<FourStep>(),
-    Entry::of::<Diamond>(),
-    Entry::of::<Hexagon>(),
-    Entry::of::<AdaptiveRood>(),
-    Entry::of::<Predictive>(),
-    Entry::of::<Hierarchical>(),
-    Entry::of::<NormalFlow>(),
-    Entry::of::<LucasKanade>(),
-    Entry::of::<PyramidalLucasKanade>(),
-    Entry::of::<Klt>(),
-    Entry::of::<Variational<HornSchunck>>(),
-    Entry::of::<Variational<Clg>>(),
-    Entry::of::<Variational<TvL1>>(),
-    Entry::of::<Farneback>(),
-    Entry::of::<PointTrajectories>(),
-    Entry::of::<Corners<Harris>>(),
-    Entry::of::<Corners<ShiTomasi>>(),
-    Entry::of::<Subtraction<FrameDifference>>(),
-    Entry::of::<Subtraction<RunningAverage>>(),
-    Entry::of::<Subtraction<MedianBackground>>(),
-    Entry::of::<Subtraction<SingleGaussian>>(),
-    Entry::of::<Subtraction<MixtureOfGaussians>>(),
-    Entry::of::<Subtraction<FlowMagnitude>>(),
-    Entry::of::<ConnectedComponents>(),
-    Entry::of::<BlobTracker>(),
-    Entry::of::<KalmanFilter>(),
-    Entry::of::<KalmanTracker>(),
-    Entry::of::<TrajectoryAnalysis>(),
-];
 
 /// Every estimator with its default parameters, in the order of the course.
 pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
-    ENTRIES.iter().map(|entry| (entry.make)()).collect()
+    Course::ENTRIES.iter().map(|entry| (entry.make)()).collect()
 }
 
 /// The estimator called `id`, with its default parameters.
@@ -80,16 +66,5 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
 /// # Errors
 /// A sentence with the ids there are.
 pub fn estimator(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
-    entry(id).map(|entry| (entry.make)())
-}
-
-/// The entry of the estimator called `id`.
-///
-/// # Errors
-/// A sentence with the ids there are.
-pub fn entry(id: &str) -> Result<&'static Entry, Error> {
-    ENTRIES.iter().find(|entry| entry.id == id).ok_or_else(|| {
-        let ids: Vec<_> = ENTRIES.iter().map(|entry| entry.id).collect();
-        Error::new(format!("there is no estimator {id}; there are {}", ids.join(", ")))
-    })
+    Course::entry(id).map(|entry| (entry.make)())
 }

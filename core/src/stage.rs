@@ -5,13 +5,50 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::memory::Need;
+use crate::need::Need;
 use crate::params::{Kind, Parameter, Part, PartKind, Spec, StageValue};
-use crate::registry::{self, Entry};
 use crate::{
-    AnyEstimator, AnyRun, Clip, Cursor, DenseField, Detection, Error, Flow, Frame, MaskField, ObjectField, Params,
-    Product, ProductKind, Progress, Threads, Value,
+    AnyEstimator, AnyRun, Clip, Cursor, DenseField, Detection, Error, Estimator, Flow, Frame, MaskField, ObjectField,
+    Params, Product, ProductKind, Progress, Threads, Value,
 };
+
+/// An estimator before it is made.
+pub struct Entry {
+    /// Its id.
+    pub id: &'static str,
+    /// The kinds of products that it makes.
+    pub produces: &'static [&'static ProductKind],
+    /// Makes it, with its default parameters.
+    pub make: fn() -> Box<dyn AnyEstimator>,
+}
+
+impl Entry {
+    /// The entry of an estimator.
+    pub const fn of<E: Estimator>() -> Self {
+        Self { id: E::INFO.id, produces: E::PRODUCES, make: || Box::new(E::default()) }
+    }
+}
+
+/// All estimators that stages are chosen from. Stages stand below the estimators that have them, so the list of these is
+/// filled in from above.
+pub struct Course;
+
+/// A list of estimators.
+pub trait Entries {
+    /// All of them, in the order of the course.
+    const ENTRIES: &'static [Entry];
+
+    /// The one called `id`.
+    ///
+    /// # Errors
+    /// A sentence with the ids there are.
+    fn entry(id: &str) -> Result<&'static Entry, Error> {
+        Self::ENTRIES.iter().find(|entry| entry.id == id).ok_or_else(|| {
+            let ids: Vec<_> = Self::ENTRIES.iter().map(|entry| entry.id).collect();
+            Error::new(format!("there is no estimator {id}; there are {}", ids.join(", ")))
+        })
+    }
+}
 
 /// What is asked of the estimators that can be a stage.
 pub trait Makes: Clone + Copy + fmt::Debug + Send + Sync + 'static {
@@ -69,7 +106,7 @@ impl<M: Makes> Stage<M> {
 
 /// The estimator called `id` if it makes what `M` asks for.
 fn candidate<M: Makes>(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
-    let entry = registry::entry(id)?;
+    let entry = Course::entry(id)?;
     if makes::<M>(entry) {
         return Ok((entry.make)());
     }
@@ -85,7 +122,7 @@ fn makes<M: Makes>(entry: &Entry) -> bool {
 
 /// The estimators that make what `M` asks for, in the order of the course.
 fn candidates<M: Makes>() -> impl Iterator<Item = &'static Entry> {
-    registry::ENTRIES.iter().filter(|entry| makes::<M>(entry))
+    Course::ENTRIES.iter().filter(|entry| makes::<M>(entry))
 }
 
 fn kind_of<M: Makes>() -> PartKind {

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use crate::{Error, Grid};
+use crate::Error;
 
 /// A number of threads to spread work over.
 pub struct Threads(Option<rayon::ThreadPool>);
@@ -81,30 +81,17 @@ impl Threads {
         }
     }
 
-    /// Has `f` write every row of `grid`, given its number; the rows are written in any order.
-    pub fn rows<T: Send>(&self, grid: &mut Grid<T>, f: impl Fn(usize, &mut [T]) + Sync) {
-        let width = grid.width();
-        self.chunks(grid.cells_mut(), width, f);
-    }
-
-    /// Has `f` write every row of all `grids`, which are of one size, given its number, in any order. What it gives of each
-    /// row, in theirs.
-    pub(crate) fn rows_of<T: Send, R: Send, const N: usize>(
+    /// What `f` gives of each of `parts`, in their order; worked out in any.
+    pub(crate) fn gather<T: Send, R: Send>(
         &self,
-        grids: [&mut Grid<T>; N],
-        f: impl Fn(usize, [&mut [T]; N]) -> R + Send + Sync,
+        parts: impl Iterator<Item = T>,
+        f: impl Fn(T) -> R + Send + Sync,
     ) -> Vec<R> {
-        let height = grids.first().map_or(0, |grid| grid.height());
-        let mut rows = grids.map(|grid| {
-            let width = grid.width().max(1);
-            grid.cells_mut().chunks_exact_mut(width)
-        });
-        let rows = (0..height).map(|y| (y, rows.each_mut().map(|rows| rows.next().unwrap_or_default())));
         match &self.0 {
-            None => rows.map(|(y, rows)| f(y, rows)).collect(),
+            None => parts.map(f).collect(),
             Some(pool) => {
-                let rows: Vec<_> = rows.collect();
-                pool.install(|| rows.into_par_iter().map(|(y, rows)| f(y, rows)).collect())
+                let parts: Vec<_> = parts.collect();
+                pool.install(|| parts.into_par_iter().map(f).collect())
             }
         }
     }

@@ -21,9 +21,9 @@ use super::{
 };
 use crate::block_search::{
     BlockSearch, Displacement, Event, HasSettings, Match, Neighbours, Pair, Probe, Settings, Subpixel, Tester,
-    Workspace, block_search_params, need, unit_at, vector,
+    Workspace, block_search_params, need, vector,
 };
-use crate::memory::Need;
+use crate::need::Need;
 use crate::scene::{Chart, Fact, Readout, Sentence};
 use crate::threads::Earlier;
 use crate::{
@@ -382,7 +382,7 @@ impl Estimator for Hierarchical {
     }
 
     fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let index = unit_at(&state.pair().blocks, point.map(|c| c / state.scale()))?;
+        let index = state.pair().blocks.at(point.map(|c| c / state.scale()))?;
         Some(state.first_unit(state.level) + index)
     }
 
@@ -476,7 +476,7 @@ impl Estimator for Hierarchical {
         for (level, found) in state.found.iter().enumerate().skip(1) {
             for (i, (_, candidates)) in found.iter().enumerate() {
                 let place = state.levels[level].blocks.block(i).center().map(|c| c * (1u32 << level) as f32);
-                if let Some(Some(vector)) = unit_at(&blocks, place).map(|index| &mut vectors[index]) {
+                if let Some(Some(vector)) = blocks.at(place).map(|index| &mut vectors[index]) {
                     vector.candidates += candidates;
                 }
             }

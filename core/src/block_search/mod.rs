@@ -22,7 +22,7 @@ pub use neighbours::Neighbours;
 pub(crate) use probe::Probe;
 pub(crate) use rate::Rate;
 pub use search::BlockSearch;
-pub(crate) use search::{need, search_pseudocode, unit_at};
+pub(crate) use search::{need, search_pseudocode};
 pub(crate) use settings::block_search_params;
 pub use settings::{BorderRule, Cost, HasSettings, Settings};
 pub use subpixel::{Fit, Subpixel};

@@ -6,13 +6,13 @@ use super::probe::Probe;
 use super::tester::Workspace;
 use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
 use crate::line_names;
-use crate::memory::Need;
+use crate::need::Need;
 use crate::pseudocode::Name;
 use crate::scene::Chart;
 use crate::threads::Earlier;
 use crate::{
-    BlockField, BlockGrid, Clip, Error, Estimator, Info, Observer, Output, Params, Product, ProductKind, Progress,
-    Promise, Role, Rung, Scene, Seen, Step, Threads,
+    BlockField, Clip, Error, Estimator, Info, Observer, Output, Params, Product, ProductKind, Progress, Promise, Role,
+    Rung, Scene, Seen, Step, Threads,
 };
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
@@ -171,7 +171,7 @@ impl<S: BlockSearch> Estimator for S {
     }
 
     fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        unit_at(&state.pair.blocks, point)
+        state.pair.blocks.at(point)
     }
 
     fn is_evaluation(&self, event: &Event) -> bool {
@@ -227,14 +227,6 @@ pub(crate) fn need(clip: &Clip, blocks: usize) -> Need {
 
 /// What is told of a block with the largest window, in bytes.
 const EVENTS: f64 = 8e6;
-
-/// The block whose centre is nearest to `point`, if that lies in the picture.
-pub(crate) fn unit_at(blocks: &BlockGrid, [x, y]: [f32; 2]) -> Option<usize> {
-    let (width, height) = blocks.picture;
-    let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
-    let (column, row) = blocks.nearest(inside(x, width)?, inside(y, height)?);
-    Some(row * blocks.counts().0 + column)
-}
 
 fn probe<'a, S: BlockSearch>(search: &S, seen: &'a Seen<S>) -> Probe<'a> {
     let Seen { before: State { pair, found, .. }, events, focus, .. } = *seen;

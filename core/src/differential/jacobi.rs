@@ -1,7 +1,7 @@
 //! Jacobi's iterations, several close behind each other through rows that stay in the cache.
 
 use super::Field;
-use super::relax::{BESIDE, update};
+use super::stencil::{BESIDE, update};
 use crate::Threads;
 use crate::wide::widest;
 

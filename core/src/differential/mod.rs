@@ -9,6 +9,7 @@ mod jacobi;
 mod linear;
 mod multiscale;
 pub mod relax;
+pub mod stencil;
 pub mod tell;
 mod tensor;
 mod warp;

@@ -6,13 +6,9 @@
 //! for α²/3 in the integral: the paper takes the 3 of its Laplacian, 3 (mean − value), into α² as well.
 
 use super::jacobi::{self, DEPTH, Rows};
+use super::stencil::{BESIDE, CORNER, update};
 use super::{Field, Linear};
 use crate::{Border, Grid, Threads};
-
-/// Weight of the neighbours beside, above and below in the average.
-pub const BESIDE: f32 = 1.0 / 6.0;
-/// Weight of those across the corners.
-pub const CORNER: f32 = 1.0 / 12.0;
 
 /// The constraints of a picture, divided by the root of α² + a² + b². From the mean (u, v) around a pixel its update is then
 /// (u, v) − (a, b) (a u + b v + c).
@@ -111,13 +107,6 @@ fn pad(target: &mut [f32], row: &[f32]) {
 fn average([above, here, below]: [&[f32]; 3], x: usize) -> f32 {
     BESIDE * ((above[x + 1] + below[x + 1]) + (here[x] + here[x + 2]))
         + CORNER * ((above[x] + above[x + 2]) + (below[x] + below[x + 2]))
-}
-
-/// What fits a pixel and the mean of its neighbours.
-#[inline(always)]
-pub(super) fn update([u, v]: [f32; 2], [a, b, c]: [f32; 3]) -> [f32; 2] {
-    let off = a * u + b * v + c;
-    [u - a * off, v - b * off]
 }
 
 /// The two parts of the energy, on average over the pixels: how far the constraints are off, and how far neighbours differ.

@@ -6,7 +6,7 @@ use super::declare::HasSettings;
 use super::response::Tensors;
 use super::select::{Chosen, Peaks, Settings, largest, rank};
 use crate::differential::Tensor;
-use crate::memory::Need;
+use crate::need::Need;
 use crate::params::inner_params;
 use crate::scene::{Chart, Math, Step};
 use crate::{

@@ -2,7 +2,7 @@
 
 use super::tracker::{Level, Mismatch, Template};
 use crate::differential::{Tensor, Texture};
-use crate::estimator::Mapped;
+use crate::observer::Mapped;
 use crate::{Observer, Status};
 
 /// How points are followed.

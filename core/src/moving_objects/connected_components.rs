@@ -4,9 +4,10 @@ mod tell;
 
 use std::sync::Arc;
 
-use crate::estimator::Mapped;
-use crate::memory::{self, Need};
-use crate::objects::{LabelEvent, Labelling, Record};
+use crate::need::{self, Need};
+use crate::objects::{LabelEvent, Labelling};
+use crate::observer::Mapped;
+use crate::products::Record;
 use crate::scene::{Chart, Step};
 use crate::span::Span;
 use crate::subtraction::{HasSettings, cleaned, need_of_blobs, sifted, subtraction_params};
@@ -79,7 +80,7 @@ impl ConnectedComponents {
         if let Some(given) = &state.given {
             return Ok(Arc::clone(given));
         }
-        memory::check_kept(clip, state.record.bytes())?;
+        need::check_kept(clip, state.record.bytes())?;
         let frame = clip.frame(state.frame)?;
         let (width, height) = frame.size();
         let mask = match self.pixels {

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::differential::filter;
-use crate::memory::Need;
+use crate::need::Need;
 use crate::scene::{Fact, Math, Sentence};
 use crate::stage::{DenseFlow, Stage};
 use crate::subtraction::{Background, Explanation, Found, subtraction_params, subtraction_pseudocode};

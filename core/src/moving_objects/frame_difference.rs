@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::memory::Need;
+use crate::need::Need;
 use crate::scene::{Fact, Math};
 use crate::subtraction::{Background, Explanation, Flags, Found, compared, subtraction_params, subtraction_pseudocode};
 use crate::wide::wide;

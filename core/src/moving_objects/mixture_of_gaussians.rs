@@ -5,7 +5,7 @@ mod tell;
 
 use std::sync::Arc;
 
-use crate::memory::Need;
+use crate::need::Need;
 use crate::scene::Chart;
 use crate::subtraction::{Background, Explanation, Found, Initial, subtraction_params, subtraction_pseudocode};
 use crate::words;

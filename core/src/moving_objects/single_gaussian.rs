@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::memory::Need;
+use crate::need::Need;
 use crate::scene::{Fact, Math, Sentence};
 use crate::subtraction::{
     Background, Explanation, Flags, Found, Initial, by_rows, subtraction_params, subtraction_pseudocode,

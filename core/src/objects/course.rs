@@ -9,7 +9,7 @@ use super::{Bounds, Detection, Followed, Life, Object, ObjectField, ObjectFrame}
 use crate::params::Spots;
 use crate::span::Span;
 use crate::stage::{Foreground, Stage};
-use crate::{Clip, Error, Progress, Rung, memory};
+use crate::{Clip, Error, Progress, Rung, need};
 
 /// Declares the parameters of a tracker: its own between those that all have, whose values `course_settings` gives.
 macro_rules! tracker_params {
@@ -126,7 +126,7 @@ impl Course {
     /// If the frame or the truth cannot be read, or there is no room for more.
     pub fn look(&mut self, clip: &Clip) -> Result<(Vec<Detection>, usize), Error> {
         self.changed_from = self.frames.len();
-        memory::check_kept(clip, self.own_bytes() + self.shared_bytes())?;
+        need::check_kept(clip, self.own_bytes() + self.shared_bytes())?;
         let mut detections = self.detector.look(clip, self.frame())?;
         let found = detections.len();
         if self.detector.tells_scores() {

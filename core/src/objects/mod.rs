@@ -10,7 +10,6 @@ mod mask;
 mod morphology;
 pub(crate) mod near;
 pub mod pairs;
-mod record;
 pub mod score;
 pub mod source;
 pub(crate) mod tell;
@@ -23,105 +22,9 @@ pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
 pub use extent::Extent;
 pub use mask::{Mask, PackedMask};
 pub use morphology::MAX_RADIUS_PX;
-pub use record::Record;
 
-use crate::ObjectBox;
+pub use crate::{Blob, Bounds, Detection};
 use trajectory::Trajectory;
-
-/// An axis-parallel rectangle by its outer edges, in px.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// Left and top edge; that of the first pixel lies at −0.5.
-    pub min: [f32; 2],
-    /// Right and bottom edge.
-    pub max: [f32; 2],
-}
-
-impl Bounds {
-    /// The rectangle of a width and height around a centre.
-    pub fn around(center: [f32; 2], size: [f32; 2]) -> Self {
-        Self { min: [0, 1].map(|i| center[i] - size[i] / 2.0), max: [0, 1].map(|i| center[i] + size[i] / 2.0) }
-    }
-
-    /// The centre.
-    pub fn center(&self) -> [f32; 2] {
-        [0, 1].map(|i| (self.min[i] + self.max[i]) / 2.0)
-    }
-
-    /// Width and height.
-    pub fn size(&self) -> [f32; 2] {
-        [0, 1].map(|i| self.max[i] - self.min[i])
-    }
-
-    /// The same rectangle elsewhere.
-    #[must_use]
-    pub fn moved(&self, by: [f32; 2]) -> Self {
-        let add = |corner: [f32; 2]| [0, 1].map(|i| corner[i] + by[i]);
-        Self { min: add(self.min), max: add(self.max) }
-    }
-
-    /// The area in px².
-    pub fn area(&self) -> f32 {
-        let [width, height] = self.size();
-        width.max(0.0) * height.max(0.0)
-    }
-
-    /// The area in px² that both have in common.
-    fn shared_area(&self, other: &Bounds) -> f32 {
-        let both = Bounds {
-            min: [0, 1].map(|i| self.min[i].max(other.min[i])),
-            max: [0, 1].map(|i| self.max[i].min(other.max[i])),
-        };
-        both.area()
-    }
-
-    /// Intersection over union, 0 to 1.
-    pub fn iou(&self, other: &Bounds) -> f32 {
-        let (shared, all) = (self.shared_area(other), self.area() + other.area());
-        if shared > 0.0 { shared / (all - shared) } else { 0.0 }
-    }
-
-    /// The intersection as a share of the smaller one, 0 to 1.
-    pub fn shared(&self, other: &Bounds) -> f32 {
-        let (shared, smaller) = (self.shared_area(other), self.area().min(other.area()));
-        if shared > 0.0 { shared / smaller } else { 0.0 }
-    }
-}
-
-impl From<&ObjectBox> for Bounds {
-    fn from(object: &ObjectBox) -> Self {
-        let min = [object.x, object.y];
-        Self { min, max: [min[0] + object.width, min[1] + object.height] }
-    }
-}
-
-/// Something that was found in one frame by itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Detection {
-    /// Its box.
-    pub bounds: Bounds,
-    /// Where it is: its centroid, or the centre of its box.
-    pub center: [f32; 2],
-    /// How sure the detector is, as large as it likes; 1 where it does not say.
-    pub score: f32,
-    /// What it looks like, where its pixels are known.
-    pub blob: Option<Blob>,
-}
-
-/// The shape of a connected region.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blob {
-    /// Its label, from 1.
-    pub label: u32,
-    /// Pixels.
-    pub area_px: u32,
-    /// Half axes in px of the ellipse with the same second moments, the longer one first.
-    pub radii: [f32; 2],
-    /// From x towards y to the longer axis, in radians, −π/2 to π/2.
-    pub angle_rad: f32,
-    /// Mean gray value.
-    pub gray: f32,
-}
 
 /// Where an object stands in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

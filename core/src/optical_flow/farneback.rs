@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::differential::{Field, Multiscale, Weights, Window, field, relax, tell};
-use crate::memory::Need;
+use crate::need::Need;
 use crate::polynomial::{Agreed, Agreement, Applicability, Expander, Looked, Moved, Packed, Part};
 use crate::scene::{Chart, Fact, Readout, Sentence, Series};
 use crate::words;

@@ -5,13 +5,13 @@ mod tell;
 use std::sync::Arc;
 
 use crate::differential::truth;
-use crate::estimator::Mapped;
 use crate::features::affine::{Fit, IDENTITY, SAME_LIGHT, Start, Unfit, View};
 use crate::features::follow::{self, Follow};
 use crate::features::tracker::Level;
 use crate::features::{Detection, detect_around, need_of_corners};
 use crate::interest_points::{Harris, ShiTomasi};
-use crate::memory::{self, Need};
+use crate::need::{self, Need};
+use crate::observer::Mapped;
 use crate::scene::Chart;
 use crate::span::Span;
 use crate::{
@@ -156,7 +156,7 @@ impl Klt {
         if let Some(pair) = &state.pair {
             return Ok(Arc::clone(pair));
         }
-        memory::check_kept(clip, self.state_bytes(state))?;
+        need::check_kept(clip, self.state_bytes(state))?;
         let frames = clip.pair(state.frame)?;
         let pyramid = |frame: &Frame| Arc::new(Level::pyramid(frame.luma(), self.levels, self.window / 2));
         let pyramids = [state.pyramid.take().unwrap_or_else(|| pyramid(&frames[0])), pyramid(&frames[1])];

@@ -5,8 +5,8 @@ mod tell;
 use std::sync::{Arc, OnceLock};
 
 use crate::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
-use crate::estimator::Mapped;
-use crate::memory::Need;
+use crate::need::Need;
+use crate::observer::Mapped;
 use crate::scene::Chart;
 use crate::{
     Clip, Confidence, Cursor, DenseField, Error, Estimator, Explained, Flow, Grid, Info, Observer, Output, Product,

@@ -11,7 +11,7 @@
 use std::sync::Arc;
 
 use crate::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
-use crate::memory::Need;
+use crate::need::Need;
 use crate::scene::{Chart, Fact, Math, Picture, Plane, Readout, Sentence, Shape};
 use crate::words;
 use crate::{

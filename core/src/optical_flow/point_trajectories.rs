@@ -8,7 +8,7 @@ use crate::consistency::returned;
 use crate::differential::truth;
 use crate::features::follow::Follow;
 use crate::features::tracker::{Level, Template};
-use crate::memory::{self, Need};
+use crate::need::{self, Need};
 use crate::scene::Chart;
 use crate::span::Span;
 use crate::stage::{DenseFlow, Stage};
@@ -284,7 +284,7 @@ impl PointTrajectories {
         state: &mut State,
         observer: &mut impl Observer<Event>,
     ) -> Result<Progress, Error> {
-        memory::check_kept(clip, self.state_bytes(state))?;
+        need::check_kept(clip, self.state_bytes(state))?;
         let pair = Arc::new(self.pair(clip, state.frame, threads)?);
         state.pair_bytes = pair.bytes();
         observer.see(|| Event(What::Flow(Arc::clone(&pair))));

@@ -3,12 +3,12 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::differential::{field, truth};
-use crate::estimator::Mapped;
 use crate::features::follow::{self, Follow, Followed};
 use crate::features::tracker::Level;
 use crate::features::{Account, Trace, detect};
 use crate::interest_points::ShiTomasi;
-use crate::memory::Need;
+use crate::need::Need;
+use crate::observer::Mapped;
 use crate::params::Spots;
 use crate::pyramid::halvings;
 use crate::scene::{Arrow, Chart, Fact, Picture, Readout, Sentence, Shape};

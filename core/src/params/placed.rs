@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::{Kind, Parameter, Value};
-use crate::objects::Bounds;
+use crate::bounds::Bounds;
 use crate::words::number;
 
 /// A line from one place of the picture to another, in px.

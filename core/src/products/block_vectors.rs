@@ -76,6 +76,14 @@ impl BlockGrid {
         };
         (nearest(x, columns), nearest(y, rows))
     }
+
+    /// The index of the block whose centre is nearest to a point in px, if that lies in the picture.
+    pub fn at(&self, [x, y]: [f32; 2]) -> Option<usize> {
+        let (width, height) = self.picture;
+        let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
+        let (column, row) = self.nearest(inside(x, width)?, inside(y, height)?);
+        Some(row * self.counts().0 + column)
+    }
 }
 
 /// One displacement per block.
@@ -152,7 +160,8 @@ impl Product for BlockField {
         let flow = BlockField::flow(self);
         let picture =
             predict(&flow, reference.clip.pair_or_last(reference.frame)?[1].luma(), (self.border, self.filter));
-        let sent = prediction::assess(&picture, Some(self), reference)?;
+        let vectors: Vec<_> = self.vectors.iter().flatten().map(|vector| vector.displacement).collect();
+        let sent = prediction::assess(&picture, Some(&vectors), reference)?;
         Ok(own.and(sent).and(flow_error::of_field(&flow, reference)))
     }
 

@@ -85,7 +85,9 @@ impl Product for TrackField {
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
         let alive = self.tracks.iter().filter(|track| track.is_alive()).count();
         let own = counts(self.tracks.len(), Some(alive));
-        Ok(own.and(flow_error::of_tracks(self, reference)))
+        let moved =
+            |frame| self.at(frame).points.iter().filter_map(|point| Some((point.at, point.displacement?))).collect();
+        Ok(own.and(flow_error::of_frames(self.frames().map(|frame| (frame, moved(frame))), reference)))
     }
 
     /// The displacements of the features that were tracked from the last frame but one.

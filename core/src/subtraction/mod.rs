@@ -15,9 +15,10 @@ pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
 pub(crate) use tell::{Account, plots};
 
-use crate::memory::{self, Need};
-use crate::objects::{Labelling, Record};
+use crate::need::{self, Need};
+use crate::objects::Labelling;
 use crate::params::inner_params;
+use crate::products::Record;
 use crate::scene::{Chart, Step};
 use crate::span::Span;
 use crate::{
@@ -211,7 +212,7 @@ impl<M: Background> Subtraction<M> {
         observer: &mut impl Observer<Event>,
     ) -> Result<Progress, Error> {
         clip.wanted()?;
-        memory::check_kept(clip, state.record.bytes())?;
+        need::check_kept(clip, state.record.bytes())?;
         let frame = self.next_frame(clip, state)?;
         let Some(model) = &mut state.model else {
             state.model = Some(Arc::new(self.0.begin(&frame)));

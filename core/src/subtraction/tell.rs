@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::declare::line;
 use super::{Background, Event, Explanation, Initial, State, Subtraction};
 use crate::differential::tell;
-use crate::objects::Record;
+use crate::products::Record;
 use crate::scene::{Fact, Picture, Readout, Sentence, Series, Shape, Step, Tile};
 use crate::span::Span;
 use crate::words::{counted as count, pixel};

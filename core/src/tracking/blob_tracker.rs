@@ -5,7 +5,7 @@ mod tell;
 
 use std::sync::Arc;
 
-use crate::memory::Need;
+use crate::need::Need;
 use crate::objects::assignment::{Effort, least_cost};
 use crate::objects::course::{Course, tracker_params};
 use crate::objects::lives::Age;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::{is_far_outside, object_of};
 use crate::kalman::{Filter, Measurement, MotionModel, chi_square};
-use crate::memory::Need;
+use crate::need::Need;
 use crate::objects::source::{Detector, Given, Noise, Source, center, truth_of, usual_detector};
 use crate::objects::{Extent, Followed, Life, Object, ObjectFrame};
 use crate::params::Spots;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::{is_far_outside, object_of};
 use crate::kalman::{Filter, Measurement, Model, MotionModel};
-use crate::memory::Need;
+use crate::need::Need;
 use crate::objects::course::{Course, tracker_params};
 use crate::objects::lives::Age;
 use crate::objects::{Bounds, Detection, Extent, Object, ObjectFrame};

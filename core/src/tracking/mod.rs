@@ -12,7 +12,7 @@ pub use trajectory_analysis::TrajectoryAnalysis;
 
 use crate::Clip;
 use crate::kalman::Filter;
-use crate::memory::Need;
+use crate::need::Need;
 use crate::objects::{Bounds, Life, Object};
 
 /// Where nobody has detected anything yet, so many objects are reckoned with.

@@ -5,7 +5,7 @@ mod tell;
 use std::sync::Arc;
 
 use super::kalman_tracker::{KalmanTracker, State as Tracked};
-use crate::memory::Need;
+use crate::need::Need;
 use crate::objects::directions::Directions;
 use crate::objects::source::{Source, usual_detector};
 use crate::objects::trajectory::{Crossing, News, Places, Stay, Trajectory, Unusual};

@@ -1,9 +1,9 @@
 //! Relaxation where the constraints around a pixel count as well as its own.
 //!
 //! Both solvers lessen the energy Σ (w, 1)ᵀ T (w, 1) + α² Σ w_n |w − w_n|² over the displacements w = (u, v), the second sum as in
-//! [`relax`].
+//! [`relax`](crate::differential::relax).
 
-use crate::differential::{Field, Linear, filter, relax};
+use crate::differential::{Field, Linear, filter, stencil};
 use crate::wide::{LANES, lane, widest};
 use crate::{Border, Grid, Threads};
 
@@ -125,7 +125,7 @@ impl Local {
     }
 
     /// An iteration in place, pixel by pixel along the rows, from the newest values of the neighbours; `relaxation` as in
-    /// [`relax::System::sweep`].
+    /// [`System::sweep`](crate::differential::relax::System::sweep).
     pub fn sweep(&self, field: &mut Field, relaxation: f32) {
         let (width, height) = field.u.size();
         for y in 0..height {
@@ -146,8 +146,8 @@ impl Local {
 /// The mean around pixel `x` of three rows, the columns to its left and right given.
 #[inline(always)]
 fn mean([above, here, below]: [&[f32]; 3], x: usize, [left, right]: [usize; 2]) -> f32 {
-    relax::BESIDE * ((above[x] + below[x]) + (here[left] + here[right]))
-        + relax::CORNER * ((above[left] + above[right]) + (below[left] + below[right]))
+    stencil::BESIDE * ((above[x] + below[x]) + (here[left] + here[right]))
+        + stencil::CORNER * ((above[left] + above[right]) + (below[left] + below[right]))
 }
 
 #[inline(always)]
@@ -191,8 +191,8 @@ fn lanes(around: [[&[f32]; 3]; 2], factors: [&[f32]; 5], start: usize) -> Option
     let mut to = [[0.0; LANES]; 2];
     for x in 0..LANES {
         let mean = |[above, here, below]: &[[&[f32; LANES]; 3]; 3]| {
-            relax::BESIDE * ((above[1][x] + below[1][x]) + (here[0][x] + here[2][x]))
-                + relax::CORNER * ((above[0][x] + above[2][x]) + (below[0][x] + below[2][x]))
+            stencil::BESIDE * ((above[1][x] + below[1][x]) + (here[0][x] + here[2][x]))
+                + stencil::CORNER * ((above[0][x] + above[2][x]) + (below[0][x] + below[2][x]))
         };
         [to[0][x], to[1][x]] = solution([a[x], b[x], c[x], d[x], e[x]], [mean(&u), mean(&v)]);
     }

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::declare::Settings;
 use super::model::{Iteration, Model, Unknowns, Warp};
 use crate::differential::{Field, Linear, Multiscale, field, filter, relax};
-use crate::memory::Need;
+use crate::need::Need;
 use crate::params::inner_params;
 use crate::scene::Chart;
 use crate::{

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Followed, ObjectField, ObjectFrame, PackedMask};
-use crate::{MaskField, Output};
+use super::{MaskField, Output};
+use crate::{Followed, ObjectField, ObjectFrame, PackedMask};
 
 /// What frame after frame came to; copies share it.
 #[derive(Clone, Debug, Default)]
