@@ -1,10 +1,12 @@
 //! Block vectors: one displacement per block.
 
 use super::assessment::{fact, scores};
-use super::{Assessment, Measure, Motion, Product, ProductKind, Reference, flow_error, predict, prediction};
-use crate::table::{Cell, Table};
-use crate::words::grouped;
-use crate::{Border, Error, Flow, Gray, Grid, Interpolation};
+use super::{
+    Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, flow_error, predict, prediction,
+};
+use crate::base::{Error, words::grouped};
+use crate::data::Flow;
+use crate::geometry::{Border, Gray, Grid, Interpolation};
 
 /// Where the blocks of a picture lie: `size` px a side, one every `step` px, clipped at the right and bottom edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

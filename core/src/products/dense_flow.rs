@@ -1,8 +1,11 @@
 //! Dense flow: one displacement per pixel.
 
-use super::{Assessment, Confidence, Motion, Product, ProductKind, Reference, flow_error, predict, prediction};
-use crate::table::{Cell, Table};
-use crate::{Border, Error, Flow, Gray, Histogram, Interpolation};
+use super::{
+    Assessment, Cell, Confidence, Motion, Product, ProductKind, Reference, Table, flow_error, predict, prediction,
+};
+use crate::base::Error;
+use crate::data::{Flow, Histogram};
+use crate::geometry::{Border, Gray, Interpolation};
 
 /// One displacement per pixel.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::assessment::{fact, scores};
-use super::{Assessment, Measure, Reference};
-use crate::metrics::{self, FlowError};
-use crate::words::grouped;
-use crate::{Error, Flow, Grid, Truth};
+use super::{Assessment, FlowError, Measure, Reference, metrics};
+use crate::base::{Error, words::grouped};
+use crate::data::{Flow, Truth};
+use crate::geometry::Grid;
 
 pub(super) const MEASURES: [Measure; 9] = [
     Measure::new("epe_px", "Mean endpoint error in px over the pixels whose true motion is known and was estimated.")

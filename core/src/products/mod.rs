@@ -5,29 +5,38 @@
 
 mod assessment;
 mod block_vectors;
+mod coding;
+pub mod consistency;
 mod dense_flow;
 mod flow_error;
 mod keypoints;
 mod mask;
-mod objects;
+pub mod metrics;
+pub mod objects;
 mod output;
 mod prediction;
 mod product;
 mod record;
+mod streaks;
+pub mod table;
 mod tracks;
 
 pub use assessment::{Assessment, Column, Figure, Measure, Reference, Score};
 pub use block_vectors::{Block, BlockField, BlockGrid, BlockVector};
+pub use coding::Coding;
+pub use consistency::{Agreement, Consistency};
 pub use dense_flow::DenseField;
 pub use keypoints::{Feature, PointField, Status};
 pub use mask::MaskField;
+pub use metrics::FlowError;
+pub use objects::{Followed, Life, Object, ObjectField, ObjectFrame};
 pub use output::Output;
 pub use prediction::{PSNR, predict};
 pub use product::{AnyProduct, Confidence, Motion, Product, ProductKind};
 pub use record::Record;
+pub use streaks::{Streak, Streaks};
+pub use table::{Cell, Table};
 pub use tracks::{Track, TrackField};
-
-use crate::ObjectField;
 
 /// Every kind of product, in the order in which a person reads them.
 pub const KINDS: &[&ProductKind] =
@@ -36,7 +45,8 @@ pub const KINDS: &[&ProductKind] =
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Flow, Grid};
+    use crate::data::Flow;
+    use crate::geometry::Grid;
 
     #[test]
     fn kinds_have_names_of_their_own() {

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{AnyProduct, Assessment, Confidence, Motion, Product, ProductKind, Reference};
-use crate::table::Table;
-use crate::{Error, Flow, Gray, Histogram};
+use super::{AnyProduct, Assessment, Confidence, Motion, Product, ProductKind, Reference, Table};
+use crate::base::Error;
+use crate::data::{Flow, Histogram};
+use crate::geometry::Gray;
 
 /// The result of a run, or of the part of it that was done: one product or several, the one that matters most first.
 #[derive(Clone, Debug)]

@@ -1,8 +1,10 @@
 //! The motion-compensated prediction of frame t: how it is made, and what it is worth.
 
-use super::assessment::{Figure, fact, scores};
-use super::{Assessment, Column, Measure, Reference};
-use crate::{Border, Coding, Error, Flow, Gray, Grid, Interpolation, metrics};
+use super::assessment::{fact, scores};
+use super::{Assessment, Coding, Column, Figure, Measure, Reference, metrics};
+use crate::base::Error;
+use crate::data::Flow;
+use crate::geometry::{Border, Gray, Grid, Interpolation};
 
 /// The motion-compensated prediction of frame t: each pixel is fetched from where it goes in `next`.
 ///

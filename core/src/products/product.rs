@@ -3,9 +3,10 @@
 use std::any::Any;
 use std::fmt::Debug;
 
-use super::{Assessment, Measure, Reference};
-use crate::table::Table;
-use crate::{Error, Flow, Gray, Grid, Histogram};
+use super::{Assessment, Measure, Reference, Table};
+use crate::base::Error;
+use crate::data::{Flow, Histogram};
+use crate::geometry::{Gray, Grid};
 
 /// What there is to say about a kind of product before there is one.
 #[derive(Debug)]

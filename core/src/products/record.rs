@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{MaskField, Output};
-use crate::{Followed, ObjectField, ObjectFrame, PackedMask};
+use super::{Followed, MaskField, ObjectField, ObjectFrame, Output};
+use crate::data::PackedMask;
 
 /// What frame after frame came to; copies share it.
 #[derive(Clone, Debug, Default)]

@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
-use super::keypoints::{self, counts, row};
-use super::{Assessment, Feature, Motion, PointField, Product, ProductKind, Reference, Status, flow_error};
-use crate::table::{Cell, Table};
-use crate::{Error, Flow};
+use super::keypoints::{counts, row};
+use super::{
+    Assessment, Cell, Feature, Motion, PointField, Product, ProductKind, Reference, Status, Table, flow_error,
+    keypoints,
+};
+use crate::base::Error;
+use crate::data::Flow;
 
 /// Features that were tracked from frame to frame.
 #[derive(Clone, Debug, PartialEq)]
