@@ -82,10 +82,11 @@ pub use base::words::{grouped, spaced};
 pub use base::{Count, Error, Observer, Stop, Threads};
 pub use course::{compare, estimator, estimators};
 pub use data::{
-    Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Mask, ObjectBox, PackedMask, Truth,
+    Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, ObjectBox,
+    PackedMask, Truth,
 };
 pub use families::{block_matching, interest_points, moving_objects, optical_flow, tracking};
-pub use geometry::{Border, Bounds, Gray, Grid, Interpolation};
+pub use geometry::{Border, Bounds, Gray, Grid};
 pub use methods::kalman;
 pub use params::{Params, Spec, Value};
 pub use products::{

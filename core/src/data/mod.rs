@@ -4,6 +4,7 @@ mod clip;
 mod components;
 mod detection;
 mod histogram;
+mod interpolation;
 mod mask;
 mod morphology;
 
@@ -11,5 +12,7 @@ pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
 pub use detection::{Blob, Detection};
 pub use histogram::{Counted, Histogram};
+pub(crate) use interpolation::Between;
+pub use interpolation::Interpolation;
 pub use mask::{Mask, PackedMask};
 pub use morphology::MAX_RADIUS_PX;

@@ -4,7 +4,6 @@
 mod bounds;
 pub mod filter;
 mod grid;
-pub mod interpolation;
 pub mod pyramid;
 mod rows;
 pub mod warp;
@@ -12,6 +11,4 @@ pub mod warp;
 pub use bounds::Bounds;
 pub use filter::{Beyond, Numbers};
 pub use grid::{Border, Gray, Grid};
-pub(crate) use interpolation::Between;
-pub use interpolation::Interpolation;
 pub use warp::Sampling;

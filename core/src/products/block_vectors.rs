@@ -5,8 +5,8 @@ use super::{
     Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, flow_error, predict, prediction,
 };
 use crate::base::{Error, words::grouped};
-use crate::data::Flow;
-use crate::geometry::{Border, Gray, Grid, Interpolation};
+use crate::data::{Flow, Interpolation};
+use crate::geometry::{Border, Gray, Grid};
 
 /// Where the blocks of a picture lie: `size` px a side, one every `step` px, clipped at the right and bottom edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use super::{
     Assessment, Cell, Confidence, Motion, Product, ProductKind, Reference, Table, flow_error, predict, prediction,
 };
 use crate::base::Error;
-use crate::data::{Flow, Histogram};
-use crate::geometry::{Border, Gray, Interpolation};
+use crate::data::{Flow, Histogram, Interpolation};
+use crate::geometry::{Border, Gray};
 
 /// One displacement per pixel.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 use super::assessment::{fact, scores};
 use super::{Assessment, Coding, Column, Figure, Measure, Reference, metrics};
 use crate::base::Error;
-use crate::data::Flow;
-use crate::geometry::{Border, Gray, Grid, Interpolation};
+use crate::data::{Flow, Interpolation};
+use crate::geometry::{Border, Gray, Grid};
 
 /// The motion-compensated prediction of frame t: each pixel is fetched from where it goes in `next`.
 ///

@@ -14,8 +14,7 @@ mod whole_readouts;
 use std::sync::Arc;
 
 use crate::base::Error;
-use crate::data::{Clip, Frame};
-use crate::geometry::{Between, Interpolation};
+use crate::data::{Between, Clip, Frame, Interpolation};
 use crate::methods::cost::Cut;
 use crate::products::{Block, BlockGrid, BlockVector};
 use crate::scene::{Name, Role};

@@ -4,8 +4,8 @@ use super::probe::Probe;
 use super::subpixel::has_lowest;
 use super::tell::{short, signed, vector};
 use super::{Cost, Event, Fit, Match, Patch, Subpixel, Window};
-use crate::data::Histogram;
-use crate::geometry::{Between, Grid};
+use crate::data::{Between, Histogram};
+use crate::geometry::Grid;
 use crate::methods::cost::{Cut, Sum};
 use crate::scene::{Fact, Math, Readout, Role, Series, Surface, Tile};
 

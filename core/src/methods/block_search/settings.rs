@@ -2,7 +2,8 @@
 
 use super::Subpixel;
 use crate::choices;
-use crate::geometry::{Border, Interpolation};
+use crate::data::Interpolation;
+use crate::geometry::Border;
 use crate::methods::cost::{self, Cut, Sum, whole};
 use crate::products::{Block, BlockField, BlockGrid, BlockVector};
 
@@ -209,7 +210,7 @@ macro_rules! block_search_params {
                 /// How closely a displacement is found: the best in whole px is refined.
                 subpixel: $crate::methods::block_search::Subpixel = $crate::methods::block_search::Subpixel::None;
                 /// How gray values between pixels are interpolated, for the refinement and for the prediction.
-                filter: $crate::geometry::Interpolation = $crate::geometry::Interpolation::Bilinear;
+                filter: $crate::data::Interpolation = $crate::data::Interpolation::Bilinear;
                 /// Cost of each bit that the displacement takes when it is sent as its difference from the median of the
                 /// neighbours' displacements, in units of the cost; 0 leaves the bits out.
                 lambda: f32 = 0.0, 0.0..=100.0, "per bit";

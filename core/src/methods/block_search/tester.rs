@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use super::subpixel::BESIDE;
 use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Rate, Settings, Stage, Window, shorter};
 use crate::base::Observer;
-use crate::geometry::Between;
+use crate::data::Between;
 use crate::products::Block;
 use crate::scene::Name;
 

@@ -1,7 +1,7 @@
 //! Gray values between pixels, at quarters of a pixel.
 
-use super::{Border, Gray};
 use crate::choices;
+use crate::geometry::{Border, Gray};
 
 choices! {
     /// How gray values between pixels are interpolated.
