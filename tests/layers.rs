@@ -9,18 +9,12 @@ use imports::{Imports, Layers};
 
 /// The folders and files of `src` from the ground up.
 const LAYERS: &Layers = &[
-    &["free_memory", "pixel", "unfinished"],
     &["media"],
     &["paint"],
-    &["source"],
+    &["experiment"],
+    &["view"],
     &["results"],
-    &["comparison"],
-    &["company"],
-    &["tile"],
-    &["motion"],
-    &["shot"],
     &["session"],
-    &["claims"],
     &["ui"],
     &["cli"],
 ];
