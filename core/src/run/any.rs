@@ -1,7 +1,7 @@
 //! An estimator of which only the declaration matters, and the one door to its runs.
 
 use super::estimator::run_observed;
-use super::{Estimator, Info, Need, Progress, Promise, Timeline, Walk, need};
+use super::{Estimator, Footprint, Info, Need, Progress, Promise, Timeline, Walk, need};
 use crate::base::{Error, Threads, heap};
 use crate::data::Clip;
 use crate::params::Params;
@@ -22,7 +22,7 @@ fn check_pictures<E: Estimator>(clip: &Clip) -> Result<(), Error> {
 
 /// Refuses a run for which there is not enough memory.
 fn check_memory<E: Estimator>(estimator: &E, clip: &Clip, of: fn(Need) -> u64) -> Result<(), Error> {
-    need::check(clip, E::INFO.name, of(estimator.need(clip)))
+    need::check(clip, E::INFO.name, of(Footprint::need(estimator, clip)))
 }
 
 /// How much a run consists of.
@@ -149,7 +149,7 @@ impl<E: Estimator> AnyEstimator for E {
     }
 
     fn tests_candidates(&self) -> bool {
-        E::TESTS_CANDIDATES
+        self.tests().is_some()
     }
 
     fn needs_pictures(&self) -> bool {
@@ -165,14 +165,14 @@ impl<E: Estimator> AnyEstimator for E {
     }
 
     fn need(&self, clip: &Clip) -> Need {
-        Estimator::need(self, clip)
+        Footprint::need(self, clip)
     }
 
     fn walk(&self, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error> {
         check_pictures::<E>(clip)?;
         check_memory(self, clip, |need| need.walk)?;
         // What is left of the memory may hold states to go back to.
-        let left = clip.room().saturating_sub(Estimator::need(self, clip).walk);
+        let left = clip.room().saturating_sub(Footprint::need(self, clip).walk);
         let budget = Timeline::<E>::BUDGET_BYTES.min(usize::try_from(left / 2).unwrap_or(usize::MAX));
         Ok(Box::new(Timeline::new(self.clone(), clip.clone(), frame)?.with_budget(budget)))
     }
@@ -201,6 +201,7 @@ impl<E: Estimator> AnyEstimator for E {
 
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error> {
         check_memory(self, clip, |need| need.run)?;
-        Estimator::run(self, clip, frame, threads).map(|state| Estimator::evaluations(self, &state))
+        let state = Estimator::run(self, clip, frame, threads)?;
+        Ok(self.tests().map_or_else(Vec::new, |tests| tests.evaluations(&state)))
     }
 }

@@ -3,6 +3,7 @@
 mod any;
 mod cursor;
 mod estimator;
+mod facets;
 pub mod lockstep;
 pub mod need;
 mod span;
@@ -12,7 +13,8 @@ mod walk;
 
 pub use any::{AnyEstimator, AnyRun, Extent};
 pub use cursor::Cursor;
-pub use estimator::{Estimator, Explained, Info, Progress, Promise, Rung, Seen, run_observed};
+pub use estimator::{Estimator, Info, Progress, Promise, Rung, Seen, run_observed};
+pub use facets::{Explained, Footprint, Pointed, TestsCandidates};
 pub use lockstep::{Lockstep, Pace};
 pub use need::Need;
 pub use span::Span;

@@ -383,11 +383,11 @@ impl<E: Estimator> Walk for Timeline<E> {
     }
 
     fn unit_at(&self, point: [f32; 2]) -> Option<usize> {
-        self.estimator.unit_at(&self.unit.before, point)
+        self.estimator.pointed()?.unit_at(&self.unit.before, point)
     }
 
     fn explained(&self, point: [f32; 2]) -> Option<Explained> {
-        self.estimator.explained(&self.unit.before, point)
+        self.estimator.pointed()?.explained(&self.unit.before, point)
     }
 
     fn step(&self, focus: Option<[f32; 2]>) -> Step {
@@ -405,17 +405,19 @@ impl<E: Estimator> Walk for Timeline<E> {
     }
 
     fn evaluations(&self) -> Vec<usize> {
-        let tests = self.unit.events.iter().map(|event| self.estimator.is_evaluation(event));
-        tests.enumerate().filter_map(|(i, tests)| tests.then_some(i + 1)).collect()
+        let Some(tests) = self.estimator.tests() else { return Vec::new() };
+        let events = self.unit.events.iter().enumerate();
+        events.filter_map(|(i, event)| tests.is_evaluation(event).then_some(i + 1)).collect()
     }
 
     fn evaluated(&self) -> u64 {
-        let before: u64 = self.estimator.evaluations(&self.unit.before).into_iter().map(u64::from).sum();
-        let seen = self.unit.events[..self.seen].iter().filter(|event| self.estimator.is_evaluation(event));
+        let Some(tests) = self.estimator.tests() else { return 0 };
+        let before: u64 = tests.evaluations(&self.unit.before).into_iter().map(u64::from).sum();
+        let seen = self.unit.events[..self.seen].iter().filter(|event| tests.is_evaluation(event));
         before + seen.count() as u64
     }
 
     fn way_to(&self, block: usize) -> Vec<usize> {
-        self.estimator.way_to(&self.unit.before, block)
+        self.estimator.tests().map_or_else(|| vec![block], |tests| tests.way_to(&self.unit.before, block))
     }
 }

@@ -27,7 +27,7 @@ use crate::methods::block_search::{
     Workspace, block_search_params, need, vector,
 };
 use crate::products::{Block, BlockField, BlockGrid, Output, Product, ProductKind};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, TestsCandidates};
 use crate::scene::{Chart, Fact, Floor, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
 use crate::{choices, pseudocode};
 
@@ -346,18 +346,10 @@ impl Estimator for Hierarchical {
         frames: 2,
     };
     const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
-    const TESTS_CANDIDATES: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram, Chart::Stack];
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
     type Event = Event;
-
-    fn need(&self, clip: &Clip) -> Need {
-        let (width, height) = clip.size();
-        let of_level = |level: usize| self.settings().grid((width.div_ceil(1 << level), height.div_ceil(1 << level)));
-        // Beside the levels of both frames.
-        need(clip, (0..self.levels).map(|level| of_level(level).len()).sum()).and([(width * height) as f64; 2])
-    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())
@@ -380,37 +372,16 @@ impl Estimator for Hierarchical {
         vec![Rung { index: 0, of: Some(1) }, level, block]
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let index = state.pair().blocks.at(point.map(|c| c / state.scale()))?;
-        Some(state.first_unit(state.level) + index)
-    }
-
-    /// From the coarsest level on: the nearest block of each, from which the one below inherits.
-    fn way_to(&self, state: &State, block: usize) -> Vec<usize> {
-        let line = state.line(0, block).into_iter().enumerate();
-        line.map(|(level, index)| state.first_unit(level) + index).rev().collect()
-    }
-
-    fn is_evaluation(&self, event: &Event) -> bool {
-        event.is_candidate()
-    }
-
-    fn evaluations(&self, state: &State) -> Vec<u32> {
-        state.found.iter().rev().flatten().map(|(_, candidates)| *candidates).collect()
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + state.found.iter().map(|found| found.len() * size_of::<(Match, u32)>()).sum::<usize>()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let pixels = |frame: &Frame| frame.luma().cells().len();
-        let pyramid: usize = state.levels[1..].iter().map(|pair| pixels(&pair.current) + pixels(&pair.next)).sum();
-        self.state_bytes(state) + pyramid
-    }
-
     fn landmark(&self, event: &Event) -> Option<Role> {
         event.landmark()
+    }
+
+    fn tests(&self) -> Option<&dyn TestsCandidates<Self::State, Self::Event>> {
+        Some(self)
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -498,5 +469,47 @@ impl Estimator for Hierarchical {
                 return Ok(state);
             }
         }
+    }
+}
+
+impl Footprint<State> for Hierarchical {
+    fn need(&self, clip: &Clip) -> Need {
+        let (width, height) = clip.size();
+        let of_level = |level: usize| self.settings().grid((width.div_ceil(1 << level), height.div_ceil(1 << level)));
+        // Beside the levels of both frames.
+        need(clip, (0..self.levels).map(|level| of_level(level).len()).sum()).and([(width * height) as f64; 2])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + state.found.iter().map(|found| found.len() * size_of::<(Match, u32)>()).sum::<usize>()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let pixels = |frame: &Frame| frame.luma().cells().len();
+        let pyramid: usize = state.levels[1..].iter().map(|pair| pixels(&pair.current) + pixels(&pair.next)).sum();
+        self.state_bytes(state) + pyramid
+    }
+}
+
+impl TestsCandidates<State, Event> for Hierarchical {
+    /// From the coarsest level on: the nearest block of each, from which the one below inherits.
+    fn way_to(&self, state: &State, block: usize) -> Vec<usize> {
+        let line = state.line(0, block).into_iter().enumerate();
+        line.map(|(level, index)| state.first_unit(level) + index).rev().collect()
+    }
+
+    fn is_evaluation(&self, event: &Event) -> bool {
+        event.is_candidate()
+    }
+
+    fn evaluations(&self, state: &State) -> Vec<u32> {
+        state.found.iter().rev().flatten().map(|(_, candidates)| *candidates).collect()
+    }
+}
+
+impl Pointed<State> for Hierarchical {
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        let index = state.pair().blocks.at(point.map(|c| c / state.scale()))?;
+        Some(state.first_unit(state.level) + index)
     }
 }

@@ -9,7 +9,7 @@ use crate::data::{Clip, Detection, Frame, LabelEvent, Labelling, Mask, PackedMas
 use crate::geometry::Grid;
 use crate::methods::subtraction::{HasSettings, cleaned, need_of_blobs, sifted, subtraction_params};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen, Span, need};
+use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, need};
 use crate::scene::{Chart, Scene, Step};
 use crate::{choices, pseudocode};
 
@@ -146,10 +146,6 @@ impl Estimator for ConnectedComponents {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        need_of_blobs(clip, self.settings(), Need::per_pixel(clip, [2.0, 8.0]))
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State {
             span: Span::new(clip, frame, self.frames)?,
@@ -184,14 +180,30 @@ impl Estimator for ConnectedComponents {
         place
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let y = point[1] + 0.5;
-        let row = (0.0..state.picture.1 as f32).contains(&y).then_some(y as usize)?;
-        Some((state.frame - state.span.first) * (state.picture.1 + 1) + row)
-    }
-
     fn at_frame(&self, state: &State) -> Option<usize> {
         Some(state.frame)
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        state.record.output(state.picture, state.span.first)
+    }
+}
+
+impl Footprint<State> for ConnectedComponents {
+    fn need(&self, clip: &Clip) -> Need {
+        need_of_blobs(clip, self.settings(), Need::per_pixel(clip, [2.0, 8.0]))
     }
 
     fn at_rest(&self, state: &State) -> State {
@@ -205,16 +217,12 @@ impl Estimator for ConnectedComponents {
     fn memory_bytes(&self, state: &State) -> usize {
         self.state_bytes(state) + state.record.shared_bytes()
     }
+}
 
-    fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
-    }
-
-    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
-    }
-
-    fn output(&self, state: &State) -> Output {
-        state.record.output(state.picture, state.span.first)
+impl Pointed<State> for ConnectedComponents {
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        let y = point[1] + 0.5;
+        let row = (0.0..state.picture.1 as f32).contains(&y).then_some(y as usize)?;
+        Some((state.frame - state.span.first) * (state.picture.1 + 1) + row)
     }
 }

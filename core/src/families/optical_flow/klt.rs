@@ -19,7 +19,7 @@ use crate::methods::{
     },
 };
 use crate::products::{Feature, Output, Product, ProductKind, Status, Track, TrackField};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen, Span, need};
+use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, need};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
@@ -330,13 +330,6 @@ impl Estimator for Klt {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        // The first view of each point, its derivatives, and its track.
-        let points = self.max_points as f64 * (20.0 * (self.window * self.window) as f64 + 1000.0);
-        let corners = need_of_corners(clip, self.min_distance);
-        Need::per_pixel(clip, [14.0, 20.0]).and([points, 4.0 * points]).and(corners)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State {
             span: Span::new(clip, frame, self.frames)?,
@@ -394,30 +387,8 @@ impl Estimator for Klt {
         ]
     }
 
-    /// The unit that tracks the feature of this pair that is nearest to a place.
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        state.turn?;
-        let far = |live: &Live| (live.at[0] - point[0]).hypot(live.at[1] - point[1]);
-        let nearest = state.live.iter().enumerate().min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
-        nearest.map(|(index, _)| state.begun + 1 + index)
-    }
-
     fn at_frame(&self, state: &State) -> Option<usize> {
         Some(state.frame)
-    }
-
-    fn at_rest(&self, state: &State) -> State {
-        State { pair: None, pyramid: None, ..state.clone() }
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        let tracks: usize = state.tracks.iter().map(|track| track.bytes()).sum();
-        let views: usize = state.live.iter().map(|live| size_of::<Live>() + live.view.bytes()).sum();
-        size_of::<State>() + tracks + views + size_of_val(&state.next[..]) + size_of_val(&state.counts[..])
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + 2 * state.pyramid_bytes
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -425,6 +396,10 @@ impl Estimator for Klt {
             Event::Verdict(Feature { displacement: None, .. }) => Some(Role::Rejected),
             _ => None,
         }
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -455,5 +430,38 @@ impl Estimator for Klt {
                 return Ok(state);
             }
         }
+    }
+}
+
+impl Footprint<State> for Klt {
+    fn need(&self, clip: &Clip) -> Need {
+        // The first view of each point, its derivatives, and its track.
+        let points = self.max_points as f64 * (20.0 * (self.window * self.window) as f64 + 1000.0);
+        let corners = need_of_corners(clip, self.min_distance);
+        Need::per_pixel(clip, [14.0, 20.0]).and([points, 4.0 * points]).and(corners)
+    }
+
+    fn at_rest(&self, state: &State) -> State {
+        State { pair: None, pyramid: None, ..state.clone() }
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let tracks: usize = state.tracks.iter().map(|track| track.bytes()).sum();
+        let views: usize = state.live.iter().map(|live| size_of::<Live>() + live.view.bytes()).sum();
+        size_of::<State>() + tracks + views + size_of_val(&state.next[..]) + size_of_val(&state.counts[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + 2 * state.pyramid_bytes
+    }
+}
+
+impl Pointed<State> for Klt {
+    /// The unit that tracks the feature of this pair that is nearest to a place.
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        state.turn?;
+        let far = |live: &Live| (live.at[0] - point[0]).hypot(live.at[1] - point[1]);
+        let nearest = state.live.iter().enumerate().min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
+        nearest.map(|(index, _)| state.begun + 1 + index)
     }
 }

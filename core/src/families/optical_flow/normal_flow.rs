@@ -15,7 +15,7 @@ use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
-use crate::run::{Cursor, Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
 use crate::scene::{Chart, Fact, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Step};
 use crate::{params, pseudocode};
 
@@ -124,10 +124,6 @@ impl Estimator for NormalFlow {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [44.0, 100.0])
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())
     }
@@ -147,22 +143,8 @@ impl Estimator for NormalFlow {
         vec![Rung { index: 0, of: Some(1) }, Rung { index: state.y(), of: self.units(state) }]
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        state.fixed.given.pixel_at(point).map(|(_, y)| y)
-    }
-
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        let (x, y) = state.fixed.given.pixel_at(point)?;
-        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + size_of_val(&state.found[..])
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let Fixed { given, derivatives } = &*state.fixed;
-        self.state_bytes(state) + given.bytes() + derivatives.bytes()
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -211,6 +193,32 @@ impl Estimator for NormalFlow {
         threads.rows(&mut flow, |y, row| self.row(&state.fixed.derivatives, y, row, &mut ()));
         state.found = flow.into_cells();
         Ok(state)
+    }
+}
+
+impl Footprint<State> for NormalFlow {
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [44.0, 100.0])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + size_of_val(&state.found[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let Fixed { given, derivatives } = &*state.fixed;
+        self.state_bytes(state) + given.bytes() + derivatives.bytes()
+    }
+}
+
+impl Pointed<State> for NormalFlow {
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        state.fixed.given.pixel_at(point).map(|(_, y)| y)
+    }
+
+    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+        let (x, y) = state.fixed.given.pixel_at(point)?;
+        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
     }
 }
 

@@ -16,7 +16,7 @@ use crate::methods::{
 };
 use crate::params::Spots;
 use crate::products::{Confidence, DenseField, Feature, Output, PointField, Product, ProductKind, Status};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
 use crate::scene::{Arrow, Chart, Fact, Levels, Picture, Readout, Role, Scene, Sentence, Shape, Stack, Step};
 use crate::{choices, params, pseudocode};
 
@@ -223,14 +223,6 @@ impl Estimator for PyramidalLucasKanade {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        match self.points {
-            Points::Dense => Need::per_pixel(clip, [72.0, 110.0]),
-            // Where corners are looked for, every fourth pixel may be one at first.
-            _ => Need::per_pixel(clip, [14.0, 20.0]),
-        }
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())
     }
@@ -285,29 +277,15 @@ impl Estimator for PyramidalLucasKanade {
         vec![rung(0, 1), rung(state.found.len(), groups.max(1)), rung(levels - 1 - state.level, levels)]
     }
 
-    /// The unit that finds the point nearest to a place.
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let index = nearest(&state.fixed.points, point)?;
-        Some((index / state.fixed.group + 1) * state.fixed.levels[0].len() - 1)
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        // What was found is shared by the states after it.
-        let groups = size_of_val(&state.found[..]) + size_of_val(&state.guesses[..]);
-        size_of::<State>() + groups + state.fixed.group * size_of::<Found>()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let levels: usize = state.fixed.levels.iter().flatten().map(Level::bytes).sum();
-        let points = size_of_val(&state.fixed.points[..]) + state.fixed.points.len() * size_of::<Found>();
-        self.state_bytes(state) + points + levels
-    }
-
     fn landmark(&self, event: &Event) -> Option<Role> {
         match event {
             Event::Of(follow::Event::End(_, Err(_))) => Some(Role::Rejected),
             _ => None,
         }
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -362,6 +340,36 @@ impl Estimator for PyramidalLucasKanade {
         let of_group = |index| fixed.group(index).iter().map(found).collect();
         state.found = threads.map_while(fixed.groups(), || clip.wanted(), of_group)?;
         Ok(state)
+    }
+}
+
+impl Footprint<State> for PyramidalLucasKanade {
+    fn need(&self, clip: &Clip) -> Need {
+        match self.points {
+            Points::Dense => Need::per_pixel(clip, [72.0, 110.0]),
+            // Where corners are looked for, every fourth pixel may be one at first.
+            _ => Need::per_pixel(clip, [14.0, 20.0]),
+        }
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        // What was found is shared by the states after it.
+        let groups = size_of_val(&state.found[..]) + size_of_val(&state.guesses[..]);
+        size_of::<State>() + groups + state.fixed.group * size_of::<Found>()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let levels: usize = state.fixed.levels.iter().flatten().map(Level::bytes).sum();
+        let points = size_of_val(&state.fixed.points[..]) + state.fixed.points.len() * size_of::<Found>();
+        self.state_bytes(state) + points + levels
+    }
+}
+
+impl Pointed<State> for PyramidalLucasKanade {
+    /// The unit that finds the point nearest to a place.
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        let index = nearest(&state.fixed.points, point)?;
+        Some((index / state.fixed.group + 1) * state.fixed.levels[0].len() - 1)
     }
 }
 

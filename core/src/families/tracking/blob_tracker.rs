@@ -19,7 +19,7 @@ use crate::products::{
         pairs::Pairs,
     },
 };
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Footprint, Info, Need, Progress, Promise, Rung, Seen};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, pseudocode};
 use correspond::{Blob, Table};
@@ -396,10 +396,6 @@ impl Estimator for BlobTracker {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        super::need(clip)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State { course: Course::new(self.course_settings(), clip, frame)?, bodies: Vec::new() })
     }
@@ -433,15 +429,6 @@ impl Estimator for BlobTracker {
         Some(state.course.frame())
     }
 
-    fn state_bytes(&self, state: &State) -> usize {
-        let bodies = state.bodies.iter().map(|body| size_of_val(&body.centers[..]) + size_of_val(&body.members[..]));
-        state.course.own_bytes() + size_of_val(&state.bodies[..]) + bodies.sum::<usize>()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.course.shared_bytes()
-    }
-
     fn landmark(&self, event: &Event) -> Option<Role> {
         match &event.0 {
             What::Begun(_) => Some(Role::Reference),
@@ -466,5 +453,20 @@ impl Estimator for BlobTracker {
 
     fn output(&self, state: &State) -> Output {
         Output::of(state.course.field())
+    }
+}
+
+impl Footprint<State> for BlobTracker {
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let bodies = state.bodies.iter().map(|body| size_of_val(&body.centers[..]) + size_of_val(&body.members[..]));
+        state.course.own_bytes() + size_of_val(&state.bodies[..]) + bodies.sum::<usize>()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.course.shared_bytes()
     }
 }

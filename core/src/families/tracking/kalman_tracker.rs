@@ -18,7 +18,7 @@ use crate::methods::{
     },
 };
 use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Footprint, Info, Need, Progress, Promise, Rung, Seen};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, pseudocode};
 
@@ -207,10 +207,6 @@ impl Estimator for KalmanTracker {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        super::need(clip)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State { course: Course::new(self.course_settings(), clip, frame)?, tracks: Vec::new() })
     }
@@ -248,14 +244,6 @@ impl Estimator for KalmanTracker {
         Some(state.course.frame())
     }
 
-    fn state_bytes(&self, state: &State) -> usize {
-        state.course.own_bytes() + size_of_val(&state.tracks[..])
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.course.shared_bytes()
-    }
-
     fn landmark(&self, event: &Event) -> Option<Role> {
         match event {
             Event::Begun(_) => Some(Role::Reference),
@@ -278,6 +266,20 @@ impl Estimator for KalmanTracker {
 
     fn output(&self, state: &State) -> Output {
         Output::of(state.course.field())
+    }
+}
+
+impl Footprint<State> for KalmanTracker {
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        state.course.own_bytes() + size_of_val(&state.tracks[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.course.shared_bytes()
     }
 }
 

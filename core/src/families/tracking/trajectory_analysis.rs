@@ -17,7 +17,9 @@ use crate::products::{
     Life, ObjectField, ObjectFrame, Output, Product, ProductKind,
     objects::trajectory::{Crossing, News, Places, Stay, Trajectory, Unusual},
 };
-use crate::run::{Estimator, Explained, Foreground, Info, Need, Progress, Promise, Rung, Seen, Stage};
+use crate::run::{
+    Estimator, Explained, Footprint, Foreground, Info, Need, Pointed, Progress, Promise, Rung, Seen, Stage,
+};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{params, pseudocode};
 
@@ -217,10 +219,6 @@ impl Estimator for TrajectoryAnalysis {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        super::need(clip)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let tracked = self.tracker().start(clip, frame)?;
         let directions = Arc::new(Directions::new(clip.size(), self.part));
@@ -256,12 +254,40 @@ impl Estimator for TrajectoryAnalysis {
         self.tracker().place(&state.tracked)
     }
 
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        near(&state.trajectories, point).map(|_| Explained::Always)
-    }
-
     fn at_frame(&self, state: &State) -> Option<usize> {
         self.tracker().at_frame(&state.tracked)
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::Crossed(..) => Some(Role::Best),
+            Event::Unusual(..) => Some(Role::Error),
+            _ => None,
+        }
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        let trajectories = &state.trajectories;
+        let tracked = self.tracker().output(&state.tracked);
+        tracked.map(|field: ObjectField| ObjectField { trajectories: trajectories.clone(), ..field })
+    }
+}
+
+impl Footprint<State> for TrajectoryAnalysis {
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
     }
 
     fn state_bytes(&self, state: &State) -> usize {
@@ -278,27 +304,11 @@ impl Estimator for TrajectoryAnalysis {
         let trajectories: usize = state.trajectories.iter().map(|trajectory| bytes(trajectory)).sum();
         self.tracker().memory_bytes(&state.tracked) + size_of::<State>() + trajectories + state.directions.bytes()
     }
+}
 
-    fn landmark(&self, event: &Event) -> Option<Role> {
-        match event {
-            Event::Crossed(..) => Some(Role::Best),
-            Event::Unusual(..) => Some(Role::Error),
-            _ => None,
-        }
-    }
-
-    fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
-    }
-
-    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
-    }
-
-    fn output(&self, state: &State) -> Output {
-        let trajectories = &state.trajectories;
-        let tracked = self.tracker().output(&state.tracked);
-        tracked.map(|field: ObjectField| ObjectField { trajectories: trajectories.clone(), ..field })
+impl Pointed<State> for TrajectoryAnalysis {
+    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+        near(&state.trajectories, point).map(|_| Explained::Always)
     }
 }
 

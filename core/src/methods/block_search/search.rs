@@ -10,7 +10,7 @@ use crate::data::Clip;
 use crate::line_names;
 use crate::params::Params;
 use crate::products::{BlockField, Output, Product, ProductKind};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, TestsCandidates};
 use crate::scene::{Chart, Name, Role, Scene, Step};
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
@@ -136,16 +136,10 @@ fn finish<S: BlockSearch>(search: &S, clip: &Clip, mut state: State, threads: &T
 impl<S: BlockSearch> Estimator for S {
     const INFO: Info = <S as BlockSearch>::INFO;
     const PROMISE: Promise = <S as BlockSearch>::PROMISE;
-    const TESTS_CANDIDATES: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram];
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
     type Event = Event;
-
-    fn need(&self, clip: &Clip) -> Need {
-        let settings = self.settings();
-        need(clip, settings.grid(clip.size()).len())
-    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         prepare(self, clip, frame, &Threads::single())
@@ -168,28 +162,16 @@ impl<S: BlockSearch> Estimator for S {
         vec![Rung { index: 0, of: Some(1) }, block]
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        state.pair.blocks.at(point)
-    }
-
-    fn is_evaluation(&self, event: &Event) -> bool {
-        event.is_candidate()
-    }
-
-    fn evaluations(&self, state: &State) -> Vec<u32> {
-        state.tested.clone()
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + state.found.len() * (size_of::<Match>() + size_of::<u32>())
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.before.as_ref().map_or(0, |before| size_of_val(&**before))
-    }
-
     fn landmark(&self, event: &Event) -> Option<Role> {
         event.landmark()
+    }
+
+    fn tests(&self) -> Option<&dyn TestsCandidates<Self::State, Self::Event>> {
+        Some(self)
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -212,6 +194,37 @@ impl<S: BlockSearch> Estimator for S {
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         prepare(self, clip, frame, threads).and_then(|state| finish(self, clip, state, threads))
+    }
+}
+
+impl<S: BlockSearch> Footprint<State> for S {
+    fn need(&self, clip: &Clip) -> Need {
+        let settings = self.settings();
+        need(clip, settings.grid(clip.size()).len())
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + state.found.len() * (size_of::<Match>() + size_of::<u32>())
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.before.as_ref().map_or(0, |before| size_of_val(&**before))
+    }
+}
+
+impl<S: BlockSearch> TestsCandidates<State, Event> for S {
+    fn is_evaluation(&self, event: &Event) -> bool {
+        event.is_candidate()
+    }
+
+    fn evaluations(&self, state: &State) -> Vec<u32> {
+        state.tested.clone()
+    }
+}
+
+impl<S: BlockSearch> Pointed<State> for S {
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        state.pair.blocks.at(point)
     }
 }
 

@@ -11,7 +11,7 @@ use crate::geometry::{Gray, Grid};
 use crate::methods::differential::Tensor;
 use crate::params::{Params, inner_params};
 use crate::products::{Feature, Output, PointField, Product, ProductKind, Status};
-use crate::run::{Cursor, Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
 use crate::scene::{Chart, Math, Scene, Step};
 
 /// What makes a pixel a corner.
@@ -275,10 +275,6 @@ impl<M: Measure> Estimator for Corners<M> {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [0.0; 2]).and(need_of_corners(clip, self.0.settings().min_distance))
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         State::new(clip, frame)
     }
@@ -316,23 +312,8 @@ impl<M: Measure> Estimator for Corners<M> {
         vec![rung(0, 1), rung(state.stage as usize, 3), rung(state.row, rows)]
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let (_, y) = state.map.cell_at(point)?;
-        Some(if state.stage == Stage::Response { y } else { state.map.height() + y })
-    }
-
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        let (x, y) = state.map.cell_at(point)?;
-        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        let lists = size_of_val(&state.peaks[..]) + size_of_val(&state.kept[..]);
-        size_of::<State>() + size_of_val(state.map.cells()) + lists
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + self.tensors(state).bytes()
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -349,5 +330,32 @@ impl<M: Measure> Estimator for Corners<M> {
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         Ok(self.whole(State::new(clip, frame)?, threads))
+    }
+}
+
+impl<M: Measure> Footprint<State> for Corners<M> {
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [0.0; 2]).and(need_of_corners(clip, self.0.settings().min_distance))
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let lists = size_of_val(&state.peaks[..]) + size_of_val(&state.kept[..]);
+        size_of::<State>() + size_of_val(state.map.cells()) + lists
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + self.tensors(state).bytes()
+    }
+}
+
+impl<M: Measure> Pointed<State> for Corners<M> {
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        let (_, y) = state.map.cell_at(point)?;
+        Some(if state.stage == Stage::Response { y } else { state.map.height() + y })
+    }
+
+    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+        let (x, y) = state.map.cell_at(point)?;
+        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
     }
 }

@@ -20,7 +20,7 @@ use crate::data::{Clip, Detection, Frame, Labelling, Mask, PackedMask};
 use crate::geometry::{Gray, Grid};
 use crate::params::{Params, inner_params};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
-use crate::run::{Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen, Span, need};
+use crate::run::{Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, need};
 use crate::scene::{Chart, Scene, Step};
 
 /// A model of the background.
@@ -246,13 +246,6 @@ impl<M: Background> Estimator for Subtraction<M> {
     type State = State<M::Model>;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        let model = self.0.need(clip);
-        // Walked through, the model before a frame, after it, kept and on its way, and the pictures that are told.
-        let walked = Need { walk: 4 * model.walk, ..model };
-        need_of_blobs(clip, self.0.settings(), walked)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error> {
         let span = Span::new(clip, frame, self.0.settings().frames)?;
         Ok(State { span, frame, picture: clip.size(), model: None, record: Record::default() })
@@ -275,27 +268,12 @@ impl<M: Background> Estimator for Subtraction<M> {
         state.span.place(state.frame - state.span.first)
     }
 
-    fn explained(&self, state: &Self::State, point: [f32; 2]) -> Option<Explained> {
-        let [x, y] = point.map(|c| c + 0.5);
-        let (width, height) = state.picture;
-        ((0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y)).then_some(Explained::Always)
-    }
-
     fn at_frame(&self, state: &Self::State) -> Option<usize> {
         Some(state.frame)
     }
 
-    fn at_rest(&self, state: &Self::State) -> Self::State {
-        State { model: state.model.as_ref().map(|model| self.0.at_rest(model)), ..state.clone() }
-    }
-
-    fn state_bytes(&self, state: &Self::State) -> usize {
-        let model = state.model.as_ref().map_or(0, |model| self.0.model_bytes(model));
-        size_of::<Self::State>() + model + state.record.own_bytes()
-    }
-
-    fn memory_bytes(&self, state: &Self::State) -> usize {
-        self.state_bytes(state) + state.record.shared_bytes()
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -314,5 +292,35 @@ impl<M: Background> Estimator for Subtraction<M> {
         let mut state = self.start(clip, frame)?;
         while self.work(clip, &mut state, threads, &mut ())? == Progress::More {}
         Ok(state)
+    }
+}
+
+impl<M: Background> Footprint<State<M::Model>> for Subtraction<M> {
+    fn need(&self, clip: &Clip) -> Need {
+        let model = self.0.need(clip);
+        // Walked through, the model before a frame, after it, kept and on its way, and the pictures that are told.
+        let walked = Need { walk: 4 * model.walk, ..model };
+        need_of_blobs(clip, self.0.settings(), walked)
+    }
+
+    fn at_rest(&self, state: &State<M::Model>) -> State<M::Model> {
+        State { model: state.model.as_ref().map(|model| self.0.at_rest(model)), ..state.clone() }
+    }
+
+    fn state_bytes(&self, state: &State<M::Model>) -> usize {
+        let model = state.model.as_ref().map_or(0, |model| self.0.model_bytes(model));
+        size_of::<State<M::Model>>() + model + state.record.own_bytes()
+    }
+
+    fn memory_bytes(&self, state: &State<M::Model>) -> usize {
+        self.state_bytes(state) + state.record.shared_bytes()
+    }
+}
+
+impl<M: Background> Pointed<State<M::Model>> for Subtraction<M> {
+    fn explained(&self, state: &State<M::Model>, point: [f32; 2]) -> Option<Explained> {
+        let [x, y] = point.map(|c| c + 0.5);
+        let (width, height) = state.picture;
+        ((0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y)).then_some(Explained::Always)
     }
 }
