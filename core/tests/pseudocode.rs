@@ -9,6 +9,7 @@ use std::sync::Arc;
 use common::waves;
 use motionscope_core::params::{Kind, Placed, Spot, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
+use motionscope_core::scene::Focus;
 use motionscope_core::scene::Sentence;
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Flow, Frame, Grid, Info, Move, ObjectBox, Promise, Spec,
@@ -236,6 +237,7 @@ impl Seen {
             self.see(info, &walk.step(None));
             let Cursor { unit, event } = walk.cursor();
             let pixel = [(7 * unit + event) % SIZE.0, (11 * unit + 5 * event) % SIZE.1].map(|c| c as f32);
+            let pixel = Focus::current(pixel);
             if event % 3 == 1 && walk.explained(pixel).is_some_and(|explained| explained.at(walk.cursor())) {
                 self.see(info, &walk.step(Some(pixel)));
             }

@@ -278,10 +278,10 @@ impl Panel {
     /// Whether marks on `picture` are shown here.
     pub fn shows(self, picture: Picture) -> bool {
         match self {
-            Panel::Current => picture == Picture::Current,
-            Panel::Next => picture == Picture::Next,
+            Panel::Current => picture == Picture::CURRENT,
+            Panel::Next => picture == Picture::NEXT,
             Panel::Difference | Panel::Blend => true,
-            Panel::Prediction | Panel::Residual => picture == Picture::Current,
+            Panel::Prediction | Panel::Residual => picture == Picture::CURRENT,
         }
     }
 
@@ -448,7 +448,7 @@ mod tests {
     #[test]
     fn every_mark_is_seen_in_every_view_of_both() {
         for view in [View::SideBySide, View::Difference, View::Blend, View::Blink] {
-            for picture in [Picture::Current, Picture::Next] {
+            for picture in [Picture::CURRENT, Picture::NEXT] {
                 assert_eq!(view.panels().iter().filter(|panel| panel.shows(picture)).count(), 1, "{view:?}");
             }
         }

@@ -247,7 +247,7 @@ impl Layout<'_> {
         let (panel, placement) = at;
         let Pictures { layer, streaks, .. } = &part.pictures;
         let mut primitives = vec![Primitive::Image { pixels, rect }];
-        let of_frame_t = panel.shows(Picture::Current);
+        let of_frame_t = panel.shows(Picture::CURRENT);
         if let Some(layer) = layer.as_ref().filter(|_| panel.is_tinted()) {
             primitives.push(Primitive::Image { pixels: layer.pixels.clone(), rect });
         }

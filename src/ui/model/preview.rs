@@ -55,7 +55,7 @@ fn detected(subject: &Subject) -> Scene {
     let mut scene = Scene::default();
     let found = subject.clip.detections(subject.frame).unwrap_or_default();
     for bounds in found.iter().map(|found| found.bounds) {
-        scene.mark(Picture::Current, Role::Measured, Shape::Rect { min: bounds.min, max: bounds.max });
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Rect { min: bounds.min, max: bounds.max });
     }
     if !found.is_empty() {
         scene.legend(Role::Measured, "detected");

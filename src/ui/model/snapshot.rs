@@ -162,7 +162,7 @@ impl Snapshot {
         let scene = self.tiles.first().map_or(&self.scene, |tile| &tile.scene);
         let mut marks = scene.marks.iter().rev();
         marks.find_map(|mark| match (mark.on, mark.role, &mark.shape) {
-            (Picture::Current, Role::Reference, Shape::Rect { min, max }) => {
+            (Picture::CURRENT, Role::Reference, Shape::Rect { min, max }) => {
                 Some([(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0])
             }
             _ => None,

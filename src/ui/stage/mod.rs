@@ -342,7 +342,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
             let of = of.map_or_else(String::new, |tile| format!(", {}", tile.info.name));
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}{of}"))
         });
-        let placing = input.placing.filter(|_| panel.shows(Picture::Current));
+        let placing = input.placing.filter(|_| panel.shows(Picture::CURRENT));
         let is_gripped = placing.is_some_and(|placing| placing::act(ui, &sensed, (lens, placing), state, response));
         if let Some(zoom) = looked(ui, &sensed, lens).filter(|_| !is_gripped) {
             state.zoom = zoom;
@@ -369,7 +369,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
 
 /// Whether particles move on a picture.
 fn moves(spot: &Spot<'_>) -> bool {
-    spot.panel.shows(Picture::Current) && spot.pictures.streaks.as_ref().is_some_and(|streaks| !streaks.is_empty())
+    spot.panel.shows(Picture::CURRENT) && spot.pictures.streaks.as_ref().is_some_and(|streaks| !streaks.is_empty())
 }
 
 fn to_point(pixel: [usize; 2]) -> [f32; 2] {
@@ -411,7 +411,7 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     let share = state.share();
     let gain = state.pictures.paint(&painter, panel, share, lens, pictures);
     let shown = Shown { panel, share, gain };
-    let of_frame_t = panel.shows(Picture::Current);
+    let of_frame_t = panel.shows(Picture::CURRENT);
     // Where numbers stand in the pixels, a layer of colours would hide them.
     if let Some(layer) = pictures.layer.as_ref().filter(|_| panel.is_tinted() && !pixels::has_numbers(lens)) {
         state.pictures.colors(&painter, layer, lens);

@@ -28,7 +28,7 @@ use crate::methods::block_search::{
 };
 use crate::products::{Block, BlockField, BlockGrid, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, TestsCandidates};
-use crate::scene::{Chart, Fact, Floor, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
+use crate::scene::{Chart, Fact, Floor, Focus, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
 use crate::{choices, pseudocode};
 
 choices! {
@@ -289,8 +289,8 @@ impl Hierarchical {
     }
 
     fn probe<'a>(&self, seen: &'a Seen<Self>, found: &'a [Match]) -> Probe<'a> {
-        let Seen { before, events, focus, .. } = *seen;
-        let focus = focus.map(|point| point.map(|c| c / before.scale()));
+        let Seen { before, events, .. } = *seen;
+        let focus = seen.point().map(|point| point.map(|c| c / before.scale()));
         let probe = Probe::new(before.pair(), self.settings_on(before.level), found, (events, focus));
         let counted = Counted { first_unit: before.first_unit(before.level), level: Some(before.level) };
         Probe { counted, ..probe }
@@ -508,7 +508,7 @@ impl TestsCandidates<State, Event> for Hierarchical {
 }
 
 impl Pointed<State> for Hierarchical {
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         let index = state.pair().blocks.at(point.map(|c| c / state.scale()))?;
         Some(state.first_unit(state.level) + index)
     }

@@ -10,7 +10,7 @@ use crate::geometry::Grid;
 use crate::methods::subtraction::{HasSettings, cleaned, need_of_blobs, sifted, subtraction_params};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
 use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, need};
-use crate::scene::{Chart, Scene, Step};
+use crate::scene::{Chart, Focus, Scene, Step};
 use crate::{choices, pseudocode};
 
 use super::FrameDifference;
@@ -220,7 +220,7 @@ impl Footprint<State> for ConnectedComponents {
 }
 
 impl Pointed<State> for ConnectedComponents {
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         let y = point[1] + 0.5;
         let row = (0.0..state.picture.1 as f32).contains(&y).then_some(y as usize)?;
         Some((state.frame - state.span.first) * (state.picture.1 + 1) + row)
