@@ -495,7 +495,7 @@ mod tests {
         let look =
             Look { view: Some(View::Blend), level, share, theme: Theme::Projector, legend: true, ..Look::default() };
         let sight = Some(Sight { center: [10.5, 3.0], zoom: 4.0 });
-        let (cursor, pixel) = (Some(Cursor { unit: 35, event: 412 }), Some(Pixel { x: 303, y: 202 }));
+        let (cursor, pixel) = (Some(Cursor { unit: 35, event: 412 }), Some("303,202".parse().expect("a pixel")));
         Session { source, truth: None, estimator, company, frame: 12, cursor, pixel, look: look.into(), sight }
     }
 

@@ -28,6 +28,8 @@ pub struct Want {
     pub streaks: bool,
     /// From one of them to the next in px, if that is chosen.
     pub spacing_px: Option<u16>,
+    /// Whether the pictures of a step stand side by side.
+    pub beside: bool,
 }
 
 /// Which layers there are where a run stands.

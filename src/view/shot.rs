@@ -1,10 +1,11 @@
 //! A picture of one step: the same pixels for the window and for the command line.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use motionscope_core::params::Kind;
-use motionscope_core::scene::{Readout, Sentence};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Levels, Move, Scene, Spec, Step, Value, Walk, Way};
+use motionscope_core::scene::{Canvas, Focus, Picture, Pixels, Readout, Sentence};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Frame, Levels, Move, Scene, Spec, Step, Value, Walk, Way};
 
 use crate::experiment::company::Company;
 use crate::experiment::pixel::Chosen;
@@ -51,8 +52,9 @@ pub struct Look {
 impl Look {
     /// What of motion it wants to see.
     pub fn want(&self) -> Want {
-        let Self { layer, opacity, colors, spacing_px, streaks, .. } = *self;
-        Want { layer, opacity, colors, streaks: streaks.is_some(), spacing_px }
+        let Self { view, layer, opacity, colors, spacing_px, streaks, .. } = *self;
+        let beside = matches!(view, Some(View::SideBySide | View::Blink));
+        Want { layer, opacity, colors, streaks: streaks.is_some(), spacing_px, beside }
     }
 
     /// How `pictures` are drawn.
@@ -115,6 +117,25 @@ pub fn pictures(walk: &dyn Walk, pair: &Pictures) -> Pictures {
     Pictures { prediction: walk.at_end().then(|| predicted(&walk.output(), pair)).flatten(), ..pair.clone() }
 }
 
+/// The pictures that the step at `site` is about, where those are not frames t and t + 1, which `pair` has.
+///
+/// # Errors
+/// If one of them cannot be decoded.
+pub fn beside(pair: &Pictures, site: Site<'_>) -> Result<Vec<(Picture, Arc<Frame>)>, Error> {
+    let frame = |canvas: &Canvas| match &canvas.pixels {
+        Pixels::Made(make) => Ok(Some(Arc::new(make()))),
+        Pixels::OfClip if [Picture::CURRENT, Picture::NEXT].contains(&canvas.picture) => {
+            Ok(Some(Arc::clone(pair.frame_of(canvas.picture))))
+        }
+        Pixels::OfClip => {
+            let number = site.walk.at_frame().checked_add_signed(canvas.picture.time as isize);
+            number.map(|number| site.clip.frame(number)).transpose()
+        }
+    };
+    let named = |canvas: &Canvas| Ok(frame(canvas)?.map(|frame| (canvas.picture, frame)));
+    site.scene.pictures.iter().filter_map(|canvas| named(canvas).transpose()).collect()
+}
+
 /// Everything that a walk shows where it stands.
 pub struct Still {
     frame: usize,
@@ -134,7 +155,7 @@ impl Still {
     /// # Errors
     /// If what that takes, as the truth or the reverse pair, cannot be had.
     pub fn of(
-        (walk, focus): (&dyn Walk, Option<[f32; 2]>),
+        (walk, focus): (&dyn Walk, Option<Focus>),
         (clip, pair): (&Clip, &Pictures),
         want: &Want,
         reverse: &Reverse<'_>,
@@ -144,6 +165,9 @@ impl Still {
         let site = Site { walk, clip, scene: &scene };
         let motion = Motion::of(site, want, || reverse.flow().map(Some))?;
         motion.put(&mut pictures, &mut tiles);
+        if want.beside {
+            pictures.beside = beside(&pictures, site)?;
+        }
         Ok(Self {
             frame: walk.at_frame(),
             cursor: walk.cursor(),

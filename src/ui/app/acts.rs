@@ -55,11 +55,18 @@ impl App {
                 self.player.pause();
                 self.walker.go(Move::To(cursor));
             }
-            Action::SeekAt(point, side) => {
+            Action::SeekAt(focus, side) => {
                 self.player.pause();
-                self.walker.go_at(point, side);
+                let shown = self.view.shown.as_ref();
+                if let Some(first) = shown.and_then(|shown| shown.elsewhere(focus.on)) {
+                    let (clicked, first) = (focus.on.title(None), first.title(None).to_lowercase());
+                    self.toasts
+                        .tell(format!("{clicked} has no pixels to be explained at this step: click on {first}."));
+                    return;
+                }
+                self.walker.go_at(focus, side);
             }
-            Action::Focus(point) => self.walker.focus(point),
+            Action::Focus(focus) => self.walker.focus(focus),
             Action::Release => self.walker.release(),
             Action::Frame(frame) => self.go_to_frame(frame),
             Action::Lengthen(lengthen) => self.settings.set_lengthen(lengthen),
@@ -171,7 +178,7 @@ impl App {
 
     fn look_at(&mut self, command: Command) {
         let stage = &mut self.states.stage;
-        let at_hand = self.view.shown.as_ref().and_then(|shown| shown.reference());
+        let at_hand = self.view.shown.as_ref().and_then(|shown| shown.reference()).map(|focus| focus.at);
         match command {
             Command::ZoomIn => stage.magnify(ZOOM_STEP, at_hand),
             Command::ZoomOut => stage.magnify(1.0 / ZOOM_STEP, at_hand),

@@ -7,6 +7,7 @@ use std::sync::mpsc::{TryRecvError, channel};
 use std::time::Instant;
 
 use eframe::egui::ViewportCommand;
+use motionscope_core::scene::Focus;
 use motionscope_core::synth::Sample;
 use motionscope_core::{Clip, Cursor, Error, estimator};
 
@@ -114,7 +115,8 @@ impl App {
         let (width, height) = clip.size();
         self.document.open(clip, source, None);
         self.begin();
-        let near = Some([width as f32 * FIRST_PLACE[0], height as f32 * FIRST_PLACE[1]]);
+        let near = [width as f32 * FIRST_PLACE[0], height as f32 * FIRST_PLACE[1]];
+        let near = Some(Focus::current(near));
         self.walk_from(Place { cursor: Cursor { unit: 0, event: FIRST_LOOK }, near, ..Place::default() });
     }
 

@@ -30,6 +30,7 @@ pub fn preview(subject: &Arc<Subject>, clip: &Clip) -> Result<Snapshot, Error> {
         step: Arc::new(step(subject, "The first step is still being worked out.")),
         scene: Arc::new(detected(subject)),
         pointed: None,
+        clickable: Vec::new(),
         tested: 0,
         tiles: Vec::new(),
         bound_for: None,

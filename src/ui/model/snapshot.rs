@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use motionscope_core::scene::{Focus, Picture, Shape};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Pace, Role, Rung, Scene, Step};
 
 use crate::experiment::company::Company;
@@ -47,7 +48,7 @@ pub struct Place {
     /// Where to go.
     pub cursor: Cursor,
     /// The pixel whose unit is meant, if that is known better than its number.
-    pub near: Option<[f32; 2]>,
+    pub near: Option<Focus>,
     /// The pixel that is held there.
     pub hold: Hold,
 }
@@ -108,8 +109,8 @@ pub struct Job {
 /// A pixel that is explained in place of the one at work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pointed {
-    /// The pixel of frame t.
-    pub at: [f32; 2],
+    /// The pixel.
+    pub at: Focus,
     /// Whether it was clicked, and stays explained when the pointer leaves it.
     pub is_held: bool,
 }
@@ -147,6 +148,8 @@ pub struct Snapshot {
     pub scene: Arc<Scene>,
     /// The pixel that is explained, where that is not the one at work.
     pub pointed: Option<Pointed>,
+    /// The pictures of the step whose pixels can be pointed at.
+    pub clickable: Vec<Picture>,
     /// Candidates of the unit that were tested.
     pub tested: usize,
     /// Each of those that go in lockstep; none where there is but one.
@@ -156,17 +159,21 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// The centre of what is being matched, in image pixels of frame t; of several in lockstep, by the first.
-    pub fn reference(&self) -> Option<[f32; 2]> {
-        use motionscope_core::scene::{Picture, Shape};
+    /// The centre of what is being matched in frame t; of several in lockstep, by the first.
+    pub fn reference(&self) -> Option<Focus> {
         let scene = self.tiles.first().map_or(&self.scene, |tile| &tile.scene);
         let mut marks = scene.marks.iter().rev();
         marks.find_map(|mark| match (mark.on, mark.role, &mark.shape) {
             (Picture::CURRENT, Role::Reference, Shape::Rect { min, max }) => {
-                Some([(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0])
+                Some(Focus::current([(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0]))
             }
             _ => None,
         })
+    }
+
+    /// Where to click in the place of `picture`, whose pixels cannot be pointed at.
+    pub fn elsewhere(&self, picture: Picture) -> Option<Picture> {
+        if self.clickable.contains(&picture) { None } else { self.clickable.first().copied() }
     }
 
     /// The pixel that was clicked and is explained.

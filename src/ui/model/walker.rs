@@ -15,7 +15,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::scene::{Fact, Readout};
+use motionscope_core::scene::{Fact, Focus, Picture, Readout};
 use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Histogram, Move, Output, Scene, Step, Stop, Walk};
 
 use super::preview::{preview, stopped};
@@ -24,7 +24,7 @@ use crate::experiment::pixel::{Pixel, is_explained, walks_pixels};
 use crate::paint::{FlowLayer, Pictures};
 use crate::ui::app::action::Side;
 use crate::view::motion::{Motion, Offer, Site, Want, backward};
-use crate::view::shot::{LastPair, pictures};
+use crate::view::shot::{LastPair, beside, pictures};
 use crate::view::tile::{self, Ending, add_assessment, add_facts, endings, tiles};
 use way::Way;
 
@@ -81,7 +81,7 @@ type Visit = Box<dyn FnOnce(&Arc<Subject>, &dyn Walk) + Send>;
 enum Request {
     Go(Move),
     /// To the end or the start of the unit whose result lies at a pixel, or to that pixel itself.
-    GoAt([f32; 2], Side),
+    GoAt(Focus, Side),
     /// No pixel is held any longer.
     Release,
     /// To where the run stands, whatever it was on its way to.
@@ -102,7 +102,7 @@ struct Desk {
     /// A job is on the desk or in hand: small moves wait until it stands at its place.
     starting: bool,
     requests: VecDeque<Request>,
-    focus: Option<[f32; 2]>,
+    focus: Option<Focus>,
     want: Want,
     /// Another pixel is to be explained, or something else of motion is to be seen.
     focus_moved: bool,
@@ -249,10 +249,10 @@ impl Walker {
 
     /// Goes to the end or the start of the unit whose result lies at pixel `point` of frame t. Where single pixels are
     /// explained, that one is from now on, until the run moves on to others; if its turn has not come, the run goes there.
-    pub fn go_at(&self, point: [f32; 2], side: Side) {
+    pub fn go_at(&self, focus: Focus, side: Side) {
         self.ask(true, |desk| {
             desk.take_up();
-            desk.requests.push_back(Request::GoAt(point, side));
+            desk.requests.push_back(Request::GoAt(focus, side));
         });
     }
 
@@ -270,7 +270,7 @@ impl Walker {
     }
 
     /// Explains the pixel `focus` from now on.
-    pub fn focus(&self, focus: Option<[f32; 2]>) {
+    pub fn focus(&self, focus: Option<Focus>) {
         if self.shared.desk().focus != focus {
             self.ask(false, |desk| {
                 desk.focus = focus;
@@ -441,7 +441,7 @@ struct Worker<'a> {
     shared: &'a Arc<Shared>,
     run: Option<Run>,
     /// The pixel that was clicked.
-    held: Option<[f32; 2]>,
+    held: Option<Focus>,
 }
 
 impl<'a> Worker<'a> {
@@ -516,7 +516,7 @@ impl<'a> Worker<'a> {
                 self.held = self.held.filter(|at| !walks_pixels(&*run.walk, *at));
                 self.go(to);
             }
-            Task::Request(Request::GoAt(point, side)) => self.go_at(point, side),
+            Task::Request(Request::GoAt(focus, side)) => self.go_at(focus, side),
             Task::Request(Request::Release) => {
                 if self.held.take().is_some() {
                     self.publish();
@@ -584,7 +584,7 @@ impl<'a> Worker<'a> {
         let other = self.run.take().is_some_and(|run| run.clip.info().name != subject.clip.info().name);
         self.held = match place.hold {
             Hold::Kept => self.held.filter(|_| !other),
-            Hold::Set(pixel) => pixel.map(Pixel::point),
+            Hold::Set(pixel) => pixel.map(Pixel::focus),
         };
         let clip = subject.clip.clone().until(self.shared.stop.clone());
         self.announce(&subject, &clip)?;
@@ -614,13 +614,13 @@ impl<'a> Worker<'a> {
         }
     }
 
-    fn go_at(&mut self, point: [f32; 2], side: Side) {
+    fn go_at(&mut self, focus: Focus, side: Side) {
         let Some(run) = &self.run else { return };
         // Where nothing is found at that pixel, the move that this one replaced has ended where the run stands.
         let here = run.walk.cursor();
-        let to = match (run.walk.explained(point), run.walk.unit_at(point)) {
+        let to = match (run.walk.explained(focus), run.walk.unit_at(focus)) {
             (Some(explained), _) => {
-                self.held = Some(point);
+                self.held = Some(focus);
                 if let Explained::From(turn) = explained { turn.max(here) } else { here }
             }
             (None, Some(unit)) if side == Side::Start => Cursor { unit, event: usize::from(unit > 0) },
@@ -631,7 +631,7 @@ impl<'a> Worker<'a> {
     }
 
     /// The pixel that was clicked, where it can be explained.
-    fn held(&self) -> Option<[f32; 2]> {
+    fn held(&self) -> Option<Focus> {
         self.held.filter(|at| self.run.as_ref().is_some_and(|run| is_explained(&*run.walk, *at)))
     }
 
@@ -752,12 +752,18 @@ impl Run {
         Ok(())
     }
 
-    fn snapshot(&self, focus: Option<[f32; 2]>, want: Want) -> Snapshot {
+    fn snapshot(&self, focus: Option<Focus>, want: Want) -> Snapshot {
         let walk = &self.walk;
         let mut tiles = tiles(&**walk, focus, self.end().map_or(&[], |end| &end.beside));
         let (mut pictures, scene) = (self.pictures(), tile::scene(&**walk, focus, &tiles));
         let motion = self.motion(&scene, want);
         motion.put(&mut pictures, &mut tiles);
+        // What cannot be had is not shown: frames t and t + 1 are there in its place.
+        let beside = want.beside.then(|| beside(&pictures, Site { walk: &**walk, clip: &self.clip, scene: &scene }));
+        pictures.beside = beside.and_then(Result::ok).unwrap_or_default();
+        let all =
+            [Picture::CURRENT, Picture::NEXT].into_iter().chain(scene.pictures.iter().map(|canvas| canvas.picture));
+        let clickable = all.filter(|picture| walk.takes(*picture)).collect();
         Snapshot {
             subject: Arc::clone(&self.subject),
             info: walk.info(),
@@ -774,6 +780,7 @@ impl Run {
             step: Arc::new(self.step(focus, &motion)),
             scene: Arc::new(scene),
             pointed: None,
+            clickable,
             bound_for: None,
             tested: walk.evaluations().partition_point(|event| *event <= walk.cursor().event),
             tiles,
@@ -798,7 +805,7 @@ impl Run {
     }
 
     /// What the cursor tells; at the end, also how good the estimate is.
-    fn step(&self, focus: Option<[f32; 2]>, motion: &Motion) -> Step {
+    fn step(&self, focus: Option<Focus>, motion: &Motion) -> Step {
         let mut step = self.walk.step(focus);
         if let Some(end) = self.end() {
             if let Some(assessment) = &end.assessment {

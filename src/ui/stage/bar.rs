@@ -1,7 +1,9 @@
 //! Around the pictures: what to look at, what the marks mean, and the numbers of the pixel pointed at.
 
+use std::sync::Arc;
+
 use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
-use motionscope_core::scene::Shape;
+use motionscope_core::scene::{Picture, Shape};
 use motionscope_core::{Frame, Role};
 
 use super::{Input, Response, State, motion, pixels};
@@ -144,7 +146,7 @@ pub fn below(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
         ink::name(&response, || format!("Legend: {}", items.plain()));
         items.paint(ui, rect);
     }
-    readout(ui, input, state.hovered);
+    readout(ui, input, state);
 }
 
 /// What stands in the legend, and how wide each item is.
@@ -180,7 +182,7 @@ fn bar_width(bar: &legend::Bar, width_of: impl Fn(&str) -> f32) -> f32 {
 
 /// What is drawn in the pictures that are shown.
 fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items {
-    let panels = super::view(input, state).panels();
+    let panels = super::view(input, state).panels(input.pictures);
     let shown = input.scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
     let zoom = state.shown.map_or(1.0, |lens| lens.scale);
     let has_numbers = state.shown.is_some_and(|lens| pixels::has_numbers(&lens));
@@ -280,7 +282,7 @@ const HINTS_OF_SEVERAL: [&str; 3] = [
 ];
 
 /// The pixel pointed at, in numbers; what one can do, where none is.
-fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
+fn readout(ui: &mut Ui, input: &Input<'_>, state: &State) {
     let height = line_height(input.theme);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     let chrome = input.theme.chrome();
@@ -288,7 +290,7 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
     let size = input.theme.sizes().small;
     let font = ink::font(Face::Sans, size);
     let painter = ui.painter_at(rect);
-    let Some(pixel) = hovered else {
+    let Some(hovered) = state.hovered else {
         let width = |hint: &str| painter.layout_no_wrap(hint.into(), font.clone(), dim).size().x;
         let hints = if input.lockstep.is_some() { HINTS_OF_SEVERAL } else { HINTS };
         let hint = hints.into_iter().find(|hint| width(hint) <= rect.width()).unwrap_or(hints[hints.len() - 1]);
@@ -296,11 +298,11 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
         ink::line(&painter, rect.left_center(), (hint, font, dim), rect.width());
         return;
     };
-    let columns = columns(&input.pictures.pair, pixel);
+    let columns = columns(&compared(input, state, hovered.on), hovered.pixel);
     ink::name(&response, || columns.iter().map(|c| format!("{} {}", c.label, c.value)).collect::<Vec<_>>().join(", "));
     let mut at = rect.left_center();
     for column in &columns {
-        let label = painter.layout_no_wrap(column.label.into(), font.clone(), dim);
+        let label = painter.layout_no_wrap(column.label.clone(), font.clone(), dim);
         let value = painter.layout_no_wrap(column.value.clone(), font.clone(), text);
         let room = value.size().x.max(column.digits * 0.65 * size);
         let right = at.x + label.size().x + 0.5 * size + room;
@@ -319,27 +321,40 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
 }
 
 struct Column {
-    label: &'static str,
+    label: String,
     value: String,
     /// Room for this many digits, so that nothing jumps.
     digits: f32,
     color: Option<[u8; 3]>,
 }
 
-fn columns(pair: &[std::sync::Arc<Frame>; 2], pixel: [usize; 2]) -> Vec<Column> {
+/// The pictures whose pixels lie where those of `on` do: those that are seen, or frames t and t + 1.
+fn compared(input: &Input<'_>, state: &State, on: Picture) -> Vec<(Picture, Arc<Frame>)> {
+    let pictures = input.pictures;
+    let panels = super::view(input, state).panels(pictures);
+    let seen: Vec<_> = panels.iter().map(|panel| panel.picture()).filter(|other| other.is_aligned_with(on)).collect();
+    let pair = [Picture::CURRENT, Picture::NEXT];
+    let all = if seen.len() < 2 && pair.contains(&on) { pair.to_vec() } else { seen };
+    all.into_iter().map(|picture| (picture, Arc::clone(pictures.frame_of(picture)))).collect()
+}
+
+fn columns(pictures: &[(Picture, Arc<Frame>)], pixel: [usize; 2]) -> Vec<Column> {
     let [x, y] = pixel;
-    let column = |label, value: String, digits| Column { label, value, digits, color: None };
-    let grays = [0, 1].map(|i| pixels::gray_at(pair[i].luma(), pixel));
+    let column =
+        |label: &str, value: String, digits| Column { label: label.replace('-', "−"), value, digits, color: None };
     let mut columns = vec![column("x", x.to_string(), 4.0), column("y", y.to_string(), 4.0)];
-    for (label, gray, frame) in [("t", &grays[0], &pair[0]), ("t+1", &grays[1], &pair[1])] {
-        columns.push(Column { color: pixels::rgb_at(frame, pixel), ..column(label, gray.clone(), 3.0) });
+    let mut grays = Vec::new();
+    for (picture, frame) in pictures {
+        let gray = pixels::gray_at(frame.luma(), pixel);
+        grays.extend(gray.parse::<i32>());
+        columns.push(Column { color: pixels::rgb_at(frame, pixel), ..column(&picture.to_string(), gray, 3.0) });
     }
-    if let [Ok(a), Ok(b)] = grays.map(|gray| gray.parse::<i32>()) {
+    if let [a, b] = grays[..] {
         columns.push(column("change", number((b - a) as f32), 4.0));
     }
-    for (label, frame) in [("RGB t", &pair[0]), ("RGB t+1", &pair[1])] {
+    for (picture, frame) in pictures {
         if let Some([r, g, b]) = pixels::rgb_at(frame, pixel) {
-            columns.push(column(label, format!("{r} {g} {b}"), 10.0));
+            columns.push(column(&format!("RGB {picture}"), format!("{r} {g} {b}"), 10.0));
         }
     }
     columns
@@ -355,8 +370,10 @@ mod tests {
     fn a_pixel_is_told_in_both_frames() {
         let gray = Arc::new(Frame::gray(Grid::from_fn(4, 4, |x, y| (10 * y + x) as u8)));
         let rgb = Arc::new(Frame::rgb(Grid::new(4, 4, [30, 30, 30])));
-        let told: Vec<_> =
-            columns(&[gray, rgb], [3, 2]).into_iter().map(|c| format!("{} {}", c.label, c.value)).collect();
+        let told: Vec<_> = columns(&[(Picture::CURRENT, gray), (Picture::NEXT, rgb)], [3, 2])
+            .into_iter()
+            .map(|c| format!("{} {}", c.label, c.value))
+            .collect();
         assert_eq!(told, ["x 3", "y 2", "t 23", "t+1 30", "change 7", "RGB t+1 30 30 30"]);
     }
 }

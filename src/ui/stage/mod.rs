@@ -19,7 +19,7 @@ use std::sync::Arc;
 use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use motionscope_core::params::Placed;
-use motionscope_core::scene::Picture;
+use motionscope_core::scene::{Focus, Picture};
 use motionscope_core::{Pace, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -135,7 +135,10 @@ pub struct State {
     #[serde(skip)]
     legend_height: bar::Height,
     #[serde(skip)]
-    hovered: Option<[usize; 2]>,
+    hovered: Option<Hovered>,
+    /// How closely one looks at pictures whose pixels are not those of frame t.
+    #[serde(skip)]
+    zooms: Vec<(Picture, Zoom)>,
     /// The pane that was shown last, for zooming without a pointer.
     #[serde(skip)]
     shown: Option<Lens>,
@@ -160,6 +163,7 @@ impl Default for State {
             glides: Vec::new(),
             legend_height: bar::Height::default(),
             hovered: None,
+            zooms: Vec::new(),
             shown: None,
         }
     }
@@ -177,7 +181,7 @@ impl State {
     pub fn magnify(&mut self, factor: f32, at_hand: Option<[f32; 2]>) {
         if let Some(lens) = self.shown {
             let held =
-                self.hovered.map(to_point).or(at_hand).filter(|&point| lens.pane.contains(lens.to_screen(point)));
+                self.hovered.map(Hovered::point).or(at_hand).filter(|&point| lens.pane.contains(lens.to_screen(point)));
             self.zoom = lens.zoomed(held.map_or(lens.pane.center(), |point| lens.to_screen(point)), factor);
         }
     }
@@ -199,19 +203,54 @@ impl State {
         }
     }
 
-    /// The whole picture.
+    /// The whole picture, and all others.
     pub fn fit(&mut self) {
         self.zoom = Zoom::Fit;
+        self.zooms.clear();
+    }
+
+    /// How closely one looks at `picture`: all whose pixels are those of frame t are looked at alike.
+    fn zoom_of(&self, picture: Picture) -> Zoom {
+        if picture.is_aligned_with(Picture::CURRENT) {
+            return self.zoom;
+        }
+        self.zooms.iter().find(|(other, _)| other.is_aligned_with(picture)).map_or(Zoom::Fit, |(_, zoom)| *zoom)
+    }
+
+    fn set_zoom(&mut self, picture: Picture, zoom: Zoom) {
+        if picture.is_aligned_with(Picture::CURRENT) {
+            self.zoom = zoom;
+            return;
+        }
+        self.zooms.retain(|(other, _)| !other.is_aligned_with(picture));
+        self.zooms.push((picture, zoom));
+    }
+}
+
+/// The pixel under the pointer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Hovered {
+    on: Picture,
+    pixel: [usize; 2],
+}
+
+impl Hovered {
+    fn point(self) -> [f32; 2] {
+        self.pixel.map(|c| c as f32)
+    }
+
+    fn focus(self) -> Focus {
+        Focus { on: self.on, at: self.point() }
     }
 }
 
 /// What the person did on the stage.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The image point that was clicked.
-    pub clicked: Option<[f32; 2]>,
-    /// The image pixel under the pointer.
-    pub hovered: Option<[f32; 2]>,
+    /// The pixel that was clicked.
+    pub clicked: Option<Focus>,
+    /// The pixel under the pointer.
+    pub hovered: Option<Focus>,
     /// The estimator that is to be explained.
     pub explained: Option<usize>,
     /// What estimators in lockstep are to have in common.
@@ -248,12 +287,13 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
 }
 
 /// The pictures on the stage just now.
-fn panels(view: View, time: f64) -> &'static [Panel] {
-    match view {
-        View::Blink if (time / BLINK_SECS) as i64 % 2 == 0 => &[Panel::Current],
-        View::Blink => &[Panel::Next],
-        _ => view.panels(),
+fn panels(view: View, pictures: &paint::Pictures, time: f64) -> Vec<Panel> {
+    let all = view.panels(pictures);
+    if view != View::Blink {
+        return all;
     }
+    let turn = (time / BLINK_SECS) as usize % all.len().max(1);
+    all.into_iter().skip(turn).take(1).collect()
 }
 
 /// What one picture on the stage shows.
@@ -268,14 +308,13 @@ struct Spot<'a> {
 
 /// Every picture in its place.
 fn spots<'a>(area: Rect, panels: &[Panel], input: &Input<'a>, state: &State) -> Vec<Spot<'a>> {
-    let zoom = state.zoom;
     let size = input.pictures.pair[0].size();
     let Some(Lockstep { tiles, .. }) = input.lockstep else {
         let panes = split(area, panels.len(), size, bar::line_height(input.theme));
         let spot = |(panel, pane): (&Panel, Rect)| Spot {
             member: 0,
             panel: *panel,
-            lens: Lens::new(pane, size, zoom),
+            lens: Lens::new(pane, panel.frames(input.pictures)[0].size(), state.zoom_of(panel.picture())),
             scene: input.scene,
             pictures: input.pictures.clone(),
         };
@@ -285,8 +324,8 @@ fn spots<'a>(area: Rect, panels: &[Panel], input: &Input<'a>, state: &State) -> 
     let panes = lockstep::split(area, tiles.len(), size, lockstep::header(input.theme));
     let spot = |(member, (tile, pane)): (usize, (&'a Tile, Rect))| Spot {
         member,
-        panel: panels.first().copied().unwrap_or(Panel::Next),
-        lens: Lens::new(pane, size, zoom),
+        panel: panels.first().copied().unwrap_or(Panel::NEXT),
+        lens: Lens::new(pane, size, state.zoom),
         scene: &tile.scene,
         pictures: tile.pictures(input.pictures, state.level, view),
     };
@@ -308,10 +347,10 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
         let rest = BLINK_SECS - time.rem_euclid(BLINK_SECS);
         ui.ctx().request_repaint_after_secs(rest as f32 + 0.005);
     }
-    let panels = panels(view(input, state), time);
+    let panels = panels(view(input, state), input.pictures, time);
     ui.painter().rect_filled(area, 0.0, ink::color(input.theme.chrome().background));
     let mut hovered = None;
-    let spots = spots(area, panels, input, state);
+    let spots = spots(area, &panels, input, state);
     state.glides.resize_with(spots.last().map_or(1, |spot| spot.member + 1), Glide::default);
     for spot in &spots {
         state.glides[spot.member].follow(spot.scene, input.animate, time);
@@ -322,7 +361,8 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     if input.flows && spots.iter().any(moves) {
         ui.ctx().request_repaint_after_secs(FLOW_SECS);
     }
-    let shown = spots.last().map(|spot| spot.lens);
+    let aligned = |spot: &&Spot<'_>| spot.panel.picture().is_aligned_with(Picture::CURRENT);
+    let shown = spots.iter().rev().find(aligned).or(spots.last()).map(|spot| spot.lens);
     if state.shown != shown {
         // The scale is told above the pictures, which were placed only now.
         state.shown = shown;
@@ -342,20 +382,23 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
             let of = of.map_or_else(String::new, |tile| format!(", {}", tile.info.name));
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}{of}"))
         });
-        let placing = input.placing.filter(|_| panel.shows(Picture::CURRENT));
-        let is_gripped = placing.is_some_and(|placing| placing::act(ui, &sensed, (lens, placing), state, response));
+        let placing = input.placing.and_then(|placing| placing.on(panel.picture()));
+        let is_gripped =
+            placing.as_ref().is_some_and(|placing| placing::act(ui, &sensed, (lens, placing), state, response));
         if let Some(zoom) = looked(ui, &sensed, lens).filter(|_| !is_gripped) {
-            state.zoom = zoom;
+            state.set_zoom(panel.picture(), zoom);
             ui.ctx().request_repaint();
         }
         if let Some(at) = sensed.hover_pos() {
-            hovered = lens.pixel_at(at);
+            hovered = lens.pixel_at(at).map(|pixel| Hovered { on: panel.picture(), pixel });
         }
         match input.lockstep {
             // The first click on another estimator is for its explanation; nothing moves under it.
             Some(all) if sensed.clicked() && all.explained != *member => response.explained = Some(*member),
             _ if placing.is_none() && sensed.clicked() => {
-                response.clicked = sensed.interact_pointer_pos().and_then(|at| lens.pixel_at(at)).map(to_point);
+                let clicked = sensed.interact_pointer_pos().and_then(|at| lens.pixel_at(at));
+                let clicked = clicked.map(|pixel| Hovered { on: panel.picture(), pixel });
+                response.clicked = clicked.map(Hovered::focus);
             }
             _ => {}
         }
@@ -364,7 +407,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     for spot in &spots {
         paint(ui, spot, input, state);
     }
-    response.hovered = hovered.map(to_point);
+    response.hovered = hovered.map(Hovered::focus);
 }
 
 /// Whether particles move on a picture.
@@ -372,12 +415,8 @@ fn moves(spot: &Spot<'_>) -> bool {
     spot.panel.shows(Picture::CURRENT) && spot.pictures.streaks.as_ref().is_some_and(|streaks| !streaks.is_empty())
 }
 
-fn to_point(pixel: [usize; 2]) -> [f32; 2] {
-    pixel.map(|c| c as f32)
-}
-
 /// Divides `area` among `count` pictures of `size` with a `header` above each: side by side, or stacked where that
-/// shows them much larger.
+/// shows them much larger; four also in a square.
 fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec<Rect> {
     let head = vec2(0.0, header);
     let fit = |pane: Vec2| ((pane - head) / vec2(size.0 as f32, size.1 as f32)).min_elem();
@@ -390,6 +429,14 @@ fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec<Rec
     } else {
         (beside, vec2(beside.x + GAP, 0.0))
     };
+    if count == 4 {
+        let half = (area.size() - Vec2::splat(GAP)) / 2.0;
+        if fit(half) > fit(pane) {
+            let picture = (half - head).max(Vec2::splat(1.0));
+            let corner = |i: usize| vec2((i % 2) as f32 * (half.x + GAP), (i / 2) as f32 * (half.y + GAP));
+            return (0..count).map(|i| Rect::from_min_size(area.min + head + corner(i), picture)).collect();
+        }
+    }
     let picture = (pane - head).max(Vec2::splat(1.0));
     (0..count).map(|i| Rect::from_min_size(area.min + head + step * i as f32, picture)).collect()
 }
@@ -429,11 +476,11 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
         let trails = paint::streaks(&streaks.at(phase), input.theme, place);
         marks.extend(primitives::shapes(&marks, &[trails]));
     }
-    if let Some(pixel) = state.hovered {
-        pixels::cross_hair(&painter, lens, pixel);
+    if let Some(hovered) = state.hovered.filter(|hovered| hovered.on.is_aligned_with(panel.picture())) {
+        pixels::cross_hair(&painter, lens, hovered.pixel);
     }
-    if let Some(placing) = input.placing.filter(|_| of_frame_t) {
-        placing::paint(&painter, lens, placing, input.theme);
+    if let Some(placing) = input.placing.and_then(|placing| placing.on(panel.picture())) {
+        placing::paint(&painter, lens, &placing, input.theme);
     }
     if input.lockstep.is_none() {
         caption(ui.painter(), shown, lens, input);
@@ -492,6 +539,7 @@ mod layer_id {
 mod tests {
     use super::*;
     use eframe::egui::Pos2;
+    use motionscope_core::scene::PictureRole;
 
     #[test]
     fn two_pictures_share_the_stage_without_overlap() {
@@ -504,6 +552,29 @@ mod tests {
         let tall = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 900.0));
         let same_row = |area| split(area, 2, (584, 388), 20.0).windows(2).all(|w| w[0].min.y == w[1].min.y);
         assert!(same_row(wide) && !same_row(tall));
+    }
+
+    #[test]
+    fn up_to_four_pictures_lie_in_the_stage_apart() {
+        for (area, count) in [(vec2(900.0, 700.0), 3), (vec2(900.0, 700.0), 4), (vec2(1600.0, 200.0), 4)] {
+            let area = Rect::from_min_size(pos2(10.0, 20.0), area);
+            let panes = split(area, count, (320, 240), 20.0);
+            assert!(panes.len() == count && panes.iter().all(|pane| area.contains_rect(*pane)), "{panes:?}");
+            let apart = |(i, a): (usize, &Rect)| panes.iter().skip(i + 1).all(|b| !a.intersects(*b));
+            assert!(panes.iter().enumerate().all(apart), "{panes:?}");
+        }
+    }
+
+    #[test]
+    fn pictures_of_other_pixels_are_zoomed_by_themselves() {
+        let (mut state, near) = (State::default(), Zoom::At { center: [3.0, 4.0], scale: 9.0 });
+        let template = Picture { role: PictureRole::Template, ..Picture::CURRENT };
+        state.set_zoom(Picture::REFERENCE, near);
+        assert_eq!([Picture::CURRENT, Picture::NEXT, template].map(|p| state.zoom_of(p)), [near, near, Zoom::Fit]);
+        state.set_zoom(template, Zoom::At { center: [1.0, 1.0], scale: 2.0 });
+        assert_eq!(state.zoom_of(Picture::CURRENT), near);
+        state.fit();
+        assert_eq!([Picture::NEXT, template].map(|p| state.zoom_of(p)), [Zoom::Fit; 2]);
     }
 
     #[test]

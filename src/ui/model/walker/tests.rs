@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicUsize;
 
+use motionscope_core::scene::Focus;
 use motionscope_core::{Frame, FrameSource, Grid, Way, estimator};
 
 use super::*;
@@ -78,7 +79,7 @@ fn a_refused_run_leaves_the_last_picture() {
     let view = walker.view();
     assert!(view.shown.is_some() && view.refused.is_some_and(|error| error.to_string().contains("frame")));
     let before = cursor(&walker);
-    walker.focus(Some([3.0, 3.0]));
+    walker.focus(Some(Focus::current([3.0, 3.0])));
     walker.go(Move::Rung(2, Way::Forward));
     walker.wait();
     assert!(walker.view().refused.is_some() && cursor(&walker) == before, "the old run is no more");
@@ -128,12 +129,13 @@ fn nobody_waits_for_a_frame_that_is_not_wanted_any_more() {
 #[test]
 fn a_run_begins_where_it_is_wanted() {
     let walker = Walker::new(|| {}).unwrap();
-    let place = Place { cursor: Cursor { unit: 0, event: 5 }, near: Some([40.0, 20.0]), ..Place::default() };
+    let place =
+        Place { cursor: Cursor { unit: 0, event: 5 }, near: Some(Focus::current([40.0, 20.0])), ..Place::default() };
     walker.start(Job { place, ..job() });
     assert_eq!(cursor(&walker), Cursor { unit: 6, event: 5 });
-    walker.go_at([1.0, 1.0], Side::End);
+    walker.go_at(Focus::current([1.0, 1.0]), Side::End);
     assert_eq!((cursor(&walker).unit, cursor(&walker).event > 1), (0, true));
-    walker.go_at([40.0, 20.0], Side::Start);
+    walker.go_at(Focus::current([40.0, 20.0]), Side::Start);
     assert_eq!(cursor(&walker), Cursor { unit: 6, event: 1 });
 }
 
