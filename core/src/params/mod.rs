@@ -3,11 +3,13 @@
 //! Sliders, tooltips, `--set` flags, `motionscope list`, sessions and the property tests all read the
 //! same declaration, made with [`params!`](crate::params!) and [`choices!`](crate::choices!).
 
+mod field;
 mod part;
 mod placed;
 
 use std::fmt;
 
+pub use field::{Declared, Field};
 pub use part::{Part, PartKind, StageValue};
 pub use placed::{Figure, Line, Placed, Spot, Spots};
 
@@ -265,6 +267,12 @@ fn find(specs: &'static [Spec], name: &str) -> Result<usize, Error> {
     })
 }
 
+/// Ends what asks for a parameter that was not declared.
+#[doc(hidden)]
+pub fn no_such_parameter() -> ! {
+    panic!("there are not so many parameters")
+}
+
 /// A type that can be a parameter. Numbers need a range, switches and choices bring their own.
 pub trait Parameter: Sized {
     /// The smallest and largest value allowed where the type alone does not say.
@@ -346,7 +354,8 @@ macro_rules! inner_params {
 }
 pub(crate) use inner_params;
 
-/// Declares a struct of parameters with its [`Default`] and [`Params`].
+/// Declares a struct of parameters with its [`Default`] and [`Params`]. What several structs have in common is declared once
+/// and is a field of each: its parameters stand in the place of that field.
 ///
 /// ```
 /// motionscope_core::params! {
@@ -363,6 +372,20 @@ pub(crate) use inner_params;
 /// let mut blur = Blur::default();
 /// blur.set("twice", "on").unwrap();
 /// assert_eq!(blur.set("sigma-px", "9").unwrap_err().to_string(), "sigma-px can be 0.5 to 8 px, not 9");
+///
+/// motionscope_core::params! {
+///     /// What it is.
+///     pub struct Edges {
+///         /// How both pictures are smoothed first.
+///         blur: Blur = Blur { sigma_px: 2.0, twice: true };
+///         /// The least gradient of an edge.
+///         least: f32 = 10.0, 0.0..=255.0;
+///     }
+/// }
+/// let edges = Edges::default();
+/// let names: Vec<_> = edges.specs().iter().map(|spec| spec.name.as_str()).collect();
+/// assert_eq!(names, ["sigma-px", "twice", "least"]);
+/// assert_eq!(edges.specs()[0].default.to_string(), "2");
 /// ```
 #[macro_export]
 macro_rules! params {
@@ -387,35 +410,62 @@ macro_rules! params {
             }
         }
 
+        impl $crate::params::Field for $name {
+            const COUNT: usize = 0 $(+ <$ty as $crate::params::Field>::COUNT)*;
+            type Range = ();
+
+            fn specs_of(_: &$crate::params::Declared, (): (), default: &Self) -> Vec<$crate::params::Spec> {
+                let mut specs = Vec::new();
+                $(
+                    let declared = $crate::params::Declared {
+                        name: stringify!($field),
+                        docs: &[$($doc),+],
+                        unit: concat!($($($unit)?)?),
+                    };
+                    specs.extend(<$ty as $crate::params::Field>::specs_of(&declared, ($($range)?), &default.$field));
+                )*
+                specs
+            }
+
+            #[allow(unused_assignments, reason = "the last field has none behind it")]
+            fn value_of(&self, mut index: usize) -> $crate::params::Value {
+                $(
+                    if index < <$ty as $crate::params::Field>::COUNT {
+                        return $crate::params::Field::value_of(&self.$field, index);
+                    }
+                    index -= <$ty as $crate::params::Field>::COUNT;
+                )*
+                $crate::params::no_such_parameter()
+            }
+
+            #[allow(unused_assignments, reason = "the last field has none behind it")]
+            fn put(&mut self, mut index: usize, value: $crate::params::Value) {
+                $(
+                    if index < <$ty as $crate::params::Field>::COUNT {
+                        return $crate::params::Field::put(&mut self.$field, index, value);
+                    }
+                    index -= <$ty as $crate::params::Field>::COUNT;
+                )*
+                $crate::params::no_such_parameter()
+            }
+        }
+
         impl $crate::params::Params for $name {
             fn specs(&self) -> &'static [$crate::params::Spec] {
-                static SPECS: std::sync::LazyLock<Vec<$crate::params::Spec>> = std::sync::LazyLock::new(|| vec![$(
-                    $crate::params::Spec::declare(
-                        stringify!($field),
-                        &[$($doc),+],
-                        concat!($($($unit)?)?),
-                        <$ty as $crate::params::Parameter>::kind(($($range)?)),
-                        <$ty as $crate::params::Parameter>::to_value(&$default),
-                    ),
-                )*]);
+                static SPECS: std::sync::LazyLock<Vec<$crate::params::Spec>> = std::sync::LazyLock::new(|| {
+                    let whole = $crate::params::Declared { name: "", docs: &[], unit: "" };
+                    <$name as $crate::params::Field>::specs_of(&whole, (), &$name::default())
+                });
                 &SPECS
             }
 
             fn value(&self, index: usize) -> $crate::params::Value {
-                let mut values = vec![$( $crate::params::Parameter::to_value(&self.$field), )*];
-                values.swap_remove(index)
+                $crate::params::Field::value_of(self, index)
             }
 
             fn set_value(&mut self, index: usize, value: $crate::params::Value) -> Result<(), $crate::Error> {
                 let value = $crate::params::Params::specs(self)[index].check(value)?;
-                let setters: &[fn(&mut Self, $crate::params::Value)] = &[$(
-                    |params, value| {
-                        if let Some(value) = $crate::params::Parameter::from_value(value) {
-                            params.$field = value;
-                        }
-                    },
-                )*];
-                setters[index](self, value);
+                $crate::params::Field::put(self, index, value);
                 Ok(())
             }
         }

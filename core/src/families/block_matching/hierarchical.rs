@@ -23,8 +23,8 @@ use crate::base::{Earlier, Error, Observer, Threads};
 use crate::data::{Clip, Counted, Frame};
 use crate::geometry::pyramid;
 use crate::methods::block_search::{
-    BlockSearch, Displacement, Event, HasSettings, Match, Neighbours, Pair, Probe, Settings, Subpixel, Tester,
-    Workspace, block_search_params, need, vector,
+    BlockSearch, Displacement, Event, HasSettings, Match, Matching, Neighbours, Pair, Probe, Refinement, Settings,
+    Subpixel, Tester, Workspace, block_search_params, need, vector,
 };
 use crate::products::{Block, BlockField, BlockGrid, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, TestsCandidates};
@@ -176,24 +176,28 @@ impl Hierarchical {
     /// The settings on a level: the range is that of the picture, in the level's pixels. Only what is found on the
     /// picture itself is refined, and sent.
     fn settings_on(&self, level: usize) -> Settings {
-        let settings = Settings { range: self.range.div_ceil(1 << level), ..self.settings() };
+        let matching = Matching { range: self.matching.range.div_ceil(1 << level), ..self.matching };
+        let settings = Settings { matching, ..self.settings() };
         match level {
             0 => settings,
-            _ => Settings { subpixel: Subpixel::None, lambda: 0.0, ..settings },
+            _ => {
+                let refinement = Refinement { subpixel: Subpixel::None, lambda: 0.0, ..settings.refinement };
+                Settings { refinement, ..settings }
+            }
         }
     }
 
     /// The state before the first block.
     fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        let pair = Pair::new(clip, frame, self.block, self.spacing, self.border)?;
+        let pair = Pair::new(clip, frame, self.matching.block, self.refinement.spacing, self.refinement.border)?;
         let (width, height) = pair.blocks.picture;
-        let fits = |level: usize| width.div_ceil(1 << level).min(height.div_ceil(1 << level)) >= self.block;
+        let fits = |level: usize| width.div_ceil(1 << level).min(height.div_ceil(1 << level)) >= self.matching.block;
         if !fits(self.levels - 1) {
             let most = (1..self.levels).take_while(|&level| fits(level)).count() + 1;
             return Err(Error::new(format!(
                 "{} levels would leave less than a block of {} px of a picture of {width}×{height} px; {}",
                 self.levels,
-                self.block,
+                self.matching.block,
                 if most > 1 {
                     format!("choose {most} or fewer, or a smaller block")
                 } else {
@@ -233,13 +237,13 @@ impl Hierarchical {
     ) -> (Match, usize) {
         observer.see(|| Event::Window);
         let (pair, settings) = (state.pair(), self.settings_on(state.level));
-        let neighbours = match state.is_coarsest() || settings.lambda > 0.0 {
+        let neighbours = match state.is_coarsest() || settings.refinement.lambda > 0.0 {
             true => Neighbours::of(index, pair.blocks.counts().0, found, None),
             false => Neighbours::default(),
         };
         let mut tester = Tester::new((pair, index), settings, neighbours, work, observer);
         if state.is_coarsest() {
-            self.coarse.search(settings.range, &mut tester);
+            self.coarse.search(settings.matching.range, &mut tester);
         } else {
             self.refine(&state.inherited(index), &mut tester);
         }
@@ -300,17 +304,18 @@ impl Hierarchical {
 impl Coarse {
     /// Searches the tester's block within ±`range` px.
     fn search(self, range: usize, tester: &mut Tester<impl Observer<Event>>) {
+        let matching = Matching { range, ..Matching::default() };
         match self {
-            Coarse::FullSearch => FullSearch { range, ..FullSearch::default() }.search(tester),
-            Coarse::QuadrantSearch => QuadrantSearch { range, ..QuadrantSearch::default() }.search(tester),
-            Coarse::LogSearch => LogSearch { range, ..LogSearch::default() }.search(tester),
-            Coarse::ThreeStep => ThreeStep { range, ..ThreeStep::default() }.search(tester),
-            Coarse::NewThreeStep => NewThreeStep { range, ..NewThreeStep::default() }.search(tester),
-            Coarse::FourStep => FourStep { range, ..FourStep::default() }.search(tester),
-            Coarse::Diamond => Diamond { range, ..Diamond::default() }.search(tester),
-            Coarse::Hexagon => Hexagon { range, ..Hexagon::default() }.search(tester),
-            Coarse::AdaptiveRood => AdaptiveRood { range, ..AdaptiveRood::default() }.search(tester),
-            Coarse::Predictive => Predictive { range, ..Predictive::default() }.search(tester),
+            Coarse::FullSearch => FullSearch { matching, ..FullSearch::default() }.search(tester),
+            Coarse::QuadrantSearch => QuadrantSearch { matching, ..QuadrantSearch::default() }.search(tester),
+            Coarse::LogSearch => LogSearch { matching, ..LogSearch::default() }.search(tester),
+            Coarse::ThreeStep => ThreeStep { matching, ..ThreeStep::default() }.search(tester),
+            Coarse::NewThreeStep => NewThreeStep { matching, ..NewThreeStep::default() }.search(tester),
+            Coarse::FourStep => FourStep { matching, ..FourStep::default() }.search(tester),
+            Coarse::Diamond => Diamond { matching, ..Diamond::default() }.search(tester),
+            Coarse::Hexagon => Hexagon { matching, ..Hexagon::default() }.search(tester),
+            Coarse::AdaptiveRood => AdaptiveRood { matching, ..AdaptiveRood::default() }.search(tester),
+            Coarse::Predictive => Predictive { matching, ..Predictive::default() }.search(tester),
         }
     }
 }

@@ -7,11 +7,11 @@ use std::sync::Arc;
 use crate::base::{Error, Mapped, Observer, Threads};
 use crate::data::{Clip, Detection, Frame, LabelEvent, Labelling, Mask, PackedMask};
 use crate::geometry::Grid;
-use crate::methods::subtraction::{HasSettings, cleaned, need_of_blobs, sifted, subtraction_params};
+use crate::methods::subtraction::{Settings, cleaned, need_of_blobs, sifted};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
 use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, need};
 use crate::scene::{Chart, Scene, Step};
-use crate::{choices, pseudocode};
+use crate::{choices, params, pseudocode};
 
 use super::FrameDifference;
 
@@ -27,15 +27,16 @@ choices! {
     }
 }
 
-subtraction_params! {
+params! {
     /// Connected components of each frame.
     pub struct ConnectedComponents {
         /// Which pixels are labelled.
         pixels: Pixels = Pixels::Moving;
         /// By how much they differ, or how bright or dark they are, in gray levels.
         threshold: usize = 8, 0..=255;
+        /// What all background subtractions have.
+        settings: Settings = Settings { open: 0, close: 4, ..Settings::default() };
     }
-    open: 0, close: 4
 }
 
 /// What a run reads and writes.
@@ -89,7 +90,7 @@ impl ConnectedComponents {
             Pixels::Bright => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) > self.threshold),
             Pixels::Dark => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) < self.threshold),
         };
-        let given = Arc::new(Given { frame, mask: cleaned(self.settings(), mask, &mut ()) });
+        let given = Arc::new(Given { frame, mask: cleaned(self.settings, mask, &mut ()) });
         state.given = Some(Arc::clone(&given));
         Ok(given)
     }
@@ -107,12 +108,12 @@ impl ConnectedComponents {
             let labels = finals.grid(&state.labelling, state.picture);
             Event::Final(Arc::clone(given), Arc::new(labels), finals.count)
         });
-        let [kept, dropped] = sifted(self.settings(), finals.detections(&state.labelling, given.frame.luma()));
+        let [kept, dropped] = sifted(self.settings, finals.detections(&state.labelling, given.frame.luma()));
         observer.see(|| Event::Kept(Arc::clone(given), Arc::new([kept.clone(), dropped])));
         let found = ObjectFrame { mask: Some(PackedMask::new(&given.mask)), detections: kept, objects: Vec::new() };
         state.record.note(found);
         (state.frame, state.row, state.given) = (state.frame + 1, 0, None);
-        state.labelling = Arc::new(Labelling::new(self.connectivity));
+        state.labelling = Arc::new(Labelling::new(self.settings.connectivity));
         if state.span.is_over(clip, state.frame) { Progress::Done } else { Progress::More }
     }
 }
@@ -148,11 +149,11 @@ impl Estimator for ConnectedComponents {
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State {
-            span: Span::new(clip, frame, self.frames)?,
+            span: Span::new(clip, frame, self.settings.frames)?,
             frame,
             row: 0,
             picture: clip.size(),
-            labelling: Arc::new(Labelling::new(self.connectivity)),
+            labelling: Arc::new(Labelling::new(self.settings.connectivity)),
             record: Record::default(),
             given: None,
         })
@@ -203,7 +204,7 @@ impl Estimator for ConnectedComponents {
 
 impl Footprint<State> for ConnectedComponents {
     fn need(&self, clip: &Clip) -> Need {
-        need_of_blobs(clip, self.settings(), Need::per_pixel(clip, [2.0, 8.0]))
+        need_of_blobs(clip, self.settings, Need::per_pixel(clip, [2.0, 8.0]))
     }
 
     fn at_rest(&self, state: &State) -> State {

@@ -5,11 +5,12 @@ use std::sync::{Arc, OnceLock};
 use crate::base::{Error, Stop, Threads, words};
 use crate::data::{Clip, Flow, Frame, Mask};
 use crate::geometry::{Border, Grid, filter};
-use crate::methods::subtraction::{Background, Explanation, Found, subtraction_params, subtraction_pseudocode};
+use crate::methods::subtraction::{Background, Explanation, Found, Settings, subtraction_pseudocode};
+use crate::params;
 use crate::run::{DenseFlow, Info, Need, Stage};
 use crate::scene::{Fact, Math, Role, Sentence};
 
-subtraction_params! {
+params! {
     /// The length of the optical flow.
     pub struct FlowMagnitude {
         /// Method that estimates the optical flow.
@@ -18,8 +19,9 @@ subtraction_params! {
         threshold: f32 = 1.0, 0.0..=50.0, "px/frame";
         /// How far the pixels around a pixel reach that have to fit better where the flow leads than at rest; a smooth flow goes on beyond the edges of what moves.
         reach: usize = 1, 0..=15, "px";
+        /// What all background subtractions have.
+        settings: Settings = Settings { open: 1, close: 3, ..Settings::default() };
     }
-    open: 1, close: 3
 }
 
 /// The frame before, and what is seen of the next one beside it as soon as somebody asks.
@@ -112,6 +114,10 @@ impl Background for FlowMagnitude {
     const SHOWN: &'static str = "|w| in px/frame";
     const COMPARED: &'static str = "length of the optical flow";
     type Model = Model;
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
 
     fn need(&self, clip: &Clip) -> Need {
         let Need { run, .. } = self.method.need(clip);

@@ -10,7 +10,7 @@ use crate::families::interest_points::{Harris, ShiTomasi};
 use crate::methods::{
     differential::truth,
     features::{
-        Detection,
+        Detection, Settings,
         affine::{Fit, IDENTITY, SAME_LIGHT, Start, Unfit, View},
         detect_around,
         follow::{self, Follow},
@@ -179,13 +179,14 @@ impl Klt {
         }
         let (picture, taken) = (Arc::clone(&pair.first), state.live.iter().map(|live| live.at));
         let Self { quality: threshold, min_distance, .. } = *self;
+        let settings = Settings { threshold, min_distance, max_points: room, ..Settings::default() };
         Some(match self.detector {
             Detector::ShiTomasi => {
-                let detector = ShiTomasi { threshold, min_distance, max_points: room, ..ShiTomasi::default() };
+                let detector = ShiTomasi { settings };
                 detect_around(&detector, picture, taken, threads)
             }
             Detector::Harris => {
-                let detector = Harris { threshold, min_distance, max_points: room, ..Harris::default() };
+                let detector = Harris { settings, ..Harris::default() };
                 detect_around(&detector, picture, taken, threads)
             }
         })

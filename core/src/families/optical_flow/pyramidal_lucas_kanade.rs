@@ -9,7 +9,7 @@ use crate::geometry::{Grid, pyramid::halvings};
 use crate::methods::{
     differential::{field, truth},
     features::{
-        Account, Trace, detect,
+        self, Account, Trace, detect,
         follow::{self, Follow, Followed},
         tracker::Level,
     },
@@ -144,7 +144,9 @@ impl PyramidalLucasKanade {
         let pair = clip.pair(frame)?;
         let points = match self.points {
             Points::Detect => {
-                let detector = ShiTomasi { max_points: self.max_points, ..ShiTomasi::default() };
+                let detector = ShiTomasi {
+                    settings: features::Settings { max_points: self.max_points, ..features::Settings::default() },
+                };
                 detect(&detector, Arc::clone(&pair[0]), threads).iter().map(|feature| feature.at).collect()
             }
             Points::Grid => grid(clip.size(), self.max_points),

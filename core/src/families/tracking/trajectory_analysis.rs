@@ -9,7 +9,9 @@ use crate::base::{Error, Observer};
 use crate::data::Clip;
 use crate::geometry::Bounds;
 use crate::methods::multi_object::{
+    course,
     directions::Directions,
+    lives::Rules,
     source::{Source, usual_detector},
 };
 use crate::params::{Line, Spots};
@@ -113,9 +115,10 @@ struct Lesson {
 impl TrajectoryAnalysis {
     fn tracker(&self) -> KalmanTracker {
         let Self { frames, source, detector, clicks, min_score, added_noise, seed, .. } = self.clone();
+        let given = course::Settings { frames, source, detector, clicks, min_score, added_noise, seed };
         // As a live camera would have it: what is analysed is what was seen.
-        let live = KalmanTracker { backdate: false, bridge: false, ..KalmanTracker::default() };
-        KalmanTracker { frames, source, detector, clicks, min_score, added_noise, seed, ..live }
+        let live = KalmanTracker::default();
+        KalmanTracker { given, rules: Rules { backdate: false, bridge: false, ..live.rules }, ..live }
     }
 
     fn places(&self) -> Places {

@@ -25,7 +25,7 @@ pub(crate) use rate::Rate;
 pub use search::BlockSearch;
 pub(crate) use search::{need, search_pseudocode};
 pub(crate) use settings::block_search_params;
-pub use settings::{BorderRule, Cost, HasSettings, Settings};
+pub use settings::{BorderRule, Cost, HasSettings, Matching, Refinement, Settings};
 pub use subpixel::{Fit, Subpixel};
 pub(crate) use tell::vector;
 pub use tester::Tester;

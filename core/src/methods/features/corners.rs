@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::declare::HasSettings;
 use super::response::Tensors;
 use super::select::{Chosen, Peaks, Settings, largest, rank};
 use crate::base::{Error, Observer, Threads};
@@ -15,9 +14,12 @@ use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, P
 use crate::scene::{Chart, Math, Scene, Step};
 
 /// What makes a pixel a corner.
-pub trait Measure: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
     /// What there is to say about the detector.
     const INFO: Info;
+
+    /// The parameters that all corner detectors have.
+    fn settings(&self) -> Settings;
 
     /// How much of a corner a pixel is, from the means of I_x², I_x I_y and I_y² around it.
     fn response(&self, tensor: [f32; 3]) -> f32;

@@ -2,22 +2,25 @@
 
 use crate::geometry::Grid;
 use crate::methods::differential::{Scheme, Weights};
+use crate::params;
 
-/// How corners are found, whatever measures them.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// Side of the window in px.
-    pub window: usize,
-    /// How much its pixels count.
-    pub weights: Weights,
-    /// How derivatives are taken.
-    pub derivatives: Scheme,
-    /// The least response, as a share of the largest in the picture.
-    pub threshold: f32,
-    /// From one corner to the next at least this far, in px.
-    pub min_distance: usize,
-    /// At most this many.
-    pub max_points: usize,
+params! {
+    /// How corners are found, whatever measures them.
+    #[derive(Copy)]
+    pub struct Settings {
+        /// Side of the window of the structure tensor; an even one reaches as far as the next odd one.
+        window: usize = 5, 3..=31, "px";
+        /// How much the pixels of the window count.
+        weights: Weights = Weights::Gaussian;
+        /// How derivatives are estimated from pixels.
+        derivatives: Scheme = Scheme::Sobel;
+        /// The least response of a corner, as a share of the largest in the picture.
+        threshold: f32 = 0.01, 0.0..=1.0;
+        /// From a corner to the next stronger one it is at least this far; 0 allows any distance.
+        min_distance: usize = 7, 0..=100, "px";
+        /// At most so many corners are kept, the strongest.
+        max_points: usize = 500, 1..=5000;
+    }
 }
 
 /// A map of responses with a response below which there is no corner.

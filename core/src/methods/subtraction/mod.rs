@@ -9,7 +9,8 @@ mod tell;
 
 use std::sync::Arc;
 
-pub(crate) use declare::{HasSettings, Settings, subtraction_params, subtraction_pseudocode};
+pub use declare::Settings;
+pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explanation::{Explanation, compared};
 pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
@@ -24,7 +25,7 @@ use crate::run::{Estimator, Explained, Footprint, Info, Need, Pointed, Progress,
 use crate::scene::{Chart, Scene, Step};
 
 /// A model of the background.
-pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// What there is to say about the detector.
     const INFO: Info;
     /// What the heat shows that tells how far pixels differ, for the legend.
@@ -35,6 +36,9 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     /// What is known of the background.
     type Model: Clone + Send + Sync + 'static;
+
+    /// The parameters that all background subtractions have.
+    fn settings(&self) -> Settings;
 
     /// What the model begins with.
     fn initial(&self) -> Initial {
