@@ -7,6 +7,7 @@ mod field;
 mod part;
 mod placed;
 
+use std::borrow::Cow;
 use std::fmt;
 
 pub use field::{Declared, Field};
@@ -197,11 +198,17 @@ pub trait Params {
     /// If there is no such parameter.
     fn set_value(&mut self, index: usize, value: Value) -> Result<(), Error>;
 
+    /// Names that parameters had before, with those that they have now.
+    fn renamed(&self) -> &'static [(&'static str, &'static str)] {
+        &[]
+    }
+
     /// The value of the parameter called `name`.
     ///
     /// # Errors
     /// A sentence with the names there are.
     fn get(&self, name: &str) -> Result<Value, Error> {
+        let name = &*current_name(self, name);
         match name.split_once('.') {
             Some((stage, inner)) => stage_of(self, stage).and_then(|(_, stage)| stage.part().get(inner)),
             None => find(self.specs(), name).map(|index| self.value(index)),
@@ -213,14 +220,7 @@ pub trait Params {
     /// # Errors
     /// A sentence with what may be given; then nothing changes.
     fn set(&mut self, name: &str, text: &str) -> Result<(), Error> {
-        if let Some((stage, inner)) = name.split_once('.') {
-            let (index, mut stage) = stage_of(self, stage)?;
-            stage.part_mut().set(inner, text)?;
-            return self.set_value(index, Value::Stage(stage));
-        }
-        let index = find(self.specs(), name)?;
-        let value = self.specs()[index].parse(text)?;
-        self.set_value(index, value)
+        set_by_name(self, name, text)
     }
 
     /// Names and values, in declared order.
@@ -241,6 +241,28 @@ pub trait Params {
         }
         all
     }
+}
+
+/// What a parameter is called now: `detector.rate` may have moved to `tracker.detector.rate`.
+fn current_name<'a, P: Params + ?Sized>(params: &P, name: &'a str) -> Cow<'a, str> {
+    let (head, rest) = name.split_at(name.find('.').unwrap_or(name.len()));
+    match params.renamed().iter().find(|(old, _)| *old == head) {
+        Some((_, new)) => Cow::Owned(format!("{new}{rest}")),
+        None => Cow::Borrowed(name),
+    }
+}
+
+/// As [`Params::set`].
+pub(crate) fn set_by_name<P: Params + ?Sized>(params: &mut P, name: &str, text: &str) -> Result<(), Error> {
+    let name = &*current_name(params, name);
+    if let Some((stage, inner)) = name.split_once('.') {
+        let (index, mut stage) = stage_of(params, stage)?;
+        stage.part_mut().set(inner, text)?;
+        return params.set_value(index, Value::Stage(stage));
+    }
+    let index = find(params.specs(), name)?;
+    let value = params.specs()[index].parse(text)?;
+    params.set_value(index, value)
 }
 
 /// Names in words: `sad, ssd or mse`.
@@ -349,13 +371,18 @@ macro_rules! inner_params {
             fn set_value(&mut self, index: usize, value: $crate::params::Value) -> Result<(), $crate::Error> {
                 self.0.set_value(index, value)
             }
+
+            fn renamed(&self) -> &'static [(&'static str, &'static str)] {
+                self.0.renamed()
+            }
         }
     };
 }
 pub(crate) use inner_params;
 
 /// Declares a struct of parameters with its [`Default`] and [`Params`]. What several structs have in common is declared once
-/// and is a field of each: its parameters stand in the place of that field.
+/// and is a field of each: its parameters stand in the place of that field. `renamed { "old" => "new" }` behind the struct
+/// keeps names that parameters had before.
 ///
 /// ```
 /// motionscope_core::params! {
@@ -397,6 +424,7 @@ macro_rules! params {
                 $field:ident: $ty:ty = $default:expr $(, $range:expr $(, $unit:literal)?)?;
             )*
         }
+        $(renamed { $($old:literal => $new:literal),+ $(,)? })?
     ) => {
         $(#[$meta])*
         #[derive(Clone, Debug)]
@@ -467,6 +495,10 @@ macro_rules! params {
                 let value = $crate::params::Params::specs(self)[index].check(value)?;
                 $crate::params::Field::put(self, index, value);
                 Ok(())
+            }
+
+            fn renamed(&self) -> &'static [(&'static str, &'static str)] {
+                &[$($(($old, $new)),+)?]
             }
         }
     };

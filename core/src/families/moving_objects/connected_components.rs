@@ -9,7 +9,9 @@ use crate::data::{Clip, Detection, Frame, LabelEvent, Labelling, Mask, PackedMas
 use crate::geometry::Grid;
 use crate::methods::subtraction::{Settings, cleaned, need_of_blobs, sifted};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
-use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, need};
+use crate::run::{
+    Estimator, Footprint, Frames, Info, Masks, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, need,
+};
 use crate::scene::{Chart, Scene, Step};
 use crate::{choices, params, pseudocode};
 
@@ -24,6 +26,8 @@ choices! {
         Bright = "bright" "Bright",
         /// Those that are darker than the threshold.
         Dark = "dark" "Dark",
+        /// The foreground that a detector of moving objects finds.
+        Foreground = "foreground" "Foreground",
     }
 }
 
@@ -32,6 +36,8 @@ params! {
     pub struct ConnectedComponents {
         /// Which pixels are labelled.
         pixels: Pixels = Pixels::Moving;
+        /// Detector whose foreground is labelled, where that is chosen.
+        mask: Stage<Masks> = Stage::named("mixture-of-gaussians").with("initial", "median");
         /// By how much they differ, or how bright or dark they are, in gray levels.
         threshold: usize = 8, 0..=255;
         /// What all background subtractions have.
@@ -50,6 +56,8 @@ pub struct State {
     picture: (usize, usize),
     labelling: Arc<Labelling>,
     record: Record,
+    /// The foreground, where a detector finds it.
+    foreground: Option<Frames>,
     /// What is made again where it is missing.
     given: Option<Arc<Given>>,
 }
@@ -78,7 +86,7 @@ impl ConnectedComponents {
         if let Some(given) = &state.given {
             return Ok(Arc::clone(given));
         }
-        need::check_kept(clip, state.record.bytes())?;
+        need::check_kept(clip, state.record.bytes() + state.foreground.as_ref().map_or(0, Frames::bytes))?;
         let frame = clip.frame(state.frame)?;
         let (width, height) = frame.size();
         let mask = match self.pixels {
@@ -86,6 +94,11 @@ impl ConnectedComponents {
                 let other = if state.frame > state.span.first { state.frame - 1 } else { state.frame + 1 };
                 let difference = FrameDifference { threshold: self.threshold, ..FrameDifference::default() };
                 difference.differs(&[clip.frame(other)?], &frame, &Threads::single())
+            }
+            Pixels::Foreground => {
+                let found = state.foreground.as_ref().map(|frames| frames.at(state.frame)).transpose()?.flatten();
+                let mask = found.and_then(|found| found.mask.as_ref().map(PackedMask::unpacked));
+                mask.unwrap_or_else(|| Mask::new(width, height))
             }
             Pixels::Bright => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) > self.threshold),
             Pixels::Dark => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) < self.threshold),
@@ -148,8 +161,14 @@ impl Estimator for ConnectedComponents {
     type Event = Event;
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        let span = Span::new(clip, frame, self.settings.frames)?;
+        let foreground = match self.pixels {
+            Pixels::Foreground => Some(self.mask.frames(clip, span.first, span.most())?),
+            Pixels::Moving | Pixels::Bright | Pixels::Dark => None,
+        };
         Ok(State {
-            span: Span::new(clip, frame, self.settings.frames)?,
+            span,
+            foreground,
             frame,
             row: 0,
             picture: clip.size(),
@@ -181,6 +200,10 @@ impl Estimator for ConnectedComponents {
         place
     }
 
+    fn units_of(&self, (_, height): (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames * (height + 1))
+    }
+
     fn at_frame(&self, state: &State) -> Option<usize> {
         Some(state.frame)
     }
@@ -204,7 +227,11 @@ impl Estimator for ConnectedComponents {
 
 impl Footprint<State> for ConnectedComponents {
     fn need(&self, clip: &Clip) -> Need {
-        need_of_blobs(clip, self.settings, Need::per_pixel(clip, [2.0, 8.0]))
+        let own = need_of_blobs(clip, self.settings, Need::per_pixel(clip, [2.0, 8.0]));
+        match self.pixels {
+            Pixels::Foreground => own.and([self.mask.need(clip).run as f64; 2]),
+            Pixels::Moving | Pixels::Bright | Pixels::Dark => own,
+        }
     }
 
     fn at_rest(&self, state: &State) -> State {
@@ -216,7 +243,7 @@ impl Footprint<State> for ConnectedComponents {
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.record.shared_bytes()
+        self.state_bytes(state) + state.record.shared_bytes() + state.foreground.as_ref().map_or(0, Frames::bytes)
     }
 }
 

@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::base::{Error, Stop, Threads, words};
+use crate::base::{Error, Threads, words};
 use crate::data::{Clip, Flow, Frame, Mask};
 use crate::geometry::{Border, Grid, filter};
 use crate::methods::subtraction::{Background, Explanation, Found, Settings, subtraction_pseudocode};
 use crate::params;
-use crate::run::{DenseFlow, Info, Need, Stage};
+use crate::run::{DenseFlow, Info, Need, Stage, StageView};
 use crate::scene::{Fact, Math, Role, Sentence};
 
 params! {
@@ -119,6 +119,11 @@ impl Background for FlowMagnitude {
         self.settings
     }
 
+    /// The flow leads from a frame back to the one before.
+    fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
+        clip.reversed(now.saturating_sub(1)).map(|clip| Some(StageView { clip, set: Vec::new() }))
+    }
+
     fn need(&self, clip: &Clip) -> Need {
         let Need { run, .. } = self.method.need(clip);
         // What is kept of a frame is the flow and two differences.
@@ -133,13 +138,7 @@ impl Background for FlowMagnitude {
         if model.seen.get().is_some() {
             return Ok(());
         }
-        let (width, height) = frame.size();
-        let back = match self.method.between(clip, [frame, &model.before], threads) {
-            Err(error) if error == Stop::cancelled() => return Err(error),
-            // Of a picture in which nothing can be told nothing is.
-            Err(_) => Flow(Grid::new(width, height, [0.0; 2])),
-            Ok(back) => back,
-        };
+        let back = self.method.between(clip, [frame, &model.before], threads)?;
         model.seen.get_or_init(|| Arc::new(self.beside([frame, &model.before], back, threads)));
         Ok(())
     }

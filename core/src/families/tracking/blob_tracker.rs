@@ -429,6 +429,10 @@ impl Estimator for BlobTracker {
         state.course.place()
     }
 
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
     fn at_frame(&self, state: &State) -> Option<usize> {
         Some(state.course.frame())
     }

@@ -130,18 +130,6 @@ impl Track {
     }
 }
 
-impl State {
-    /// The first frame of the run.
-    pub(super) fn first(&self) -> usize {
-        self.course.span.first
-    }
-
-    /// What it and those that follow came to so far.
-    pub(super) fn frames(&self) -> &[Arc<ObjectFrame>] {
-        self.course.frames()
-    }
-}
-
 impl KalmanTracker {
     fn measurement(&self, detection: &Detection) -> Measurement {
         let height_px = f64::from(detection.bounds.size()[1]).max(1.0);
@@ -242,6 +230,10 @@ impl Estimator for KalmanTracker {
 
     fn place(&self, state: &State) -> Vec<Rung> {
         state.course.place()
+    }
+
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {

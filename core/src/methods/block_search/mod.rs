@@ -1,6 +1,7 @@
 //! What all block searches share: the pair of frames, the window, the events, and how they are told and drawn.
 
 mod neighbours;
+mod pattern;
 mod probe;
 mod rate;
 mod readouts;
@@ -20,6 +21,7 @@ use crate::products::{Block, BlockGrid, BlockVector};
 use crate::scene::{Name, Role};
 
 pub use neighbours::Neighbours;
+pub use pattern::{Pattern, Relay};
 pub(crate) use probe::Probe;
 pub(crate) use rate::Rate;
 pub use search::BlockSearch;

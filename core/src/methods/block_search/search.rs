@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::probe::Probe;
 use super::tester::Workspace;
-use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
+use std::any::Any;
+
+use super::{Event, HasSettings, Match, Neighbours, Pair, Pattern, Tester};
 use crate::base::{Earlier, Error, Observer, Threads};
 use crate::data::Clip;
 use crate::line_names;
@@ -165,6 +167,10 @@ impl<S: BlockSearch> Estimator for S {
 
     fn landmark(&self, event: &Event) -> Option<Role> {
         event.landmark()
+    }
+
+    fn lends(&self) -> Option<Box<dyn Any>> {
+        Some(Box::new(Pattern::of(self.clone())))
     }
 
     fn tests(&self) -> Option<&dyn TestsCandidates<Self::State, Self::Event>> {

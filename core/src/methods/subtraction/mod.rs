@@ -21,7 +21,9 @@ use crate::data::{Clip, Detection, Frame, Labelling, Mask, PackedMask};
 use crate::geometry::{Gray, Grid};
 use crate::params::{Params, inner_params};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
-use crate::run::{Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, need};
+use crate::run::{
+    Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, StageView, need,
+};
 use crate::scene::{Chart, Scene, Step};
 
 /// A model of the background.
@@ -36,6 +38,14 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     /// What is known of the background.
     type Model: Clone + Send + Sync + 'static;
+
+    /// As [`Estimator::stage_view`].
+    ///
+    /// # Errors
+    /// If a frame cannot be read.
+    fn stage_view(&self, _clip: &Clip, _now: usize) -> Result<Option<StageView>, Error> {
+        Ok(None)
+    }
 
     /// The parameters that all background subtractions have.
     fn settings(&self) -> Settings;
@@ -270,6 +280,14 @@ impl<M: Background> Estimator for Subtraction<M> {
 
     fn place(&self, state: &Self::State) -> Vec<Rung> {
         state.span.place(state.frame - state.span.first)
+    }
+
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
+    fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
+        self.0.stage_view(clip, now)
     }
 
     fn at_frame(&self, state: &Self::State) -> Option<usize> {
