@@ -18,7 +18,7 @@ use motionscope::ui::stage::{self, Zoom};
 use motionscope::view::motion::Offer;
 use motionscope_core::block_matching::FullSearch;
 use motionscope_core::scene::{Focus, Picture, Readout, Surface, Tile};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Role, Scene, Step, Walk};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Params, Role, Scene, Step, Walk};
 
 /// A walk through a pair that moves by (2, 1), some way into a block.
 struct Fixture {
@@ -33,7 +33,8 @@ fn fixture(cursor: Cursor) -> Fixture {
     let texture = |x: usize, y: usize| (x * 37 + y * 101 + x * y * 7) as u8;
     let frame = |dx, dy| Frame::gray(Grid::from_fn(64, 48, |x, y| texture(x + 9 - dx, y + 9 - dy)));
     let clip = Clip::from_frames("moving", vec![frame(0, 0), frame(2, 1)]).expect("two frames of one size");
-    let search = FullSearch { block: 16, range: 4, ..FullSearch::default() };
+    let mut search = FullSearch::default();
+    search.set("range", "4").expect("in range");
     let mut walk = AnyEstimator::walk(&search, &clip, 0).expect("the clip suits the search");
     walk.jump(Move::To(cursor));
     let (scene, step) = (Arc::new(walk.scene(None)), walk.step(None));

@@ -96,6 +96,6 @@ pub use products::{
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, Cursor, Estimator, Explained, Extent, Footprint, Info, Lockstep, Move, Pace, Pointed,
-    Progress, Promise, Rung, Seen, TestsCandidates, Timeline, Walk, Way, lockstep, run_observed, stage,
+    Progress, Promise, Rung, Seen, StageView, TestsCandidates, Timeline, Walk, Way, lockstep, run_observed, stage,
 };
 pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

@@ -3,11 +3,14 @@
 //! Sliders, tooltips, `--set` flags, `motionscope list`, sessions and the property tests all read the
 //! same declaration, made with [`params!`](crate::params!) and [`choices!`](crate::choices!).
 
+mod field;
 mod part;
 mod placed;
 
+use std::borrow::Cow;
 use std::fmt;
 
+pub use field::{Declared, Field};
 pub use part::{Part, PartKind, StageValue};
 pub use placed::{Figure, Line, Placed, Spot, Spots};
 
@@ -195,11 +198,17 @@ pub trait Params {
     /// If there is no such parameter.
     fn set_value(&mut self, index: usize, value: Value) -> Result<(), Error>;
 
+    /// Names that parameters had before, with those that they have now.
+    fn renamed(&self) -> &'static [(&'static str, &'static str)] {
+        &[]
+    }
+
     /// The value of the parameter called `name`.
     ///
     /// # Errors
     /// A sentence with the names there are.
     fn get(&self, name: &str) -> Result<Value, Error> {
+        let name = &*current_name(self, name);
         match name.split_once('.') {
             Some((stage, inner)) => stage_of(self, stage).and_then(|(_, stage)| stage.part().get(inner)),
             None => find(self.specs(), name).map(|index| self.value(index)),
@@ -211,14 +220,7 @@ pub trait Params {
     /// # Errors
     /// A sentence with what may be given; then nothing changes.
     fn set(&mut self, name: &str, text: &str) -> Result<(), Error> {
-        if let Some((stage, inner)) = name.split_once('.') {
-            let (index, mut stage) = stage_of(self, stage)?;
-            stage.part_mut().set(inner, text)?;
-            return self.set_value(index, Value::Stage(stage));
-        }
-        let index = find(self.specs(), name)?;
-        let value = self.specs()[index].parse(text)?;
-        self.set_value(index, value)
+        set_by_name(self, name, text)
     }
 
     /// Names and values, in declared order.
@@ -239,6 +241,28 @@ pub trait Params {
         }
         all
     }
+}
+
+/// What a parameter is called now: `detector.rate` may have moved to `tracker.detector.rate`.
+fn current_name<'a, P: Params + ?Sized>(params: &P, name: &'a str) -> Cow<'a, str> {
+    let (head, rest) = name.split_at(name.find('.').unwrap_or(name.len()));
+    match params.renamed().iter().find(|(old, _)| *old == head) {
+        Some((_, new)) => Cow::Owned(format!("{new}{rest}")),
+        None => Cow::Borrowed(name),
+    }
+}
+
+/// As [`Params::set`].
+pub(crate) fn set_by_name<P: Params + ?Sized>(params: &mut P, name: &str, text: &str) -> Result<(), Error> {
+    let name = &*current_name(params, name);
+    if let Some((stage, inner)) = name.split_once('.') {
+        let (index, mut stage) = stage_of(params, stage)?;
+        stage.part_mut().set(inner, text)?;
+        return params.set_value(index, Value::Stage(stage));
+    }
+    let index = find(params.specs(), name)?;
+    let value = params.specs()[index].parse(text)?;
+    params.set_value(index, value)
 }
 
 /// Names in words: `sad, ssd or mse`.
@@ -263,6 +287,12 @@ fn find(specs: &'static [Spec], name: &str) -> Result<usize, Error> {
         let names: Vec<_> = specs.iter().map(|spec| spec.name.as_str()).collect();
         Error::new(format!("there is no parameter {name}; there are {}", names.join(", ")))
     })
+}
+
+/// Ends what asks for a parameter that was not declared.
+#[doc(hidden)]
+pub fn no_such_parameter() -> ! {
+    panic!("there are not so many parameters")
 }
 
 /// A type that can be a parameter. Numbers need a range, switches and choices bring their own.
@@ -341,12 +371,18 @@ macro_rules! inner_params {
             fn set_value(&mut self, index: usize, value: $crate::params::Value) -> Result<(), $crate::Error> {
                 self.0.set_value(index, value)
             }
+
+            fn renamed(&self) -> &'static [(&'static str, &'static str)] {
+                self.0.renamed()
+            }
         }
     };
 }
 pub(crate) use inner_params;
 
-/// Declares a struct of parameters with its [`Default`] and [`Params`].
+/// Declares a struct of parameters with its [`Default`] and [`Params`]. What several structs have in common is declared once
+/// and is a field of each: its parameters stand in the place of that field. `renamed { "old" => "new" }` behind the struct
+/// keeps names that parameters had before.
 ///
 /// ```
 /// motionscope_core::params! {
@@ -363,6 +399,20 @@ pub(crate) use inner_params;
 /// let mut blur = Blur::default();
 /// blur.set("twice", "on").unwrap();
 /// assert_eq!(blur.set("sigma-px", "9").unwrap_err().to_string(), "sigma-px can be 0.5 to 8 px, not 9");
+///
+/// motionscope_core::params! {
+///     /// What it is.
+///     pub struct Edges {
+///         /// How both pictures are smoothed first.
+///         blur: Blur = Blur { sigma_px: 2.0, twice: true };
+///         /// The least gradient of an edge.
+///         least: f32 = 10.0, 0.0..=255.0;
+///     }
+/// }
+/// let edges = Edges::default();
+/// let names: Vec<_> = edges.specs().iter().map(|spec| spec.name.as_str()).collect();
+/// assert_eq!(names, ["sigma-px", "twice", "least"]);
+/// assert_eq!(edges.specs()[0].default.to_string(), "2");
 /// ```
 #[macro_export]
 macro_rules! params {
@@ -374,6 +424,7 @@ macro_rules! params {
                 $field:ident: $ty:ty = $default:expr $(, $range:expr $(, $unit:literal)?)?;
             )*
         }
+        $(renamed { $($old:literal => $new:literal),+ $(,)? })?
     ) => {
         $(#[$meta])*
         #[derive(Clone, Debug)]
@@ -387,36 +438,67 @@ macro_rules! params {
             }
         }
 
+        impl $crate::params::Field for $name {
+            const COUNT: usize = 0 $(+ <$ty as $crate::params::Field>::COUNT)*;
+            type Range = ();
+
+            fn specs_of(_: &$crate::params::Declared, (): (), default: &Self) -> Vec<$crate::params::Spec> {
+                let mut specs = Vec::new();
+                $(
+                    let declared = $crate::params::Declared {
+                        name: stringify!($field),
+                        docs: &[$($doc),+],
+                        unit: concat!($($($unit)?)?),
+                    };
+                    specs.extend(<$ty as $crate::params::Field>::specs_of(&declared, ($($range)?), &default.$field));
+                )*
+                specs
+            }
+
+            #[allow(unused_assignments, reason = "the last field has none behind it")]
+            fn value_of(&self, mut index: usize) -> $crate::params::Value {
+                $(
+                    if index < <$ty as $crate::params::Field>::COUNT {
+                        return $crate::params::Field::value_of(&self.$field, index);
+                    }
+                    index -= <$ty as $crate::params::Field>::COUNT;
+                )*
+                $crate::params::no_such_parameter()
+            }
+
+            #[allow(unused_assignments, reason = "the last field has none behind it")]
+            fn put(&mut self, mut index: usize, value: $crate::params::Value) {
+                $(
+                    if index < <$ty as $crate::params::Field>::COUNT {
+                        return $crate::params::Field::put(&mut self.$field, index, value);
+                    }
+                    index -= <$ty as $crate::params::Field>::COUNT;
+                )*
+                $crate::params::no_such_parameter()
+            }
+        }
+
         impl $crate::params::Params for $name {
             fn specs(&self) -> &'static [$crate::params::Spec] {
-                static SPECS: std::sync::LazyLock<Vec<$crate::params::Spec>> = std::sync::LazyLock::new(|| vec![$(
-                    $crate::params::Spec::declare(
-                        stringify!($field),
-                        &[$($doc),+],
-                        concat!($($($unit)?)?),
-                        <$ty as $crate::params::Parameter>::kind(($($range)?)),
-                        <$ty as $crate::params::Parameter>::to_value(&$default),
-                    ),
-                )*]);
+                static SPECS: std::sync::LazyLock<Vec<$crate::params::Spec>> = std::sync::LazyLock::new(|| {
+                    let whole = $crate::params::Declared { name: "", docs: &[], unit: "" };
+                    <$name as $crate::params::Field>::specs_of(&whole, (), &$name::default())
+                });
                 &SPECS
             }
 
             fn value(&self, index: usize) -> $crate::params::Value {
-                let mut values = vec![$( $crate::params::Parameter::to_value(&self.$field), )*];
-                values.swap_remove(index)
+                $crate::params::Field::value_of(self, index)
             }
 
             fn set_value(&mut self, index: usize, value: $crate::params::Value) -> Result<(), $crate::Error> {
                 let value = $crate::params::Params::specs(self)[index].check(value)?;
-                let setters: &[fn(&mut Self, $crate::params::Value)] = &[$(
-                    |params, value| {
-                        if let Some(value) = $crate::params::Parameter::from_value(value) {
-                            params.$field = value;
-                        }
-                    },
-                )*];
-                setters[index](self, value);
+                $crate::params::Field::put(self, index, value);
                 Ok(())
+            }
+
+            fn renamed(&self) -> &'static [(&'static str, &'static str)] {
+                &[$($(($old, $new)),+)?]
             }
         }
     };

@@ -1,7 +1,9 @@
 //! An estimator of which only the declaration matters, and the one door to its runs.
 
+use std::any::Any;
+
 use super::estimator::run_observed;
-use super::{Estimator, Footprint, Info, Need, Progress, Promise, Timeline, Walk, need};
+use super::{Estimator, Footprint, Info, Need, Progress, Promise, StageView, Timeline, Walk, need};
 use crate::base::{Error, Threads, heap};
 use crate::data::Clip;
 use crate::params::Params;
@@ -51,6 +53,23 @@ pub trait AnyEstimator: Params + Send + Sync {
     fn is_of_single_frames(&self) -> bool {
         self.info().frames == 1 || self.produces().iter().all(|kind| kind.is_of_single_frames)
     }
+
+    /// As [`Estimator::units_of`].
+    fn units_of(&self, picture: (usize, usize), frames: usize) -> Option<usize>;
+
+    /// Whether a unit of a run is a frame of the clip.
+    fn is_by_frame(&self) -> bool {
+        self.units_of((1, 1), 1) == Some(1)
+    }
+
+    /// As [`Estimator::lends`].
+    fn lends(&self) -> Option<Box<dyn Any>>;
+
+    /// As [`Estimator::stage_view`].
+    ///
+    /// # Errors
+    /// If a frame cannot be read.
+    fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error>;
 
     /// The same estimator without hindsight, where it looks back in time as it is set.
     fn causal(&self) -> Option<Box<dyn AnyEstimator>>;
@@ -111,6 +130,9 @@ pub trait AnyRun: Send {
 
     /// What the run has made so far.
     fn output(&self) -> Output;
+
+    /// Memory that its state takes with all that is shared, in bytes.
+    fn bytes(&self) -> usize;
 }
 
 /// The run of one estimator.
@@ -129,6 +151,10 @@ impl<E: Estimator> AnyRun for Running<E> {
     fn output(&self) -> Output {
         self.estimator.output(&self.state)
     }
+
+    fn bytes(&self) -> usize {
+        self.estimator.memory_bytes(&self.state)
+    }
 }
 
 impl<E: Estimator> AnyEstimator for E {
@@ -142,6 +168,18 @@ impl<E: Estimator> AnyEstimator for E {
 
     fn promise(&self) -> Promise {
         E::PROMISE
+    }
+
+    fn units_of(&self, picture: (usize, usize), frames: usize) -> Option<usize> {
+        Estimator::units_of(self, picture, frames)
+    }
+
+    fn lends(&self) -> Option<Box<dyn Any>> {
+        Estimator::lends(self)
+    }
+
+    fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
+        Estimator::stage_view(self, clip, now)
     }
 
     fn causal(&self) -> Option<Box<dyn AnyEstimator>> {

@@ -1,6 +1,8 @@
 //! What every estimator is: a declaration, a unit of work, and how it is seen and told.
 
-use super::{Footprint, Pointed, TestsCandidates};
+use std::any::Any;
+
+use super::{Footprint, Pointed, StageView, TestsCandidates};
 use crate::base::{Error, Observer, Threads};
 use crate::data::Clip;
 use crate::params::Params;
@@ -65,11 +67,6 @@ impl Info {
     /// Where in [`Info::pseudocode`] the line called `name` is.
     pub fn line(&self, name: Name) -> Option<usize> {
         pseudocode::find(self.pseudocode, name)
-    }
-
-    /// Whether a unit of a run is a frame of the clip.
-    pub fn is_by_frame(&self) -> bool {
-        self.rungs.iter().rev().nth(1) == Some(&"frame")
     }
 }
 
@@ -161,6 +158,25 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     /// itself. `None` where that is always the pair of the run.
     fn at_frame(&self, _state: &Self::State) -> Option<usize> {
         None
+    }
+
+    /// The units that so many frames take on pictures of a width and height in px, where a run goes through the clip frame
+    /// by frame and each takes as many; `None` for what looks at a pair, or takes as long as it takes.
+    fn units_of(&self, _picture: (usize, usize), _frames: usize) -> Option<usize> {
+        None
+    }
+
+    /// What it lends to an estimator whose stage it is, beside what a run of it makes.
+    fn lends(&self) -> Option<Box<dyn Any>> {
+        None
+    }
+
+    /// What its stages look at while it works on frame `now`, where that is not the pair from there on.
+    ///
+    /// # Errors
+    /// If a frame cannot be read.
+    fn stage_view(&self, _clip: &Clip, _now: usize) -> Result<Option<StageView>, Error> {
+        Ok(None)
     }
 
     /// The role of an event that is worth a mark on the timeline.

@@ -2,6 +2,7 @@
 
 use super::{Cursor, Need};
 use crate::data::Clip;
+use crate::params::Value;
 use crate::scene::{Focus, Picture};
 
 /// The memory that an estimator takes, whose states are `S`.
@@ -56,6 +57,15 @@ impl Explained {
             Self::From(turn) => turn <= cursor,
         }
     }
+}
+
+/// What the stages of an estimator look at, where that is not the pair of the clip that it works on.
+#[derive(Clone, Debug)]
+pub struct StageView {
+    /// The clip of whose first pair they run.
+    pub clip: Clip,
+    /// The values that it gives to parameters which it decides.
+    pub set: Vec<(&'static str, Value)>,
 }
 
 /// An estimator that has something to show where a person points, and has states `S`.

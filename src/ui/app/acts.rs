@@ -2,7 +2,7 @@
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Cursor, Error, Info, Move, Way, estimator, stage};
+use motionscope_core::{AnyEstimator, Cursor, Error, Move, Way, estimator, stage};
 
 use crate::experiment::company::Company;
 use crate::experiment::comparison::Row;
@@ -238,21 +238,20 @@ impl App {
         match estimator(id) {
             Ok(chosen) => {
                 let was_single = self.is_of_single_frames();
-                let before = self.document.estimator().info();
+                let was_by_frame = self.document.estimator().is_by_frame();
                 self.states.stage.placing = None;
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.suit_view(was_single);
-                self.restart_from(before);
+                self.restart_from(was_by_frame);
             }
             Err(error) => self.toasts.fail(error.to_string()),
         }
     }
 
-    /// Runs another estimator, from where that called `before` stands if its units are such as well: where they are frames, from
-    /// the frame that is shown.
-    fn restart_from(&mut self, before: &Info) {
-        let now = self.document.estimator().info();
-        let place = match (before.is_by_frame(), now.is_by_frame(), &self.view.shown) {
+    /// Runs another estimator, from where that before it stands if its units are such as well: where they are frames, from the
+    /// frame that is shown.
+    fn restart_from(&mut self, was_by_frame: bool) {
+        let place = match (was_by_frame, self.document.estimator().is_by_frame(), &self.view.shown) {
             (true, true, _) | (false, false, _) => return self.restart(),
             (false, true, Some(shown)) => {
                 let unit = shown.frame.saturating_sub(self.document.frame());

@@ -33,6 +33,8 @@ pub struct Setup {
     pub parents: Vec<Parent>,
     /// The frame that the stage at work runs on, where it is one.
     pub stage_frame: Option<usize>,
+    /// The clip that it looks at, where that is not the one that is open.
+    pub stage_clip: Option<Clip>,
 }
 
 /// An estimator that waits while one of its stages is walked by itself.
@@ -44,19 +46,21 @@ pub struct Parent {
     /// The frame that its run begins on, and where that stands.
     frame: usize,
     cursor: Cursor,
+    /// The clip that it looks at, where that is not the one that is open.
+    clip: Option<Clip>,
 }
 
 impl Clone for Parent {
     fn clone(&self) -> Self {
-        let Self { estimator, company, index, frame, cursor } = self;
-        let (estimator, company) = (estimator.boxed_clone(), company.clone());
-        Self { estimator, company, index: *index, frame: *frame, cursor: *cursor }
+        let Self { estimator, company, index, frame, cursor, clip } = self;
+        let (estimator, company, clip) = (estimator.boxed_clone(), company.clone(), clip.clone());
+        Self { estimator, company, index: *index, frame: *frame, cursor: *cursor, clip }
     }
 }
 
 impl PartialEq for Parent {
     fn eq(&self, other: &Self) -> bool {
-        let Self { estimator, company, index, frame, cursor } = self;
+        let Self { estimator, company, index, frame, cursor, .. } = self;
         is_same(&**estimator, &*other.estimator)
             && *company == other.company
             && (*index, *frame, *cursor) == (other.index, other.frame, other.cursor)
@@ -70,15 +74,17 @@ fn is_same(a: &dyn AnyEstimator, b: &dyn AnyEstimator) -> bool {
 
 impl Clone for Setup {
     fn clone(&self) -> Self {
-        let Self { estimator, company, difficulty, parents, stage_frame } = self;
+        let Self { estimator, company, difficulty, parents, stage_frame, stage_clip } = self;
         let (company, difficulty, parents) = (company.clone(), difficulty.clone(), parents.clone());
-        Self { estimator: estimator.boxed_clone(), company, difficulty, parents, stage_frame: *stage_frame }
+        let (estimator, stage_clip) = (estimator.boxed_clone(), stage_clip.clone());
+        Self { estimator, company, difficulty, parents, stage_frame: *stage_frame, stage_clip }
     }
 }
 
 impl PartialEq for Setup {
     fn eq(&self, other: &Self) -> bool {
-        let Self { estimator, company, difficulty, parents, stage_frame } = self;
+        // The clip of a stage follows from the others.
+        let Self { estimator, company, difficulty, parents, stage_frame, .. } = self;
         is_same(&**estimator, &*other.estimator)
             && *company == other.company
             && *difficulty == other.difficulty
@@ -123,6 +129,7 @@ impl Default for Document {
             difficulty: None,
             parents: Vec::new(),
             stage_frame: None,
+            stage_clip: None,
         });
         Self {
             clip: None,
@@ -141,7 +148,8 @@ impl Default for Document {
 impl Document {
     /// The clip, if one is open.
     pub fn clip(&self) -> Option<&Clip> {
-        self.clip.as_ref().map(|(clip, _)| clip)
+        let (clip, _) = self.clip.as_ref()?;
+        Some(self.setup.now().stage_clip.as_ref().unwrap_or(clip))
     }
 
     /// The synthetic scene, if the clip is one.
@@ -221,8 +229,13 @@ impl Document {
         (self.truth, self.refused) = (truth, None);
         self.inputs = Arc::default();
         self.made = difficulty.clone();
-        self.setup =
-            History::new(Setup { difficulty, parents: Vec::new(), stage_frame: None, ..self.setup.now().clone() });
+        self.setup = History::new(Setup {
+            difficulty,
+            parents: Vec::new(),
+            stage_frame: None,
+            stage_clip: None,
+            ..self.setup.now().clone()
+        });
     }
 
     /// Notes the files that the clip is read from, so that nothing is written over them.
@@ -233,7 +246,14 @@ impl Document {
     /// Takes an estimator with its parameters, its company and a frame, as a session has them: without a past.
     pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, company: Company, frame: usize) {
         let difficulty = self.setup.now().difficulty.clone();
-        self.setup = History::new(Setup { estimator, company, difficulty, parents: Vec::new(), stage_frame: None });
+        self.setup = History::new(Setup {
+            estimator,
+            company,
+            difficulty,
+            parents: Vec::new(),
+            stage_frame: None,
+            stage_clip: None,
+        });
         self.go_to_frame(frame);
     }
 
@@ -243,7 +263,7 @@ impl Document {
         let before = std::mem::replace(&mut next.estimator, estimator);
         next.company.relieve(&*before, &*next.estimator);
         next.parents.clear();
-        next.stage_frame = None;
+        (next.stage_frame, next.stage_clip) = (None, None);
         self.setup.settle();
         self.setup.change("estimator", next);
         self.setup.settle();
@@ -252,7 +272,14 @@ impl Document {
 
     /// Has `estimator` go in lockstep with `company` from now on, or alone; undo brings back what was before.
     pub fn keep_company(&mut self, estimator: Box<dyn AnyEstimator>, company: Company) {
-        let next = Setup { estimator, company, parents: Vec::new(), stage_frame: None, ..self.setup.now().clone() };
+        let next = Setup {
+            estimator,
+            company,
+            parents: Vec::new(),
+            stage_frame: None,
+            stage_clip: None,
+            ..self.setup.now().clone()
+        };
         self.setup.settle();
         self.setup.change("company", next);
         self.setup.settle();
@@ -267,18 +294,21 @@ impl Document {
     /// run of the stage.
     pub fn enter(&mut self, index: usize, shown: &Snapshot) -> Option<Place> {
         let now = self.setup.now();
-        let Opened { estimator, frame, cursor } = stage::open(&*now.estimator, index, (self.frame, shown.frame))?;
+        let opened = stage::open(&*now.estimator, index, self.clip()?, (self.frame, shown.frame));
+        let Opened { estimator, clip: own_clip, frame, cursor } = opened.ok().flatten()?;
         // A parent may stand at the last frame, of which there is no pair.
-        let frames = self.clip()?.info().frames;
+        let frames = own_clip.as_ref().unwrap_or(self.clip()?).info().frames;
         let frame = frame.min(frames.map_or(usize::MAX, |frames| frames.saturating_sub(estimator.info().frames)));
         let stage_frame = Some(frame);
-        let mut next = Setup { estimator, company: Company::default(), stage_frame, ..now.clone() };
+        let stage_clip = own_clip.or_else(|| now.stage_clip.clone());
+        let mut next = Setup { estimator, company: Company::default(), stage_frame, stage_clip, ..now.clone() };
         next.parents.push(Parent {
             estimator: now.estimator.boxed_clone(),
             company: now.company.clone(),
             index,
             frame: self.frame,
             cursor: shown.leader(),
+            clip: now.stage_clip.clone(),
         });
         self.setup.settle();
         self.setup.change("stage", next);
@@ -290,15 +320,16 @@ impl Document {
     /// Goes back to the estimator of which the one at work is a stage, which has become what it is now; gives where that stands.
     pub fn leave(&mut self) -> Option<Place> {
         let mut next = self.setup.now().clone();
-        let Parent { mut estimator, company, index, frame, cursor } = next.parents.pop()?;
+        let Parent { mut estimator, company, index, frame, cursor, clip } = next.parents.pop()?;
         // How many frames it goes through is its parent's to say.
-        let opened = stage::open(&*estimator, index, (frame, frame));
+        let looked_at = clip.as_ref().or(self.clip.as_ref().map(|(clip, _)| clip))?;
+        let opened = stage::open(&*estimator, index, looked_at, (frame, frame)).ok().flatten();
         let is_as_it_was = opened.is_some_and(|opened| is_same(&*opened.estimator, &*next.estimator));
         if !is_as_it_was {
             // What was opened as this stage can be one.
             estimator.set_value(index, stage::value_of(&*next.estimator)).ok()?;
         }
-        (next.estimator, next.company) = (estimator, company);
+        (next.estimator, next.company, next.stage_clip) = (estimator, company, clip);
         next.stage_frame = (!next.parents.is_empty()).then_some(frame);
         self.setup.settle();
         self.setup.change("stage", next);

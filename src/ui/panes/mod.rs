@@ -156,7 +156,7 @@ impl Panes<'_> {
         let spec = estimator.specs().get(index)?;
         match estimator.value(index) {
             Value::Placed(now) => {
-                let is_by_frame = estimator.info().is_by_frame();
+                let is_by_frame = estimator.is_by_frame();
                 Some(stage::Placing { index, spec, now, frame: shown.frame, is_by_frame })
             }
             _ => None,

@@ -4,27 +4,26 @@ use std::sync::{Arc, OnceLock};
 
 use crate::base::{Error, Mapped, Observer, Threads, words};
 use crate::data::{Clip, Flow, Frame};
-use crate::families::interest_points::ShiTomasi;
 use crate::geometry::{Grid, pyramid::halvings};
 use crate::methods::{
     differential::{field, truth},
     features::{
-        Account, Trace, detect,
+        Account, Trace,
         follow::{self, Follow, Followed},
         tracker::Level,
     },
 };
 use crate::params::Spots;
 use crate::products::{Confidence, DenseField, Feature, Output, PointField, Product, ProductKind, Status};
-use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Footprint, Info, Keypoints, Need, Pointed, Progress, Promise, Rung, Seen, Stage};
 use crate::scene::{Arrow, Chart, Fact, Focus, Levels, Picture, Readout, Role, Scene, Sentence, Shape, Stack, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
     /// Which points are tracked.
     pub enum Points {
-        /// The corners that Shi and Tomasi's detector finds, with its defaults.
-        Detect = "detect" "Detected corners",
+        /// The keypoints that the detector finds, the strongest first.
+        Detect = "detect" "Detected keypoints",
         /// Those of an even grid.
         Grid = "grid" "Grid",
         /// Those that someone has clicked in the frame.
@@ -39,6 +38,8 @@ params! {
     pub struct PyramidalLucasKanade {
         /// Which points are tracked.
         points: Points = Points::Detect;
+        /// Detector of the points where keypoints are tracked.
+        detector: Stage<Keypoints> = Stage::named("shi-tomasi").with("min-distance", "7");
         /// Places in frames, clicked on the picture, where clicked points are tracked.
         clicks: Spots = Spots::default();
         /// At most so many points, of corners the strongest; not where every pixel is tracked.
@@ -144,8 +145,8 @@ impl PyramidalLucasKanade {
         let pair = clip.pair(frame)?;
         let points = match self.points {
             Points::Detect => {
-                let detector = ShiTomasi { max_points: self.max_points, ..ShiTomasi::default() };
-                detect(&detector, Arc::clone(&pair[0]), threads).iter().map(|feature| feature.at).collect()
+                let found = self.detector.points(clip, frame, threads)?;
+                found.points.iter().map(|point| point.at).take(self.max_points).collect()
             }
             Points::Grid => grid(clip.size(), self.max_points),
             Points::Clicks => self.clicks.of_frame(frame).filter(|at| is_in(*at, clip.size())).collect(),
@@ -347,7 +348,10 @@ impl Footprint<State> for PyramidalLucasKanade {
     fn need(&self, clip: &Clip) -> Need {
         match self.points {
             Points::Dense => Need::per_pixel(clip, [72.0, 110.0]),
-            // Where corners are looked for, every fourth pixel may be one at first.
+            Points::Detect => {
+                let Need { run, .. } = self.detector.need(clip);
+                Need::per_pixel(clip, [14.0, 20.0]).and([run as f64; 2])
+            }
             _ => Need::per_pixel(clip, [14.0, 20.0]),
         }
     }

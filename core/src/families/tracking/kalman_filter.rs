@@ -428,6 +428,10 @@ impl Estimator for KalmanFilter {
         vec![clip, Rung { index: pass, of: passes }, Rung { index: done, of: state.span.frames() }]
     }
 
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
     fn at_frame(&self, state: &State) -> Option<usize> {
         let count = state.moments.len();
         let index = state.back.map_or(count, |done| count.saturating_sub(done + 1));

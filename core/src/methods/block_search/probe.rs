@@ -37,7 +37,7 @@ impl<'a> Probe<'a> {
         (events, focus): (&'a [Event], Option<[f32; 2]>),
     ) -> Self {
         let index = found.len();
-        let window = pair.window(pair.blocks.block(index), settings.range);
+        let window = pair.window(pair.blocks.block(index), settings.matching.range);
         let neighbours = Neighbours::of(index, pair.blocks.counts().0, |i| found[i], None);
         let rate = Rate::new(&settings, &neighbours);
         Self { pair, settings, rate, index, counted: Counted::default(), window, found, events, focus }

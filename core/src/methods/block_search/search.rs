@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::probe::Probe;
 use super::tester::Workspace;
-use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
+use std::any::Any;
+
+use super::{Event, HasSettings, Match, Neighbours, Pair, Pattern, Tester};
 use crate::base::{Earlier, Error, Observer, Threads};
 use crate::data::Clip;
 use crate::line_names;
@@ -91,7 +93,7 @@ fn search_block<S: BlockSearch>(
     observer.see(|| Event::Window);
     let settings = search.settings();
     // The bits of a displacement are those of its difference from what the neighbours predict.
-    let neighbours = match search.predicts() || settings.lambda > 0.0 {
+    let neighbours = match search.predicts() || settings.refinement.lambda > 0.0 {
         true => Neighbours::of(index, pair.blocks.counts().0, found, before.as_deref()),
         false => Neighbours::default(),
     };
@@ -103,7 +105,8 @@ fn search_block<S: BlockSearch>(
 /// The state before the first block, `before` being what was found in the pair of frames before.
 fn start<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, before: Option<Arc<[Match]>>) -> Result<State, Error> {
     let settings = search.settings();
-    let pair = Pair::new(clip, frame, settings.block, settings.spacing, settings.border)?;
+    let pair =
+        Pair::new(clip, frame, settings.matching.block, settings.refinement.spacing, settings.refinement.border)?;
     Ok(State { pair, before, found: Vec::new(), tested: Vec::new() })
 }
 
@@ -164,6 +167,10 @@ impl<S: BlockSearch> Estimator for S {
 
     fn landmark(&self, event: &Event) -> Option<Role> {
         event.landmark()
+    }
+
+    fn lends(&self) -> Option<Box<dyn Any>> {
+        Some(Box::new(Pattern::of(self.clone())))
     }
 
     fn tests(&self) -> Option<&dyn TestsCandidates<Self::State, Self::Event>> {

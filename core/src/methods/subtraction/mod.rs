@@ -9,7 +9,8 @@ mod tell;
 
 use std::sync::Arc;
 
-pub(crate) use declare::{HasSettings, Settings, subtraction_params, subtraction_pseudocode};
+pub use declare::Settings;
+pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explanation::{Explanation, compared};
 pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
@@ -20,11 +21,13 @@ use crate::data::{Clip, Detection, Frame, Labelling, Mask, PackedMask};
 use crate::geometry::{Gray, Grid};
 use crate::params::{Params, inner_params};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
-use crate::run::{Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, need};
+use crate::run::{
+    Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, StageView, need,
+};
 use crate::scene::{Canvas, Chart, Focus, Picture, Scene, Step};
 
 /// A model of the background.
-pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// What there is to say about the detector.
     const INFO: Info;
     /// What the heat shows that tells how far pixels differ, for the legend.
@@ -35,6 +38,17 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     /// What is known of the background.
     type Model: Clone + Send + Sync + 'static;
+
+    /// As [`Estimator::stage_view`].
+    ///
+    /// # Errors
+    /// If a frame cannot be read.
+    fn stage_view(&self, _clip: &Clip, _now: usize) -> Result<Option<StageView>, Error> {
+        Ok(None)
+    }
+
+    /// The parameters that all background subtractions have.
+    fn settings(&self) -> Settings;
 
     /// What the model begins with.
     fn initial(&self) -> Initial {
@@ -276,6 +290,14 @@ impl<M: Background> Estimator for Subtraction<M> {
 
     fn place(&self, state: &Self::State) -> Vec<Rung> {
         state.span.place(state.frame - state.span.first)
+    }
+
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
+    fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
+        self.0.stage_view(clip, now)
     }
 
     fn at_frame(&self, state: &Self::State) -> Option<usize> {

@@ -159,7 +159,7 @@ impl ConnectedComponents {
                 .text(": each is a connected component, counted in raster order of its first pixel."),
             Some(Event::Kept(_, blobs)) => {
                 let events = [subtraction::Event::Kept(Arc::clone(blobs))];
-                Account::new(&events).sentence(self.min_area).unwrap_or(said)
+                Account::new(&events).sentence(self.settings.min_area).unwrap_or(said)
             }
         }
     }

@@ -139,14 +139,10 @@ impl TrajectoryAnalysis {
         }
         let mut readouts = vec![Readout::Facts(facts)];
         if let Some(trajectory) = subject {
-            let x_max = state.tracked.first() + self.tracker_frames(state);
+            let x_max = state.span.first + state.span.frames().unwrap_or(state.frames.len()).saturating_sub(1);
             readouts.extend(series(&trajectory, x_max).into_iter().map(Readout::Series));
         }
         readouts
-    }
-
-    fn tracker_frames(&self, state: &State) -> usize {
-        crate::run::Estimator::units(self, state).unwrap_or(state.tracked.frames().len()).saturating_sub(1)
     }
 
     fn facts(&self, trajectory: &Trajectory) -> Vec<Fact> {
@@ -251,7 +247,7 @@ impl TrajectoryAnalysis {
 fn frame_at<'a>(seen: &Seen<'a, TrajectoryAnalysis>) -> Option<&'a Arc<ObjectFrame>> {
     let at_hand =
         seen.events.iter().find_map(|event| if let Event::Tracked(frame) = event { Some(frame) } else { None });
-    at_hand.or(seen.before.tracked.frames().last())
+    at_hand.or(seen.before.frames.last())
 }
 
 /// All trajectories as they are at the step.
@@ -278,7 +274,7 @@ fn counts(seen: &Seen<TrajectoryAnalysis>) -> [usize; 2] {
 }
 
 fn frame_of(state: &State) -> usize {
-    state.tracked.first() + state.tracked.frames().len()
+    state.span.first + state.frames.len()
 }
 
 fn point(at: [f64; 2]) -> [f32; 2] {
