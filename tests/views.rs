@@ -10,11 +10,12 @@ use eframe::egui::{
 };
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use motionscope::paint::{ColorMap, Lengthen, Pictures, Theme, View};
+use motionscope::paint::{ColorMap, Pictures, Theme, View};
 use motionscope::ui::charts::{heat_map, series, surface3d, tiles};
 use motionscope::ui::drawing::style;
 use motionscope::ui::panes::why;
 use motionscope::ui::stage::{self, Zoom};
+use motionscope::view::look::Look;
 use motionscope::view::motion::Offer;
 use motionscope_core::block_matching::FullSearch;
 use motionscope_core::scene::{Focus, Picture, Readout, Surface, Tile};
@@ -52,7 +53,7 @@ fn harness<'a>(size: Vec2, theme: Theme, show: impl FnMut(&mut Ui) + 'a) -> Harn
         .with_max_steps(60)
         .with_context_setup(move |ctx| {
             style::install_fonts(ctx);
-            style::apply(ctx, style::Look { theme, zoom: 1.0, reduced_motion: true });
+            style::apply(ctx, style::Interface { theme, zoom: 1.0, reduced_motion: true });
         })
         .build_ui(show)
 }
@@ -64,12 +65,10 @@ impl Fixture {
             frame: 12,
             scene: &self.scene,
             lockstep: None,
-            theme: Theme::Dark,
-            colors: ColorMap::Viridis,
+            is_single: false,
+            look: Look::of_window(),
             heat: "SAD",
             gpu: None,
-            lengthen: Lengthen::Auto,
-            spacing_px: None,
             placing: None,
             offer: &self.offer,
             checking: false,
@@ -273,18 +272,19 @@ fn the_wheel_zooms_about_the_pointer_and_a_double_click_keeps_the_place() {
 fn every_view_of_the_pair_is_one_click_away() {
     let fixture = fixture(MIDDLE);
     let mut state = stage::State::default();
-    let view = Cell::new(View::SideBySide);
+    let look = Cell::new(Look::of_window());
+    let view = || look.get().view.unwrap_or_default();
     let mut harness = harness(vec2(1000.0, 500.0), Theme::Dark, |ui| {
-        stage::show(ui, fixture.stage(), &mut state);
-        view.set(state.view);
+        let response = stage::show(ui, stage::Input { look: look.get(), ..fixture.stage() }, &mut state);
+        look.set(response.look);
     });
     for wanted in View::ALL {
-        let before = view.get();
+        let before = view();
         harness.get_by_role_and_label(Node::Button, wanted.name()).click();
         // A blinking stage is never at rest.
         harness.run_steps(3);
         // There is no prediction in the middle of a run.
-        assert_eq!(view.get(), if wanted.is_of_the_end() { before } else { wanted });
+        assert_eq!(view(), if wanted.is_of_the_end() { before } else { wanted });
         let blend = harness.query_by_role_and_label(Node::Slider, "Share of frame t+1 in the blend");
         assert_eq!(blend.is_some(), wanted == View::Blend);
     }
@@ -437,7 +437,11 @@ fn marks_lie_in_their_picture_whatever_its_size() {
         for size in [vec2(500.0, 700.0), vec2(900.0, 500.0), vec2(1900.0, 1000.0)] {
             let mut state = stage::State::default();
             let harness = harness(size, theme, |ui| {
-                stage::show(ui, stage::Input { theme, ..fixture.stage() }, &mut state);
+                stage::show(
+                    ui,
+                    stage::Input { look: Look { theme, ..Look::of_window() }, ..fixture.stage() },
+                    &mut state,
+                );
             });
             for (role, pane) in [(Role::Reference, "Stage: Frame t = 12"), (Role::Candidate, "Stage: Frame t+1 = 13")] {
                 let pane = harness.get_by_label(pane).rect();
@@ -483,7 +487,11 @@ impl All {
                 });
             };
             part(ui, &mut |ui| {
-                stage::show(ui, stage::Input { theme, ..fixture.stage() }, &mut self.stage);
+                stage::show(
+                    ui,
+                    stage::Input { look: Look { theme, ..Look::of_window() }, ..fixture.stage() },
+                    &mut self.stage,
+                );
             });
             part(ui, &mut |ui| {
                 why::show(

@@ -543,6 +543,8 @@ fn in_range(kind: &Kind, dice: u64) -> Value {
             let spanned = figure.spanned(at(0), at(17).map(|c| c + 100.0));
             Value::Placed(spots.into_iter().fold(spanned, |placed, spot| placed.with(spot)))
         }
+        Kind::Optional { word, .. } if dice.is_multiple_of(3) => Value::Choice(word),
+        Kind::Optional { of, .. } => in_range(of, dice),
     }
 }
 
@@ -614,7 +616,7 @@ proptest! {
                         vec![Value::Real(min - beyond as f64), Value::Real(max + beyond as f64), Value::Real(f64::NAN)]
                     }
                     Kind::Switch => vec![Value::Int(1)],
-                    Kind::Choice(_) => vec![Value::Choice("none-of-these")],
+                    Kind::Choice(_) | Kind::Optional { .. } => vec![Value::Choice("none-of-these")],
                     Kind::Stage(_) => vec![Value::Int(1), value_of(&*estimators().swap_remove(0))],
                     Kind::Placed(figure) => {
                         let far = [beyond as f32 * 1e6; 2];

@@ -1,7 +1,5 @@
 //! The pictures that are looked at: a frame, or what becomes of two.
 
-use std::fmt;
-use std::str::FromStr;
 use std::sync::Arc;
 
 use motionscope_core::scene::Picture;
@@ -83,27 +81,6 @@ impl LevelShown {
         match self {
             Self::AtWork => levels.at_work,
             Self::Number(level) => level.min(levels.all.len() - 1),
-        }
-    }
-}
-
-impl fmt::Display for LevelShown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::AtWork => f.write_str("at-work"),
-            Self::Number(level) => level.fmt(f),
-        }
-    }
-}
-
-impl FromStr for LevelShown {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self, Error> {
-        let told = || Error::new(format!("a level is at-work or a number, 0 for the picture itself, and not {text}"));
-        match text {
-            "at-work" => Ok(Self::AtWork),
-            _ => text.parse().map(Self::Number).map_err(|_| told()),
         }
     }
 }

@@ -1,5 +1,8 @@
-//! What one step of a run shows, for the window and for files alike.
+//! What one step of a run shows, and how it is looked at, for the window and for files alike.
 
+pub mod look;
+pub mod moment;
 pub mod motion;
 pub mod shot;
+pub mod steps;
 pub mod tile;

@@ -8,7 +8,6 @@ use motionscope_core::synth::Sample;
 use motionscope_core::{Cursor, Pace, Value};
 
 use crate::experiment::comparison::Row;
-use crate::paint::Lengthen;
 use crate::ui::app::commands::Command;
 use crate::ui::model::document::Owner;
 use crate::ui::model::writer::Order;
@@ -80,8 +79,6 @@ pub enum Action {
     Release,
     /// Run on the pair that starts with this frame.
     Frame(usize),
-    /// Draw displacements as long as this.
-    Lengthen(Lengthen),
     /// Play at this speed.
     Speed(usize),
     /// The error was read.

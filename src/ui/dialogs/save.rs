@@ -13,7 +13,9 @@ use crate::ui::app::commands::Rungs;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{self, Order, What};
 use crate::ui::parts::widgets;
-use crate::view::shot::{Format, Look, Steps};
+use crate::view::look::Look;
+use crate::view::shot::Format;
+use crate::view::steps::Steps;
 
 /// Scales that can be chosen.
 const SCALES: [u32; 4] = [1, 2, 4, 8];
@@ -112,7 +114,7 @@ struct Found {
 impl State {
     /// The dialog for `kind`, with a name that says what it is, in `folder`.
     pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, look: Look) -> Self {
-        let choices = kind.choices(shown.subject.estimator.produces());
+        let choices = kind.choices(shown.subject.experiment.estimator.produces());
         let from = Cursor { unit: shown.cursor.unit, event: 1 };
         // Before the first step the steps of the first unit are meant.
         let to = if shown.cursor < from { Cursor { event: usize::MAX, ..from } } else { shown.cursor };

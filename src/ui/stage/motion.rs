@@ -7,11 +7,11 @@ use lucide_icons::Icon;
 use motionscope_core::scene;
 
 use super::{Input, Response, State};
-use crate::paint::{Face, FlowLayer, Lengthen, Tint, TintKey, legend, number};
-use crate::session::SPACING_PX;
+use crate::paint::{Face, FlowLayer, Lengthen, Opacity, Tint, TintKey, legend, number};
 use crate::ui::app::commands::Command;
 use crate::ui::drawing::{ink, primitives};
 use crate::ui::parts::widgets;
+use crate::view::look::{ARROW_SPACING_PX, Look};
 
 /// Diameter of the wheel among the choices, in points.
 const WHEEL: f32 = 88.0;
@@ -31,13 +31,13 @@ pub fn button(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut 
     let tip = Command::NextLayer.with_key("What is seen of motion: colours, arrows and streaklines.");
     let opener = opener.on_hover_text(tip);
     let popup = Popup::menu(&opener).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    popup.show(|ui| choices(ui, input, state, response));
+    popup.show(|ui| choices(ui, input, state, &mut response.look));
 }
 
-fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
-    ui.set_width(19.0 * input.theme.sizes().body);
+fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
+    ui.set_width(19.0 * input.theme().sizes().body);
     ui.label(RichText::new("Colours over the picture").small().weak());
-    let now = input.offer.chosen(state.layer);
+    let now = input.offer.chosen(look.layer);
     for layer in FlowLayer::ALL {
         let why = input.offer.why_never(layer);
         let item = ui.add_enabled(why.is_none(), Button::selectable(now == layer, layer.name()).min_size(wide(ui)));
@@ -51,11 +51,11 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Res
             None => layer.tip().into(),
         };
         if item.on_hover_text(&told).on_disabled_hover_text(&told).clicked() {
-            state.layer = Some(layer);
+            look.layer = Some(layer);
         }
     }
     if now != FlowLayer::None {
-        opacity(ui, now, state);
+        opacity(ui, now, look);
     }
     ui.separator();
     ui.horizontal(|ui| {
@@ -69,15 +69,15 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Res
             ),
         ] {
             let can_be = !streaks || input.offer.has_field();
-            let shown = ui.add_enabled(can_be, Button::selectable(state.streaks == streaks, name));
+            let shown = ui.add_enabled(can_be, Button::selectable(look.streaks.is_some() == streaks, name));
             if shown.on_hover_text(&tip).on_disabled_hover_text("Only single points are known to move here.").clicked()
             {
-                state.streaks = streaks;
+                look.streaks = streaks.then(|| look.streaks.unwrap_or_default());
             }
         }
     });
-    spacing(ui, input, state);
-    length(ui, input, state, response);
+    spacing(ui, input, look);
+    length(ui, state.marks.look(input).lengthen, look);
     if let Some(Tint { key: TintKey::Wheel(longest), .. }) = input.pictures.layer.as_deref() {
         ui.separator();
         wheel(ui, input, *longest);
@@ -105,47 +105,48 @@ fn slider(ui: &mut Ui, name: &str, (is_auto, tip): (bool, &str), add: impl FnOnc
     to_auto
 }
 
-fn opacity(ui: &mut Ui, layer: FlowLayer, state: &mut State) {
+fn opacity(ui: &mut Ui, layer: FlowLayer, look: &mut Look) {
     let tip = "How far the colours hide the picture under them: at 100 % they stand alone.";
-    let mut percent = 100.0 * state.opacity.unwrap_or(layer.usual_opacity().get());
+    let mut percent = 100.0 * look.layer_opacity.unwrap_or(layer.usual_opacity()).get();
     let mut moved = false;
-    let to_auto = slider(ui, "Opacity", (state.opacity.is_none(), tip), |ui| {
+    let to_auto = slider(ui, "Opacity", (look.layer_opacity.is_none(), tip), |ui| {
         let slider = Slider::new(&mut percent, 0.0..=100.0).step_by(1.0).max_decimals(0).suffix(" %");
         let response = ui.add(slider).accessible_name("Opacity of the colours in %");
         moved = response.changed();
         response
     });
     if moved {
-        state.opacity = Some(percent / 100.0);
+        look.layer_opacity = Opacity::new(percent / 100.0).ok();
     }
     if to_auto {
-        state.opacity = None;
+        look.layer_opacity = None;
     }
 }
 
-fn spacing(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
+fn spacing(ui: &mut Ui, input: &Input<'_>, look: &mut Look) {
     let tip = "From one arrow, or one particle, to the next, in px of the picture.";
     let usual = scene::arrow_spacing(input.pictures.pair[0].size()) as u16;
-    let mut px = state.spacing_px.unwrap_or(usual);
+    let mut px = look.arrow_spacing.unwrap_or(usual);
     let mut moved = false;
-    let to_auto = slider(ui, "Spacing", (state.spacing_px.is_none(), tip), |ui| {
+    let to_auto = slider(ui, "Spacing", (look.arrow_spacing.is_none(), tip), |ui| {
         let slider = Slider::new(&mut px, SLIDER_PX).logarithmic(true).suffix(" px").clamping(SliderClamping::Never);
         let response = ui.add(slider).accessible_name("Spacing in px");
         moved = response.changed();
         response
     });
     if moved {
-        state.spacing_px = Some(px.clamp(*SPACING_PX.start(), *SPACING_PX.end()));
+        look.arrow_spacing = Some(px.clamp(*ARROW_SPACING_PX.start(), *ARROW_SPACING_PX.end()));
     }
     if to_auto {
-        state.spacing_px = None;
+        look.arrow_spacing = None;
     }
 }
 
-fn length(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
+/// How long arrows are: `now`, where nothing is chosen.
+fn length(ui: &mut Ui, now: f32, look: &mut Look) {
     let tip = "How many times their length displacements are drawn; the legend says so.";
-    let is_auto = input.lengthen == Lengthen::Auto;
-    let mut times = state.marks.look(input).lengthen;
+    let is_auto = look.arrow_scale == Lengthen::Auto;
+    let mut times = now;
     let mut moved = false;
     let to_auto = slider(ui, "Length of arrows", (is_auto, tip), |ui| {
         let slider = Slider::new(&mut times, SLIDER_TIMES).logarithmic(true).suffix(" ×").max_decimals(2);
@@ -154,17 +155,17 @@ fn length(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Resp
         response
     });
     if moved {
-        response.lengthened = Some(Lengthen::Times(times));
+        look.arrow_scale = Lengthen::Times(times);
     }
     if to_auto {
-        response.lengthened = Some(Lengthen::Auto);
+        look.arrow_scale = Lengthen::Auto;
     }
 }
 
 /// The wheel, large enough to find a direction in it, with how far its rim is.
 fn wheel(ui: &mut Ui, input: &Input<'_>, longest: f32) {
-    let (text, dim) = (ink::color(input.theme.chrome().text), ink::color(input.theme.chrome().dim));
-    let font = ink::font(Face::Sans, input.theme.sizes().small);
+    let (text, dim) = (ink::color(input.theme().chrome().text), ink::color(input.theme().chrome().dim));
+    let font = ink::font(Face::Sans, input.theme().sizes().small);
     let line = 1.4 * font.size;
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), WHEEL + 2.0 * line + 8.0), egui::Sense::hover());
