@@ -51,7 +51,7 @@ pub struct Session {
     pub experiment: Experiment,
     /// Where in the run one is.
     pub position: Position,
-    /// How it is looked at; what it does not say is left to whoever opens it.
+    /// How it is looked at; what it does not set is left as it is where it is opened.
     pub look: Changes,
     /// Which part of the picture is seen, if not all of it.
     pub sight: Option<Sight>,

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use motionscope_core::{Error, estimator};
+use motionscope_core::{AnyEstimator, Error, estimator};
 
 use super::args::{PictureArgs, TaskArgs};
 use crate::experiment::company::Company;
@@ -20,24 +20,14 @@ use crate::view::look::{Changes, Look};
 /// # Errors
 /// If a session, an estimator or a parameter that is named does not exist.
 pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error> {
-    // Detections by themselves are a clip of empty pictures.
-    let (clip, detections) = match (&args.clip, &args.detections) {
-        (Some(clip), detections) => (clip.clone(), detections.clone()),
-        (None, Some(detections)) => {
-            // What is meant as detections is told about as such, not as a clip that it is not.
-            media::check_detections(detections)?;
-            (detections.clone().into_os_string(), None)
-        }
-        (None, None) => return Err(Error::new("what clip? Name one, or give --detections FILE")),
-    };
-    let Named { source, given, session } = Named::find(&clip, Given { truth: args.truth.clone(), detections })?;
+    let Named { source, given, session } = named(args)?;
     let missing = || Error::new("which estimator? Give --estimator ID; `motionscope list` names them");
     let chosen = args.estimator.as_deref().map(estimator).transpose()?;
-    let mut session = match session {
-        Some(session) => session,
-        None => {
-            let estimator = chosen.as_ref().ok_or_else(missing)?.boxed_clone();
-            let experiment = Experiment { given, ..Experiment::new(source, estimator) };
+    let mut session = match (session, &chosen) {
+        (Some(session), _) => session,
+        (None, None) => return Err(missing()),
+        (None, Some(chosen)) => {
+            let experiment = Experiment { given, ..Experiment::new(source, chosen.boxed_clone()) };
             Session { experiment, position: Position::default(), look: Changes::default(), sight: None }
         }
     };
@@ -47,20 +37,41 @@ pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error>
         let before = std::mem::replace(estimator, other);
         company.relieve(&*before, &**estimator);
     }
-    let pace = args.pace.unwrap_or(company.pace);
-    if !args.beside.is_empty() {
-        *company = Company::of(&**estimator, &args.beside, pace)?;
-    }
-    if args.pace.is_some() && company.is_empty() {
-        return Err(Error::new("--pace is that of several estimators in lockstep; give --beside as well"));
-    }
-    company.pace = pace;
+    keep_company(args, &**estimator, company)?;
     *frame = args.frame.unwrap_or(*frame);
     session.look = session.look.then(&picture.look.0);
     if picture.look.0.has("blend") && look(&session).view != Some(View::Blend) {
         return Err(Error::new("--blend is the share of frame t+1 in a blend; give --view blend as well"));
     }
     Ok(session)
+}
+
+/// The clip or the session that `args` name.
+fn named(args: &TaskArgs) -> Result<Named, Error> {
+    let given = Given { truth: args.truth.clone(), detections: args.detections.clone() };
+    match (&args.clip, &args.detections) {
+        (Some(clip), _) => Named::find(clip, given),
+        // Detections by themselves are a clip of empty pictures.
+        (None, Some(detections)) => {
+            // What is meant as detections is told about as such, not as a clip that it is not.
+            media::check_detections(detections)?;
+            Named::find(detections.as_os_str(), Given { detections: None, ..given })
+        }
+        (None, None) => Err(Error::new("what clip? Name one, or give --detections FILE")),
+    }
+}
+
+/// Has those go in lockstep with `leader` that `args` name.
+fn keep_company(args: &TaskArgs, leader: &dyn AnyEstimator, company: &mut Company) -> Result<(), Error> {
+    let pace = args.pace.unwrap_or(company.pace);
+    if !args.beside.is_empty() {
+        *company = Company::of(leader, &args.beside, pace)?;
+    }
+    if args.pace.is_some() && company.is_empty() {
+        return Err(Error::new("--pace is that of several estimators in lockstep; give --beside as well"));
+    }
+    company.pace = pace;
+    Ok(())
 }
 
 /// How `session` is looked at without a window.

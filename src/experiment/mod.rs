@@ -18,7 +18,7 @@ use company::Company;
 use pixel::Pixel;
 use source::Source;
 
-/// What is run, whoever runs it: the window, the command line, a session, a comparison.
+/// What is run: the same in the window, on the command line, in a session and beside others in a comparison.
 pub struct Experiment {
     /// Where the clip comes from.
     pub source: Source,
@@ -90,7 +90,7 @@ pub fn is_same(a: &dyn AnyEstimator, b: &dyn AnyEstimator) -> bool {
     a.info().id == b.info().id && a.values() == b.values()
 }
 
-/// An experiment whose clip is open. A run never changes it: whoever has a picture of the run knows what it is a picture of.
+/// An experiment whose clip is open. A run never changes it, so a picture of the run can always tell what it is a picture of.
 pub struct Prepared {
     /// What is run.
     pub experiment: Experiment,

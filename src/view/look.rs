@@ -4,7 +4,6 @@
 mod values;
 
 use std::collections::BTreeMap;
-use std::ops::RangeInclusive;
 
 use motionscope_core::{Error, Params, Spec, Value, params};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -12,9 +11,6 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::paint::{
     ArrowStyle, ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Pictures, Share, Style, Theme, View,
 };
-
-/// How far displacements may be from each other, in px.
-pub const ARROW_SPACING_PX: RangeInclusive<u16> = 1..=256;
 
 params! {
     /// How a step is looked at, in the window and in pictures.
@@ -32,17 +28,17 @@ params! {
         colors: ColorMap = ColorMap::Viridis;
         /// The colours that tell of the motion of every pixel; auto is what suits the estimator.
         layer: Option<FlowLayer> = None;
-        /// How far these hide the picture; auto is what suits the layer.
+        /// How far the colours of motion hide the picture; auto is what suits the layer.
         layer_opacity: Option<Opacity> = None;
-        /// From one arrow to the next, in px of the clip; auto is as many as there is room for.
-        arrow_spacing: Option<u16> = None, ARROW_SPACING_PX, "px";
-        /// How many times their length displacements are drawn; auto is as long as fits.
+        /// From one arrow, or one particle, to the next, in px of the clip; auto is as many as there is room for.
+        arrow_spacing: Option<u16> = None, 1..=256, "px";
+        /// How many times their length displacements are drawn, which the legend says; auto is as long as fits.
         arrow_scale: Lengthen = Lengthen::Auto;
         /// Streaklines in the place of arrows, at this moment of a particle's life.
         streaks: Option<Phase> = None;
-        /// What the marks mean, below the picture.
+        /// What the marks mean, below the pictures.
         legend: bool = false;
-        /// Estimator, parameters and what happened, around the picture.
+        /// Estimator, parameters and the sentence of the step, around the pictures.
         caption: bool = false;
     }
 }

@@ -105,7 +105,7 @@ impl Moment {
     }
 
     /// The view that `look` chooses here, or what suits the step of an estimator that looks at single frames or at pairs: a
-    /// finished field says all in one picture, and so does who looks at single frames; a search needs both.
+    /// finished field needs only frame t, as an estimator of single frames does; a search needs both.
     pub fn view(&self, look: &Look, is_of_single_frames: bool) -> View {
         let fitting = if self.at_end || is_of_single_frames { View::Current } else { View::SideBySide };
         let view = look.view.unwrap_or(fitting).or_current(&self.pictures);

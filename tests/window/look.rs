@@ -116,3 +116,29 @@ fn a_streakline_keeps_its_moment_through_the_window() {
     let kept = Session::load(&second).expect("a session").look.over(Look::default());
     assert_eq!(kept.streaks.map(|phase| phase.get()), Some(0.25));
 }
+
+#[test]
+fn the_sliders_of_motion_set_entries_of_the_look_and_leave_them_open_again() {
+    let mut window = Window::with(vec2(1200.0, 800.0), Start { open: Some(CLIP.into()) });
+    window.command(Command::WheelLayer);
+    window.click("Motion");
+    let look = |window: &Window| window.app().settings().look;
+    let before = look(&window);
+    for (slider, value, entry, told) in [
+        ("Opacity of the colours in %", 40.0, "layer-opacity", "0.4"),
+        ("Spacing in px", 24.0, "arrow-spacing", "24"),
+        ("Length of arrows", 4.0, "arrow-scale", "4"),
+    ] {
+        window.harness.get_by_role_and_label(Role::Slider, slider).set_value_accesskit(value);
+        window.settle();
+        assert_eq!(look(&window).get(entry).map(|value| value.to_string()), Ok(told.to_owned()));
+    }
+    for name in ["Opacity auto", "Spacing auto", "Length of arrows auto"] {
+        window.click(name);
+    }
+    assert_eq!(look(&window), before);
+    window.click("Streaklines");
+    assert!(look(&window).streaks.is_some());
+    window.click("Arrows");
+    assert_eq!(look(&window), before);
+}

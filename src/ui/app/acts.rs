@@ -86,7 +86,9 @@ impl App {
         match command {
             C::Open => self.overlay = Overlay::Open(open_dialog::State::default()),
             C::PastePath => self.ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
-            C::Compare => self.overlay = Overlay::Compare(compare::State::new(self.document.estimator().info().id)),
+            C::Compare => {
+                self.overlay = Overlay::Compare(Box::new(compare::State::new(self.document.estimator().info().id)))
+            }
             C::Lockstep => self.toggle_lockstep(),
             C::Samples => self.overlay = Overlay::Samples,
             C::Palette => self.overlay = Overlay::Palette(palette::State::default()),

@@ -45,7 +45,7 @@ pub(super) enum Overlay {
     /// The samples.
     Samples,
     /// Estimators beside each other.
-    Compare(compare::State),
+    Compare(Box<compare::State>),
     /// What the program is.
     About,
 }
@@ -362,7 +362,7 @@ impl App {
             }
             Overlay::Shortcuts => sheet::shortcuts(ctx, &self.rungs(), theme),
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
-            Overlay::Save(state) => save_dialog::show(ctx, state, self.rungs(), self.settings.look, actions),
+            Overlay::Save(state) => save_dialog::show(ctx, state, self.rungs(), actions),
             Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
             Overlay::Samples => gallery::show(ctx, &mut self.gallery, theme, actions),
             Overlay::About => sheet::about(ctx),

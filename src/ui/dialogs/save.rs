@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
-use motionscope_core::{Cursor, ProductKind};
+use motionscope_core::{Cursor, Params, ProductKind, Value};
 
 use crate::media::export::Inputs;
 use crate::results::{self, Export};
@@ -91,8 +91,8 @@ pub struct State {
     choices: Vec<Choice>,
     chosen: usize,
     scale: u32,
-    legend: bool,
-    caption: bool,
+    /// How pictures will look: as they do in the window unless something else is chosen here.
+    look: Look,
     from: String,
     to: String,
     rung: usize,
@@ -124,8 +124,7 @@ impl State {
             choices,
             chosen: 0,
             scale: 2,
-            legend: look.legend,
-            caption: look.caption,
+            look,
             from: from.to_string(),
             to: to.to_string(),
             rung: Rungs::new(shown.info.rungs).event(),
@@ -207,7 +206,7 @@ impl State {
     }
 
     /// What the dialog asks for, or what is wrong with it.
-    fn order(&self, look: Look) -> Result<Order, String> {
+    fn order(&self) -> Result<Order, String> {
         let path = self.target().ok_or("Type where to write it.")?;
         let what = match self.kind {
             Kind::Picture => What::Picture,
@@ -222,8 +221,7 @@ impl State {
                 What::Steps { from, to, rung: self.rung, format: self.format() }
             }
         };
-        let look = Look { legend: self.legend, caption: self.caption, ..look };
-        Ok(Order { what, path, scale: self.scale, look })
+        Ok(Order { what, path, scale: self.scale, look: self.look })
     }
 
     /// What writes a result to `path`: what was chosen, unless the ending that was typed is that of another.
@@ -250,7 +248,7 @@ impl State {
 }
 
 /// Shows the dialog; gives whether it is still open.
-pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, look: Look, actions: &mut Actions) -> bool {
+pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, actions: &mut Actions) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let mut done = false;
     let modal = widgets::modal(ctx, "save", vec2(40.0 * size, 30.0 * size)).show(ctx, |ui| {
@@ -262,7 +260,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, look: Look, ac
         ui.add_space(4.0);
         let entered = path_row(ui, state, actions);
         ui.add_space(12.0);
-        done = buttons(ui, state, look, entered, actions);
+        done = buttons(ui, state, entered, actions);
     });
     !(modal.should_close() || done)
 }
@@ -315,9 +313,15 @@ fn options(ui: &mut Ui, state: &mut State, rungs: Rungs) {
         });
     }
     line(ui, "With", |ui| {
-        ui.checkbox(&mut state.legend, "Legend").on_hover_text("What the marks mean, below the pictures.");
-        ui.add_space(8.0);
-        ui.checkbox(&mut state.caption, "Caption").on_hover_text("Estimator, parameters and the sentence of the step.");
+        for (index, spec) in Look::entries().iter().enumerate() {
+            if let Value::Switch(mut on) = state.look.value(index) {
+                let response = ui.checkbox(&mut on, &spec.label).on_hover_text(&spec.doc);
+                if response.changed() {
+                    state.look.set_value(index, Value::Switch(on)).unwrap_or_default();
+                }
+                ui.add_space(8.0);
+            }
+        }
     });
 }
 
@@ -358,8 +362,8 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     entered
 }
 
-fn buttons(ui: &mut Ui, state: &mut State, look: Look, entered: bool, actions: &mut Actions) -> bool {
-    let (mut order, mut replaces) = (state.order(look), false);
+fn buttons(ui: &mut Ui, state: &mut State, entered: bool, actions: &mut Actions) -> bool {
+    let (mut order, mut replaces) = (state.order(), false);
     if let Ok(wanted) = &order {
         let Found { is_there, refused } = state.find(wanted);
         replaces = is_there;
