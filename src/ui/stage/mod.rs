@@ -25,8 +25,6 @@ use serde::{Deserialize, Serialize};
 
 pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;
-pub(crate) use pictures::image_of;
-pub(crate) use pixels::on_gray;
 pub use placing::{Gesture, Placing};
 
 use crate::paint::{

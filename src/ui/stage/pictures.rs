@@ -124,12 +124,6 @@ impl Pictures {
     }
 }
 
-/// A frame as an image, reduced until no side is longer than `longest` px.
-pub fn image_of(frame: &Arc<Frame>, longest: usize) -> ColorImage {
-    let side = frame.size().0.max(frame.size().1);
-    image(&reduced(&Source::Frame(frame.clone()).pixels().0, side.div_ceil(longest).next_power_of_two()))
-}
-
 /// The power of two by which a picture is reduced: so that hardly any of its pixels is skipped, and the card can hold it.
 fn factor(lens: &Lens, pixels_per_point: f32, largest: usize) -> usize {
     let on_screen = lens.scale * pixels_per_point;
