@@ -49,73 +49,53 @@
 //! # Ok::<(), motionscope_core::Error>(())
 //! ```
 
-pub mod block_matching;
-mod block_search;
-mod clip;
-mod coding;
-pub mod compare;
-mod consistency;
-mod cost;
-mod differential;
-mod error;
-mod estimator;
-mod features;
-mod grid;
-mod histogram;
-pub mod interest_points;
-mod interpolation;
-pub mod kalman;
-mod levels;
-pub mod lockstep;
-pub mod memory;
-pub mod metrics;
-pub mod moving_objects;
-pub mod objects;
-pub mod optical_flow;
+mod base;
+mod course;
+mod data;
+mod families;
+mod geometry;
+mod methods;
 pub mod params;
-mod polynomial;
 pub mod products;
-pub mod pseudocode;
-mod pyramid;
-mod registry;
-pub mod scene;
-mod span;
-pub mod stage;
-mod stop;
-mod streaks;
-mod subtraction;
-pub mod synth;
-pub mod table;
-mod threads;
-mod timeline;
-pub mod tracking;
-mod variational;
-mod wide;
-mod words;
 
-pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
-pub use coding::Coding;
-pub use consistency::{Agreement, Consistency};
-pub use error::Error;
-pub use estimator::{
-    AnyEstimator, AnyRun, Count, Estimator, Explained, Extent, Info, Observer, Progress, Promise, Rung, Seen,
-    run_observed,
+mod run;
+pub mod scene;
+pub mod synth;
+
+/// Memory: how much is free, and what a run needs.
+pub mod memory {
+    pub use crate::base::heap::{ASSUMED_FREE, free, measure_with};
+    pub use crate::run::Need;
+}
+
+/// What moving objects are told with, from pixels that differ to objects with a past.
+pub mod objects {
+    pub use crate::data::{
+        Blob, Connectivity, Detection, Finals, LabelEvent, Labelling, MAX_RADIUS_PX, Mask, PackedMask, Run,
+    };
+    pub use crate::geometry::Bounds;
+    pub use crate::methods::multi_object::{Extent, directions, source};
+    pub use crate::products::objects::*;
+}
+
+pub use base::words::{grouped, spaced};
+pub use base::{Count, Error, Observer, Stop, Threads};
+pub use course::{compare, estimator, estimators};
+pub use data::{
+    Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, ObjectBox,
+    PackedMask, Truth,
 };
-pub use grid::{Border, Gray, Grid};
-pub use histogram::{Counted, Histogram};
-pub use interpolation::Interpolation;
-pub use levels::{Floor, Level, Levels, Stack};
-pub use lockstep::{Beside, Lockstep, Pace};
-pub use objects::{Blob, Bounds, Detection, Followed, Life, Mask, Object, ObjectField, ObjectFrame, PackedMask};
+pub use families::{block_matching, interest_points, moving_objects, optical_flow, tracking};
+pub use geometry::{Border, Bounds, Gray, Grid};
+pub use methods::kalman;
 pub use params::{Params, Spec, Value};
 pub use products::{
-    Block, BlockField, BlockGrid, BlockVector, Confidence, DenseField, Feature, MaskField, Output, PointField, Product,
-    ProductKind, Status, Track, TrackField, predict,
+    Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Feature,
+    Followed, Life, MaskField, Object, ObjectField, ObjectFrame, Output, PointField, Product, ProductKind, Status,
+    Streak, Streaks, Track, TrackField, metrics, predict, table,
 };
-pub use registry::{estimator, estimators};
-pub use scene::{Role, Scene, Step};
-pub use stop::Stop;
-pub use streaks::{Streak, Streaks};
-pub use threads::Threads;
-pub use timeline::{Cursor, Move, Timeline, Walk, Way};
-pub use words::{grouped, spaced};
+pub use run::{
+    AnyEstimator, AnyRun, Beside, Cursor, Estimator, Explained, Extent, Info, Lockstep, Move, Pace, Progress, Promise,
+    Rung, Seen, Timeline, Walk, Way, lockstep, run_observed, stage,
+};
+pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::fmt;
 
 use super::Params;
-use crate::Error;
+use crate::base::Error;
 
 /// Something with parameters that can be chosen by its id.
 pub trait Part: Params + Send + Sync {

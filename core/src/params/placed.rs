@@ -4,8 +4,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::{Kind, Parameter, Value};
-use crate::objects::Bounds;
-use crate::words::number;
+use crate::base::words::number;
+use crate::geometry::Bounds;
 
 /// A line from one place of the picture to another, in px.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -287,7 +287,7 @@ placed!(Option<Line> => Line, Option<Bounds> => Zone, Spots => Spots);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Params;
+    use crate::params::Params;
 
     crate::params! {
         /// Everything that can be placed.

@@ -1,7 +1,8 @@
 //! How good a product is: figures for scripts and tables, facts for a person.
 
+use crate::base::Error;
+use crate::data::Clip;
 use crate::scene::{Distribution, Fact};
-use crate::{Clip, Error};
 
 /// What a product is compared with: the clip, with its truth, at the first frame of the run.
 #[derive(Clone, Copy)]

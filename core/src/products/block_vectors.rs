@@ -1,10 +1,12 @@
 //! Block vectors: one displacement per block.
 
 use super::assessment::{fact, scores};
-use super::{Assessment, Measure, Motion, Product, ProductKind, Reference, flow_error, predict, prediction};
-use crate::table::{Cell, Table};
-use crate::words::grouped;
-use crate::{Border, Error, Flow, Gray, Grid, Interpolation};
+use super::{
+    Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, flow_error, predict, prediction,
+};
+use crate::base::{Error, words::grouped};
+use crate::data::{Flow, Interpolation};
+use crate::geometry::{Border, Gray, Grid};
 
 /// Where the blocks of a picture lie: `size` px a side, one every `step` px, clipped at the right and bottom edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +77,14 @@ impl BlockGrid {
             (twice.max(0) as usize / (2 * self.step)).min(count - 1)
         };
         (nearest(x, columns), nearest(y, rows))
+    }
+
+    /// The index of the block whose centre is nearest to a point in px, if that lies in the picture.
+    pub fn at(&self, [x, y]: [f32; 2]) -> Option<usize> {
+        let (width, height) = self.picture;
+        let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
+        let (column, row) = self.nearest(inside(x, width)?, inside(y, height)?);
+        Some(row * self.counts().0 + column)
     }
 }
 
@@ -152,7 +162,8 @@ impl Product for BlockField {
         let flow = BlockField::flow(self);
         let picture =
             predict(&flow, reference.clip.pair_or_last(reference.frame)?[1].luma(), (self.border, self.filter));
-        let sent = prediction::assess(&picture, Some(self), reference)?;
+        let vectors: Vec<_> = self.vectors.iter().flatten().map(|vector| vector.displacement).collect();
+        let sent = prediction::assess(&picture, Some(&vectors), reference)?;
         Ok(own.and(sent).and(flow_error::of_field(&flow, reference)))
     }
 

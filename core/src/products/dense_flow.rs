@@ -1,8 +1,11 @@
 //! Dense flow: one displacement per pixel.
 
-use super::{Assessment, Motion, Product, ProductKind, Reference, flow_error, predict, prediction};
-use crate::table::{Cell, Table};
-use crate::{Border, Error, Flow, Gray, Grid, Histogram, Interpolation};
+use super::{
+    Assessment, Cell, Confidence, Motion, Product, ProductKind, Reference, Table, flow_error, predict, prediction,
+};
+use crate::base::Error;
+use crate::data::{Flow, Histogram, Interpolation};
+use crate::geometry::{Border, Gray};
 
 /// One displacement per pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,15 +14,6 @@ pub struct DenseField {
     pub flow: Flow,
     /// How far each is to be trusted, larger is better, if the estimator tells.
     pub confidence: Option<Confidence>,
-}
-
-/// How far displacements are to be trusted.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Confidence {
-    /// What is measured, in lower case and without spaces, with its unit: a column of a table.
-    pub name: &'static str,
-    /// Its value at each pixel.
-    pub values: Grid<f32>,
 }
 
 /// How frame t is predicted from frame t + 1.

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::assessment::{fact, scores};
-use super::{Assessment, Measure, Reference, TrackField};
-use crate::metrics::{self, FlowError};
-use crate::words::grouped;
-use crate::{Error, Flow, Grid, Truth};
+use super::{Assessment, FlowError, Measure, Reference, metrics};
+use crate::base::{Error, words::grouped};
+use crate::data::{Flow, Truth};
+use crate::geometry::Grid;
 
 pub(super) const MEASURES: [Measure; 9] = [
     Measure::new("epe_px", "Mean endpoint error in px over the pixels whose true motion is known and was estimated.")
@@ -41,9 +41,12 @@ pub(super) fn of_points(flow: &Flow, reference: &Reference<'_>) -> Assessment {
     told(true_flow(reference).and_then(|truth| assess(flow, truth, Of::Features)))
 }
 
-/// The errors of all displacements of tracks.
-pub(super) fn of_tracks(field: &TrackField, reference: &Reference<'_>) -> Assessment {
-    let both = reference.clip.truth().map(|truth| displacements(field, &**truth)).transpose();
+/// Features of a frame that have a displacement: where they are in px, and where they go in px/frame.
+pub(super) type Moved = Vec<([f32; 2], [f32; 2])>;
+
+/// The errors of all displacements of features in `frames`.
+pub(super) fn of_frames(frames: impl Iterator<Item = (usize, Moved)>, reference: &Reference<'_>) -> Assessment {
+    let both = reference.clip.truth().map(|truth| displacements(frames, &**truth)).transpose();
     told(both.and_then(|both| match both {
         Some((found, truth)) => assess(&found, Some(truth), Of::Features),
         None => assess(&Flow(Grid::new(1, 1, Flow::UNKNOWN)), None, Of::Features),
@@ -62,17 +65,16 @@ fn true_flow(reference: &Reference<'_>) -> Result<Option<Arc<Flow>>, Error> {
     Ok(reference.clip.truth().map(|truth| truth.flow(reference.frame)).transpose()?.flatten())
 }
 
-/// What was found of all displacements of tracks whose truth is known, and that truth, in a row.
-fn displacements(field: &TrackField, truth: &dyn Truth) -> Result<(Flow, Arc<Flow>), Error> {
+/// What was found of all displacements whose truth is known, and that truth, in a row.
+fn displacements(frames: impl Iterator<Item = (usize, Moved)>, truth: &dyn Truth) -> Result<(Flow, Arc<Flow>), Error> {
     let mut both = Vec::new();
-    for frame in field.frames() {
+    for (frame, moved) in frames {
         let Some(truth) = truth.flow(frame)? else { continue };
-        let known = field.at(frame).points.into_iter().filter_map(|point| {
-            let [x, y] = point.at.map(|c| c.round() as usize);
-            let place = truth.0.get(x, y).map(|_| (x, y))?;
-            Some((point.displacement?, truth.at(place.0, place.1)?))
-        });
-        both.extend(known);
+        both.extend(moved.into_iter().filter_map(|(at, displacement)| {
+            let [x, y] = at.map(|c| c.round() as usize);
+            truth.0.get(x, y)?;
+            Some((displacement, truth.at(x, y)?))
+        }));
     }
     // A grid has at least one cell.
     both.push((Flow::UNKNOWN, Flow::UNKNOWN));

@@ -1,10 +1,10 @@
 //! Keypoints: features of one picture, with their displacements where they were tracked.
 
 use super::assessment::{fact, scores};
-use super::{Assessment, Measure, Motion, Product, ProductKind, Reference, flow_error};
-use crate::table::{Cell, Table};
-use crate::words::grouped;
-use crate::{Error, Flow, Grid};
+use super::{Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, flow_error};
+use crate::base::{Error, words::grouped};
+use crate::data::Flow;
+use crate::geometry::Grid;
 
 /// Features of a picture, the strongest first where they were ranked.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{Assessment, Motion, Product, ProductKind, Reference};
-use crate::table::Table;
-use crate::{Error, ObjectFrame, PackedMask};
+use super::{Assessment, Motion, ObjectFrame, Product, ProductKind, Reference, Table};
+use crate::base::Error;
+use crate::data::PackedMask;
 
 /// The foreground mask of frame after frame.
 #[derive(Clone, Debug, PartialEq)]

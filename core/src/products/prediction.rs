@@ -1,8 +1,10 @@
 //! The motion-compensated prediction of frame t: how it is made, and what it is worth.
 
-use super::assessment::{Figure, fact, scores};
-use super::{Assessment, BlockField, Column, Measure, Reference};
-use crate::{Border, Coding, Error, Flow, Gray, Grid, Interpolation, metrics};
+use super::assessment::{fact, scores};
+use super::{Assessment, Coding, Column, Figure, Measure, Reference, metrics};
+use crate::base::Error;
+use crate::data::{Flow, Interpolation};
+use crate::geometry::{Border, Gray, Grid};
 
 /// The motion-compensated prediction of frame t: each pixel is fetched from where it goes in `next`.
 ///
@@ -47,18 +49,18 @@ pub(super) const MEASURES: [Measure; 4] = [
     ),
 ];
 
-/// What `picture`, a prediction of the frame of `reference`, is worth; vectors of `blocks` would be sent with it.
+/// What `picture`, a prediction of the frame of `reference`, is worth; `vectors` would be sent with it.
 ///
 /// # Errors
 /// If the frame cannot be read.
 pub(super) fn assess(
     picture: &Gray,
-    blocks: Option<&BlockField>,
+    vectors: Option<&[[f32; 2]]>,
     reference: &Reference<'_>,
 ) -> Result<Assessment, Error> {
     let [frame, _] = reference.clip.pair_or_last(reference.frame)?;
     let psnr = Some(metrics::psnr_db(picture, frame.luma())?).filter(|psnr| psnr.is_finite());
-    let Coding { frame_bits, residual_bits, vector_bits } = Coding::of(blocks, frame.luma(), picture)?;
+    let Coding { frame_bits, residual_bits, vector_bits } = Coding::of(vectors, frame.luma(), picture)?;
     let values = [psnr.into(), residual_bits.into(), vector_bits.into(), Figure::Real(frame_bits)];
     let told = psnr.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
     let headline = psnr.map_or("perfect prediction".into(), |_| told.clone());

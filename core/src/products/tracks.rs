@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
-use super::keypoints::{self, counts, row};
-use super::{Assessment, Feature, Motion, PointField, Product, ProductKind, Reference, Status, flow_error};
-use crate::table::{Cell, Table};
-use crate::{Error, Flow};
+use super::keypoints::{counts, row};
+use super::{
+    Assessment, Cell, Feature, Motion, PointField, Product, ProductKind, Reference, Status, Table, flow_error,
+    keypoints,
+};
+use crate::base::Error;
+use crate::data::Flow;
 
 /// Features that were tracked from frame to frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,7 +88,9 @@ impl Product for TrackField {
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
         let alive = self.tracks.iter().filter(|track| track.is_alive()).count();
         let own = counts(self.tracks.len(), Some(alive));
-        Ok(own.and(flow_error::of_tracks(self, reference)))
+        let moved =
+            |frame| self.at(frame).points.iter().filter_map(|point| Some((point.at, point.displacement?))).collect();
+        Ok(own.and(flow_error::of_frames(self.frames().map(|frame| (frame, moved(frame))), reference)))
     }
 
     /// The displacements of the features that were tracked from the last frame but one.

@@ -8,7 +8,8 @@ use super::layer::{Moment, Stage};
 use super::maths::there_and_back;
 use super::random::{gaussian, hash, unit};
 use super::texture::Rgb;
-use crate::{Frame, Grid};
+use crate::data::Frame;
+use crate::geometry::Grid;
 
 /// A stream of random numbers for each use, so that one slider does not change what another does.
 const FLICKER: u64 = 1 << 32;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::maths::cos;
 use super::texture::Rgb;
-use crate::{Border, Grid};
+use crate::geometry::{Border, Grid};
 
 const SIDE: usize = 8;
 

@@ -1,6 +1,7 @@
 //! What makes motion hard to see: one slider for each difficulty of the course.
 
-use crate::{Error, Params};
+use crate::base::Error;
+use crate::params::Params;
 
 crate::params! {
     /// Every difficulty that a synthetic clip can have, and its size. All are off unless a scene says otherwise.

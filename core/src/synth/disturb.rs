@@ -1,7 +1,7 @@
 //! Pictures made harder: noise and a change of light, for any picture.
 
 use super::random;
-use crate::{Gray, Grid};
+use crate::geometry::{Gray, Grid};
 
 /// `picture` with Gaussian noise of standard deviation `sigma` gray levels, clipped to 0 to 255; `seed` chooses which.
 pub fn noise(picture: &Gray, sigma: f64, seed: u64) -> Gray {

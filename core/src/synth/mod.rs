@@ -33,7 +33,8 @@ mod truth;
 
 use std::sync::Arc;
 
-use crate::{Clip, ClipInfo, Error, Frame, FrameSource, Stop};
+use crate::base::{Error, Stop};
+use crate::data::{Clip, ClipInfo, Frame, FrameSource};
 use layer::{Layer, Stage, reach, scale};
 use recent::Recent;
 use truth::ExactTruth;

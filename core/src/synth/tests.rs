@@ -5,7 +5,9 @@ mod goldens;
 mod truths;
 
 use super::*;
-use crate::{Flow, Grid, Params};
+use crate::data::Flow;
+use crate::geometry::Grid;
+use crate::params::Params;
 
 /// The scene with all that only changes its looks off.
 fn clean(scene: &Sample) -> Difficulty {

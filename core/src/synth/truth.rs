@@ -5,7 +5,9 @@ use std::sync::Arc;
 use super::difficulty::Difficulty;
 use super::layer::Stage;
 use super::recent::Recent;
-use crate::{Error, Flow, Grid, ObjectBox, Truth};
+use crate::base::Error;
+use crate::data::{Flow, ObjectBox, Truth};
+use crate::geometry::Grid;
 
 /// The truth of a synthetic clip, computed from the same layers and motions as its pixels.
 pub struct ExactTruth {

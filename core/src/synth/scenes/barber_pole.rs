@@ -1,11 +1,13 @@
 //! A barber's pole: slanted stripes seen through a narrow opening.
 
-use crate::synth::layer::Layer;
-use crate::synth::maths::floor;
-use crate::synth::motion::Motion;
-use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    maths::floor,
+    motion::Motion,
+    shape::Shape,
+    texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "barber-pole",

@@ -1,12 +1,14 @@
 //! Two equal stars fly towards each other at night, and pass.
 
-use crate::synth::layer::Layer;
-use crate::synth::maths::floor;
-use crate::synth::motion::Motion;
-use crate::synth::random::{lattice, part};
-use crate::synth::shape::{Shape, length};
-use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    maths::floor,
+    motion::Motion,
+    random::{lattice, part},
+    shape::{Shape, length},
+    texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "crossing-stars",

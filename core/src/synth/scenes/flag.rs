@@ -1,10 +1,12 @@
 //! A flag in the wind.
 
-use crate::synth::layer::Layer;
-use crate::synth::motion::{Motion, Wave};
-use crate::synth::shape::{Shape, length};
-use crate::synth::texture::{Rgb, Spot, mix, rgb, shade, smooth};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    motion::{Motion, Wave},
+    shape::{Shape, length},
+    texture::{Rgb, Spot, mix, rgb, shade, smooth},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "flag",

@@ -1,10 +1,12 @@
 //! A plain wall with one small picture on it, and a camera that pans.
 
-use crate::synth::layer::Layer;
-use crate::synth::motion::Motion;
-use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, mix, over, rgb, shade, smooth};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    motion::Motion,
+    shape::Shape,
+    texture::{Rgb, Spot, mix, over, rgb, shade, smooth},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "flat-wall",

@@ -1,12 +1,14 @@
 //! A bookshelf under a lamp that flickers.
 
-use crate::synth::layer::Layer;
-use crate::synth::maths::floor;
-use crate::synth::motion::Motion;
-use crate::synth::random::{lattice, part};
-use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    maths::floor,
+    motion::Motion,
+    random::{lattice, part},
+    shape::Shape,
+    texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "flicker",

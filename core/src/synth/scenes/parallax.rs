@@ -1,12 +1,14 @@
 //! Seen from a train: pines rush by, mountains hardly move.
 
-use crate::synth::layer::Layer;
-use crate::synth::maths::{floor, sin, there_and_back};
-use crate::synth::motion::Motion;
-use crate::synth::random::{lattice, part};
-use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    maths::{floor, sin, there_and_back},
+    motion::Motion,
+    random::{lattice, part},
+    shape::Shape,
+    texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "parallax",

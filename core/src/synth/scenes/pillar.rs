@@ -1,12 +1,14 @@
 //! A beach ball drifts over the waves and passes behind a stone pillar.
 
-use crate::synth::layer::Layer;
-use crate::synth::maths::{floor, sin};
-use crate::synth::motion::Motion;
-use crate::synth::random::{lattice, part};
-use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    maths::{floor, sin},
+    motion::Motion,
+    random::{lattice, part},
+    shape::Shape,
+    texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "pillar",

@@ -1,12 +1,14 @@
 //! A rose window that turns and comes nearer.
 
-use crate::synth::layer::Layer;
-use crate::synth::maths::floor;
-use crate::synth::motion::Motion;
-use crate::synth::random::{lattice, part};
-use crate::synth::shape::{Point, Shape};
-use crate::synth::texture::{Rgb, Spot, mix, ramp, rgb, shade};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    maths::floor,
+    motion::Motion,
+    random::{lattice, part},
+    shape::{Point, Shape},
+    texture::{Rgb, Spot, mix, ramp, rgb, shade},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "spin-zoom",

@@ -1,11 +1,13 @@
 //! A pebble beach under a slowly drifting camera.
 
-use crate::synth::layer::Layer;
-use crate::synth::motion::Motion;
-use crate::synth::random::part;
-use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, cell, mix, ramp, rgb, shade, smooth};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    motion::Motion,
+    random::part,
+    shape::Shape,
+    texture::{Rgb, Spot, cell, mix, ramp, rgb, shade, smooth},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "sub-pixel",

@@ -1,11 +1,13 @@
 //! A crossing from above: cars on a road, and a bridge over it with a car of its own.
 
-use crate::synth::layer::Layer;
-use crate::synth::maths::floor;
-use crate::synth::motion::Motion;
-use crate::synth::shape::{Point, Shape};
-use crate::synth::texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    maths::floor,
+    motion::Motion,
+    shape::{Point, Shape},
+    texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "traffic",

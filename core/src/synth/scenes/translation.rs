@@ -1,10 +1,12 @@
 //! Marbled paper, drawn past at a whole number of pixels per frame.
 
-use crate::synth::layer::Layer;
-use crate::synth::motion::Motion;
-use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, ramp, rgb, shade};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    motion::Motion,
+    shape::Shape,
+    texture::{Rgb, Spot, ramp, rgb, shade},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "translation",

@@ -1,11 +1,13 @@
 //! Wallpaper with a leaf pattern that is the same every 24 px.
 
-use crate::synth::layer::Layer;
-use crate::synth::maths::{cos, floor};
-use crate::synth::motion::Motion;
-use crate::synth::shape::Shape;
-use crate::synth::texture::{Rgb, Spot, mix, rgb};
-use crate::synth::{Sample, Setting};
+use crate::synth::{
+    Sample, Setting,
+    layer::Layer,
+    maths::{cos, floor},
+    motion::Motion,
+    shape::Shape,
+    texture::{Rgb, Spot, mix, rgb},
+};
 
 pub const SAMPLE: Sample = Sample {
     id: "wallpaper",

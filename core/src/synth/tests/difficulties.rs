@@ -3,7 +3,9 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::{Frame, Gray, Spec, Value, params::Kind};
+use crate::data::Frame;
+use crate::geometry::Gray;
+use crate::params::{Kind, Spec, Value};
 
 fn frame(d: &Difficulty, t: usize) -> Arc<Frame> {
     make("translation", d).unwrap().frame(t).unwrap()

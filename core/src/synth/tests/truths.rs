@@ -6,7 +6,7 @@ use super::super::shape::Shape;
 use super::super::texture::rgb;
 use super::super::truth::ExactTruth;
 use super::*;
-use crate::Truth;
+use crate::data::Truth;
 
 /// Brings frame t + 1 back by the truth and compares it with frame t: mean error, and share of pixels off by more than
 /// 32 gray levels.

@@ -1,0 +1,17 @@
+//! What any code here needs, whatever it is about: errors, words and numbers, threads, and who sees what happens.
+
+pub mod entropy;
+mod error;
+pub mod heap;
+mod observer;
+mod stop;
+pub mod threads;
+pub mod wide;
+pub mod words;
+
+pub use error::Error;
+pub use observer::{Count, Mapped, Observer};
+pub use stop::Stop;
+pub(crate) use threads::Earlier;
+pub use threads::Threads;
+pub use wide::LANES;

@@ -1,0 +1,43 @@
+//! Who sees what happens inside an algorithm, and what that costs.
+
+/// Where an algorithm tells what it does. `()` sees nothing and costs nothing; `Vec<E>` keeps everything.
+pub trait Observer<E> {
+    /// Sees `event`, which is only made if someone looks.
+    fn see(&mut self, event: impl FnOnce() -> E);
+}
+
+impl<E> Observer<E> for () {
+    #[inline(always)]
+    fn see(&mut self, _event: impl FnOnce() -> E) {}
+}
+
+impl<E> Observer<E> for Vec<E> {
+    fn see(&mut self, event: impl FnOnce() -> E) {
+        self.push(event());
+    }
+}
+
+/// An observer to whom events are told as what `map` makes of them: a part of an estimator's work within the whole.
+pub struct Mapped<'a, O, F> {
+    /// Who sees them.
+    pub observer: &'a mut O,
+    /// What they are within the whole.
+    pub map: F,
+}
+
+impl<A, B, O: Observer<B>, F: Fn(A) -> B> Observer<A> for Mapped<'_, O, F> {
+    #[inline(always)]
+    fn see(&mut self, event: impl FnOnce() -> A) {
+        self.observer.see(|| (self.map)(event()));
+    }
+}
+
+/// An observer that only counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Count(pub u64);
+
+impl<E> Observer<E> for Count {
+    fn see(&mut self, _event: impl FnOnce() -> E) {
+        self.0 += 1;
+    }
+}

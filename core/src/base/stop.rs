@@ -1,0 +1,77 @@
+//! Tells work on another thread that it is cancelled, and is told how far it is.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use super::Error;
+
+/// A flag that is set on one thread and looked at on others; its clones are one flag.
+///
+/// What looks at it may also say how far it is, so that whoever waits sees it go on.
+#[derive(Clone, Debug, Default)]
+pub struct Stop(Arc<Board>);
+
+#[derive(Debug, Default)]
+struct Board {
+    stop: AtomicBool,
+    /// Parts that are done, and above them in 32 bits all parts that there are; 0 where nothing was told.
+    done: AtomicU64,
+}
+
+impl Stop {
+    /// Asks the work to stop, or lets it go on.
+    pub fn set(&self, stop: bool) {
+        self.0.stop.store(stop, Ordering::Relaxed);
+    }
+
+    /// Whether the work should stop.
+    pub fn is_set(&self) -> bool {
+        self.0.stop.load(Ordering::Relaxed)
+    }
+
+    /// Ends the work with `?`.
+    ///
+    /// # Errors
+    /// If it should stop.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.is_set() { Err(Self::cancelled()) } else { Ok(()) }
+    }
+
+    /// What is said of work that was stopped.
+    pub(crate) fn cancelled() -> Error {
+        Error::new("it was cancelled")
+    }
+
+    /// Notes that `done` of `of` parts of the work are done; of no parts there is nothing to tell.
+    pub fn tell(&self, done: usize, of: usize) {
+        let [done, of] = [done, of].map(|parts| u32::try_from(parts).unwrap_or(u32::MAX));
+        self.0.done.store(u64::from(of) << 32 | u64::from(done.min(of)), Ordering::Relaxed);
+    }
+
+    /// Parts of the work that are done, and all that there are, where that was told.
+    pub fn told(&self) -> Option<(usize, usize)> {
+        let told = self.0.done.load(Ordering::Relaxed);
+        let (of, done) = (told >> 32, told & u64::from(u32::MAX));
+        (of > 0).then_some((done as usize, of as usize))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clones_are_one() {
+        let (ours, theirs) = (Stop::default(), Stop::default());
+        let worker = ours.clone();
+        assert!(worker.check().is_ok() && worker.told().is_none());
+        ours.set(true);
+        assert!(worker.check().is_err() && theirs.check().is_ok());
+        worker.tell(3, 7);
+        assert_eq!((ours.told(), theirs.told()), (Some((3, 7)), None));
+        worker.tell(usize::MAX, usize::MAX);
+        assert_eq!(ours.told(), Some((u32::MAX as usize, u32::MAX as usize)));
+        worker.tell(9, 0);
+        assert_eq!(ours.told(), None);
+    }
+}

@@ -1,0 +1,311 @@
+//! The one door behind which threads are.
+
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::Error;
+
+/// A number of threads to spread work over.
+pub struct Threads(Option<rayon::ThreadPool>);
+
+impl Threads {
+    /// The most that may be asked for.
+    pub const MAX: usize = 256;
+
+    /// Everything on the calling thread.
+    pub fn single() -> Self {
+        Self(None)
+    }
+
+    /// `count` threads.
+    ///
+    /// # Errors
+    /// If `count` is not 1 to [`Threads::MAX`], or the system refuses.
+    pub fn new(count: usize) -> Result<Self, Error> {
+        match count {
+            1 => Ok(Self::single()),
+            2..=Self::MAX => rayon::ThreadPoolBuilder::new()
+                .num_threads(count)
+                .build()
+                .map(|pool| Self(Some(pool)))
+                .map_err(|e| Error::new(format!("{count} threads could not be started: {e}"))),
+            _ => Err(Error::new(format!("threads can be 1 to {}, not {count}", Self::MAX))),
+        }
+    }
+
+    /// As many as there are cores.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn all() -> Result<Self, Error> {
+        Self::new(std::thread::available_parallelism().map_or(1, usize::from).min(Self::MAX))
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.0.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
+    }
+
+    /// How many of `height` rows one thread takes at once where its first costs as much as all that lie under its window.
+    pub(crate) fn rows_at_once(&self, height: usize) -> usize {
+        match self.count() {
+            1 => height,
+            count => height.div_ceil(4 * count),
+        }
+    }
+
+    /// `f` of 0, 1, … `n − 1`, in that order, computed in any.
+    pub(crate) fn map<T: Send>(&self, n: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+        match &self.0 {
+            None => (0..n).map(f).collect(),
+            Some(pool) => pool.install(|| (0..n).into_par_iter().with_max_len(1).map(f).collect()),
+        }
+    }
+
+    /// The same as long as it is wanted, which is asked before each.
+    ///
+    /// # Errors
+    /// Those of `wanted`.
+    pub(crate) fn map_while<T: Send>(
+        &self,
+        n: usize,
+        wanted: impl Fn() -> Result<(), Error> + Send + Sync,
+        f: impl Fn(usize) -> T + Send + Sync,
+    ) -> Result<Vec<T>, Error> {
+        let one = |i| wanted().map(|()| f(i));
+        match &self.0 {
+            None => (0..n).map(one).collect(),
+            Some(pool) => pool.install(|| (0..n).into_par_iter().with_max_len(1).map(one).collect()),
+        }
+    }
+
+    /// What `f` gives of each of `parts`, in their order; worked out in any.
+    pub(crate) fn gather<T: Send, R: Send>(
+        &self,
+        parts: impl Iterator<Item = T>,
+        f: impl Fn(T) -> R + Send + Sync,
+    ) -> Vec<R> {
+        match &self.0 {
+            None => parts.map(f).collect(),
+            Some(pool) => {
+                let parts: Vec<_> = parts.collect();
+                pool.install(|| parts.into_par_iter().map(f).collect())
+            }
+        }
+    }
+
+    /// Has `f` write every stretch of `length` cells, given its number, in any order.
+    pub(crate) fn chunks<T: Send>(&self, cells: &mut [T], length: usize, f: impl Fn(usize, &mut [T]) + Sync) {
+        let length = length.max(1);
+        match &self.0 {
+            None => cells.chunks_exact_mut(length).enumerate().for_each(|(i, cells)| f(i, cells)),
+            Some(pool) => pool.install(|| {
+                cells.par_chunks_exact_mut(length).enumerate().for_each(|(i, cells)| f(i, cells));
+            }),
+        }
+    }
+
+    /// Has `f` work on each of `parts`, in any order.
+    pub(crate) fn each<T: Send>(&self, parts: Vec<T>, f: impl Fn(T) + Send + Sync) {
+        match &self.0 {
+            None => parts.into_iter().for_each(f),
+            Some(pool) => pool.install(|| parts.into_par_iter().with_max_len(1).for_each(f)),
+        }
+    }
+
+    /// `f` of every place of a grid, row by row. Each thread takes the next row and works along it, with its own
+    /// `desk` of buffers. `f` may ask [`Earlier`] for what it gave at a place before: in a row above, or to the left.
+    /// It waits there until the other thread has come that far, so what it gets does not depend on their number. Whether it is
+    /// still wanted is asked at each place.
+    ///
+    /// # Errors
+    /// Those of `wanted`.
+    pub(crate) fn sweep<T: Copy + Default + Send + Sync, D>(
+        &self,
+        ((columns, rows), wanted): ((usize, usize), impl Fn() -> Result<(), Error> + Sync),
+        desk: impl Fn() -> D + Sync,
+        f: impl Fn(&mut D, usize, Earlier<T>) -> T + Sync,
+    ) -> Result<Vec<T>, Error> {
+        let Some(pool) = &self.0 else {
+            let (mut done, mut desk) = (Vec::with_capacity(columns * rows), desk());
+            for index in 0..columns * rows {
+                wanted()?;
+                done.push(f(&mut desk, index, Earlier::All(&done)));
+            }
+            return Ok(done);
+        };
+        let cells: Vec<OnceLock<T>> = (0..columns * rows).map(|_| OnceLock::new()).collect();
+        let (next_row, end) = (AtomicUsize::new(0), End::default());
+        // Rows are taken in order, so the first that is not finished waits for nobody: there is always one that goes on.
+        pool.broadcast(|_| {
+            let _guard = OnPanic(&end.is_lost);
+            let mut desk = desk();
+            loop {
+                let row = next_row.fetch_add(1, Ordering::Relaxed);
+                if row >= rows {
+                    return;
+                }
+                for index in row * columns..(row + 1) * columns {
+                    if let Err(error) = wanted() {
+                        // The first that notices says so for all.
+                        let _ = end.given_up.set(error);
+                    }
+                    if end.given_up.get().is_some() {
+                        return;
+                    }
+                    let value = f(&mut desk, index, Earlier::SoFar { cells: &cells, columns, end: &end });
+                    // Nobody else takes this row.
+                    let _ = cells[index].set(value);
+                }
+            }
+        });
+        match end.given_up.into_inner() {
+            Some(error) => Err(error),
+            None => Ok(cells.into_iter().filter_map(OnceLock::into_inner).collect()),
+        }
+    }
+}
+
+/// How a sweep may end before it is done.
+#[derive(Default)]
+pub(crate) struct End {
+    /// Whether one of the threads has panicked.
+    is_lost: AtomicBool,
+    /// Why nobody wants it any more.
+    given_up: OnceLock<Error>,
+}
+
+/// What a sweep gave at the places before.
+#[derive(Clone, Copy)]
+pub(crate) enum Earlier<'a, T> {
+    /// One thread: all of them are done.
+    All(&'a [T]),
+    /// Several: some may not be done yet.
+    SoFar {
+        /// What is done.
+        cells: &'a [OnceLock<T>],
+        /// Places in a row.
+        columns: usize,
+        /// Whether it ends before that.
+        end: &'a End,
+    },
+}
+
+/// How far a thread that has to wait lets the row above get ahead. Two that work close behind each other would pass the
+/// memory between them back and forth, which takes longer than a block does.
+const LEAD: usize = 16;
+
+impl<T: Copy + Default> Earlier<'_, T> {
+    /// What was given at `index`; anything where the sweep is given up.
+    ///
+    /// # Panics
+    /// If it lies neither in a row above nor to the left, or the thread that was to do it has panicked.
+    pub fn at(&self, index: usize) -> T {
+        match self {
+            Earlier::All(done) => done[index],
+            Earlier::SoFar { cells, columns, end } => {
+                if let Some(value) = cells[index].get() {
+                    return *value;
+                }
+                let end_of_row = index - index % columns + columns - 1;
+                let ahead = (index + LEAD).min(end_of_row);
+                loop {
+                    for _ in 0..1000 {
+                        if let Some(value) = cells[ahead].get().and(cells[index].get()) {
+                            return *value;
+                        }
+                        std::hint::spin_loop();
+                    }
+                    if end.given_up.get().is_some() {
+                        return T::default();
+                    }
+                    assert!(!end.is_lost.load(Ordering::Relaxed), "another thread of the sweep has panicked");
+                    std::thread::yield_now();
+                }
+            }
+        }
+    }
+}
+
+/// Raises a flag when its thread panics, so that others do not wait for it.
+struct OnPanic<'a>(&'a AtomicBool);
+
+impl Drop for OnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_do_not_depend_on_the_number_of_threads() {
+        let (columns, rows) = (37, 50);
+        // Every place depends on the one to the left and the one above to the right: a mistake anywhere spreads.
+        let sweep = |threads| {
+            let swept = Threads::new(threads).unwrap().sweep(
+                ((columns, rows), || Ok(())),
+                || 0u64,
+                |calls, index, earlier: Earlier<u64>| {
+                    *calls += 1;
+                    let left = if index % columns > 0 { earlier.at(index - 1) } else { 1u64 };
+                    let above = if index >= columns {
+                        earlier.at((index - columns + 1).min(index / columns * columns - 1))
+                    } else {
+                        2
+                    };
+                    left.wrapping_mul(0x9E37_79B9).wrapping_add(above) ^ index as u64
+                },
+            );
+            swept.expect("it is wanted")
+        };
+        let squares = |n| Threads::new(n).unwrap().map(1000, |i| i * i);
+        assert_eq!(squares(1), squares(3));
+        assert_eq!(sweep(1).len(), columns * rows);
+        assert_eq!(sweep(1), sweep(2));
+        assert_eq!(sweep(1), sweep(5));
+        assert!(Threads::new(0).is_err() && Threads::new(Threads::MAX + 1).is_err());
+    }
+
+    #[test]
+    fn a_panic_in_one_thread_ends_the_sweep() {
+        let sweep = || {
+            Threads::new(2).unwrap().sweep(
+                ((4, 4), || Ok(())),
+                || (),
+                |(), index, earlier: Earlier<usize>| {
+                    assert!(index != 5, "as planned");
+                    if index >= 4 { earlier.at(index - 4) + 1 } else { index }
+                },
+            )
+        };
+        assert!(std::panic::catch_unwind(sweep).is_err());
+    }
+
+    #[test]
+    fn work_that_nobody_wants_any_more_ends_with_its_reason() {
+        for threads in [1, 2, 4] {
+            let threads = Threads::new(threads).unwrap();
+            let asked = AtomicUsize::new(0);
+            let wanted = || match asked.fetch_add(1, Ordering::Relaxed) {
+                0..40 => Ok(()),
+                _ => Err(Error::new("enough")),
+            };
+            let above = |(): &mut (), index: usize, earlier: Earlier<usize>| {
+                if index >= 10 { earlier.at(index - 10) + 1 } else { index }
+            };
+            let swept = threads.sweep(((10, 10_000), wanted), || (), above);
+            assert_eq!(swept.unwrap_err().to_string(), "enough");
+            assert!(asked.swap(0, Ordering::Relaxed) < 60, "nobody goes on to the end");
+            assert_eq!(threads.map_while(100_000, wanted, |i| i).unwrap_err().to_string(), "enough");
+            assert!(asked.load(Ordering::Relaxed) < 60_000);
+            assert_eq!(threads.map_while(9, || Ok(()), |i| i * i).unwrap(), threads.map(9, |i| i * i));
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! Estimators beside each other on one pair of frames: what each needs and misses, and what of it withstands.
+
+use std::sync::Arc;
+
+use super::estimator;
+use crate::base::{Error, Threads};
+use crate::data::{Clip, Frame};
+use crate::geometry::Gray;
+use crate::params::{Spec, Value};
+use crate::products::{BlockField, Output};
+use crate::run::AnyEstimator;
+use crate::synth::disturb;
+
+/// Standard deviation of the noise under which an estimator is tried, in gray levels.
+pub const NOISE_SIGMA: f64 = 10.0;
+/// The change of light from frame t to t + 1 under which an estimator is tried: gain, and offset in gray levels.
+pub const LIGHT: (f64, f64) = (1.1, 8.0);
+
+/// One estimator in the numbers that only a comparison has; how good its result is, is told elsewhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    /// Memory that the run needs beside the two frames, in bytes.
+    pub memory_bytes: usize,
+    /// Share of the blocks, or of the pixels of known motion, that keep their displacement, within 1 px, under noise of
+    /// [`NOISE_SIGMA`] in both frames. `None` for single features: in noise others are found.
+    pub kept_in_noise: Option<f64>,
+    /// The same under the change of light of [`LIGHT`].
+    pub kept_in_light: Option<f64>,
+    /// Units of the run: blocks, and those of coarser levels before them; rows; iterations.
+    pub units: usize,
+    /// What is known only of displacements of blocks.
+    pub blocks: Option<BlockFigures>,
+}
+
+/// A block search in numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockFigures {
+    /// Candidates for a block, on average.
+    pub candidates_mean: f64,
+    /// Candidates for the block that took most.
+    pub candidates_most: u32,
+    /// Blocks for which full search, with the same parameters, finds a smaller cost. `None` where a cost has the price
+    /// of its displacement in it, which depends on what the neighbours found: such costs cannot be compared.
+    pub missed: Option<Vec<usize>>,
+    /// Blocks.
+    pub count: usize,
+}
+
+impl Figures {
+    /// The figures of `estimator`, which made `output` of frames `frame` and `frame + 1` of `clip`.
+    ///
+    /// # Errors
+    /// If the estimator cannot run there, or a frame cannot be read.
+    pub fn of(
+        estimator: &dyn AnyEstimator,
+        output: &Output,
+        (clip, frame): (&Clip, usize),
+        threads: &Threads,
+    ) -> Result<Self, Error> {
+        let [current, next] = clip.pair_or_last(frame)?;
+        let kept = |pair: [Frame; 2]| -> Result<Option<f64>, Error> {
+            let disturbed = Clip::from_frames("disturbed", pair.into())?;
+            Ok(kept(output, &estimator.run(&disturbed, 0, threads)?, [0.0; 2]))
+        };
+        let extent = estimator.extent(clip, frame)?;
+        let blocks = |field| BlockFigures::of(estimator, field, (clip, frame), threads);
+        Ok(Self {
+            memory_bytes: extent.memory_bytes,
+            kept_in_noise: kept([noisy(&current, 1), noisy(&next, 2)])?,
+            kept_in_light: kept([Frame::gray(current.luma().clone()), lit(&next)])?,
+            units: extent.units,
+            blocks: output.get::<BlockField>().map(blocks).transpose()?,
+        })
+    }
+
+    /// The unit that missed the smallest cost of a block first. The blocks of the picture are the last units of a run.
+    pub fn first_missed_unit(&self) -> Option<usize> {
+        let blocks = self.blocks.as_ref()?;
+        blocks.missed.as_ref()?.first().map(|block| self.units - blocks.count + block)
+    }
+}
+
+impl BlockFigures {
+    fn of(
+        estimator: &dyn AnyEstimator,
+        field: &BlockField,
+        (clip, frame): (&Clip, usize),
+        threads: &Threads,
+    ) -> Result<Self, Error> {
+        let missed = if has_price(estimator) {
+            None
+        } else {
+            let best = full_search_like(estimator)?.run(clip, frame, threads)?;
+            best.get::<BlockField>().map(|best| missed(field, best))
+        };
+        Ok(Self {
+            candidates_mean: field.candidates() as f64 / field.vectors.len() as f64,
+            candidates_most: field.vectors.iter().flatten().map(|vector| vector.candidates).max().unwrap_or(0),
+            missed,
+            count: field.vectors.len(),
+        })
+    }
+
+    /// Share of the blocks for which the smallest cost was missed.
+    pub fn missed_share(&self) -> Option<f64> {
+        self.missed.as_ref().map(|missed| missed.len() as f64 / self.count.max(1) as f64)
+    }
+}
+
+/// Share of the blocks that `estimator` finds within 1 px although the camera pans by `pan_px` on top of what moves
+/// between frames `frame` and `frame + 1` of `clip`, and how many candidates a block takes. What moves there is what full
+/// search finds within ±16 px.
+///
+/// # Errors
+/// If the picture is not wider than the pan, or the estimator cannot run there.
+pub fn kept_in_pan(
+    estimator: &dyn AnyEstimator,
+    (clip, frame): (&Clip, usize),
+    pan_px: usize,
+    threads: &Threads,
+) -> Result<(f64, f64), Error> {
+    let [current, next] = clip.pair(frame)?;
+    if current.size() != next.size() || current.size().0 <= pan_px {
+        return Err(Error::new(format!("a pan by {pan_px} px leaves nothing of this picture")));
+    }
+    let run = |estimator: &dyn AnyEstimator, pair: [&Gray; 2]| {
+        let pair = pair.map(|picture| Frame::gray(picture.clone()));
+        estimator.run(&Clip::from_frames("pan", pair.into())?, 0, threads)
+    };
+    let cut = |frame: &Arc<Frame>, left| disturb::cut(frame.luma(), left, current.size().0 - pan_px);
+    let (here, still, panned) = (cut(&current, pan_px), cut(&next, pan_px), cut(&next, 0));
+    let mut full = full_search_like(estimator)?;
+    full.set("range", "16")?;
+    let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
+    let candidates =
+        moved.get::<BlockField>().map_or(0.0, |field| field.candidates() as f64 / field.vectors.len() as f64);
+    let kept = kept(&still, &moved, [pan_px as f32, 0.0]).ok_or_else(|| {
+        Error::new(format!("{} finds single features, not blocks or pixels that keep", estimator.info().id))
+    })?;
+    Ok((kept, candidates))
+}
+
+/// `estimator` with all parameters that it has in common with `other`, as far as their values are allowed.
+#[must_use]
+pub fn alike(other: &dyn AnyEstimator, mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
+    for (index, (name, _)) in estimator.values().into_iter().enumerate() {
+        if let Ok(value) = other.get(name) {
+            // One that means something else here stays as it is.
+            estimator.set_value(index, value).ok();
+        }
+    }
+    estimator
+}
+
+/// `estimator` with what was changed in `other`, as far as that means the same: both are of one family and declare a
+/// parameter alike. What `other` has by default says nothing about `estimator`, which has a default of its own.
+pub fn changed_alike(other: &dyn AnyEstimator, mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
+    if other.info().family != estimator.info().family {
+        return estimator;
+    }
+    for (spec, (_, value)) in other.specs().iter().zip(other.values()) {
+        let same = |own: &Spec| (&own.name, own.unit, &own.kind) == (&spec.name, spec.unit, &spec.kind);
+        if let Some(index) = estimator.specs().iter().position(same).filter(|_| value != spec.default) {
+            // It is in range, since the range is the same.
+            estimator.set_value(index, value).ok();
+        }
+    }
+    estimator
+}
+
+/// Whether the price of a displacement is part of its cost.
+fn has_price(estimator: &dyn AnyEstimator) -> bool {
+    matches!(estimator.get("lambda"), Ok(Value::Real(lambda)) if lambda > 0.0)
+}
+
+fn full_search_like(other: &dyn AnyEstimator) -> Result<Box<dyn AnyEstimator>, Error> {
+    Ok(alike(other, estimator("full-search")?))
+}
+
+/// Blocks whose cost in `output` is larger than in `best`.
+fn missed(output: &BlockField, best: &BlockField) -> Vec<usize> {
+    let is_worse = |index: &usize| match (output.vectors[*index], best.vectors[*index]) {
+        (Some(found), Some(best)) => found.cost > best.cost,
+        _ => false,
+    };
+    (0..output.vectors.len().min(best.vectors.len())).filter(is_worse).collect()
+}
+
+/// Share of the displacements of `a` that are in `b` what they are there plus `shift`, within 1 px.
+fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> Option<f64> {
+    let (a, b) = (a.displacements()?, b.displacements()?);
+    let close = |a: [f32; 2], b: [f32; 2]| (a[0] + shift[0] - b[0]).hypot(a[1] + shift[1] - b[1]) <= 1.0;
+    let both = a.iter().zip(&b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+    let same = both.filter(|(a, b)| close(*a, *b)).count();
+    Some(same as f64 / a.iter().flatten().count().max(1) as f64)
+}
+
+fn noisy(frame: &Arc<Frame>, seed: u64) -> Frame {
+    Frame::gray(disturb::noise(frame.luma(), NOISE_SIGMA, seed))
+}
+
+fn lit(frame: &Arc<Frame>) -> Frame {
+    Frame::gray(disturb::light(frame.luma(), LIGHT))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimators;
+    use crate::geometry::Grid;
+    use crate::run::{Cursor, Move};
+
+    fn clip() -> Clip {
+        crate::synth::make(crate::synth::SCENES[0].id, &crate::synth::SCENES[0].difficulty()).expect("a scene")
+    }
+
+    #[test]
+    fn only_what_was_changed_is_carried_over() {
+        let of = |id: &str| estimator(id).expect("it exists");
+        // Each keeps its own defaults.
+        for (from, to) in
+            [("lucas-kanade", "horn-schunck"), ("lucas-kanade", "harris"), ("full-search", "hierarchical")]
+        {
+            assert_eq!(changed_alike(&*of(from), of(to)).values(), of(to).values(), "{from} to {to}");
+        }
+        let changed = |id: &str, settings: &[(&str, &str)]| {
+            let mut estimator = of(id);
+            settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
+            estimator
+        };
+        let from = changed("full-search", &[("block", "8"), ("cost", "ssd")]);
+        let to = changed_alike(&*from, of("diamond"));
+        assert_eq!([to.get("block"), to.get("cost")], [Ok(Value::Int(8)), Ok(Value::Choice("ssd"))]);
+        // Iterations of another kind, and another family.
+        let from = changed("lucas-kanade", &[("iterations", "7"), ("smoothing", "1.5"), ("derivatives", "sobel")]);
+        let to = changed_alike(&*from, of("horn-schunck"));
+        assert_eq!(to.get("iterations"), of("horn-schunck").get("iterations"));
+        assert_eq!(to.get("smoothing"), Ok(Value::Real(1.5)));
+        assert_eq!(changed_alike(&*from, of("harris")).values(), of("harris").values());
+    }
+
+    #[test]
+    fn full_search_misses_nothing_and_the_others_are_told_where_they_do() {
+        let (clip, threads) = (clip(), Threads::single());
+        for estimator in estimators() {
+            let output = estimator.run(&clip, 0, &threads).expect("a run");
+            let figures = Figures::of(&*estimator, &output, (&clip, 0), &threads).expect("figures");
+            let id = estimator.info().id;
+            for kept in [figures.kept_in_noise, figures.kept_in_light] {
+                let is_sparse = !output.motion().is_field();
+                assert_eq!(kept.is_none(), is_sparse, "{id}");
+                assert!(kept.is_none_or(|kept| (0.0..=1.0).contains(&kept)), "{id}");
+            }
+            assert_eq!(figures.blocks.is_some(), estimator.info().family == "Block matching", "{id}");
+            let Some(blocks) = &figures.blocks else { continue };
+            if id == "full-search" {
+                assert_eq!(blocks.missed_share(), Some(0.0));
+                assert_eq!(blocks.candidates_most, 33 * 33);
+            }
+            assert!(f64::from(blocks.candidates_most) >= blocks.candidates_mean, "{id}");
+            // The first block that is said to be missed has a better displacement indeed.
+            let Some((&block, unit)) = blocks.missed.iter().flatten().next().zip(figures.first_missed_unit()) else {
+                continue;
+            };
+            let result = |estimator: &dyn AnyEstimator, unit: usize| {
+                let mut walk = estimator.walk(&clip, 0).expect("a walk");
+                walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+                walk.output().get::<BlockField>().expect("blocks").vectors[block].expect("it was searched").cost
+            };
+            let full = full_search_like(&*estimator).expect("full search");
+            assert!(result(&*estimator, unit) > result(&*full, block), "{id}");
+        }
+    }
+
+    #[test]
+    fn a_pan_is_found_by_whoever_looks_far_enough() {
+        let (clip, threads) = (clip(), Threads::single());
+        let kept = |id: &str, range: &str, pan_px| {
+            let mut search = estimator(id).expect("it");
+            search.set("range", range).expect("in range");
+            kept_in_pan(&*search, (&clip, 0), pan_px, &threads).map(|(share, _)| share)
+        };
+        assert_eq!(kept("full-search", "16", 0), Ok(1.0));
+        assert_eq!(kept("full-search", "16", 40), Ok(0.0));
+        assert!(kept("full-search", "64", 40).expect("a share") > 0.7);
+        assert!(kept("full-search", "16", 5000).is_err());
+    }
+
+    #[test]
+    fn nothing_is_said_to_be_missed_where_costs_have_a_price() {
+        let (clip, threads) = (clip(), Threads::single());
+        let mut diamond = estimator("diamond").expect("it");
+        diamond.set("lambda", "4").expect("it has one");
+        let output = diamond.run(&clip, 0, &threads).expect("a run");
+        let figures = Figures::of(&*diamond, &output, (&clip, 0), &threads).expect("figures");
+        let missed = figures.blocks.as_ref().and_then(BlockFigures::missed_share);
+        assert_eq!((missed, figures.first_missed_unit()), (None, None));
+    }
+
+    #[test]
+    fn a_flat_picture_has_nothing_to_miss_or_lose() {
+        let flat = |v| Frame::gray(Grid::new(48, 32, v));
+        let clip = Clip::from_frames("flat", vec![flat(90), flat(90)]).expect("a clip");
+        let (full, threads) = (estimator("full-search").expect("it"), Threads::single());
+        let output = full.run(&clip, 0, &threads).expect("a run");
+        let figures = Figures::of(&*full, &output, (&clip, 0), &threads).expect("figures");
+        let missed = figures.blocks.as_ref().and_then(BlockFigures::missed_share);
+        assert_eq!((figures.kept_in_light, missed), (Some(1.0), Some(0.0)));
+    }
+}

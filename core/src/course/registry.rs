@@ -1,0 +1,71 @@
+//! Every estimator there is, in the order of the course.
+
+use crate::base::Error;
+use crate::families::{
+    block_matching::{
+        AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
+        QuadrantSearch, ThreeStep,
+    },
+    interest_points::{Harris, ShiTomasi},
+    moving_objects::{
+        ConnectedComponents, FlowMagnitude, FrameDifference, MedianBackground, MixtureOfGaussians, RunningAverage,
+        SingleGaussian,
+    },
+    optical_flow::{
+        Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
+    },
+    tracking::{BlobTracker, KalmanFilter, KalmanTracker, TrajectoryAnalysis},
+};
+use crate::methods::{features::Corners, subtraction::Subtraction, variational::Variational};
+use crate::run::{AnyEstimator, Course, Entries, Entry};
+
+impl Entries for Course {
+    const ENTRIES: &'static [Entry] = &[
+        Entry::of::<FullSearch>(),
+        Entry::of::<QuadrantSearch>(),
+        Entry::of::<LogSearch>(),
+        Entry::of::<ThreeStep>(),
+        Entry::of::<NewThreeStep>(),
+        Entry::of::<FourStep>(),
+        Entry::of::<Diamond>(),
+        Entry::of::<Hexagon>(),
+        Entry::of::<AdaptiveRood>(),
+        Entry::of::<Predictive>(),
+        Entry::of::<Hierarchical>(),
+        Entry::of::<NormalFlow>(),
+        Entry::of::<LucasKanade>(),
+        Entry::of::<PyramidalLucasKanade>(),
+        Entry::of::<Klt>(),
+        Entry::of::<Variational<HornSchunck>>(),
+        Entry::of::<Variational<Clg>>(),
+        Entry::of::<Variational<TvL1>>(),
+        Entry::of::<Farneback>(),
+        Entry::of::<PointTrajectories>(),
+        Entry::of::<Corners<Harris>>(),
+        Entry::of::<Corners<ShiTomasi>>(),
+        Entry::of::<Subtraction<FrameDifference>>(),
+        Entry::of::<Subtraction<RunningAverage>>(),
+        Entry::of::<Subtraction<MedianBackground>>(),
+        Entry::of::<Subtraction<SingleGaussian>>(),
+        Entry::of::<Subtraction<MixtureOfGaussians>>(),
+        Entry::of::<Subtraction<FlowMagnitude>>(),
+        Entry::of::<ConnectedComponents>(),
+        Entry::of::<BlobTracker>(),
+        Entry::of::<KalmanFilter>(),
+        Entry::of::<KalmanTracker>(),
+        Entry::of::<TrajectoryAnalysis>(),
+    ];
+}
+
+/// Every estimator with its default parameters, in the order of the course.
+pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
+    Course::ENTRIES.iter().map(|entry| (entry.make)()).collect()
+}
+
+/// The estimator called `id`, with its default parameters.
+///
+/// # Errors
+/// A sentence with the ids there are.
+pub fn estimator(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
+    Course::entry(id).map(|entry| (entry.make)())
+}

@@ -1,0 +1,149 @@
+//! How often each displacement came: what a search leaves behind, to be seen at one glance.
+
+use super::Flow;
+use crate::base::entropy;
+use crate::geometry::Grid;
+
+/// The smallest part of the plane that is shown to either side of (0, 0), in px, so that it does not grow at each step.
+const LEAST: i32 = 2;
+
+/// Which blocks are counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counted {
+    /// The unit of the first.
+    pub first_unit: usize,
+    /// The level of a pyramid that they lie on, where there are several.
+    pub level: Option<usize>,
+}
+
+/// How far from (0, 0) displacements of pixels are told apart, in px: some that are far astray are counted at the edge.
+const FARTHEST: f32 = 64.0;
+
+/// Counts of displacements over bins of one whole px each way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    /// What has the displacements: `block`.
+    pub of: &'static str,
+    /// The level of a pyramid whose blocks are counted, where there are several.
+    pub level: Option<usize>,
+    /// Displacement in the middle of the first bin, in px.
+    pub origin: [i32; 2],
+    /// How many there are in each bin.
+    pub counts: Grid<u32>,
+    /// The unit that found the first of each bin: where a click on it leads.
+    pub units: Grid<Option<usize>>,
+    /// The bin of the newest result, if there is one at hand.
+    pub newest: Option<[i32; 2]>,
+    /// Zero-order entropy in bits for each, displacements told apart by hundredths of a px.
+    pub bits: f64,
+    /// Whether some lie between whole px, and were rounded to their bin.
+    pub is_rounded: bool,
+}
+
+impl Histogram {
+    /// Counts `vectors`, the displacements in px of the blocks that were found; the last may be at hand (`has_newest`).
+    /// There is none without vectors.
+    pub fn of(counted: Counted, vectors: &[[f32; 2]], has_newest: bool) -> Option<Self> {
+        let last = vectors.last()?;
+        let bin = |vector: &[f32; 2]| vector.map(|c| c.round() as i32);
+        let (mut low, mut high) = ([-LEAST; 2], [LEAST; 2]);
+        for at in vectors.iter().map(bin) {
+            low = [0, 1].map(|i| low[i].min(at[i]));
+            high = [0, 1].map(|i| high[i].max(at[i]));
+        }
+        let [width, height] = [0, 1].map(|i| (high[i] - low[i]) as usize + 1);
+        let (mut counts, mut units) = (Grid::new(width, height, 0), Grid::new(width, height, None));
+        for (i, vector) in vectors.iter().enumerate() {
+            let at = bin(vector);
+            let cell = ((at[0] - low[0]) as usize, (at[1] - low[1]) as usize);
+            counts[cell] += 1;
+            units[cell].get_or_insert(counted.first_unit + i);
+        }
+        Some(Self {
+            of: "block",
+            level: counted.level,
+            origin: low,
+            counts,
+            units,
+            newest: has_newest.then(|| bin(last)),
+            bits: entropy::vector_bits(vectors.iter().copied()) / vectors.len() as f64,
+            is_rounded: vectors.iter().flatten().any(|c| c.fract() != 0.0),
+        })
+    }
+
+    /// Counts the displacements of a field's pixels, as far as they are known; none of them was found by a unit alone.
+    pub fn of_pixels(flow: &Flow) -> Option<Self> {
+        let known = flow.0.cells().iter().filter(|vector| vector[0].is_finite());
+        let vectors: Vec<[f32; 2]> = known.map(|vector| vector.map(|c| c.clamp(-FARTHEST, FARTHEST))).collect();
+        let counted = Self::of(Counted::default(), &vectors, false)?;
+        Some(Self { of: "pixel", units: counted.units.map(|_| None), ..counted })
+    }
+
+    /// How many there are in all.
+    pub fn total(&self) -> u32 {
+        self.counts.cells().iter().sum()
+    }
+
+    /// How many bins have any.
+    pub fn distinct(&self) -> usize {
+        self.counts.cells().iter().filter(|&&count| count > 0).count()
+    }
+
+    /// The bins that have any with their counts, the fullest first, of equals the first in raster order.
+    pub fn fullest(&self) -> Vec<([i32; 2], u32)> {
+        let width = self.counts.width();
+        let place = |i: usize| [self.origin[0] + (i % width) as i32, self.origin[1] + (i / width) as i32];
+        let cells = self.counts.cells().iter().enumerate().filter(|(_, count)| **count > 0);
+        let mut bins: Vec<_> = cells.map(|(i, &count)| (place(i), count)).collect();
+        bins.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        bins
+    }
+
+    /// Column and row of a bin, if it lies in the part of the plane that is shown.
+    pub fn cell(&self, at: [i32; 2]) -> Option<(usize, usize)> {
+        let [x, y] = [0, 1].map(|i| usize::try_from(at[i] - self.origin[i]).ok());
+        let cell = (x?, y?);
+        self.counts.get(cell.0, cell.1).map(|_| cell)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_displacement_is_counted_once_in_its_bin() {
+        let vectors = [[0.0, 0.0], [3.0, -1.0], [0.0, 0.0], [2.75, -1.25], [-5.0, 7.0]];
+        let histogram =
+            Histogram::of(Counted { first_unit: 10, level: None }, &vectors, true).expect("there are vectors");
+        assert_eq!((histogram.origin, histogram.counts.size()), ([-5, -2], (9, 10)));
+        assert_eq!(histogram.total(), 5);
+        assert_eq!(histogram.fullest(), [([3, -1], 2), ([0, 0], 2), ([-5, 7], 1)]);
+        assert_eq!((histogram.newest, histogram.is_rounded), (Some([-5, 7]), true));
+        let unit = |at| histogram.units[histogram.cell(at).expect("a bin")];
+        assert_eq!([unit([0, 0]), unit([3, -1]), unit([1, 1])], [Some(10), Some(11), None]);
+        assert_eq!(histogram.cell([4, 0]), None);
+        // Two of one kind and three of their own, the rounded ones apart: 2/5·log₂(5/2) + 3/5·log₂5.
+        assert!((histogram.bits - 1.921_928).abs() < 1e-5, "{}", histogram.bits);
+    }
+
+    #[test]
+    fn pixels_are_counted_where_their_motion_is_known() {
+        let flow = Flow(Grid::from_fn(4, 3, |x, y| match (x, y) {
+            (0, 0) => Flow::UNKNOWN,
+            (1, 0) => [900.0, 0.0],
+            _ => [1.25, -0.5],
+        }));
+        let histogram = Histogram::of_pixels(&flow).expect("there are some");
+        assert_eq!(histogram.fullest(), [([1, -1], 10), ([64, 0], 1)]);
+        assert!(histogram.units.cells().iter().all(Option::is_none));
+        assert_eq!(Histogram::of_pixels(&Flow(Grid::new(2, 2, Flow::UNKNOWN))), None);
+    }
+
+    #[test]
+    fn there_is_none_of_nothing() {
+        assert_eq!(Histogram::of(Counted::default(), &[], false), None);
+        let one = Histogram::of(Counted::default(), &[[1.0, 0.0]], false).expect("there is one");
+        assert_eq!((one.counts.size(), one.newest, one.bits, one.is_rounded), ((5, 5), None, 0.0, false));
+    }
+}

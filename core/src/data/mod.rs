@@ -1,0 +1,18 @@
+//! What is given, and what is seen of it: clips with their truth, masks and the components in them, detections.
+
+mod clip;
+mod components;
+mod detection;
+mod histogram;
+mod interpolation;
+mod mask;
+mod morphology;
+
+pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
+pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
+pub use detection::{Blob, Detection};
+pub use histogram::{Counted, Histogram};
+pub(crate) use interpolation::Between;
+pub use interpolation::Interpolation;
+pub use mask::{Mask, PackedMask};
+pub use morphology::MAX_RADIUS_PX;

@@ -1,0 +1,198 @@
+//! Full search, also called sequential or exhaustive search: every displacement in the window is tested.
+//!
+//! ```text
+//! ● ● ● ● ● ● ●
+//! ● ● ● ● ● ● ●
+//! ● ● ● ● ● ● ●
+//! ● ● ● ○ ● ● ●     ±3 px: 49 candidates. ○ is the zero displacement.
+//! ● ● ● ● ● ● ●
+//! ● ● ● ● ● ● ●
+//! ● ● ● ● ● ● ●
+//! ```
+
+use std::ops::Range;
+
+use crate::base::Observer;
+use crate::methods::{
+    block_search::{
+        BlockSearch, Displacement, Event, Match, Patch, Settings, Tester, Window, block_search_params, shorter,
+    },
+    cost,
+};
+use crate::run::{Info, Promise};
+use crate::{choices, pseudocode};
+
+choices! {
+    /// The order in which the candidates of a window are tested.
+    pub enum Order {
+        /// Row by row from the upper left corner.
+        Raster = "raster" "Raster",
+        /// In square rings outwards from the zero displacement, so that an early exit finds a low cost soon.
+        Spiral = "spiral" "Spiral",
+    }
+}
+
+block_search_params! {
+    /// Full search: every displacement in the window is tested, so the smallest cost is found for certain.
+    pub struct FullSearch {
+        /// The order in which the candidates are tested. It never changes the result.
+        order: Order = Order::Raster;
+        /// Stop adding up a candidate after the row at which its sum exceeds the best (partial distortion). It never
+        /// changes the result, and only SAD, SSD and MSE can be given up. The saving is told in rows; in time there is none here, where whole windows are summed at once.
+        early_exit: bool = false;
+    }
+}
+
+pseudocode! {
+    EACH_BLOCK: "for each block B of frame t",
+    LAY_WINDOW: "  lay the window of ±range px around B in frame t+1",
+    EACH_CANDIDATE: "  for each displacement (u, v) in the window",
+    COMPUTE_COST: "    cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v)]",
+    COMPARE_COST: "    if cost < best, or equal and (u, v) shorter, then first",
+    KEEP_BEST: "      best ← cost at (u, v)",
+    REFINE_BEST: "  refine the best to a fraction of a px, if asked for",
+    SET_DISPLACEMENT: "  displacement of B ← (u, v) of the best",
+}
+
+impl BlockSearch for FullSearch {
+    const INFO: Info = Info {
+        id: "full-search",
+        name: "Full search",
+        family: "Block matching",
+        summary: "Tests every displacement in a window and keeps the one with the smallest difference.",
+        source: "A. K. Jain, Fundamentals of Digital Image Processing, Prentice Hall 1989; \
+                 early exit: C.-D. Bei and R. M. Gray, IEEE Trans. Communications 33(10), 1985",
+        pseudocode: line::ALL,
+        rungs: &["frame", "block", "step"],
+        frames: 2,
+    };
+    const PROMISE: Promise = Promise::Translation;
+
+    fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
+        let Tester { pair, settings: Settings { cost: kind, .. }, block, window, rate, .. } = *tester;
+        let (observer, work) = (&mut *tester.observer, &mut *tester.work);
+        work.patch.take_area(pair, block, window);
+        if self.order == Order::Spiral && work.order.0 != Some(window) {
+            work.order = (Some(window), spiral(window));
+        }
+        let (Patch { block: cut, area }, order) = (&work.patch, &work.order.1[..]);
+        let price = |index| rate.price(window.displacement(index).map(|c| 4 * c));
+        // The kernel works out whole windows at once. An early exit is therefore only for the eye: what it passes over
+        // could not have won.
+        let until = |sum, index: usize, limit| {
+            cost::until(sum, cut, area, (index % window.size.0, index / window.size.0), limit)
+        };
+        let summed = kind.sum().inspect(|&sum| cost::window(sum, cut, area, window.size, &mut work.sums));
+        if let Some(sum) = summed.filter(|_| rate.lambda == 0.0) {
+            let scan = Scan { window, order, costs: &work.sums[..], most: u32::MAX, of: |sum| kind.of(sum, block) };
+            let best = scan.run(observer, |index, limit| {
+                let whole = (work.sums[index], block.height);
+                let (sum, rows) = if self.early_exit { until(sum, index, limit) } else { whole };
+                (kind.of(sum, block), rows)
+            });
+            return tester.settle(best, |work, index| kind.of(work.sums[index], block));
+        }
+        let (pixels, stride) = area.rows();
+        let distortion = |index: usize| match summed {
+            Some(_) => kind.of(work.sums[index], block),
+            None => kind.between(block, cut, &pixels[index / window.size.0 * stride + index % window.size.0..], stride),
+        };
+        work.window_costs.clear();
+        work.window_costs.extend((0..window.count()).map(|index| distortion(index) + price(index)));
+        let scan = Scan { window, order, costs: &work.window_costs[..], most: f64::INFINITY, of: |cost| cost };
+        let best = scan.run(observer, |index, limit| match summed.filter(|_| self.early_exit) {
+            Some(sum) => {
+                let (sum, rows) = until(sum, index, kind.sum_within(limit - price(index), block));
+                (kind.of(sum, block) + price(index), rows)
+            }
+            None => (work.window_costs[index], block.height),
+        });
+        tester.settle(best, |work, index| work.window_costs[index]);
+    }
+}
+
+/// How many candidates are passed over at once where none of them can win.
+const RUN: usize = 16;
+
+/// The costs of all candidates of a window, or sums from which they follow.
+struct Scan<'a, T, F> {
+    window: Window,
+    /// The indices into the window in the order of the search; empty for raster.
+    order: &'a [u32],
+    /// By index into the window.
+    costs: &'a [T],
+    /// At least as much as any of them.
+    most: T,
+    /// The cost that follows.
+    of: F,
+}
+
+impl<T: Copy + PartialOrd, F: Fn(T) -> f64> Scan<'_, T, F> {
+    /// Tests the candidates in order. This is the loop that is taught, timed and trusted: there is no other.
+    /// `seen` gives what is seen of a candidate: its cost, and the rows that were looked at until it exceeded a limit.
+    fn run(&self, observer: &mut impl Observer<Event>, seen: impl Fn(usize, T) -> (f64, usize)) -> Match {
+        let (window, count) = (self.window, self.window.count());
+        let found = |index| Match::whole(window.displacement(index), (self.of)(self.costs[index]));
+        let event = |index, limit| {
+            let (cost, rows) = seen(index, limit);
+            Event::Candidate { tested: Match::whole(window.displacement(index), cost), rows }
+        };
+        // An index: the displacement is only worked out where it is asked for.
+        let mut best: Option<usize> = None;
+        let mut limit = self.most;
+        for first in (0..count).step_by(RUN) {
+            let run = first..count.min(first + RUN);
+            if self.all_exceed(limit, run.clone()) {
+                // None of these can win: whoever looks sees them, and otherwise there is nothing to do.
+                run.for_each(|place| observer.see(|| event(self.index(place), limit)));
+                continue;
+            }
+            for index in run.map(|place| self.index(place)) {
+                let cost = self.costs[index];
+                observer.see(|| event(index, limit));
+                let wins_tie = |other| shorter(window.displacement(index), window.displacement(other));
+                if cost < limit || cost == limit && best.is_none_or(wins_tie) {
+                    observer.see(|| Event::NewBest { before: best.map(found) });
+                    best = Some(index);
+                    limit = cost;
+                }
+            }
+        }
+        best.map_or(Match::whole([0, 0], f64::INFINITY), found)
+    }
+
+    /// The index into the window of the candidate at `place` in the order of the search.
+    #[inline(always)]
+    fn index(&self, place: usize) -> usize {
+        self.order.get(place).map_or(place, |&index| index as usize)
+    }
+
+    /// Whether the costs at these places of the order all exceed `limit`.
+    #[inline(always)]
+    fn all_exceed(&self, limit: T, places: Range<usize>) -> bool {
+        match self.order.get(places.clone()) {
+            Some(order) if !order.is_empty() => order.iter().all(|&index| self.costs[index as usize] > limit),
+            // Without stopping at the first, so that it becomes vector instructions.
+            _ => self.costs[places].iter().fold(true, |all, &cost| all & (cost > limit)),
+        }
+    }
+}
+
+/// The indices into `window` ring by ring around the zero displacement, each clockwise from its upper left corner.
+fn spiral(window: Window) -> Vec<u32> {
+    let reach = |i: usize, size: usize| window.min[i].abs().max(window.min[i] + size as i32 - 1);
+    let rings = 0..=reach(0, window.size.0).max(reach(1, window.size.1));
+    let displacements = rings.flat_map(|ring| (0..(8 * ring).max(1)).map(move |along| on_ring(ring, along)));
+    displacements.filter_map(|displacement| window.index(displacement)).map(|index| index as u32).collect()
+}
+
+/// The displacement `along` px along the square ring at distance `ring` around the zero displacement.
+fn on_ring(ring: i32, along: i32) -> Displacement {
+    let (side, rest) = (along / (2 * ring).max(1), along % (2 * ring).max(1));
+    match side {
+        0 => [rest - ring, -ring],
+        1 => [ring, rest - ring],
+        2 => [ring - rest, ring],
+        _ => [-ring, ring - rest],
+    }
+}

@@ -1,0 +1,502 @@
+//! Hierarchical search: far motion is found where the picture is small, and made exact level by level.
+//!
+//! ```text
+//!        ┌───┐
+//!        │ ↗ │         coarsest level: a search within ±range / 2^level px
+//!       ┌┴───┴┐
+//!       │  ↗  │        twice as large: what was found, doubled, and the ±refine px around it
+//!      ┌┴─────┴┐       . . . . .
+//!      │       │       . 3 3 3 .     1  (0, 0)
+//!      │   ↗   │       . 3 2 3 .     2  twice what the nearest block of the coarser level moved, and its neighbours
+//!      │       │       1 3 3 3 2     3  all within ±refine px of the best of them
+//!      └───────┘       . . . . .
+//! ```
+
+use std::cmp::Ordering;
+use std::sync::Arc;
+
+use super::{
+    AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, LogSearch, NewThreeStep, Predictive, QuadrantSearch,
+    ThreeStep,
+};
+use crate::base::{Earlier, Error, Observer, Threads};
+use crate::data::{Clip, Counted, Frame};
+use crate::geometry::pyramid;
+use crate::methods::block_search::{
+    BlockSearch, Displacement, Event, HasSettings, Match, Neighbours, Pair, Probe, Settings, Subpixel, Tester,
+    Workspace, block_search_params, need, vector,
+};
+use crate::products::{Block, BlockField, BlockGrid, Output, Product, ProductKind};
+use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
+use crate::scene::{Chart, Fact, Floor, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
+use crate::{choices, pseudocode};
+
+choices! {
+    /// How the coarsest level is searched.
+    pub enum Coarse {
+        /// Every displacement in the window.
+        FullSearch = "full-search" "Full search",
+        /// By quadrants.
+        QuadrantSearch = "quadrant-search" "Logarithmic search by quadrants",
+        /// With a cross that shrinks.
+        LogSearch = "log-search" "2-D logarithmic search",
+        /// With ever smaller squares.
+        ThreeStep = "three-step" "Three-step search",
+        /// With ever smaller squares, looking around the centre first.
+        NewThreeStep = "new-three-step" "New three-step search",
+        /// With a small square that moves.
+        FourStep = "four-step" "Four-step search",
+        /// With a diamond that moves.
+        Diamond = "diamond" "Diamond search",
+        /// With a hexagon that moves.
+        Hexagon = "hexagon" "Hexagon search",
+        /// As far out as the neighbour moved.
+        AdaptiveRood = "adaptive-rood" "Adaptive rood pattern search",
+        /// Where the neighbours moved.
+        Predictive = "predictive" "Predictive search",
+    }
+}
+
+block_search_params! {
+    /// Hierarchical search: the coarsest level of a pyramid is searched, and each finer one refines what was found.
+    pub struct Hierarchical {
+        /// Levels of the pyramid, the picture itself included. Each is half as wide and high as the one below.
+        levels: usize = 3, 2..=6;
+        /// How the coarsest level is searched.
+        coarse: Coarse = Coarse::FullSearch;
+        /// How far around the best start each finer level looks.
+        refine: usize = 1, 1..=4, "px";
+    }
+}
+
+/// What a hierarchical search reads and writes.
+#[derive(Clone)]
+pub struct State {
+    /// The two frames and their blocks, level by level; the picture itself is level 0.
+    levels: Arc<[Pair]>,
+    /// The same frames, to be looked at.
+    pictures: Arc<[Level]>,
+    /// What was found, and how many candidates were tested for it, by level and block.
+    found: Vec<Vec<(Match, u32)>>,
+    /// The level of the next block.
+    level: usize,
+}
+
+impl State {
+    fn pair(&self) -> &Pair {
+        &self.levels[self.level]
+    }
+
+    /// The next block of the level.
+    fn index(&self) -> usize {
+        self.found[self.level].len()
+    }
+
+    fn is_coarsest(&self) -> bool {
+        self.level + 1 == self.levels.len()
+    }
+
+    /// Column and row of the block of the coarser level that is nearest to block `index` of `level`.
+    fn parent(&self, level: usize, index: usize) -> (usize, usize) {
+        let coarser = &self.levels[level + 1].blocks;
+        let [x, y] = self.levels[level].blocks.block(index).center().map(|c| (c / 2.0) as usize);
+        coarser.nearest(x.min(coarser.picture.0 - 1), y.min(coarser.picture.1 - 1))
+    }
+
+    /// Block `index` of `level`, and on each coarser level the one from which the one below inherits.
+    fn line(&self, level: usize, index: usize) -> Vec<usize> {
+        let mut line = vec![index];
+        for coarser in level + 1..self.levels.len() {
+            let (column, row) = self.parent(coarser - 1, line[line.len() - 1]);
+            line.push(row * self.levels[coarser].blocks.counts().0 + column);
+        }
+        line
+    }
+
+    /// The block of each level that lies where the next block does, from level 0 on.
+    fn column(&self) -> Vec<usize> {
+        let center = self.pair().blocks.block(self.index()).center();
+        let finer = (0..self.level).map(|level| {
+            let blocks = &self.levels[level].blocks;
+            let [x, y] = center.map(|c| (c * (1u32 << (self.level - level)) as f32) as usize);
+            let (column, row) = blocks.nearest(x.min(blocks.picture.0 - 1), y.min(blocks.picture.1 - 1));
+            row * blocks.counts().0 + column
+        });
+        finer.chain(self.line(self.level, self.index())).collect()
+    }
+
+    /// The first unit of a level.
+    fn first_unit(&self, level: usize) -> usize {
+        self.levels[level + 1..].iter().map(|pair| pair.blocks.len()).sum()
+    }
+
+    /// Twice what was found for the block of the coarser level that is nearest to block `index`, and for those around it.
+    fn inherited(&self, index: usize) -> Vec<Displacement> {
+        let (coarser, found) = (&self.levels[self.level + 1].blocks, &self.found[self.level + 1]);
+        let (columns, rows) = coarser.counts();
+        let (column, row) = self.parent(self.level, index);
+        let around = [(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)];
+        let places =
+            around.iter().filter_map(|(i, j)| Some((column.checked_add_signed(*i)?, row.checked_add_signed(*j)?)));
+        let inside = places.filter(|(column, row)| *column < columns && *row < rows);
+        inside.map(|(column, row)| found[row * columns + column].0.displacement.map(|c| 2 * c)).collect()
+    }
+
+    /// What was found so far on the level at hand.
+    fn matches(&self) -> Vec<Match> {
+        self.found[self.level].iter().map(|(found, _)| *found).collect()
+    }
+
+    /// The pyramid after so many events; before anything was done the picture itself is what there is.
+    fn shown(&self, events: &[Event]) -> Levels {
+        let at_work = if events.is_empty() { 0 } else { self.level };
+        Levels { all: self.pictures.clone(), at_work }
+    }
+
+    /// How many px of the picture one of the level at hand is.
+    fn scale(&self) -> f32 {
+        (1u32 << self.level) as f32
+    }
+
+    /// Takes the result of the next block.
+    fn push(&mut self, (found, tested): (Match, usize)) -> Progress {
+        self.found[self.level].push((found, tested as u32));
+        if self.index() < self.pair().blocks.len() {
+            return Progress::More;
+        }
+        if self.level == 0 {
+            return Progress::Done;
+        }
+        self.level -= 1;
+        Progress::More
+    }
+}
+
+impl Hierarchical {
+    /// The settings on a level: the range is that of the picture, in the level's pixels. Only what is found on the
+    /// picture itself is refined, and sent.
+    fn settings_on(&self, level: usize) -> Settings {
+        let settings = Settings { range: self.range.div_ceil(1 << level), ..self.settings() };
+        match level {
+            0 => settings,
+            _ => Settings { subpixel: Subpixel::None, lambda: 0.0, ..settings },
+        }
+    }
+
+    /// The state before the first block.
+    fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let pair = Pair::new(clip, frame, self.block, self.spacing, self.border)?;
+        let (width, height) = pair.blocks.picture;
+        let fits = |level: usize| width.div_ceil(1 << level).min(height.div_ceil(1 << level)) >= self.block;
+        if !fits(self.levels - 1) {
+            let most = (1..self.levels).take_while(|&level| fits(level)).count() + 1;
+            return Err(Error::new(format!(
+                "{} levels would leave less than a block of {} px of a picture of {width}×{height} px; {}",
+                self.levels,
+                self.block,
+                if most > 1 {
+                    format!("choose {most} or fewer, or a smaller block")
+                } else {
+                    "choose a smaller block".into()
+                }
+            )));
+        }
+        let frames = [&pair.current, &pair.next];
+        let [current, next] =
+            <[_; 2]>::try_from(threads.map(2, |i| self.coarser_levels(frames[i]))).unwrap_or_default();
+        let coarser = current.into_iter().zip(next).map(|(current, next)| {
+            let blocks = BlockGrid { picture: current.size(), ..pair.blocks };
+            Pair { current, next, blocks, rule: pair.rule }
+        });
+        let levels: Vec<_> = [pair.clone()].into_iter().chain(coarser).collect();
+        let pictures = levels.iter().map(|pair| Level::new([pair.current.clone(), pair.next.clone()])).collect();
+        Ok(State { found: vec![Vec::new(); levels.len()], level: levels.len() - 1, levels: levels.into(), pictures })
+    }
+
+    /// The levels of the pyramid over `frame`.
+    fn coarser_levels(&self, frame: &Arc<Frame>) -> Vec<Arc<Frame>> {
+        let mut levels: Vec<Arc<Frame>> = Vec::new();
+        while levels.len() + 1 < self.levels {
+            let finest = levels.last().unwrap_or(frame);
+            levels.push(Arc::new(Frame::gray(pyramid::halve(finest.luma()))));
+        }
+        levels
+    }
+
+    /// Searches block `index` of the level at hand, `found` being those of the level before it.
+    fn search_block(
+        &self,
+        state: &State,
+        (index, found): (usize, impl Fn(usize) -> Match),
+        work: &mut Workspace,
+        observer: &mut impl Observer<Event>,
+    ) -> (Match, usize) {
+        observer.see(|| Event::Window);
+        let (pair, settings) = (state.pair(), self.settings_on(state.level));
+        let neighbours = match state.is_coarsest() || settings.lambda > 0.0 {
+            true => Neighbours::of(index, pair.blocks.counts().0, found, None),
+            false => Neighbours::default(),
+        };
+        let mut tester = Tester::new((pair, index), settings, neighbours, work, observer);
+        if state.is_coarsest() {
+            self.coarse.search(settings.range, &mut tester);
+        } else {
+            self.refine(&state.inherited(index), &mut tester);
+        }
+        tester.finish()
+    }
+
+    /// Refines on a finer level what was found on the coarser one.
+    fn refine(&self, inherited: &[Displacement], tester: &mut Tester<impl Observer<Event>>) {
+        tester.stage(line::TEST_COARSER, inherited.iter().copied().chain([[0, 0]]), || {
+            let twice = inherited.first().map_or(String::new(), |first| vector(*first));
+            format!(
+                "The coarser level found half of {twice} here: {twice} is tested, so is what was found next to it, and (0, 0)."
+            )
+        });
+        let (best, reach) = (tester.best(), self.refine as i32);
+        let row = move |v| (-reach..=reach).map(move |u| [best[0] + u, best[1] + v]);
+        tester.stage(line::TEST_AROUND, (-reach..=reach).flat_map(row), || {
+            format!(
+                "A pixel of the coarser level is two here, so all within ±{reach} px of {} are tested.",
+                vector(best)
+            )
+        });
+    }
+
+    /// The pyramid with the block at hand on every level, and what was found for it there.
+    fn stack(&self, seen: &Seen<Self>, probe: &Probe) -> Stack {
+        let state = seen.before;
+        let floor = |(level, index): (usize, usize)| {
+            let Block { x, y, width, height } = state.levels[level].blocks.block(index);
+            let min = [x as f32 - 0.5, y as f32 - 0.5];
+            let vector = match level.cmp(&state.level) {
+                Ordering::Less => None,
+                Ordering::Equal => {
+                    let role = if probe.is_over() { Role::Result } else { Role::Best };
+                    probe.best().map(|best| (best.vector(), role))
+                }
+                Ordering::Greater => Some((state.found[level][index].0.vector(), Role::Result)),
+            };
+            Floor { at_hand: Some([min, [min[0] + width as f32, min[1] + height as f32]]), vector }
+        };
+        // Before anything was done no block is at hand.
+        let floors = match seen.events {
+            [] => vec![Floor::default(); state.levels.len()],
+            _ => state.column().into_iter().enumerate().map(floor).collect(),
+        };
+        Stack { levels: state.shown(seen.events), floors }
+    }
+
+    fn probe<'a>(&self, seen: &'a Seen<Self>, found: &'a [Match]) -> Probe<'a> {
+        let Seen { before, events, focus, .. } = *seen;
+        let focus = focus.map(|point| point.map(|c| c / before.scale()));
+        let probe = Probe::new(before.pair(), self.settings_on(before.level), found, (events, focus));
+        let counted = Counted { first_unit: before.first_unit(before.level), level: Some(before.level) };
+        Probe { counted, ..probe }
+    }
+}
+
+impl Coarse {
+    /// Searches the tester's block within ±`range` px.
+    fn search(self, range: usize, tester: &mut Tester<impl Observer<Event>>) {
+        match self {
+            Coarse::FullSearch => FullSearch { range, ..FullSearch::default() }.search(tester),
+            Coarse::QuadrantSearch => QuadrantSearch { range, ..QuadrantSearch::default() }.search(tester),
+            Coarse::LogSearch => LogSearch { range, ..LogSearch::default() }.search(tester),
+            Coarse::ThreeStep => ThreeStep { range, ..ThreeStep::default() }.search(tester),
+            Coarse::NewThreeStep => NewThreeStep { range, ..NewThreeStep::default() }.search(tester),
+            Coarse::FourStep => FourStep { range, ..FourStep::default() }.search(tester),
+            Coarse::Diamond => Diamond { range, ..Diamond::default() }.search(tester),
+            Coarse::Hexagon => Hexagon { range, ..Hexagon::default() }.search(tester),
+            Coarse::AdaptiveRood => AdaptiveRood { range, ..AdaptiveRood::default() }.search(tester),
+            Coarse::Predictive => Predictive { range, ..Predictive::default() }.search(tester),
+        }
+    }
+}
+
+pseudocode! {
+    MAKE_PYRAMIDS: "make a Gaussian pyramid of frame t and one of frame t+1",
+    EACH_LEVEL: "for each level, from the coarsest to the picture itself",
+    EACH_BLOCK: "  for each block B of the level",
+    IS_COARSEST: "    if the level is the coarsest, then",
+    SEARCH_COARSEST: "      search B within ±range / 2^level px as coarse says",
+    IS_FINER: "    else",
+    TEST_COARSER: "      test twice what the nearest coarser blocks moved, and (0, 0)",
+    TEST_AROUND: "      test all within ±refine px of the best",
+    REFINE_BEST: "    refine the best to a fraction of a px, if asked for and the level is the picture",
+    SET_DISPLACEMENT: "    displacement of B ← (u, v) of the best",
+    TEST: "to test (u, v), if it is new and lies in the window",
+    COMPUTE_COST: "  cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v), on the picture]",
+    COMPARE_COST: "  if cost < best, or equal and (u, v) shorter, then first",
+    KEEP_BEST: "    best ← cost at (u, v)",
+}
+
+impl Estimator for Hierarchical {
+    const INFO: Info = Info {
+        id: "hierarchical",
+        name: "Hierarchical search",
+        family: "Block matching",
+        summary: "Searches where the picture is small, and refines what it finds level by level.",
+        source: "M. Bierling, Displacement estimation by hierarchical blockmatching, Proc. SPIE 1001, Visual \
+                 Communications and Image Processing, 1988; pyramid: P. J. Burt and E. H. Adelson, The Laplacian pyramid \
+                 as a compact image code, IEEE Trans. Communications 31(4), 1983",
+        pseudocode: line::ALL,
+        rungs: &["frame", "level", "block", "step"],
+        frames: 2,
+    };
+    const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
+    const TESTS_CANDIDATES: bool = true;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram, Chart::Stack];
+    const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        let (width, height) = clip.size();
+        let of_level = |level: usize| self.settings().grid((width.div_ceil(1 << level), height.div_ceil(1 << level)));
+        // Beside the levels of both frames.
+        need(clip, (0..self.levels).map(|level| of_level(level).len()).sum()).and([(width * height) as f64; 2])
+    }
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        self.prepare(clip, frame, &Threads::single())
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let so_far = (state.index(), |i: usize| state.found[state.level][i].0);
+        let result = self.search_block(state, so_far, &mut Workspace::default(), observer);
+        Ok(state.push(result))
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        Some(state.levels.iter().map(|pair| pair.blocks.len()).sum())
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        let count = state.levels.len();
+        let level = Rung { index: count - 1 - state.level, of: Some(count) };
+        let block = Rung { index: state.index(), of: Some(state.pair().blocks.len()) };
+        vec![Rung { index: 0, of: Some(1) }, level, block]
+    }
+
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        let index = state.pair().blocks.at(point.map(|c| c / state.scale()))?;
+        Some(state.first_unit(state.level) + index)
+    }
+
+    /// From the coarsest level on: the nearest block of each, from which the one below inherits.
+    fn way_to(&self, state: &State, block: usize) -> Vec<usize> {
+        let line = state.line(0, block).into_iter().enumerate();
+        line.map(|(level, index)| state.first_unit(level) + index).rev().collect()
+    }
+
+    fn is_evaluation(&self, event: &Event) -> bool {
+        event.is_candidate()
+    }
+
+    fn evaluations(&self, state: &State) -> Vec<u32> {
+        state.found.iter().rev().flatten().map(|(_, candidates)| *candidates).collect()
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + state.found.iter().map(|found| found.len() * size_of::<(Match, u32)>()).sum::<usize>()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let pixels = |frame: &Frame| frame.luma().cells().len();
+        let pyramid: usize = state.levels[1..].iter().map(|pair| pixels(&pair.current) + pixels(&pair.next)).sum();
+        self.state_bytes(state) + pyramid
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        event.landmark()
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        let state = seen.before;
+        let line = match seen.events.last() {
+            None => line::MAKE_PYRAMIDS,
+            Some(Event::Window) => line::EACH_BLOCK,
+            Some(Event::Stage { .. }) if state.is_coarsest() => line::SEARCH_COARSEST,
+            Some(Event::Stage { line, .. }) => *line,
+            Some(Event::Refine(_) | Event::Fit(_)) => line::REFINE_BEST,
+            Some(Event::Found(_)) => line::SET_DISPLACEMENT,
+            Some(Event::Candidate { .. }) => line::COMPUTE_COST,
+            Some(Event::NewBest { .. }) => line::KEEP_BEST,
+        };
+        let found = state.matches();
+        let probe = self.probe(seen, &found);
+        let (width, height) = state.pair().blocks.picture;
+        let mut sentence = probe.sentence();
+        if let Some(Event::Window) = seen.events.last() {
+            let level = format!("Level {} of the pyramid is {width}×{height} px large. ", state.level);
+            sentence = Sentence([vec![(level, None)], sentence.0].concat());
+        }
+        if let Some(Event::Found(found)) = seen.events.last().filter(|_| state.level > 0) {
+            let on_picture = found.displacement.map(|c| c << state.level);
+            sentence = sentence
+                .text(" On the picture itself that is ")
+                .ink(Role::Result, format!("{} px", vector(on_picture)));
+            sentence = sentence.text(".");
+        }
+        let mut readouts = probe.readouts();
+        // A finer level tests a few displacements of a wide window: these are what there is to be seen.
+        if !state.is_coarsest() {
+            readouts.iter_mut().for_each(|readout| {
+                if let Readout::Surface(surface) = readout {
+                    *surface = surface.around_tested(self.refine + 1);
+                }
+            });
+        }
+        if let Some(Readout::Facts(facts)) = readouts.first_mut() {
+            let of = state.levels.len() - 1;
+            let value = format!("{}, from {of} down to 0, {width}×{height} px", state.level);
+            facts.insert(0, Fact { label: "Level", value, role: None });
+        }
+        readouts.push(Readout::Stack(self.stack(seen, &probe)));
+        Step { line, sentence, readouts }
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let found = seen.before.matches();
+        let mut level = Scene::default();
+        self.probe(seen, &found).draw(&mut level);
+        scene.add_enlarged(level, 1 << seen.before.level);
+        scene.levels = Some(seen.before.shown(seen.events));
+    }
+
+    fn output(&self, state: &State) -> Output {
+        let blocks = state.levels[0].blocks;
+        let vector = |(found, candidates): &(Match, u32)| Some(found.result(*candidates));
+        let mut vectors: Vec<_> = state.found[0].iter().map(vector).collect();
+        vectors.resize(blocks.len(), None);
+        // What was tested on a coarser level counts for the block of the picture that lies there.
+        for (level, found) in state.found.iter().enumerate().skip(1) {
+            for (i, (_, candidates)) in found.iter().enumerate() {
+                let place = state.levels[level].blocks.block(i).center().map(|c| c * (1u32 << level) as f32);
+                if let Some(Some(vector)) = blocks.at(place).map(|index| &mut vectors[index]) {
+                    vector.candidates += candidates;
+                }
+            }
+        }
+        Output::of(self.settings().field(blocks, vectors))
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let mut state = self.prepare(clip, frame, threads)?;
+        loop {
+            let search = |work: &mut Workspace, index, earlier: Earlier<(Match, usize)>| {
+                self.search_block(&state, (index, |i| earlier.at(i).0), work, &mut ())
+            };
+            let mut progress = Progress::More;
+            let blocks = (state.pair().blocks.counts(), || clip.wanted());
+            for result in threads.sweep(blocks, Workspace::default, search)? {
+                progress = state.push(result);
+            }
+            if progress == Progress::Done {
+                return Ok(state);
+            }
+        }
+    }
+}

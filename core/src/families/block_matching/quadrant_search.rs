@@ -1,0 +1,140 @@
+//! Logarithmic search by quadrants: the window is quartered, the quarter with the best point is kept, and so on.
+//!
+//! ```text
+//! 1 . . . . . . . 1 . . . . . . . 1
+//! . . . . . . . . . . . . . . . . .
+//! . . . . . . . . 2 . 2 . 2 . 2 . 2     ±8 px.
+//! . . . . . . . . . . . . . . . . .     1  the corners and the centre of each quadrant: 13 points
+//! . . . . 1 . . . 2 . 2 . 1 . 2 . 2     2  the best is (4, −4), so the upper right quadrant is kept; of its own
+//! . . . . . . . . . . . . . . . . .        quadrants' points 5 are known and 8 are new, those on the inner lines
+//! . . . . . . . . 2 . 2 . 2 . 2 . 2
+//! . . . . . . . . . . . . . . . . .
+//! 1 . . . . . . . 1 . . . . . . . 1
+//! ```
+
+use crate::base::Observer;
+use crate::methods::block_search::{
+    BlockSearch, Displacement, Event, Tester, Window, block_search_params, search_pseudocode, vector,
+};
+use crate::run::{Info, Promise};
+
+block_search_params! {
+    /// Logarithmic search by quadrants: the window is quartered again and again, always keeping the quadrant with the
+    /// best match.
+    pub struct QuadrantSearch {
+        /// The search ends when the window is at most this wide and high.
+        smallest: usize = 1, 1..=64, "px";
+        /// The search ends when a round lowers the best cost by less than this share of it; 0 never ends it early.
+        least_gain: f32 = 0.0, 0.0..=100.0, "%";
+    }
+}
+
+search_pseudocode! {
+    REPEAT: "  W ← the window; repeat",
+    TEST_QUADRANTS: "    test the corners and the centre of each quadrant of W",
+    KEEP_QUADRANT: "    W ← the quadrant with the best; of several, that with the best centre",
+    STOP_AT_SMALLEST: "    if W is at most smallest px wide and high, or all of it was tested, then stop",
+    STOP_AT_LEAST_GAIN: "    if the best cost fell by less than least-gain, then stop",
+}
+
+impl BlockSearch for QuadrantSearch {
+    const INFO: Info = Info {
+        id: "quadrant-search",
+        name: "Logarithmic search by quadrants",
+        family: "Block matching",
+        summary: "Quarters the window, keeps the quadrant with the best match, and halves it again.",
+        source: "the course's logarithmic search; the idea is that of J. R. Jain and A. K. Jain, Displacement measurement \
+                 and its application in interframe image coding, IEEE Trans. Communications 29(12), 1981",
+        pseudocode: line::ALL,
+        rungs: &["frame", "block", "step"],
+        frames: 2,
+    };
+    /// A quadrant that was left is never looked at again, although the best match may lie right behind its edge.
+    const PROMISE: Promise = Promise::Better;
+
+    fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
+        let range = self.range as i32;
+        let mut part = Part { min: [-range; 2], max: [range; 2] };
+        loop {
+            let (whole, before) = (part, tester.best_cost());
+            tester.narrowed = Some(whole.window());
+            tester.stage(line::TEST_QUADRANTS, whole.points().into_iter(), || {
+                format!("{} is cut into quadrants: their corners and centres are tested.", whole.named())
+            });
+            let best = tester.best();
+            let cost = |quadrant: &Part| tester.known(quadrant.centre()).unwrap_or(f64::INFINITY);
+            let holding = whole.quadrants().into_iter().filter(|quadrant| quadrant.holds(best));
+            // The best point so far was always kept, so a quadrant holds it.
+            part = holding.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(whole);
+            tester.narrowed = Some(part.window());
+            tester.tell(line::KEEP_QUADRANT, || {
+                let (best, centre) = (vector(best), vector(part.centre()));
+                format!("The best, {best}, lies in the quadrant around {centre}: the search goes on in there.")
+            });
+            let gain = if before > 0.0 { 100.0 * (before - tester.best_cost()) / before } else { 0.0 };
+            // All corners of a part are tested, so one of 2 px has nothing left to test.
+            if part.side() <= self.smallest.max(2) {
+                return tester.tell(line::STOP_AT_SMALLEST, || {
+                    format!("This quadrant is {} px wide: the search ends.", part.side())
+                });
+            }
+            if before.is_finite() && gain < f64::from(self.least_gain) {
+                let least = self.least_gain;
+                return tester.tell(line::STOP_AT_LEAST_GAIN, || {
+                    format!("The best cost fell by {gain:.1} %, less than {least} %: the search ends.")
+                });
+            }
+        }
+    }
+}
+
+/// A part of the window: a rectangle of displacements, corners included.
+#[derive(Clone, Copy)]
+struct Part {
+    min: Displacement,
+    max: Displacement,
+}
+
+impl Part {
+    fn centre(&self) -> Displacement {
+        [0, 1].map(|i| (self.min[i] + self.max[i]).div_euclid(2))
+    }
+
+    fn side(&self) -> usize {
+        (self.max[0] - self.min[0]).max(self.max[1] - self.min[1]) as usize + 1
+    }
+
+    fn holds(&self, point: Displacement) -> bool {
+        (0..2).all(|i| (self.min[i]..=self.max[i]).contains(&point[i]))
+    }
+
+    /// Upper left, upper right, lower left, lower right; they share the lines between them.
+    fn quadrants(&self) -> [Part; 4] {
+        let (Part { min: [left, top], max: [right, bottom] }, [x, y]) = (*self, self.centre());
+        [
+            Part { min: [left, top], max: [x, y] },
+            Part { min: [x, top], max: [right, y] },
+            Part { min: [left, y], max: [x, bottom] },
+            Part { min: [x, y], max: [right, bottom] },
+        ]
+    }
+
+    /// The centre, the corners of the quadrants, and their centres.
+    fn points(&self) -> [Displacement; 13] {
+        let (Part { min: [left, top], max: [right, bottom] }, [x, y]) = (*self, self.centre());
+        let [a, b, c, d] = self.quadrants().map(|quadrant| quadrant.centre());
+        let corners =
+            [[left, top], [x, top], [right, top], [left, y], [right, y], [left, bottom], [x, bottom], [right, bottom]];
+        let [e, f, g, h, i, j, k, l] = corners;
+        [[x, y], e, f, g, h, i, j, k, l, a, b, c, d]
+    }
+
+    fn window(&self) -> Window {
+        let size = [0, 1].map(|i| (self.max[i] - self.min[i]) as usize + 1);
+        Window { min: self.min, size: (size[0], size[1]) }
+    }
+
+    fn named(&self) -> String {
+        format!("The part of the window from {} to {}", vector(self.min), vector(self.max))
+    }
+}

@@ -1,0 +1,220 @@
+//! Connected components, row by row: labels that grow, and labels that meet.
+
+mod tell;
+
+use std::sync::Arc;
+
+use crate::base::{Error, Mapped, Observer, Threads};
+use crate::data::{Clip, Detection, Frame, LabelEvent, Labelling, Mask, PackedMask};
+use crate::geometry::Grid;
+use crate::methods::subtraction::{HasSettings, cleaned, need_of_blobs, sifted, subtraction_params};
+use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
+use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen, Span, need};
+use crate::scene::{Chart, Scene, Step};
+use crate::{choices, pseudocode};
+
+use super::FrameDifference;
+
+choices! {
+    /// Which pixels are labelled.
+    pub enum Pixels {
+        /// Those that differ from the frame before; in the first frame, from the one after it.
+        Moving = "moving" "Moving",
+        /// Those that are brighter than the threshold.
+        Bright = "bright" "Bright",
+        /// Those that are darker than the threshold.
+        Dark = "dark" "Dark",
+    }
+}
+
+subtraction_params! {
+    /// Connected components of each frame.
+    pub struct ConnectedComponents {
+        /// Which pixels are labelled.
+        pixels: Pixels = Pixels::Moving;
+        /// By how much they differ, or how bright or dark they are, in gray levels.
+        threshold: usize = 8, 0..=255;
+    }
+    open: 0, close: 4
+}
+
+/// What a run reads and writes.
+#[derive(Clone)]
+pub struct State {
+    span: Span,
+    /// The frame at work.
+    frame: usize,
+    /// The row that comes next; after the last one the labels become final.
+    row: usize,
+    picture: (usize, usize),
+    labelling: Arc<Labelling>,
+    record: Record,
+    /// What is made again where it is missing.
+    given: Option<Arc<Given>>,
+}
+
+/// A frame and its pixels that are labelled.
+pub struct Given {
+    frame: Arc<Frame>,
+    mask: Mask,
+}
+
+/// What happens inside a unit.
+#[derive(Clone)]
+pub enum Event {
+    /// A row begins.
+    Row(Arc<Given>),
+    /// A run of it.
+    Run(LabelEvent),
+    /// The labels are final: which component each pixel belongs to, and how many there are.
+    Final(Arc<Given>, Arc<Grid<u32>>, u32),
+    /// The components that are large enough, and the others.
+    Kept(Arc<Given>, Arc<[Vec<Detection>; 2]>),
+}
+
+impl ConnectedComponents {
+    fn given(&self, clip: &Clip, state: &mut State) -> Result<Arc<Given>, Error> {
+        if let Some(given) = &state.given {
+            return Ok(Arc::clone(given));
+        }
+        need::check_kept(clip, state.record.bytes())?;
+        let frame = clip.frame(state.frame)?;
+        let (width, height) = frame.size();
+        let mask = match self.pixels {
+            Pixels::Moving => {
+                let other = if state.frame > state.span.first { state.frame - 1 } else { state.frame + 1 };
+                let difference = FrameDifference { threshold: self.threshold, ..FrameDifference::default() };
+                difference.differs(&[clip.frame(other)?], &frame, &Threads::single())
+            }
+            Pixels::Bright => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) > self.threshold),
+            Pixels::Dark => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) < self.threshold),
+        };
+        let given = Arc::new(Given { frame, mask: cleaned(self.settings(), mask, &mut ()) });
+        state.given = Some(Arc::clone(&given));
+        Ok(given)
+    }
+
+    /// Measures the components, and goes on to the next frame.
+    fn finish(
+        &self,
+        clip: &Clip,
+        state: &mut State,
+        given: &Arc<Given>,
+        observer: &mut impl Observer<Event>,
+    ) -> Progress {
+        let finals = state.labelling.finals();
+        observer.see(|| {
+            let labels = finals.grid(&state.labelling, state.picture);
+            Event::Final(Arc::clone(given), Arc::new(labels), finals.count)
+        });
+        let [kept, dropped] = sifted(self.settings(), finals.detections(&state.labelling, given.frame.luma()));
+        observer.see(|| Event::Kept(Arc::clone(given), Arc::new([kept.clone(), dropped])));
+        let found = ObjectFrame { mask: Some(PackedMask::new(&given.mask)), detections: kept, objects: Vec::new() };
+        state.record.note(found);
+        (state.frame, state.row, state.given) = (state.frame + 1, 0, None);
+        state.labelling = Arc::new(Labelling::new(self.connectivity));
+        if state.span.is_over(clip, state.frame) { Progress::Done } else { Progress::More }
+    }
+}
+
+pseudocode! {
+    EACH_ROW: "for each row of the mask",
+    EACH_RUN: "  for each run of pixels that are set",
+    NEW_LABEL: "    if no run of the row above touches it: a new label",
+    TAKE_ROOT: "    else take the root of the label of the first that does",
+    EACH_OTHER_RUN: "    for each other run that touches it",
+    MERGE_ROOTS: "      if its root is another one: hang the larger root below the smaller one",
+    LABEL_BY_ROOT: "label each run by its root, in raster order",
+    KEEP_BLOBS: "measure area, box, centroid and moments; keep those of min-area px or more",
+}
+
+impl Estimator for ConnectedComponents {
+    const INFO: Info = Info {
+        id: "connected-components",
+        name: "Connected components",
+        family: "Moving objects",
+        summary: "Gives pixels that touch a common label, row by row, and keeps a book of the labels that have met.",
+        source: "A. Rosenfeld and J. L. Pfaltz, Sequential operations in digital picture processing, J. ACM 1966; by runs: L. He, \
+                 Y. Chao and K. Suzuki, A run-based two-scan labeling algorithm, IEEE Trans. Image Processing 2008",
+        pseudocode: line::ALL,
+        rungs: &["clip", "frame", "row", "run"],
+        frames: 2,
+    };
+    const PROMISE: Promise = Promise::Objects;
+    const CHARTS: &'static [Chart] = &[Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[MaskField::KIND, ObjectField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        need_of_blobs(clip, self.settings(), Need::per_pixel(clip, [2.0, 8.0]))
+    }
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        Ok(State {
+            span: Span::new(clip, frame, self.frames)?,
+            frame,
+            row: 0,
+            picture: clip.size(),
+            labelling: Arc::new(Labelling::new(self.connectivity)),
+            record: Record::default(),
+            given: None,
+        })
+    }
+
+    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let given = self.given(clip, state)?;
+        if state.row == state.picture.1 {
+            return Ok(self.finish(clip, state, &given, observer));
+        }
+        observer.see(|| Event::Row(Arc::clone(&given)));
+        let labelling = Arc::make_mut(&mut state.labelling);
+        labelling.row(&given.mask, state.row, &mut Mapped { observer, map: Event::Run });
+        state.row += 1;
+        Ok(Progress::More)
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        state.span.frames().map(|frames| frames * (state.picture.1 + 1))
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        let mut place = state.span.place(state.frame - state.span.first);
+        place.push(Rung { index: state.row, of: Some(state.picture.1 + 1) });
+        place
+    }
+
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        let y = point[1] + 0.5;
+        let row = (0.0..state.picture.1 as f32).contains(&y).then_some(y as usize)?;
+        Some((state.frame - state.span.first) * (state.picture.1 + 1) + row)
+    }
+
+    fn at_frame(&self, state: &State) -> Option<usize> {
+        Some(state.frame)
+    }
+
+    fn at_rest(&self, state: &State) -> State {
+        State { given: None, ..state.clone() }
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + state.labelling.bytes() + state.record.own_bytes()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.record.shared_bytes()
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        state.record.output(state.picture, state.span.first)
+    }
+}

@@ -1,0 +1,255 @@
+//! How labelling is told and drawn.
+
+use std::sync::Arc;
+
+use super::{ConnectedComponents, Event, Given, line};
+use crate::base::words;
+use crate::data::{LabelEvent, Run};
+use crate::geometry::Grid;
+use crate::methods::subtraction::{self, Account, plots};
+use crate::run::Seen;
+use crate::scene::{Fact, Picture, Readout, Role, Scene, Sentence, Shape, Step};
+
+/// So many labels are listed with their roots.
+const LISTED: usize = 24;
+
+/// A run as a person reads it.
+fn name(run: Run) -> String {
+    match run.end - run.start {
+        1 => format!("pixel {} of row {}", run.start, run.y),
+        _ => format!("pixels {} to {} of row {}", run.start, run.end - 1, run.y),
+    }
+}
+
+/// A verb as it stands behind a run: pixels touch, and a pixel touches.
+fn verb(run: &Run, many: &'static str, one: &'static str) -> &'static str {
+    if run.end - run.start == 1 { one } else { many }
+}
+
+/// Labels are told from 1, as components are.
+fn label(label: u32) -> String {
+    format!("label {}", label + 1)
+}
+
+/// What was labelled up to the cursor.
+struct SoFar {
+    runs: Vec<Run>,
+    parents: Vec<u32>,
+}
+
+impl SoFar {
+    fn new(seen: &Seen<ConnectedComponents>) -> Self {
+        let before = &seen.before.labelling;
+        let (mut runs, mut parents) = (before.runs().to_vec(), before.parents().to_vec());
+        for event in seen.events {
+            let Event::Run(event) = event else { continue };
+            match event {
+                LabelEvent::Made(run) => {
+                    parents.push(run.label);
+                    runs.push(*run);
+                }
+                LabelEvent::Took(run, _) => runs.push(*run),
+                LabelEvent::Met(..) => {}
+                LabelEvent::Merged(_, _, [root, child]) => parents[*child as usize] = *root,
+            }
+        }
+        Self { runs, parents }
+    }
+
+    fn root(&self, mut label: u32) -> u32 {
+        while self.parents[label as usize] != label {
+            label = self.parents[label as usize];
+        }
+        label
+    }
+
+    /// The root of each pixel so far, from 1.
+    fn labels(&self, (width, height): (usize, usize)) -> Grid<u32> {
+        let mut grid = Grid::new(width, height, 0);
+        for run in &self.runs {
+            grid.row_mut(run.y as usize)[run.start as usize..run.end as usize].fill(self.root(run.label) + 1);
+        }
+        grid
+    }
+
+    /// How many labels are no others' children.
+    fn roots(&self) -> usize {
+        self.parents.iter().enumerate().filter(|(label, parent)| *label == **parent as usize).count()
+    }
+
+    /// The parent of each label, the last ones where there are many.
+    fn forest(&self) -> String {
+        let skipped = self.parents.len().saturating_sub(LISTED);
+        let of = |(label, parent): (usize, &u32)| match label == *parent as usize {
+            true => format!("{}", label + 1),
+            false => format!("{} → {}", label + 1, parent + 1),
+        };
+        let all: Vec<_> = self.parents.iter().enumerate().skip(skipped).map(of).collect();
+        match (&all[..], skipped) {
+            ([], _) => "no labels yet".into(),
+            (all, 0) => all.join(", "),
+            (all, _) => format!("…, {}", all.join(", ")),
+        }
+    }
+}
+
+impl ConnectedComponents {
+    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+        let line = match seen.events.last() {
+            None | Some(Event::Row(_)) => line::EACH_ROW,
+            Some(Event::Run(LabelEvent::Made(_))) => line::NEW_LABEL,
+            Some(Event::Run(LabelEvent::Took(..))) => line::TAKE_ROOT,
+            Some(Event::Run(LabelEvent::Met(..))) => line::EACH_OTHER_RUN,
+            Some(Event::Run(LabelEvent::Merged(..))) => line::MERGE_ROOTS,
+            Some(Event::Final(..)) => line::LABEL_BY_ROOT,
+            Some(Event::Kept(..)) => line::KEEP_BLOBS,
+        };
+        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+    }
+
+    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
+        let (state, said) = (seen.before, Sentence::default());
+        match seen.events.last() {
+            None => said.text(
+                "Pixels that touch belong to one component. Row by row, each run of them takes the label of a run that it touches \
+                 in the row above, and where two labels meet they become one.",
+            ),
+            Some(Event::Row(given)) => {
+                let row = given.mask.row(state.row);
+                let count: u32 = row.iter().map(|word| word.count_ones()).sum();
+                said.text(match count {
+                    0 => format!("No pixel of row {} is set.", state.row),
+                    1 => format!("One pixel of row {} is set.", state.row),
+                    _ => format!("{count} pixels of row {} are set.", state.row),
+                })
+            }
+            Some(Event::Run(LabelEvent::Made(run))) => said
+                .ink(Role::Candidate, words::capital(&name(*run)))
+                .text(format!(" {} no run of the row above: ", verb(run, "touch", "touches")))
+                .ink(Role::Best, format!("{} is new", label(run.label)))
+                .text("."),
+            Some(Event::Run(LabelEvent::Took(run, above))) => said
+                .ink(Role::Candidate, words::capital(&name(*run)))
+                .text(format!(" {} ", verb(run, "touch", "touches")))
+                .ink(Role::Reference, name(*above))
+                .text(format!(" and {} ", verb(run, "take", "takes")))
+                .ink(Role::Best, label(run.label))
+                .text(match run.label == above.label {
+                    true => ".".into(),
+                    false => format!(", the root of {}.", label(above.label)),
+                }),
+            Some(Event::Run(LabelEvent::Met(run, other))) => said
+                .ink(Role::Candidate, words::capital(&name(*run)))
+                .text(format!(" {} ", verb(run, "touch", "touches")))
+                .ink(Role::Reference, name(*other))
+                .text(" as well, which has the same root."),
+            Some(Event::Run(LabelEvent::Merged(run, other, [root, child]))) => said
+                .ink(Role::Candidate, words::capital(&name(*run)))
+                .text(format!(" {} ", verb(run, "touch", "touches")))
+                .ink(Role::Reference, name(*other))
+                .text(" as well: two labels meet, and ")
+                .ink(Role::Result, format!("{} becomes a child of {}", label(*child), label(*root)))
+                .text("."),
+            Some(Event::Final(_, _, count)) => said
+                .text(match state.labelling.parents().len() {
+                    1 => "1 label has ".into(),
+                    labels => format!("{labels} labels have "),
+                })
+                .ink(Role::Result, words::counted(*count as usize, "root"))
+                .text(": each is a connected component, counted in raster order of its first pixel."),
+            Some(Event::Kept(_, blobs)) => {
+                let events = [subtraction::Event::Kept(Arc::clone(blobs))];
+                Account::new(&events).sentence(self.min_area).unwrap_or(said)
+            }
+        }
+    }
+
+    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
+        let state = seen.before;
+        if seen.events.is_empty() {
+            return Vec::new();
+        }
+        let so_far = SoFar::new(seen);
+        let mut facts: Vec<Fact> = vec![
+            Fact::new("Frame", state.frame.to_string(), None),
+            Fact::new("Runs", so_far.runs.len().to_string(), None),
+            Fact::new("Labels", so_far.parents.len().to_string(), None),
+            Fact::new("Roots", so_far.roots().to_string(), Some(Role::Result)),
+        ];
+        if let Some(root) = self.focused(seen, &so_far) {
+            facts.push(Fact::new("Pixel", root, Some(Role::Reference)));
+        }
+        facts.push(Fact::new("Label → parent", so_far.forest(), None));
+        let now = seen.after.unwrap_or(state);
+        let mut readouts = vec![Readout::Facts(facts)];
+        readouts.extend(plots(&now.record, &state.span));
+        readouts
+    }
+
+    /// The label of the pixel that is pointed at, and its root.
+    fn focused(&self, seen: &Seen<Self>, so_far: &SoFar) -> Option<String> {
+        let (width, height) = seen.before.picture;
+        let [x, y] = seen.focus?.map(|c| c + 0.5);
+        let is_inside = (0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y);
+        let (x, y) = is_inside.then_some((x as u32, y as u32))?;
+        let run = so_far.runs.iter().find(|run| run.y == y && (run.start..run.end).contains(&x));
+        Some(match run {
+            None => format!("{}, no label", words::pixel((x as usize, y as usize))),
+            Some(run) => format!(
+                "{}, {}, root {}",
+                words::pixel((x as usize, y as usize)),
+                label(run.label),
+                so_far.root(run.label) + 1
+            ),
+        })
+    }
+
+    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let state = seen.before;
+        match seen.events.last() {
+            None => return,
+            Some(Event::Final(_, labels, _)) => draw_labels(scene, Arc::clone(labels), "component, a colour for each"),
+            Some(Event::Kept(_, blobs)) => {
+                let events = [subtraction::Event::Kept(Arc::clone(blobs))];
+                Account::new(&events).draw(scene);
+            }
+            Some(Event::Row(_) | Event::Run(_)) => {
+                let given =
+                    seen.events.iter().find_map(|event| if let Event::Row(given) = event { Some(given) } else { None });
+                given.into_iter().for_each(|given| draw_waiting(scene, given, state.row));
+                let labels = SoFar::new(seen).labels(state.picture);
+                draw_labels(scene, Arc::new(labels), "label so far, a colour for each root");
+                let (x, width) = (0, state.picture.0);
+                scene.mark(Picture::Current, Role::Window, Shape::pixels(x, state.row as i32, width, 1));
+                scene.legend(Role::Window, "row");
+            }
+        }
+        let Some(Event::Run(event)) = seen.events.last() else { return };
+        let (run, other) = match event {
+            LabelEvent::Made(run) => (run, None),
+            LabelEvent::Took(run, other) | LabelEvent::Met(run, other) | LabelEvent::Merged(run, other, _) => {
+                (run, Some(other))
+            }
+        };
+        let mut mark = |run: &Run, role, meaning| {
+            let shape = Shape::pixels(run.start as i32, run.y as i32, (run.end - run.start) as usize, 1);
+            scene.mark(Picture::Current, role, shape);
+            scene.legend(role, meaning);
+        };
+        other.into_iter().for_each(|other| mark(other, Role::Reference, "run above that it touches"));
+        mark(run, Role::Candidate, "run at work");
+    }
+}
+
+fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static str) {
+    scene.mark(Picture::Current, Role::Best, Shape::Labels(labels));
+    scene.legend(Role::Best, meaning);
+}
+
+/// The pixels of the rows to come.
+fn draw_waiting(scene: &mut Scene, given: &Given, row: usize) {
+    let mut mask = given.mask.clone();
+    (0..row).for_each(|y| mask.write_row(y, |words| words.fill(0)));
+    scene.mark(Picture::Current, Role::Rejected, Shape::Mask(Arc::new(mask)));
+    scene.legend(Role::Rejected, "pixel that waits for a label");
+}

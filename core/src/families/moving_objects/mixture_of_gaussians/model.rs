@@ -1,0 +1,645 @@
+//! The modes of all pixels, and what a frame does to them.
+//!
+//! Pixels go in groups of a row that fit a wide register, and a group works on no more modes than its pixels have: most have one
+//! or two. The first modes of all groups lie one behind the other, then the second ones, so that memory is read in its order, and
+//! there is only as much of it as there are modes.
+
+use super::{MAX_SIGMAS, MixtureOfGaussians};
+use crate::base::{LANES, Threads, wide::widest};
+use crate::data::{Frame, Mask};
+use crate::methods::subtraction::Found;
+
+/// What a pixel may look like: a mean, and how far its frames stray from that in any direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// Its share of the frames, 0 to 1.
+    pub weight: f32,
+    /// The mean of |I − μ|² over the frames, all channels together: of n channels that stray alike, n times the variance of one.
+    pub variance: f32,
+    /// The mean: the gray value, or red, green and blue.
+    pub mean: Vec<f32>,
+}
+
+impl Mode {
+    /// How far a pixel is from the mean, in roots of that.
+    pub fn distance(&self, pixel: &[f32]) -> f32 {
+        let square: f32 = pixel.iter().zip(&self.mean).map(|(pixel, mean)| (pixel - mean) * (pixel - mean)).sum();
+        (square / self.variance).sqrt()
+    }
+
+    /// The gray value of the mean.
+    pub fn gray(&self) -> f32 {
+        match self.mean[..] {
+            [red, green, blue] => 0.299 * red + 0.587 * green + 0.114 * blue,
+            _ => self.mean[0],
+        }
+    }
+}
+
+/// What is known of all pixels.
+#[derive(Debug, PartialEq)]
+pub struct Mixture {
+    size: (usize, usize),
+    /// 1 for gray values, 3 for colours.
+    channels: usize,
+    /// At most so many modes.
+    most: usize,
+    /// How many modes of each group are in use.
+    counts: Vec<u8>,
+    /// The modes, by their index, and of each those of all groups: the weights of the pixels, their variances, and the means of
+    /// each channel. A mode that a pixel has not got weighs nothing. None where the mixture is packed.
+    planes: Vec<Vec<f32>>,
+    /// The modes in use, by group, if it is packed.
+    packed: Option<Packed>,
+}
+
+/// Modes without room for those that are not in use.
+#[derive(Clone, Debug, PartialEq)]
+struct Packed {
+    cells: Vec<f32>,
+    /// Where each group begins.
+    starts: Vec<usize>,
+}
+
+impl Clone for Mixture {
+    /// What no group uses is not copied.
+    fn clone(&self) -> Self {
+        let used = self.used();
+        let copy =
+            |(index, plane): (usize, &Vec<f32>)| if index < used { plane.clone() } else { vec![0.0; plane.len()] };
+        Self {
+            planes: self.planes.iter().enumerate().map(copy).collect(),
+            counts: self.counts.clone(),
+            packed: self.packed.clone(),
+            ..*self
+        }
+    }
+}
+
+/// What is the same for all pixels.
+#[derive(Clone, Copy)]
+struct Rates {
+    rate: f32,
+    /// Weight that a mode loses with each frame.
+    lost: f32,
+    /// The squares of the threshold, and of the standard deviations.
+    limit: f32,
+    first: f32,
+    least: f32,
+    largest: f32,
+    background: f32,
+    /// The least share of light in a shadow; none are looked for where it is absent.
+    darkest: Option<f32>,
+}
+
+impl Rates {
+    fn new(of: &MixtureOfGaussians) -> Self {
+        let first = of.first_sigma.max(of.min_sigma);
+        Self {
+            rate: of.rate,
+            lost: of.rate * of.prune,
+            limit: of.threshold * of.threshold,
+            first: first * first,
+            least: of.min_sigma * of.min_sigma,
+            largest: MAX_SIGMAS * MAX_SIGMAS * first * first,
+            background: of.background,
+            darkest: of.shadows.then_some(of.darkest),
+        }
+    }
+}
+
+/// Rows of the model and of the masks, and the pixels that they meet.
+struct Band<'a> {
+    width: usize,
+    most: usize,
+    counts: &'a mut [u8],
+    /// Of each mode those of the groups.
+    planes: Vec<&'a mut [f32]>,
+    mask: &'a mut [u64],
+    shadows: &'a mut [u64],
+    frame: &'a Frame,
+    first_row: usize,
+}
+
+/// Rows that a thread takes at once.
+const BAND_ROWS: usize = 16;
+
+impl Mixture {
+    /// A mode for each pixel, with the first frame as means.
+    pub fn new(of: &MixtureOfGaussians, first: &Frame) -> Self {
+        let (width, height) = first.size();
+        let channels = if first.color().is_some() { 3 } else { 1 };
+        let groups = width.div_ceil(LANES) * height;
+        let part = (2 + channels) * LANES;
+        let (mut cells, variance) = (vec![0.0; groups * part], Rates::new(of).first);
+        for (group, cells) in cells.chunks_exact_mut(part).enumerate() {
+            let (y, start) = (group / width.div_ceil(LANES), group % width.div_ceil(LANES) * LANES);
+            cells[..LANES].fill(1.0);
+            cells[LANES..2 * LANES].fill(variance);
+            let means = cells[2 * LANES..].as_chunks_mut::<LANES>().0;
+            match means {
+                [mean] => *mean = gray(first, y, start)[0],
+                means => means.copy_from_slice(&color(first, y, start)),
+            }
+        }
+        let counts = vec![1; groups];
+        Self { size: first.size(), channels, most: of.modes, counts, planes: vec![cells], packed: None }
+    }
+
+    /// Memory of so many modes for each pixel, in bytes: weight, variance and means.
+    pub fn need(modes: usize, channels: usize) -> f64 {
+        (modes * (2 + channels) * size_of::<f32>() + 2) as f64
+    }
+
+    /// Numbers of a mode of a group.
+    fn part(&self) -> usize {
+        (2 + self.channels) * LANES
+    }
+
+    /// The most modes that a group uses.
+    fn used(&self) -> usize {
+        self.counts.iter().copied().max().map_or(0, usize::from)
+    }
+
+    /// A mode of a group.
+    fn mode(&self, group: usize, index: usize) -> &[f32] {
+        let part = self.part();
+        match &self.packed {
+            Some(Packed { cells, starts }) => &cells[starts[group] + index * part..][..part],
+            None => &self.planes[index][group * part..][..part],
+        }
+    }
+
+    /// The modes of a group that are in use.
+    fn modes_of(&self, group: usize) -> impl Iterator<Item = &[f32]> {
+        (0..usize::from(self.counts[group])).map(move |index| self.mode(group, index))
+    }
+
+    /// The same without room for modes that are not in use: most pixels have one or two.
+    #[must_use]
+    pub fn packed(&self) -> Self {
+        if self.packed.is_some() {
+            return self.clone();
+        }
+        let (part, mut cells, mut starts) = (self.part(), Vec::new(), Vec::with_capacity(self.counts.len()));
+        cells.reserve_exact(self.counts.iter().map(|count| usize::from(*count) * part).sum());
+        for group in 0..self.counts.len() {
+            starts.push(cells.len());
+            self.modes_of(group).for_each(|mode| cells.extend_from_slice(mode));
+        }
+        let (counts, packed) = (self.counts.clone(), Some(Packed { cells, starts }));
+        Self { counts, planes: Vec::new(), packed, ..*self }
+    }
+
+    /// Makes room for modes that may come with a frame: a group gets at most one more.
+    fn make_room(&mut self) {
+        let (part, used) = (self.part(), self.used());
+        let planes = (used + 1).min(self.most);
+        let plane = || vec![0.0; self.counts.len() * part];
+        while self.planes.len() < planes {
+            self.planes.push(plane());
+        }
+        let Some(Packed { cells, starts }) = self.packed.take() else { return };
+        for (group, (count, start)) in self.counts.iter().zip(starts).enumerate() {
+            for (plane, mode) in self.planes.iter_mut().zip(cells[start..].chunks_exact(part)).take(usize::from(*count))
+            {
+                plane[group * part..][..part].copy_from_slice(mode);
+            }
+        }
+    }
+
+    /// Decides the pixels of a frame, and takes it in.
+    pub fn subtract(&mut self, of: &MixtureOfGaussians, frame: &Frame, threads: &Threads) -> Found {
+        self.make_room();
+        let ((width, height), part) = (self.size, self.part());
+        let (rates, most) = (Rates::new(of), self.most);
+        // A clip may have gray pictures among those in colour.
+        let gathered = (self.channels == 3 && frame.color().is_none()).then(|| as_color(frame));
+        let frame = gathered.as_ref().unwrap_or(frame);
+        let (mut mask, mut shadows) = (Mask::new(width, height), Mask::new(width, height));
+        let groups = BAND_ROWS * width.div_ceil(LANES);
+        let mut planes: Vec<_> = self.planes.iter_mut().map(|plane| plane.chunks_mut(groups * part)).collect();
+        let bands = self.counts.chunks_mut(groups).map(|counts| {
+            let planes: Vec<&mut [f32]> = planes.iter_mut().filter_map(Iterator::next).collect();
+            (counts, planes)
+        });
+        // Groups reach beyond the width; what they say of pixels there is not kept.
+        mask.write(|words, in_row| {
+            shadows.write(|shadows, _| {
+                let words = words.chunks_mut(BAND_ROWS * in_row).zip(shadows.chunks_mut(BAND_ROWS * in_row));
+                let bands = bands.zip(words).enumerate().map(|(i, ((counts, planes), (mask, shadows)))| Band {
+                    width,
+                    most,
+                    counts,
+                    planes,
+                    mask,
+                    shadows,
+                    frame,
+                    first_row: i * BAND_ROWS,
+                });
+                match self.channels {
+                    1 => threads.each(bands.collect(), |mut band| in_gray(&mut band, rates)),
+                    _ => threads.each(bands.collect(), |mut band| in_color(&mut band, rates)),
+                }
+            });
+        });
+        let tells_shadows = of.shadows && self.channels == 3;
+        Found { mask, shadows: tells_shadows.then_some(shadows) }
+    }
+
+    /// The modes of a pixel, the heaviest first; of two as heavy, the older place.
+    pub fn modes(&self, (x, y): (usize, usize)) -> Vec<Mode> {
+        let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
+        let mut modes: Vec<_> = self
+            .modes_of(group)
+            .filter(|mode| mode[lane] > 0.0)
+            .map(|mode| Mode {
+                weight: mode[lane],
+                variance: mode[LANES + lane],
+                mean: mode[2 * LANES..].chunks_exact(LANES).map(|mean| mean[lane]).collect(),
+            })
+            .collect();
+        modes.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        modes
+    }
+
+    /// How far a pixel is from the nearest mode of the background, in standard deviations; from the heaviest where no mode is.
+    /// The heaviest modes whose weight adds up to `background` are the background.
+    pub fn distance(&self, frame: &Frame, (x, y): (usize, usize), background: f32) -> f32 {
+        let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
+        let gray = f32::from(frame.luma()[(x, y)]);
+        let pixel = match (self.channels, frame.color()) {
+            (3, Some(color)) => color[(x, y)].map(f32::from),
+            _ => [gray; 3],
+        };
+        let weights = || self.modes_of(group).map(|mode| mode[lane]).enumerate().filter(|(_, weight)| *weight > 0.0);
+        let (mut nearest, mut of_heaviest) = (f32::INFINITY, [0.0; 2]);
+        for (index, weight) in weights() {
+            let is_before =
+                |(other, heavier): &(usize, f32)| *heavier > weight || (*heavier == weight && *other < index);
+            let heavier: f32 = weights().filter(is_before).map(|(_, weight)| weight).sum();
+            let mode = self.mode(group, index);
+            let means = mode[2 * LANES..].chunks_exact(LANES).map(|mean| mean[lane]);
+            let square: f32 = pixel.iter().zip(means).map(|(pixel, mean)| (pixel - mean) * (pixel - mean)).sum();
+            let distance = (square / mode[LANES + lane]).sqrt();
+            if heavier < background {
+                nearest = nearest.min(distance);
+            }
+            if weight > of_heaviest[0] {
+                of_heaviest = [weight, distance];
+            }
+        }
+        if nearest.is_finite() { nearest } else { of_heaviest[1] }
+    }
+
+    /// A pixel as it is compared with modes.
+    pub fn pixel(&self, frame: &Frame, place: (usize, usize)) -> Vec<f32> {
+        match (self.channels, frame.color()) {
+            (3, Some(color)) => color[place].map(f32::from).to_vec(),
+            (channels, _) => vec![f32::from(frame.luma()[place]); channels],
+        }
+    }
+
+    /// Memory that it takes, in bytes.
+    pub fn bytes(&self) -> usize {
+        let planes: usize = self.planes.iter().map(|plane| size_of_val(&plane[..])).sum();
+        let packed = self.packed.as_ref().map_or(0, |of| size_of_val(&of.cells[..]) + size_of_val(&of.starts[..]));
+        size_of_val(&self.counts[..]) + planes + packed
+    }
+}
+
+/// A gray picture in colour.
+fn as_color(frame: &Frame) -> Frame {
+    Frame::rgb(frame.luma().map(|gray| [*gray; 3]))
+}
+
+/// The pixels of a group; 0 beyond the edge.
+#[inline(always)]
+fn gray(frame: &Frame, y: usize, start: usize) -> [[f32; LANES]; 1] {
+    let (row, mut pixels) = (&frame.luma().row(y)[start..], [0.0; LANES]);
+    pixels.iter_mut().zip(row).for_each(|(pixel, gray)| *pixel = f32::from(*gray));
+    [pixels]
+}
+
+#[inline(always)]
+fn color(frame: &Frame, y: usize, start: usize) -> [[f32; LANES]; 3] {
+    let mut pixels = [[0.0; LANES]; 3];
+    if let Some(color) = frame.color() {
+        let row = &color.row(y)[start..];
+        let count = row.len().min(LANES);
+        for (channel, pixels) in pixels.iter_mut().enumerate() {
+            pixels[..count].iter_mut().zip(row).for_each(|(pixel, color)| *pixel = f32::from(color[channel]));
+        }
+    }
+    pixels
+}
+
+widest!(fn in_gray(band: &mut Band<'_>, rates: Rates) = gray_band);
+widest!(fn in_color(band: &mut Band<'_>, rates: Rates) = color_band);
+
+#[inline(always)]
+fn gray_band(band: &mut Band<'_>, rates: Rates) {
+    work::<1>(band, Rates { darkest: None, ..rates }, |frame, y, [row]| {
+        row.iter_mut().zip(frame.luma().row(y)).for_each(|(to, gray)| *to = *gray);
+    });
+}
+
+#[inline(always)]
+fn color_band(band: &mut Band<'_>, rates: Rates) {
+    work::<3>(band, rates, |frame, y, [red, green, blue]| {
+        let Some(color) = frame.color() else { return };
+        for (((to_red, to_green), to_blue), [r, g, b]) in red.iter_mut().zip(green).zip(blue).zip(color.row(y)) {
+            (*to_red, *to_green, *to_blue) = (*r, *g, *b);
+        }
+    });
+}
+
+/// Works on the groups of a band; `split` takes the channels of a row apart, which are 0 beyond the edge.
+#[inline(always)]
+fn work<const C: usize>(band: &mut Band<'_>, rates: Rates, split: impl Fn(&Frame, usize, [&mut [u8]; C])) {
+    let (in_row, words) = (band.width.div_ceil(LANES), band.width.div_ceil(64));
+    let mut rows: [Vec<u8>; C] = std::array::from_fn(|_| vec![0; in_row * LANES]);
+    for (row, counts) in band.counts.chunks_mut(in_row).enumerate() {
+        split(band.frame, band.first_row + row, rows.each_mut().map(|row| &mut row[..band.width]));
+        for (group, count) in counts.iter_mut().enumerate() {
+            let start = group * LANES;
+            let pixels = rows.each_ref().map(|row| lanes(&row[start..]));
+            let (planes, place) = (&mut band.planes[..], (row * in_row + group) * (2 + C) * LANES);
+            let mut group = Group { planes, place, most: band.most, count: usize::from(*count), pixels, rates: &rates };
+            let (foreground, shadows) = group.take_in();
+            *count = group.count as u8;
+            let (word, bit) = (row * words + start / 64, start % 64);
+            band.mask[word] |= u64::from(foreground) << bit;
+            band.shadows[word] |= u64::from(shadows) << bit;
+        }
+    }
+}
+
+/// The first pixels of a row that has so many.
+#[inline(always)]
+fn lanes(row: &[u8]) -> [f32; LANES] {
+    let mut pixels = [0.0; LANES];
+    if let Some(row) = row.first_chunk::<LANES>() {
+        for lane in 0..LANES {
+            pixels[lane] = f32::from(row[lane]);
+        }
+    }
+    pixels
+}
+
+/// A bit for each lane for which `is` holds.
+#[inline(always)]
+fn bits(is: impl Fn(usize) -> bool) -> u16 {
+    let mut bits = [0u32; LANES];
+    for (lane, bit) in bits.iter_mut().enumerate() {
+        *bit = if is(lane) { 1 << lane } else { 0 };
+    }
+    bits.iter().fold(0, |all, bit| all | bit) as u16
+}
+
+/// Pixels beside each other with their modes.
+struct Group<'a, 'b, const C: usize> {
+    /// Of each mode those of all groups, and where its own begin.
+    planes: &'a mut [&'b mut [f32]],
+    place: usize,
+    most: usize,
+    count: usize,
+    pixels: [[f32; LANES]; C],
+    rates: &'a Rates,
+}
+
+/// The mode that each pixel belongs to.
+struct Matches {
+    /// Its weight; 0 where there is none.
+    weights: [f32; LANES],
+    /// Its index.
+    modes: [f32; LANES],
+}
+
+impl<const C: usize> Group<'_, '_, C> {
+    /// Decides and updates the pixels: a bit for each that is foreground, and for each that is a shadow.
+    #[inline(always)]
+    fn take_in(&mut self) -> (u16, u16) {
+        let matches = self.matches();
+        let heavier = self.heavier(&matches.weights, &matches.modes);
+        let background = self.rates.background;
+        let foreground = !bits(|lane| (matches.weights[lane] > 0.0) & (heavier[lane] < background));
+        let shadows = match self.rates.darkest {
+            Some(darkest) if foreground != 0 => self.shadows(foreground, darkest),
+            _ => 0,
+        };
+        self.update(&matches);
+        (foreground, shadows)
+    }
+
+    #[inline(always)]
+    fn mode(&self, mode: usize) -> &[[f32; LANES]] {
+        self.planes[mode][self.place..][..(2 + C) * LANES].as_chunks::<LANES>().0
+    }
+
+    #[inline(always)]
+    fn mode_mut(&mut self, mode: usize) -> &mut [[f32; LANES]] {
+        self.planes[mode][self.place..][..(2 + C) * LANES].as_chunks_mut::<LANES>().0
+    }
+
+    /// |I − μ|² of a mode.
+    #[inline(always)]
+    fn squares(&self, mode: &[[f32; LANES]]) -> [f32; LANES] {
+        let mut squares = [0.0; LANES];
+        for (pixels, means) in self.pixels.iter().zip(&mode[2..2 + C]) {
+            for lane in 0..LANES {
+                let off = pixels[lane] - means[lane];
+                squares[lane] += off * off;
+            }
+        }
+        squares
+    }
+
+    /// The heaviest mode that each pixel fits; of two as heavy, the first.
+    #[inline(always)]
+    fn matches(&self) -> Matches {
+        let mut found = Matches { weights: [0.0; LANES], modes: [-1.0; LANES] };
+        for index in 0..self.count {
+            let mode = self.mode(index);
+            let squares = self.squares(mode);
+            for lane in 0..LANES {
+                let (weight, variance) = (mode[0][lane], mode[1][lane]);
+                let is_better = (squares[lane] <= self.rates.limit * variance) & (weight > found.weights[lane]);
+                found.weights[lane] = if is_better { weight } else { found.weights[lane] };
+                found.modes[lane] = if is_better { index as f32 } else { found.modes[lane] };
+            }
+        }
+        found
+    }
+
+    /// The weight of all modes that come before one of that weight and index.
+    #[inline(always)]
+    fn heavier(&self, weights: &[f32; LANES], modes: &[f32; LANES]) -> [f32; LANES] {
+        let mut sum = [0.0; LANES];
+        for index in 0..self.count {
+            let mode = self.mode(index);
+            for lane in 0..LANES {
+                let weight = mode[0][lane];
+                let is_before = (weight > weights[lane]) | ((weight == weights[lane]) & ((index as f32) < modes[lane]));
+                sum[lane] += if is_before { weight } else { 0.0 };
+            }
+        }
+        sum
+    }
+
+    /// Which pixels of the foreground are a darker view of a mode of the background.
+    fn shadows(&self, foreground: u16, darkest: f32) -> u16 {
+        let mut shadows = 0;
+        for index in 0..self.count {
+            let mode = self.mode(index);
+            let heavier = self.heavier(&mode[0], &[index as f32; LANES]);
+            for lane in (0..LANES).filter(|lane| foreground >> lane & 1 == 1) {
+                let is_background = mode[0][lane] > 0.0 && heavier[lane] < self.rates.background;
+                let (pixel, mean) =
+                    (self.pixels.map(|p| p[lane]), std::array::from_fn::<_, C, _>(|c| mode[2 + c][lane]));
+                let is_shadow = is_background && is_darker(pixel, mean, (darkest, self.rates.limit * mode[1][lane]));
+                shadows |= u16::from(is_shadow) << lane;
+            }
+        }
+        shadows
+    }
+
+    /// Takes the pixels into their modes.
+    #[inline(always)]
+    fn update(&mut self, matches: &Matches) {
+        let Rates { rate, lost, least, largest, .. } = *self.rates;
+        let mut total = [0.0f32; LANES];
+        for index in 0..self.count {
+            let squares = self.squares(self.mode(index));
+            let pixels = self.pixels;
+            let mode = self.mode_mut(index);
+            let mut steps = [0.0; LANES];
+            for lane in 0..LANES {
+                let is_match = matches.modes[lane] == index as f32;
+                let weight = mode[0][lane];
+                let weight = weight + rate * (if is_match { 1.0 } else { 0.0 } - weight) - lost;
+                // One that has had no evidence for too long is gone.
+                let weight = if (weight > 0.0) & (mode[0][lane] > 0.0) { weight } else { 0.0 };
+                let step = rate / weight;
+                steps[lane] = if is_match & (weight > 0.0) { step } else { 0.0 };
+                mode[0][lane] = weight;
+                total[lane] += weight;
+                let variance = mode[1][lane] + steps[lane] * (squares[lane] - mode[1][lane]);
+                let variance = if variance > least { variance } else { least };
+                let variance = if variance < largest { variance } else { largest };
+                mode[1][lane] = if is_match { variance } else { mode[1][lane] };
+            }
+            for (means, pixels) in mode[2..2 + C].iter_mut().zip(&pixels) {
+                for lane in 0..LANES {
+                    means[lane] += steps[lane] * (pixels[lane] - means[lane]);
+                }
+            }
+        }
+        self.normalise(matches, &total);
+        let new = bits(|lane| matches.weights[lane] == 0.0);
+        if rate > 0.0 && new != 0 {
+            (0..LANES).filter(|lane| new >> lane & 1 == 1).for_each(|lane| self.begin(lane));
+        }
+    }
+
+    /// Makes weights add up to 1 where a mode fits, and sees how many modes are left.
+    #[inline(always)]
+    fn normalise(&mut self, matches: &Matches, total: &[f32; LANES]) {
+        let mut scale = [1.0; LANES];
+        for lane in 0..LANES {
+            scale[lane] = if matches.weights[lane] > 0.0 { 1.0 / total[lane] } else { 1.0 };
+        }
+        let mut count = 0;
+        for index in 0..self.count {
+            let weights = &mut self.mode_mut(index)[0];
+            for lane in 0..LANES {
+                weights[lane] *= scale[lane];
+            }
+            count = if bits(|lane| weights[lane] > 0.0) != 0 { index + 1 } else { count };
+        }
+        self.count = count;
+    }
+
+    /// Begins a mode for a pixel that fits none, in a place that is free or else in that of the lightest.
+    fn begin(&mut self, lane: usize) {
+        let weight = |group: &Self, index: usize| group.mode(index)[0][lane];
+        let lightest = (0..self.count).reduce(|a, b| if weight(self, b) < weight(self, a) { b } else { a });
+        let place = match lightest {
+            Some(index) if weight(self, index) == 0.0 || self.count == self.most => index,
+            _ => self.count,
+        };
+        self.count = self.count.max(place + 1);
+        self.mode_mut(place)[0][lane] = 0.0;
+        let others: f32 = (0..self.count).map(|index| weight(self, index)).sum();
+        let Rates { rate, first, .. } = *self.rates;
+        if others > 0.0 {
+            (0..self.count).for_each(|index| self.mode_mut(index)[0][lane] *= (1.0 - rate) / others);
+        }
+        let pixel = self.pixels.map(|pixels| pixels[lane]);
+        let mode = self.mode_mut(place);
+        mode[0][lane] = if others > 0.0 { rate } else { 1.0 };
+        mode[1][lane] = first;
+        mode[2..2 + C].iter_mut().zip(pixel).for_each(|(mean, pixel)| mean[lane] = pixel);
+    }
+}
+
+/// Whether a pixel has the colour of `mean` with less light: it is a μ, give or take, with `darkest` ≤ a ≤ 1.
+#[inline(always)]
+pub fn is_darker<const C: usize>(pixel: [f32; C], mean: [f32; C], (darkest, limit): (f32, f32)) -> bool {
+    let (mut along, mut square) = (0.0, 0.0);
+    for c in 0..C {
+        along += pixel[c] * mean[c];
+        square += mean[c] * mean[c];
+    }
+    let light = along / square;
+    let mut off = 0.0;
+    for c in 0..C {
+        off += (light * mean[c] - pixel[c]) * (light * mean[c] - pixel[c]);
+    }
+    // In the dark the pixel strays less as well. A black mean has no colour: its light is not a number.
+    light >= darkest && light <= 1.0 && off <= limit * light * light
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Grid;
+
+    #[test]
+    fn a_distance_is_that_of_the_modes_one_by_one_packed_or_not() {
+        let of = MixtureOfGaussians { rate: 0.2, ..MixtureOfGaussians::default() };
+        let value = |x: usize, y: usize, t: usize| {
+            (40 + (x * 7 + y * 13) % 50 + if t.is_multiple_of(3) { 90 } else { t % 5 }) as u8
+        };
+        for in_color in [false, true] {
+            let frame = |t: usize| match in_color {
+                true => Frame::rgb(Grid::from_fn(37, 5, |x, y| [value(x, y, t), value(y, x, t), 90])),
+                false => Frame::gray(Grid::from_fn(37, 5, |x, y| value(x, y, t))),
+            };
+            let mut model = Mixture::new(&of, &frame(0));
+            for t in 1..9 {
+                model.subtract(&of, &frame(t), &Threads::single());
+            }
+            let (next, packed) = (frame(9), model.packed());
+            for place in (0..5).flat_map(|y| (0..37).map(move |x| (x, y))) {
+                let (modes, pixel) = (model.modes(place), model.pixel(&next, place));
+                let mut heavier = 0.0;
+                let mut expected = f32::INFINITY;
+                for mode in &modes {
+                    if heavier < of.background {
+                        expected = expected.min(mode.distance(&pixel));
+                    }
+                    heavier += mode.weight;
+                }
+                let found = model.distance(&next, place, of.background);
+                assert!((found - expected).abs() <= 1e-5 * expected.abs(), "{place:?}: {found}, {expected}");
+                assert_eq!(packed.distance(&next, place, of.background), found);
+            }
+            assert!(packed.bytes() < model.bytes() && model.clone().packed() == packed);
+            model.subtract(&of, &next, &Threads::single());
+            let mut again = packed;
+            again.subtract(&of, &next, &Threads::single());
+            assert_eq!(again.packed().modes((3, 2)), model.modes((3, 2)));
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! Moving objects: from pixels that do not look like the background to blobs. One file per estimator; the shared parts are
+//! in `subtraction` and `objects`.
+
+mod connected_components;
+mod flow_magnitude;
+mod frame_difference;
+mod median_background;
+mod mixture_of_gaussians;
+mod running_average;
+mod single_gaussian;
+
+pub use crate::methods::subtraction::Subtraction;
+pub use connected_components::ConnectedComponents;
+pub use flow_magnitude::FlowMagnitude;
+pub use frame_difference::FrameDifference;
+pub use median_background::MedianBackground;
+pub use mixture_of_gaussians::MixtureOfGaussians;
+pub use running_average::RunningAverage;
+pub use single_gaussian::SingleGaussian;

@@ -1,0 +1,506 @@
+//! Point trajectories: points of a grid are carried along by dense flow, and beside that followed as features.
+
+mod tell;
+
+use std::sync::Arc;
+
+use crate::base::{Error, Observer, Threads};
+use crate::data::{Clip, Flow};
+use crate::geometry::Grid;
+use crate::methods::{
+    differential::truth,
+    features::{
+        follow::Follow,
+        tracker::{Level, Template},
+    },
+};
+use crate::products::{Feature, Output, Product, ProductKind, Status, Track, TrackField, consistency::returned};
+use crate::run::{DenseFlow, Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen, Span, Stage, need};
+use crate::scene::{Chart, Role, Scene, Step};
+use crate::{params, pseudocode};
+
+params! {
+    /// Points of a grid, carried along by dense optical flow.
+    pub struct PointTrajectories {
+        /// At most so many frames are gone through, the first one counted; fewer where the clip ends.
+        frames: usize = 30, 2..=10_000;
+        /// Method that estimates the optical flow.
+        method: Stage<DenseFlow> = Stage::named("horn-schunck");
+        /// From one point of the grid to the next.
+        spacing: usize = 10, 1..=100, "px";
+        /// Begin points in each frame in the cells of the grid that have become empty.
+        replenish: bool = true;
+        /// A point is lost where going along the flow and back leads off by more, squared, than this and a share of both displacements.
+        tolerance: f32 = 0.5, 0.0..=1000.0, "px²";
+        /// That share of the squares of both displacements, there and back.
+        share: f32 = 0.01, 0.0..=1.0;
+        /// A point is lost, or does not begin, where the smaller eigenvalue of its window's tensor, in (gray levels per px)² for a pixel, is less.
+        structure: f32 = 0.5, 0.0..=100.0;
+        /// Side of the window around each point that is asked for structure and followed as a feature; an even one reaches as far as the next odd one.
+        window: usize = 15, 3..=31, "px";
+        /// Levels of the pyramid through which features are followed; fewer where a side would be less than 16 px.
+        levels: usize = 4, 1..=8;
+    }
+}
+
+/// As features, points are followed as the KLT tracker does it by default.
+const ITERATIONS: usize = 30;
+const EPSILON_PX: f32 = 0.01;
+const MAX_RESIDUAL: f32 = 20.0;
+
+/// What a run reads and writes.
+#[derive(Clone)]
+pub struct State {
+    span: Span,
+    /// The first frame of the pair at hand.
+    frame: usize,
+    /// All points, as the flow carries them and as features, in the order in which they began.
+    tracks: Vec<Arc<Track>>,
+    twins: Vec<Arc<Track>>,
+    /// Those that are not lost.
+    live: Vec<Live>,
+    /// The pairs so far.
+    notes: Arc<Vec<Note>>,
+    /// Width and height of the picture in px.
+    picture: (usize, usize),
+    /// Memory that a pair takes.
+    pair_bytes: usize,
+}
+
+/// A point that is not lost.
+#[derive(Clone, Copy, Debug)]
+struct Live {
+    track: u32,
+    /// Where the flow has carried it, in px.
+    at: [f32; 2],
+    /// Where it is as a feature, unless that is lost.
+    twin: Option<[f32; 2]>,
+    /// Where it truly is, as far as that is known.
+    truth: Option<[f32; 2]>,
+}
+
+/// A pair in numbers; means in px, NaN of nothing.
+#[derive(Clone, Copy, Debug)]
+struct Note {
+    /// Points that it begins with.
+    points: u32,
+    /// From where the flow has carried points to where they are as features.
+    apart: f32,
+    /// From where they truly are to both.
+    errors: [f32; 2],
+}
+
+/// Two frames and what is known of them.
+struct Pair {
+    pyramids: [Vec<Level>; 2],
+    /// The flow, and that of the reverse pair.
+    flows: [Flow; 2],
+    truth: Option<Arc<Flow>>,
+    hidden: Option<Arc<Grid<bool>>>,
+}
+
+/// What becomes of a point.
+#[derive(Clone, Copy, Debug)]
+struct Moved {
+    live: Live,
+    /// The smaller eigenvalue of its window's tensor, in (gray levels per px)² for a pixel.
+    structure: f32,
+    /// Where the flow leads from it, and that of the reverse pair back from there.
+    there: Option<[f32; 2]>,
+    back: Option<[f32; 2]>,
+    /// What has become of it, and of it as a feature.
+    feature: Feature,
+    twin: Option<Feature>,
+    /// Where it truly goes.
+    truth: Option<[f32; 2]>,
+}
+
+/// What happens in a pair.
+#[derive(Clone)]
+pub struct Event(What);
+
+#[derive(Clone)]
+enum What {
+    /// The flow was found, forward and back.
+    Flow(Arc<Pair>),
+    /// So many points begin.
+    Begun(usize),
+    /// What becomes of a point.
+    Moved(Arc<Pair>, Moved),
+    /// The pair is over.
+    Done(Note),
+}
+
+impl Moved {
+    /// Where the flow carries it, unless it is lost.
+    fn to(&self) -> Option<[f32; 2]> {
+        end(&self.feature)
+    }
+
+    fn twin_to(&self) -> Option<[f32; 2]> {
+        end(&self.twin?)
+    }
+
+    /// How far both are apart by now, in px.
+    fn apart(&self) -> Option<f32> {
+        Some(distance(self.to()?, self.twin_to()?))
+    }
+}
+
+fn end(feature: &Feature) -> Option<[f32; 2]> {
+    feature.displacement.map(|uv| [0, 1].map(|i| feature.at[i] + uv[i]))
+}
+
+fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+impl Note {
+    fn of(moved: &[Moved]) -> Self {
+        let mean = |of: &dyn Fn(&Moved) -> Option<f32>| {
+            let known = moved.iter().filter_map(of);
+            let (sum, count) = known.fold((0.0, 0u32), |(sum, count), value| (sum + f64::from(value), count + 1));
+            (sum / f64::from(count)) as f32
+        };
+        Self {
+            points: moved.len() as u32,
+            apart: mean(&Moved::apart),
+            errors: [
+                mean(&|moved| Some(distance(moved.to()?, moved.truth?))),
+                // Of the same points.
+                mean(&|moved| moved.to().and(Some(distance(moved.twin_to()?, moved.truth?)))),
+            ],
+        }
+    }
+}
+
+impl Pair {
+    /// The smaller eigenvalue of the tensor of a window, in (gray levels per px)² for a pixel.
+    fn structure(&self, at: [f32; 2], reach: usize) -> f32 {
+        Template::new(&self.pyramids[0][0], at, reach).tensor.eigenvalues()[1]
+    }
+
+    /// Mean absolute difference of the windows around a place and around the one that it goes to, in gray levels.
+    fn residual(&self, (at, to): ([f32; 2], [f32; 2]), reach: usize) -> f32 {
+        Template::new(&self.pyramids[0][0], at, reach).mismatch(&self.pyramids[1][0], to).residual
+    }
+
+    /// Where a place truly goes, if that is known and can be seen.
+    fn true_end(&self, at: [f32; 2]) -> Option<[f32; 2]> {
+        let pixel = at.map(|c| c.round() as usize);
+        let is_hidden = self.hidden.as_ref().is_some_and(|hidden| hidden.get(pixel[0], pixel[1]) == Some(&true));
+        let uv = self.truth.as_ref().filter(|_| !is_hidden)?.sample(at)?;
+        Some([0, 1].map(|i| at[i] + uv[i]))
+    }
+
+    fn bytes(&self) -> usize {
+        let levels: usize = self.pyramids.iter().flatten().map(Level::bytes).sum();
+        levels + self.flows.iter().map(|flow| size_of_val(flow.0.cells())).sum::<usize>()
+    }
+}
+
+impl PointTrajectories {
+    fn reach(&self) -> usize {
+        self.window / 2
+    }
+
+    fn pair(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<Pair, Error> {
+        let frames = clip.pair(t)?;
+        let pyramids = frames.each_ref().map(|frame| Level::pyramid(frame.luma(), self.levels, self.reach()));
+        let flows = [self.method.flow(clip, t, threads)?, self.method.flow(&clip.reversed(t)?, 0, threads)?];
+        // A truth that cannot be read is told where errors are; a run needs none.
+        let hidden = clip.truth().and_then(|truth| truth.occlusion(t).ok().flatten());
+        Ok(Pair { pyramids, flows, truth: truth(clip, t), hidden })
+    }
+
+    /// Begins points in the cells of the grid in which there is none, where there is structure; how many.
+    fn begin(&self, state: &mut State, pair: &Pair) -> usize {
+        if state.frame > state.span.first && !self.replenish {
+            return 0;
+        }
+        let (width, height) = state.picture;
+        let cell = |at: [f32; 2]| at.map(|c| c.max(0.0) as usize / self.spacing);
+        let mut is_taken = Grid::new(width.div_ceil(self.spacing), height.div_ceil(self.spacing), false);
+        for live in &state.live {
+            let [x, y] = cell(live.at);
+            is_taken[(x, y)] = true;
+        }
+        let along = |extent: usize| (self.spacing / 2..extent).step_by(self.spacing);
+        let before = state.live.len();
+        for (x, y) in along(height).flat_map(|y| along(width).map(move |x| (x, y))) {
+            let at = [x as f32, y as f32];
+            let [column, row] = cell(at);
+            if is_taken[(column, row)] || pair.structure(at, self.reach()) < self.structure {
+                continue;
+            }
+            state.live.push(Live { track: state.tracks.len() as u32, at, twin: Some(at), truth: Some(at) });
+            let point = Feature { at, displacement: None, status: Status::Found, residual: None };
+            let track = Arc::new(Track { first: state.frame, points: vec![point] });
+            state.tracks.push(Arc::clone(&track));
+            state.twins.push(track);
+        }
+        state.live.len() - before
+    }
+
+    /// Carries a point along, and follows it as a feature.
+    fn moved(&self, pair: &Pair, live: Live) -> Moved {
+        let structure = pair.structure(live.at, self.reach());
+        let [flow, reverse] = &pair.flows;
+        let there = flow.sample(live.at);
+        let to = there.map(|uv| [0, 1].map(|i| live.at[i] + uv[i]));
+        let is_inside = |place: &[f32; 2]| pair.pyramids[1][0].holds(*place);
+        let back = to.filter(is_inside).and_then(|to| reverse.sample(to));
+        let result = match (there, to, back) {
+            _ if structure < self.structure => Err(Status::Flat),
+            (_, Some(to), _) if !is_inside(&to) => Err(Status::Outside),
+            (Some(there), Some(to), Some(back)) => {
+                let [off, limit] = returned(there, back, (self.share, self.tolerance));
+                if off <= limit { Ok((there, pair.residual((live.at, to), self.reach()))) } else { Err(Status::Astray) }
+            }
+            _ => Err(Status::Astray),
+        };
+        let feature = feature(live.at, result);
+        let twin = live.twin.map(|at| self.followed(pair, at));
+        let truth = live.truth.and_then(|at| pair.true_end(at));
+        Moved { live, structure, there, back, feature, twin, truth }
+    }
+
+    /// Follows a point as a feature.
+    fn followed(&self, pair: &Pair, at: [f32; 2]) -> Feature {
+        let follow = Follow {
+            reach: self.reach(),
+            iterations: ITERATIONS,
+            epsilon: EPSILON_PX,
+            threshold: self.structure,
+            max_residual: MAX_RESIDUAL,
+        };
+        let pyramids = pair.pyramids.each_ref().map(|levels| levels.as_slice());
+        let (displacement, result) = follow.through(pyramids, at, &mut ());
+        feature(at, result.map(|residual| (displacement, residual)))
+    }
+
+    /// Works on one pair.
+    fn work(
+        &self,
+        (clip, threads): (&Clip, &Threads),
+        state: &mut State,
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
+        need::check_kept(clip, self.state_bytes(state))?;
+        let pair = Arc::new(self.pair(clip, state.frame, threads)?);
+        state.pair_bytes = pair.bytes();
+        observer.see(|| Event(What::Flow(Arc::clone(&pair))));
+        let begun = self.begin(state, &pair);
+        observer.see(|| Event(What::Begun(begun)));
+        let live = std::mem::take(&mut state.live);
+        let all = threads.map_while(live.len(), || clip.wanted(), |i| self.moved(&pair, live[i]))?;
+        for moved in &all {
+            observer.see(|| Event(What::Moved(Arc::clone(&pair), *moved)));
+            let Live { track, .. } = moved.live;
+            note(&mut state.tracks[track as usize], Some(moved.feature));
+            note(&mut state.twins[track as usize], moved.twin);
+            if let Some(at) = moved.to() {
+                state.live.push(Live { track, at, twin: moved.twin_to(), truth: moved.truth });
+            }
+        }
+        let numbers = Note::of(&all);
+        Arc::make_mut(&mut state.notes).push(numbers);
+        observer.see(|| Event(What::Done(numbers)));
+        state.frame += 1;
+        // A pair has a frame to go on to.
+        let is_over = state.span.is_over(clip, state.frame + 1);
+        Ok(if is_over { Progress::Done } else { Progress::More })
+    }
+}
+
+/// A point that was tracked by this displacement and with this residual, or why it was not.
+fn feature(at: [f32; 2], result: Result<([f32; 2], f32), Status>) -> Feature {
+    match result {
+        Ok((uv, residual)) => Feature { at, displacement: Some(uv), status: Status::Tracked, residual: Some(residual) },
+        Err(status) => Feature { at, displacement: None, status, residual: None },
+    }
+}
+
+/// Writes down what has become of a point.
+fn note(track: &mut Arc<Track>, feature: Option<Feature>) {
+    let Some(feature) = feature else { return };
+    let track = Arc::make_mut(track);
+    if let Some(last) = track.points.last_mut() {
+        *last = feature;
+    }
+    let next = end(&feature).map(|at| Feature { at, displacement: None, status: Status::Found, residual: None });
+    track.points.extend(next);
+}
+
+pseudocode! {
+    EACH_FRAME: "for each frame t, up to the last but one",
+    FIND_FLOW: "  w ← dense flow from frame t to t+1, w′ ← that back",
+    BEGIN_POINTS: "  begin a point in each empty cell of the grid, where λ₂ ≥ structure",
+    EACH_POINT: "  for each point x",
+    IS_FLAT: "    lost if λ₂(x) < structure",
+    IS_OUTSIDE: "    lost if x + w(x) lies outside the picture",
+    IS_ASTRAY: "    lost if |w(x) + w′(x + w(x))|² > share · (|w|² + |w′|²) + tolerance",
+    CARRY: "    else x ← x + w(x), between pixels bilinearly",
+    COMPARE_FEATURES: "  y ← the same points as features, by pyramidal Lucas–Kanade; drift ← mean of |x − y|",
+}
+
+impl Estimator for PointTrajectories {
+    const INFO: Info = Info {
+        id: "point-trajectories",
+        name: "Point trajectories",
+        family: "Optical flow",
+        summary: "Carries points along by dense flow from frame to frame, and tells how far they drift from the same points \
+                  followed as features.",
+        source: "N. Sundaram, T. Brox and K. Keutzer, Dense point trajectories by GPU-accelerated large displacement optical \
+                 flow, ECCV 2010; P. Sand and S. Teller, Particle video: long-range motion estimation using point trajectories, \
+                 CVPR 2006; features: J.-Y. Bouguet, Intel Corporation, 2000",
+        pseudocode: line::ALL,
+        rungs: &["clip", "pair", "point"],
+        frames: 2,
+    };
+    const PROMISE: Promise = Promise::Features { off_centi_px: 5 };
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        let (width, height) = clip.size();
+        let points = (width.div_ceil(self.spacing) * height.div_ceil(self.spacing)) as f64;
+        // The flow there and back and both pyramids beside the method; each point has two tracks.
+        self.method.need(clip).and([28.0 * (width * height) as f64; 2]).and([1500.0 * points, 3000.0 * points])
+    }
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        Ok(State {
+            span: Span::new(clip, frame, self.frames)?,
+            frame,
+            tracks: Vec::new(),
+            twins: Vec::new(),
+            live: Vec::new(),
+            notes: Arc::default(),
+            picture: clip.size(),
+            pair_bytes: 0,
+        })
+    }
+
+    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        self.work((clip, &Threads::single()), state, observer)
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        state.span.frames().map(|frames| frames - 1)
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        let pairs = state.span.frames().map(|frames| frames - 1);
+        vec![Rung { index: 0, of: Some(1) }, Rung { index: state.frame - state.span.first, of: pairs }]
+    }
+
+    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+        let inside = |i: usize, extent: usize| (0.0..extent as f32).contains(&(point[i] + 0.5));
+        (inside(0, state.picture.0) && inside(1, state.picture.1)).then_some(Explained::Always)
+    }
+
+    fn at_frame(&self, state: &State) -> Option<usize> {
+        Some(state.frame)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let tracks: usize = state.tracks.iter().chain(&state.twins).map(|track| track.bytes()).sum();
+        size_of::<State>() + tracks + size_of_val(&state.live[..]) + size_of_val(&state.notes[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.pair_bytes
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match &event.0 {
+            What::Moved(_, moved) if moved.to().is_none() => Some(Role::Rejected),
+            _ => None,
+        }
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        let (first, last) = (state.span.first, state.frame);
+        Output::of(TrackField { picture: state.picture, first, last, tracks: state.tracks.clone() })
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let mut state = self.start(clip, frame)?;
+        while self.work((clip, threads), &mut state, &mut ())? == Progress::More {}
+        Ok(state)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: usize = 61;
+
+    /// The flow of a turn by so many degrees about the middle, whose displacements between pixels are those of the formula.
+    fn turn(degrees: f32) -> Flow {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let middle = (SIZE / 2) as f32;
+        Flow(Grid::from_fn(SIZE, SIZE, |x, y| {
+            let [x, y] = [x, y].map(|c| c as f32 - middle);
+            [cos * x - sin * y - x, sin * x + cos * y - y]
+        }))
+    }
+
+    fn pair(flows: [Flow; 2]) -> Pair {
+        let picture = Grid::from_fn(SIZE, SIZE, |x, y| (x * 37 + y * 91) as u8);
+        let pyramids = [0, 1].map(|_| Level::pyramid(&picture, 1, 7));
+        let truth = Some(Arc::new(flows[0].clone()));
+        Pair { pyramids, flows, truth, hidden: None }
+    }
+
+    #[test]
+    fn a_point_that_is_turned_by_a_whole_turn_comes_back() {
+        let method = PointTrajectories { structure: 0.0, ..PointTrajectories::default() };
+        let pair = pair([turn(3.0), turn(-3.0)]);
+        for start in [[50.0, 30.0], [30.0, 12.5], [22.25, 41.75], [30.0, 30.0f32]] {
+            let mut live = Live { track: 0, at: start, twin: None, truth: Some(start) };
+            for step in 0..120 {
+                let moved = method.moved(&pair, live);
+                let to = moved.to().expect("it comes back along the reverse flow");
+                let angle = (3.0 * (step + 1) as f32).to_radians();
+                let [x, y] = start.map(|c| c - 30.0);
+                let truth = [angle.cos() * x - angle.sin() * y + 30.0, angle.sin() * x + angle.cos() * y + 30.0];
+                assert!(distance(to, truth) < 0.01, "{start:?} is at {to:?}, not {truth:?}");
+                assert_eq!(moved.truth, Some(to), "what is true is gone along in the same way");
+                live.at = to;
+                live.truth = moved.truth;
+            }
+            assert!(distance(live.at, start) < 0.01);
+        }
+    }
+
+    #[test]
+    fn a_point_is_lost_for_the_reason_that_is_told() {
+        let method = PointTrajectories { structure: 0.0, ..PointTrajectories::default() };
+        let status = |method: &PointTrajectories, flows: [[f32; 2]; 2], at: [f32; 2]| {
+            let pair = pair(flows.map(|uv| Flow(Grid::new(SIZE, SIZE, uv))));
+            method.moved(&pair, Live { track: 0, at, twin: None, truth: None }).feature.status
+        };
+        let middle = [30.0, 30.0];
+        assert_eq!(status(&method, [[2.0, 0.0], [-2.0, 0.0]], middle), Status::Tracked);
+        assert_eq!(status(&method, [[2.0, 0.0], [-2.0, 0.0]], [59.0, 30.0]), Status::Outside);
+        // 0.5 + 0.01 (4 + 1.6) = 0.556 px² against 0.54 and 0.58.
+        assert_eq!(status(&method, [[2.0, 0.0], [-1.265, 0.0]], middle), Status::Tracked);
+        assert_eq!(status(&method, [[2.0, 0.0], [-1.24, 0.0]], middle), Status::Astray);
+        assert_eq!(status(&method, [[2.0, 0.0], Flow::UNKNOWN], middle), Status::Astray);
+        let strict = PointTrajectories { structure: 100_000.0, ..method };
+        assert_eq!(status(&strict, [[0.0; 2]; 2], middle), Status::Flat);
+    }
+}

@@ -1,0 +1,518 @@
+//! Pyramidal Lucas-Kanade: features are tracked from coarse to fine.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::base::{Error, Mapped, Observer, Threads, words};
+use crate::data::{Clip, Flow, Frame};
+use crate::families::interest_points::ShiTomasi;
+use crate::geometry::{Grid, pyramid::halvings};
+use crate::methods::{
+    differential::{field, truth},
+    features::{
+        Account, Trace, detect,
+        follow::{self, Follow, Followed},
+        tracker::Level,
+    },
+};
+use crate::params::Spots;
+use crate::products::{Confidence, DenseField, Feature, Output, PointField, Product, ProductKind, Status};
+use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
+use crate::scene::{Arrow, Chart, Fact, Levels, Picture, Readout, Role, Scene, Sentence, Shape, Stack, Step};
+use crate::{choices, params, pseudocode};
+
+choices! {
+    /// Which points are tracked.
+    pub enum Points {
+        /// The corners that Shi and Tomasi's detector finds, with its defaults.
+        Detect = "detect" "Detected corners",
+        /// Those of an even grid.
+        Grid = "grid" "Grid",
+        /// Those that someone has clicked in the frame.
+        Clicks = "clicks" "Clicked points",
+        /// Every pixel: a dense field, which is not known where a pixel is lost.
+        Dense = "dense" "Every pixel",
+    }
+}
+
+params! {
+    /// Lucas and Kanade's method for single points, from a coarse level of a pyramid to the picture itself.
+    pub struct PyramidalLucasKanade {
+        /// Which points are tracked.
+        points: Points = Points::Detect;
+        /// Places in frames, clicked on the picture, where clicked points are tracked.
+        clicks: Spots = Spots::default();
+        /// At most so many points, of corners the strongest; not where every pixel is tracked.
+        max_points: usize = 500, 1..=5000;
+        /// Side of the window around each point, on every level; an even one reaches as far as the next odd one.
+        window: usize = 21, 3..=31, "px";
+        /// Levels of the pyramid with the picture itself, each half as wide and high; fewer where a side would be less than 16 px.
+        levels: usize = 4, 1..=8;
+        /// At most so many updates of a displacement on each level.
+        iterations: usize = 30, 1..=100;
+        /// An update shorter than this, in px of its level, is the last there.
+        epsilon: f32 = 0.01, 0.0..=1.0, "px";
+        /// A point is lost where the smaller eigenvalue of its window's tensor, in (gray levels per px)² for a pixel, is less.
+        threshold: f32 = 0.5, 0.0..=100.0;
+        /// A point is lost where its window differs by more than this on average where it led to, in gray levels.
+        max_residual: f32 = 20.0, 0.0..=255.0;
+    }
+}
+
+/// What a run reads and writes.
+#[derive(Clone)]
+pub struct State {
+    fixed: Arc<Fixed>,
+    /// What became of the points that are done, group by group.
+    found: Vec<Arc<[Found]>>,
+    /// The level at hand.
+    level: usize,
+    /// The displacements with which it begins for each point of the group at hand, in px of the level.
+    guesses: Vec<[f32; 2]>,
+}
+
+/// What became of a point.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    feature: Feature,
+    /// The smaller eigenvalue of its window's tensor on the picture.
+    certainty: f32,
+}
+
+/// What stays the same all along.
+struct Fixed {
+    /// The levels of both frames, the picture itself first.
+    levels: [Vec<Level>; 2],
+    points: Vec<[f32; 2]>,
+    /// Points that are followed together in one unit: a single one, or of all pixels a row.
+    group: usize,
+    truth: Option<Arc<Flow>>,
+    /// The frames, and their levels as pictures once somebody looks at them.
+    pair: [Arc<Frame>; 2],
+    pictures: OnceLock<Arc<[crate::scene::Level]>>,
+}
+
+impl Fixed {
+    fn pyramids(&self) -> [&[Level]; 2] {
+        self.levels.each_ref().map(Vec::as_slice)
+    }
+
+    fn coarsest(&self) -> usize {
+        self.levels[0].len() - 1
+    }
+
+    /// How many groups of points there are.
+    fn groups(&self) -> usize {
+        self.points.len() / self.group
+    }
+
+    /// The points of a group.
+    fn group(&self, index: usize) -> &[[f32; 2]] {
+        self.points.chunks_exact(self.group).nth(index).unwrap_or_default()
+    }
+}
+
+/// What happens to a point on one level.
+#[derive(Clone, Copy, Debug)]
+pub enum Event {
+    /// There is no point at all.
+    Nothing,
+    /// A step of following it.
+    Of(follow::Event),
+    /// The next pixel of the row has been followed on this level.
+    Pixel,
+}
+
+/// Keeps the smaller eigenvalue of the last window that was seen.
+#[derive(Default)]
+struct Smaller(f32);
+
+impl Observer<follow::Event> for Smaller {
+    #[inline(always)]
+    fn see(&mut self, event: impl FnOnce() -> follow::Event) {
+        if let follow::Event::Window(tensor) = event() {
+            self.0 = tensor.eigenvalues()[1];
+        }
+    }
+}
+
+impl PyramidalLucasKanade {
+    fn reach(&self) -> usize {
+        self.window / 2
+    }
+
+    fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let pair = clip.pair(frame)?;
+        let points = match self.points {
+            Points::Detect => {
+                let detector = ShiTomasi { max_points: self.max_points, ..ShiTomasi::default() };
+                detect(&detector, Arc::clone(&pair[0]), threads).iter().map(|feature| feature.at).collect()
+            }
+            Points::Grid => grid(clip.size(), self.max_points),
+            Points::Clicks => self.clicks.of_frame(frame).filter(|at| is_in(*at, clip.size())).collect(),
+            Points::Dense => grid(clip.size(), usize::MAX),
+        };
+        let group = if self.points == Points::Dense { clip.size().0 } else { 1 };
+        let of_frame = |i: usize| Level::pyramid(pair[i].luma(), self.levels, self.reach());
+        let levels = <[_; 2]>::try_from(threads.map(2, of_frame)).unwrap_or_default();
+        let level = levels[0].len() - 1;
+        let fixed = Fixed { levels, points, group, truth: truth(clip, frame), pair, pictures: OnceLock::new() };
+        Ok(State { fixed: Arc::new(fixed), found: Vec::new(), level, guesses: vec![[0.0; 2]; group] })
+    }
+
+    fn follow(&self) -> Follow {
+        let Self { iterations, epsilon, threshold, max_residual, .. } = *self;
+        Follow { reach: self.reach(), iterations, epsilon, threshold, max_residual }
+    }
+}
+
+/// Whether a place lies in a picture.
+fn is_in([x, y]: [f32; 2], (width, height): (usize, usize)) -> bool {
+    (-0.5..width as f32 - 0.5).contains(&x) && (-0.5..height as f32 - 0.5).contains(&y)
+}
+
+/// The points of an even grid on a picture of a `size`, at most `most` of them.
+fn grid((width, height): (usize, usize), most: usize) -> Vec<[f32; 2]> {
+    let mut spacing = ((width * height) as f64 / most as f64).sqrt().ceil().max(1.0) as usize;
+    let along = |extent: usize, spacing: usize| ((spacing.min(extent) - 1) / 2..extent).step_by(spacing);
+    while along(width, spacing).count() * along(height, spacing).count() > most {
+        spacing += 1;
+    }
+    let row = |y: usize| along(width, spacing).map(move |x| [x as f32, y as f32]);
+    along(height, spacing).flat_map(row).collect()
+}
+
+/// What a point has come to, as others know it.
+fn feature(at: [f32; 2], (displacement, result): ([f32; 2], Result<f32, Status>)) -> Feature {
+    match result {
+        Ok(residual) => {
+            Feature { at, displacement: Some(displacement), status: Status::Tracked, residual: Some(residual) }
+        }
+        Err(status) => Feature { at, displacement: None, status, residual: None },
+    }
+}
+
+pseudocode! {
+    MAKE_PYRAMIDS: "make a pyramid of frame t and one of frame t+1; choose points",
+    EACH_POINT: "for each point x: g ← 0",
+    EACH_LEVEL: "  for each level, from the coarsest to the picture itself",
+    TAKE_TENSOR: "    T ← mean of (I_x², I_x I_y; I_x I_y, I_y²) over the window at x in frame t",
+    IS_SINGULAR: "    if the smaller eigenvalue of T < threshold, then hand g on, or lost on the picture",
+    REPEAT: "    d ← g; repeat",
+    UPDATE: "      d ← d + T⁻¹ b, b ← mean of δI (I_x, I_y), δI = frame t at x − frame t+1 at x + d",
+    UNTIL_CONVERGED: "    until |T⁻¹ b| < epsilon, or iterations are done",
+    HAND_ON: "    g ← 2 d",
+    CHECK: "  lost if x + d is outside or the window differs too much there, else x moves by d",
+}
+
+impl Estimator for PyramidalLucasKanade {
+    const INFO: Info = Info {
+        id: "pyramidal-lucas-kanade",
+        name: "Pyramidal Lucas–Kanade",
+        family: "Optical flow",
+        summary: "Tracks single points from a coarse level of a pyramid to the picture, window by window.",
+        source: "J.-Y. Bouguet, Pyramidal implementation of the Lucas Kanade feature tracker: description of the algorithm, \
+                 Intel Corporation, Microprocessor Research Labs, 2000",
+        pseudocode: line::ALL,
+        rungs: &["frame", "feature", "level", "iteration"],
+        frames: 2,
+    };
+    const PROMISE: Promise = Promise::Features { off_centi_px: 2 };
+    const TELLS_CONFIDENCE: bool = true;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Stack];
+    const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND, DenseField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        match self.points {
+            Points::Dense => Need::per_pixel(clip, [72.0, 110.0]),
+            // Where corners are looked for, every fourth pixel may be one at first.
+            _ => Need::per_pixel(clip, [14.0, 20.0]),
+        }
+    }
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        self.prepare(clip, frame, &Threads::single())
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let (fixed, follow) = (Arc::clone(&state.fixed), self.follow());
+        let group = fixed.group(state.found.len());
+        if group.is_empty() {
+            observer.see(|| Event::Nothing);
+            return Ok(Progress::Done);
+        }
+        let mut done = Vec::new();
+        for (at, guess) in group.iter().zip(&mut state.guesses) {
+            let mut smaller = Smaller::default();
+            let (from, pyramids) = ((*at, *guess), fixed.pyramids());
+            let followed = match self.points {
+                Points::Dense => follow.on_level(pyramids, state.level, from, &mut smaller),
+                _ => follow.on_level(
+                    pyramids,
+                    state.level,
+                    from,
+                    &mut Mapped { observer: &mut *observer, map: Event::Of },
+                ),
+            };
+            if self.points == Points::Dense {
+                observer.see(|| Event::Pixel);
+            }
+            match followed {
+                Followed::Guess(finer) => *guess = finer,
+                Followed::Done(displacement, result) => {
+                    done.push(Found { feature: feature(*at, (displacement, result)), certainty: smaller.0 });
+                    *guess = [0.0; 2];
+                }
+            }
+        }
+        if let Some(finer) = state.level.checked_sub(1) {
+            state.level = finer;
+            return Ok(Progress::More);
+        }
+        state.found.push(done.into());
+        state.level = fixed.coarsest();
+        Ok(if state.found.len() == fixed.groups() { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        Some((state.fixed.groups() * state.fixed.levels[0].len()).max(1))
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        let (groups, levels) = (state.fixed.groups(), state.fixed.levels[0].len());
+        let rung = |index, of| Rung { index, of: Some(of) };
+        vec![rung(0, 1), rung(state.found.len(), groups.max(1)), rung(levels - 1 - state.level, levels)]
+    }
+
+    /// The unit that finds the point nearest to a place.
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        let index = nearest(&state.fixed.points, point)?;
+        Some((index / state.fixed.group + 1) * state.fixed.levels[0].len() - 1)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        // What was found is shared by the states after it.
+        let groups = size_of_val(&state.found[..]) + size_of_val(&state.guesses[..]);
+        size_of::<State>() + groups + state.fixed.group * size_of::<Found>()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let levels: usize = state.fixed.levels.iter().flatten().map(Level::bytes).sum();
+        let points = size_of_val(&state.fixed.points[..]) + state.fixed.points.len() * size_of::<Found>();
+        self.state_bytes(state) + points + levels
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::Of(follow::Event::End(_, Err(_))) => Some(Role::Rejected),
+            _ => None,
+        }
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        let looked = self.look(seen);
+        let line = match looked.as_ref().and_then(|looked| looked.trace.last()) {
+            None => line::MAKE_PYRAMIDS,
+            Some(follow::Event::Window(_)) => line::TAKE_TENSOR,
+            Some(follow::Event::Iteration { update, .. }) if self.follow().converges(*update) => line::UNTIL_CONVERGED,
+            Some(follow::Event::Iteration { .. }) => line::UPDATE,
+            Some(follow::Event::Handed(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => {
+                line::IS_SINGULAR
+            }
+            Some(follow::Event::Handed(..)) => line::HAND_ON,
+            Some(follow::Event::End(..)) => line::CHECK,
+        };
+        Step { line, sentence: self.sentence(seen, looked.as_ref()), readouts: self.readouts(seen, looked.as_ref()) }
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let state = seen.after.unwrap_or(seen.before);
+        match self.points {
+            Points::Dense => field::draw(state.field().flow.0, scene),
+            _ => draw_points(state, scene),
+        }
+        let looked = self.look(seen);
+        if let Some(looked) = &looked {
+            looked.account().draw([Picture::Current, Picture::Next], scene);
+        }
+        scene.levels = Some(state.fixed.shown(looked.map_or(0, |looked| looked.trace.level())));
+    }
+
+    fn output(&self, state: &State) -> Output {
+        match self.points {
+            Points::Dense => Output::of(state.field()),
+            _ => Output::of(PointField {
+                picture: state.fixed.pair[0].size(),
+                points: state.features().collect(),
+                responses: Vec::new(),
+            }),
+        }
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let mut state = self.prepare(clip, frame, threads)?;
+        let (fixed, follow) = (Arc::clone(&state.fixed), self.follow());
+        let found = |&at: &[f32; 2]| {
+            let mut smaller = Smaller::default();
+            let mut on_level = Mapped { observer: &mut smaller, map: |(_, event)| event };
+            let result = follow.through(fixed.pyramids(), at, &mut on_level);
+            Found { feature: feature(at, result), certainty: smaller.0 }
+        };
+        let of_group = |index| fixed.group(index).iter().map(found).collect();
+        state.found = threads.map_while(fixed.groups(), || clip.wanted(), of_group)?;
+        Ok(state)
+    }
+}
+
+/// The point nearest to a place.
+fn nearest(points: &[[f32; 2]], place: [f32; 2]) -> Option<usize> {
+    let far = |at: &[f32; 2]| (at[0] - place[0]).hypot(at[1] - place[1]);
+    let nearest = points.iter().enumerate().min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
+    nearest.map(|(index, _)| index)
+}
+
+impl Fixed {
+    /// The pyramid as pictures, with the level at work.
+    fn shown(&self, at_work: usize) -> Levels {
+        let all = self.pictures.get_or_init(|| {
+            let [current, next] = self.pair.each_ref().map(|frame| {
+                let coarser = halvings(frame.luma(), self.levels[0].len()).into_iter().skip(1);
+                let coarser = coarser.map(|level| Arc::new(Frame::gray(level)));
+                [Arc::clone(frame)].into_iter().chain(coarser).collect::<Vec<_>>()
+            });
+            current.into_iter().zip(next).map(|(current, next)| crate::scene::Level::new([current, next])).collect()
+        });
+        Levels { all: Arc::clone(all), at_work }
+    }
+}
+
+impl State {
+    fn features(&self) -> impl Iterator<Item = Feature> {
+        self.found.iter().flat_map(|group| group.iter().map(|found| found.feature))
+    }
+
+    /// What was found of all pixels, row by row.
+    fn field(&self) -> DenseField {
+        let (width, height) = self.fixed.pair[0].size();
+        let of = |x: usize, y: usize| self.found.get(y).map(|row| row[x]);
+        let displacement = |x, y| of(x, y).and_then(|found| found.feature.displacement).unwrap_or(Flow::UNKNOWN);
+        let certainty = |x, y| of(x, y).map_or(0.0, |found| found.certainty);
+        let values = Grid::from_fn(width, height, certainty);
+        let confidence = Some(Confidence { name: "smaller_eigenvalue", values });
+        DenseField { flow: Flow(Grid::from_fn(width, height, displacement)), confidence }
+    }
+}
+
+/// The point that is explained: the one pointed at if it is known, else the one at work.
+struct Looked<'a> {
+    /// Which one, and what it is called.
+    index: usize,
+    name: String,
+    trace: Trace<'a>,
+}
+
+impl<'a> Looked<'a> {
+    fn account(&self) -> Account<'a> {
+        self.trace.account(self.name.clone())
+    }
+}
+
+impl PyramidalLucasKanade {
+    fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Looked<'a>> {
+        let (state, fixed) = (seen.before, &*seen.before.fixed);
+        let first = state.found.len() * fixed.group;
+        let at_work = match seen.events.last()? {
+            Event::Nothing => return None,
+            Event::Of(_) => first,
+            Event::Pixel => first + seen.events.len() - 1,
+        };
+        // Every point up to the one at work is known, as far as it was followed.
+        let pointed_at = seen.focus.and_then(|place| {
+            let index = nearest(&fixed.points[..=at_work], place)?;
+            let reach = if self.points == Points::Dense { 0.5 } else { self.reach() as f32 + 0.5 };
+            let at = fixed.points[index];
+            (0..2).all(|i| (at[i] - place[i]).abs() <= reach).then_some(index)
+        });
+        let index = pointed_at.unwrap_or(at_work);
+        let at = fixed.points[index];
+        let level = if index < first { 0 } else { state.level };
+        let trace = Trace::new(self.follow(), fixed.pyramids(), at, level);
+        let is_in_steps = index == at_work && self.points != Points::Dense;
+        let trace = if is_in_steps { trace.until(seen.events.len()) } else { trace };
+        let name = match self.points {
+            Points::Dense => format!("Pixel ({}, {})", at[0], at[1]),
+            _ => format!("Point {}", index + 1),
+        };
+        Some(Looked { index, name, trace })
+    }
+
+    fn sentence(&self, seen: &Seen<Self>, looked: Option<&Looked>) -> Sentence {
+        let fixed = &seen.before.fixed;
+        match (looked, seen.events.is_empty()) {
+            (Some(looked), _) => looked.account().sentence(),
+            (None, false) => Sentence::default().text(match self.points {
+                Points::Clicks => "No point was clicked in this frame: there is nothing to track.",
+                _ => "The picture has no corner: there is nothing to track.",
+            }),
+            (None, true) => {
+                let said = Sentence::default().text(match self.points {
+                    Points::Dense => "Every pixel is tracked, row by row".into(),
+                    _ => format!("{} points are tracked", fixed.points.len()),
+                });
+                match fixed.levels[0].len() {
+                    1 => said.text(", each on the picture itself."),
+                    levels => said.text(format!(
+                        ", each from the coarsest of {levels} levels, where its way is short, to the picture."
+                    )),
+                }
+            }
+        }
+    }
+
+    fn readouts(&self, seen: &Seen<Self>, looked: Option<&Looked>) -> Vec<Readout> {
+        let (fixed, count) = (&seen.before.fixed, seen.before.fixed.points.len());
+        let fact = |label, value: String, role| Fact { label, value, role };
+        let Some(looked) = looked else {
+            let points = || vec![Readout::Facts(vec![fact("Points", count.to_string(), None)])];
+            return if seen.events.is_empty() { Vec::new() } else { points() };
+        };
+        let (point, account) = (looked.trace.at, looked.account());
+        let mut facts = vec![match self.points {
+            Points::Dense => fact("Pixel", format!("({}, {})", point[0], point[1]), Some(Role::Reference)),
+            _ => {
+                let place = format!("{} of {count} at {}", looked.index + 1, words::vector(point));
+                fact("Point", place, Some(Role::Reference))
+            }
+        }];
+        facts.extend(account.facts());
+        let truth = fixed.truth.as_ref().and_then(|truth| truth.at(point[0] as usize, point[1] as usize));
+        facts.extend(truth.map(|truth| fact("Truth", format!("{} px", words::vector(truth)), Some(Role::Truth))));
+        let stack = Stack { levels: fixed.shown(looked.trace.level()), floors: looked.trace.floors() };
+        [vec![Readout::Facts(facts)], account.readouts(), vec![Readout::Stack(stack)]].concat()
+    }
+}
+
+fn draw_points(state: &State, scene: &mut Scene) {
+    let tracked = state.features().filter_map(|point| {
+        let [u, v] = point.displacement?;
+        Some(Arrow { from: point.at, to: [point.at[0] + u, point.at[1] + v] })
+    });
+    let lost = state.features().filter(|point| point.displacement.is_none()).map(|point| point.at);
+    let mut points = |role, meaning, places: Vec<[f32; 2]>| {
+        if !places.is_empty() {
+            scene.mark(Picture::Current, role, Shape::Points(places));
+            scene.legend(role, meaning);
+        }
+    };
+    points(Role::Measured, "point that waits", state.fixed.points[state.found.len()..].to_vec());
+    points(Role::Rejected, "lost", lost.collect());
+    let tracked: Vec<_> = tracked.collect();
+    if !tracked.is_empty() {
+        scene.mark(Picture::Current, Role::Result, Shape::Arrows(tracked));
+        scene.legend(Role::Result, "displacements found");
+    }
+    if state.fixed.points.is_empty() {
+        scene.legend(Role::Rejected, "no points");
+    }
+}

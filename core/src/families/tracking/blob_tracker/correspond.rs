@@ -1,0 +1,363 @@
+//! Which objects and blobs correspond.
+
+use std::ops::Range;
+
+use super::Body;
+use crate::base::Error;
+use crate::data::{Clip, Detection};
+use crate::geometry::{Bounds, Gray, Grid};
+use crate::products::{
+    Life,
+    objects::{
+        assignment::nearest_first,
+        near::{Near, corners, nearest},
+        pairs::Pairs,
+    },
+};
+
+/// Something that was detected, and what it looks like.
+#[derive(Clone, Debug)]
+pub(super) struct Blob {
+    pub detection: Detection,
+    /// Mean gray value of its pixels, where it has some.
+    pub gray: Option<f64>,
+    pub area_px: f64,
+}
+
+impl Blob {
+    /// What was detected in frame `t`; where only boxes are known and their gray is asked for, the pixels in them tell it.
+    ///
+    /// # Errors
+    /// If the frame cannot be read.
+    pub fn all((clip, t): (&Clip, usize), detections: Vec<Detection>, with_gray: bool) -> Result<Vec<Self>, Error> {
+        let boxes =
+            || detections.iter().filter(|detection| detection.blob.is_none()).map(|detection| &detection.bounds);
+        let frame = if with_gray && boxes().next().is_some() { Some(clip.frame(t)?) } else { None };
+        let grays = frame.as_ref().map(|frame| Grays::new(frame.luma(), boxes()));
+        let of = |detection: Detection| match (detection.blob, &grays) {
+            (Some(blob), _) => Self { detection, gray: Some(f64::from(blob.gray)), area_px: f64::from(blob.area_px) },
+            (None, grays) => {
+                let gray = grays.as_ref().and_then(|grays| grays.mean(&detection.bounds));
+                Self { detection, gray, area_px: f64::from(detection.bounds.area()) }
+            }
+        };
+        Ok(detections.into_iter().map(of).collect())
+    }
+
+    pub fn center(&self) -> [f64; 2] {
+        self.detection.center.map(f64::from)
+    }
+}
+
+/// The gray values of a picture, of which many boxes are asked.
+struct Grays<'a> {
+    picture: &'a Gray,
+    /// The sums of all pixels to the left and above, where the boxes have more pixels than those take to be made.
+    sums: Option<Grid<u64>>,
+}
+
+/// Sums over all pixels are worth while where boxes have so many times as many.
+const WORTH_SUMS: usize = 4;
+
+impl<'a> Grays<'a> {
+    fn new<'b>(picture: &'a Gray, boxes: impl Iterator<Item = &'b Bounds>) -> Self {
+        let own = Self { picture, sums: None };
+        let asked = boxes.fold(0_usize, |sum, bounds| {
+            let [columns, rows] = own.pixels(bounds);
+            sum.saturating_add(columns.len() * rows.len())
+        });
+        let is_worth = asked > WORTH_SUMS.saturating_mul(picture.cells().len());
+        Self { sums: is_worth.then(|| sums(picture)), ..own }
+    }
+
+    /// The columns and rows of the pixels whose centres lie in a box.
+    fn pixels(&self, bounds: &Bounds) -> [Range<usize>; 2] {
+        // A cast takes what lies outside to the edge.
+        let range = |i: usize, extent: usize| {
+            let [start, end] = [bounds.min[i], bounds.max[i]].map(|c| (c.ceil() as usize).min(extent));
+            start..end.max(start)
+        };
+        [range(0, self.picture.width()), range(1, self.picture.height())]
+    }
+
+    /// The mean of the pixels in a box, if there are any.
+    fn mean(&self, bounds: &Bounds) -> Option<f64> {
+        let [columns, rows] = self.pixels(bounds);
+        let count = columns.len() * rows.len();
+        let sum = match &self.sums {
+            Some(sums) => {
+                let [right, left] = [columns.end, columns.start].map(|x| sums[(x, rows.end)] - sums[(x, rows.start)]);
+                right - left
+            }
+            None => {
+                let row =
+                    |y: usize| self.picture.row(y)[columns.clone()].iter().map(|gray| u64::from(*gray)).sum::<u64>();
+                rows.map(row).sum()
+            }
+        };
+        (count > 0).then(|| sum as f64 / count as f64)
+    }
+}
+
+/// The sum of all pixels to the left of each corner of a pixel and above it.
+fn sums(picture: &Gray) -> Grid<u64> {
+    let (width, height) = picture.size();
+    let mut sums = Grid::new(width + 1, height + 1, 0);
+    for y in 0..height {
+        let mut of_row = 0;
+        for x in 0..width {
+            of_row += u64::from(picture[(x, y)]);
+            sums[(x + 1, y + 1)] = sums[(x + 1, y)] + of_row;
+        }
+    }
+    sums
+}
+
+/// Objects and groups, a row each, beside blobs.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    pub bodies: Vec<Body>,
+    pub blobs: Vec<Blob>,
+    /// How many pairs have enough in common to correspond.
+    pub corresponding: usize,
+    /// Bodies with more than [`MOST_NEAR`] blobs near them, of which only the nearest count.
+    pub crowded: usize,
+    /// Who goes on with whom: the columns of each row, and the rows of each column, in ascending order.
+    links: [Vec<Vec<usize>>; 2],
+}
+
+/// A body is compared with so many blobs at most, those that are nearest to it: in a crowd in which everything lies on
+/// everything, comparing all pairs would take for ever.
+pub(super) const MOST_NEAR: usize = 500;
+
+/// So many bodies are compared before it is asked whether to go on.
+const BODIES_AT_ONCE: usize = 64;
+
+impl Table {
+    /// Pairs are chosen by overlap, the largest first. An object that corresponds to some blob, but has none of its own, merges
+    /// into the one that it has most in common with; a blob that is left in the same way is split off. Those that correspond to
+    /// nothing are paired with what is nearest.
+    ///
+    /// # Errors
+    /// If nobody wants to know any more.
+    pub fn new(
+        clip: &Clip,
+        (bodies, blobs): (Vec<Body>, Vec<Blob>),
+        (min_overlap, max_distance): (f32, f32),
+    ) -> Result<Self, Error> {
+        let links = [vec![Vec::new(); bodies.len()], vec![Vec::new(); blobs.len()]];
+        let mut table = Self { bodies, blobs, corresponding: 0, crowded: 0, links };
+        let shares = table.corresponding(clip, min_overlap)?;
+        table.link(&shares);
+        table.link_nearest(clip, f64::from(max_distance))?;
+        Ok(table)
+    }
+
+    /// What the boxes of a body and a blob have in common, as a share of the smaller one.
+    pub fn share(&self, row: usize, column: usize) -> f64 {
+        f64::from(self.bodies[row].bounds.shared(&self.blobs[column].detection.bounds))
+    }
+
+    /// The same as intersection over union.
+    pub fn overlap(&self, row: usize, column: usize) -> f64 {
+        f64::from(self.bodies[row].bounds.iou(&self.blobs[column].detection.bounds))
+    }
+
+    /// From centre to centre, in px.
+    pub fn distance(&self, row: usize, column: usize) -> f64 {
+        let (a, b) = (self.bodies[row].center(), self.blobs[column].center());
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
+    /// The blobs with which a body goes on, in ascending order.
+    pub fn links(&self, row: usize) -> &[usize] {
+        &self.links[0][row]
+    }
+
+    /// What the pairs share that have enough in common.
+    fn corresponding(&mut self, clip: &Clip, min_overlap: f32) -> Result<Pairs, Error> {
+        let detections: Vec<Detection> = self.blobs.iter().map(|blob| blob.detection).collect();
+        let near = Near::new(detections.iter().map(|found| corners(&found.bounds)));
+        let (mut shares, mut found) = (Pairs::new(self.blobs.len()), Vec::new());
+        for (y, body) in self.bodies.iter().enumerate() {
+            if y.is_multiple_of(BODIES_AT_ONCE) {
+                clip.wanted()?;
+            }
+            let share = |x: usize| f64::from(body.bounds.shared(&detections[x].bounds));
+            let is_enough = |share: &f64| *share > 0.0 && *share >= f64::from(min_overlap);
+            near.touching(corners(&body.bounds), &mut found, |x| Some(share(x)).filter(is_enough));
+            self.crowded += usize::from(nearest(&mut found, body.center(), (&detections, MOST_NEAR)));
+            shares.push(found.iter().copied());
+        }
+        self.corresponding = shares.len();
+        Ok(shares)
+    }
+
+    /// Links those that correspond.
+    fn link(&mut self, shares: &Pairs) {
+        let pairs = nearest_first(&shares.map(|y, x, _| 1.0 - self.overlap(y, x)));
+        let mut has_row = vec![false; self.blobs.len()];
+        pairs.iter().flatten().for_each(|x| has_row[*x] = true);
+        let most = |places: &mut dyn Iterator<Item = (usize, f64)>| {
+            places.reduce(|best, place| if place.1 > best.1 { place } else { best }).map(|(place, _)| place)
+        };
+        let mut all: Vec<(usize, usize)> = pairs.iter().enumerate().filter_map(|(y, x)| Some((y, (*x)?))).collect();
+        for y in (0..pairs.len()).filter(|&y| pairs[y].is_none() && self.bodies[y].may_merge()) {
+            all.extend(most(&mut shares.row(y)).map(|x| (y, x)));
+        }
+        let by_blob = shares.turned();
+        for x in (0..has_row.len()).filter(|&x| !has_row[x]) {
+            all.extend(most(&mut by_blob.row(x)).map(|y| (y, x)));
+        }
+        self.add_links(all);
+    }
+
+    /// Links those that correspond to nothing with what is nearest.
+    fn link_nearest(&mut self, clip: &Clip, max_distance: f64) -> Result<(), Error> {
+        let left: Vec<usize> = (0..self.blobs.len()).filter(|x| self.links[1][*x].is_empty()).collect();
+        let detections: Vec<Detection> = left.iter().map(|x| self.blobs[*x].detection).collect();
+        let around = |at: [f64; 2]| [at.map(|c| c - max_distance), at.map(|c| c + max_distance)];
+        let places = Near::new(detections.iter().map(|found| around(found.center.map(f64::from))));
+        let (mut near, mut found) = (Pairs::new(left.len()), Vec::new());
+        for (y, body) in self.bodies.iter().enumerate() {
+            if y.is_multiple_of(BODIES_AT_ONCE) {
+                clip.wanted()?;
+            }
+            found.clear();
+            if self.links[0][y].is_empty() {
+                let far = |i: usize| Some(self.distance(y, left[i])).filter(|far| *far <= max_distance);
+                places.touching([body.center(); 2], &mut found, far);
+            }
+            let is_cut = nearest(&mut found, body.center(), (&detections, MOST_NEAR));
+            near.push(found.iter().copied());
+            self.crowded += usize::from(is_cut);
+        }
+        let pairs = nearest_first(&near).into_iter().enumerate();
+        self.add_links(pairs.filter_map(|(y, i)| Some((y, left[i?]))).collect());
+        Ok(())
+    }
+
+    /// Adds links, each only once.
+    fn add_links(&mut self, all: Vec<(usize, usize)>) {
+        for (row, column) in all {
+            let [rows, columns] = &mut self.links;
+            for (links, other) in [(&mut rows[row], column), (&mut columns[column], row)] {
+                if let Err(place) = links.binary_search(&other) {
+                    links.insert(place, other);
+                }
+            }
+        }
+    }
+
+    /// The rows and columns that belong together, by their first row; rows without any column stand alone.
+    pub fn parts(&self) -> Vec<(Vec<usize>, Vec<usize>)> {
+        let [of_row, of_column] = &self.links;
+        let (mut is_done, mut is_seen, mut parts) =
+            (vec![false; of_row.len()], vec![false; of_column.len()], Vec::new());
+        for first in 0..of_row.len() {
+            if is_done[first] {
+                continue;
+            }
+            let (mut rows, mut columns) = (vec![first], Vec::new());
+            is_done[first] = true;
+            let mut next = 0;
+            while let Some(&row) = rows.get(next) {
+                next += 1;
+                for &x in of_row[row].iter().filter(|x| !std::mem::replace(&mut is_seen[**x], true)) {
+                    columns.push(x);
+                    rows.extend(of_column[x].iter().filter(|y| !std::mem::replace(&mut is_done[**y], true)));
+                }
+            }
+            rows.sort_unstable();
+            columns.sort_unstable();
+            parts.push((rows, columns));
+        }
+        parts
+    }
+}
+
+impl Body {
+    /// The centre of its box in px; of an object by itself where it is expected.
+    pub fn center(&self) -> [f64; 2] {
+        match &self.members[..] {
+            [member] => member.center,
+            _ => self.bounds.center().map(f64::from),
+        }
+    }
+
+    /// Whether it can be hidden behind another one: it was seen in the frame before, and is believed in.
+    fn may_merge(&self) -> bool {
+        self.members.iter().any(|member| member.age.life == Life::Confirmed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::families::tracking::blob_tracker::Member;
+    use crate::methods::multi_object::lives::Age;
+
+    fn bounds(x: f32, width: f32) -> Bounds {
+        Bounds { min: [x, 0.0], max: [x + width, 10.0] }
+    }
+
+    fn body((x, width): (f32, f32)) -> Body {
+        let (bounds, age) = (bounds(x, width), Age { seen: 9, missed: 0, life: Life::Confirmed });
+        let center = bounds.center().map(f64::from);
+        let member = Member { id: 1, age, gray: None, area_px: 1.0, bounds, center, velocity: None };
+        Body { bounds, centers: vec![center], members: vec![member] }
+    }
+
+    fn blob((x, width): (f32, f32)) -> Blob {
+        let bounds = bounds(x, width);
+        let detection = Detection { bounds, center: bounds.center(), score: 1.0, blob: None };
+        Blob { detection, gray: None, area_px: 1.0 }
+    }
+
+    fn table(bodies: Vec<Body>, blobs: &[(f32, f32)]) -> Table {
+        let clip = Clip::blank("a row", (100, 10), 2);
+        let blobs = blobs.iter().copied().map(blob).collect();
+        Table::new(&clip, (bodies, blobs), (0.3, 30.0)).expect("it is wanted")
+    }
+
+    /// The parts of boxes in a row, each given by its left edge and its width.
+    fn parts(bodies: &[(f32, f32)], blobs: &[(f32, f32)]) -> Vec<(Vec<usize>, Vec<usize>)> {
+        table(bodies.iter().copied().map(body).collect(), blobs).parts()
+    }
+
+    #[test]
+    fn objects_go_on_merge_split_and_are_missed() {
+        let (a, b) = ((0.0, 10.0), (12.0, 10.0));
+        assert_eq!(parts(&[a, b], &[(13.0, 10.0), (1.0, 10.0)]), [(vec![0], vec![1]), (vec![1], vec![0])]);
+        assert_eq!(parts(&[a, b], &[(0.0, 22.0)]), [(vec![0, 1], vec![0])]);
+        assert_eq!(parts(&[(0.0, 22.0)], &[a, b]), [(vec![0], vec![0, 1])]);
+        // Boxes that overlap crosswise still have a blob each.
+        assert_eq!(parts(&[a, (4.0, 10.0)], &[(3.0, 10.0), (1.0, 10.0)]), [(vec![0], vec![1]), (vec![1], vec![0])]);
+        // Nothing overlaps: the nearest within 30 px, each once.
+        assert_eq!(parts(&[a, (70.0, 10.0)], &[(25.0, 10.0)]), [(vec![0], vec![0]), (vec![1], vec![])]);
+        assert_eq!(parts(&[a], &[(45.0, 10.0)]), [(vec![0], vec![])]);
+    }
+
+    #[test]
+    fn who_was_not_seen_is_not_hidden_behind_another() {
+        let mut coasting = body((2.0, 10.0));
+        coasting.members[0].age = Age { seen: 9, missed: 2, life: Life::Coasting };
+        let table = table(vec![body((0.0, 10.0)), coasting], &[(0.0, 10.0)]);
+        assert_eq!(table.parts(), [(vec![0], vec![0]), (vec![1], vec![])]);
+    }
+
+    #[test]
+    fn gray_is_the_mean_of_the_pixels_in_the_box() {
+        let picture = Grid::from_fn(6, 4, |x, y| (10 * x + y) as u8);
+        let all = Bounds { min: [-9.0; 2], max: [99.0; 2] };
+        // One box is summed up by itself; for many of them all pixels are.
+        for boxes in [vec![], vec![all; 9]] {
+            let grays = Grays::new(&picture, boxes.iter());
+            let of = |min, max| grays.mean(&Bounds { min, max });
+            assert_eq!(grays.sums.is_some(), !boxes.is_empty());
+            assert_eq!(of([0.5, -0.5], [2.5, 1.5]), Some(15.5));
+            assert_eq!(grays.mean(&all), Some(26.5));
+            assert_eq!((of([7.0, 0.0], [9.0, 2.0]), of([-9.0, 0.0], [-1.0, 2.0])), (None, None));
+        }
+    }
+}

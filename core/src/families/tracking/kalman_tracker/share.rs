@@ -1,0 +1,337 @@
+//! Who belongs to whom in a frame.
+
+use std::sync::Arc;
+
+use super::{Association, KalmanTracker, PairCost, Track};
+use crate::base::Error;
+use crate::data::{Clip, Detection};
+use crate::geometry::Bounds;
+use crate::methods::kalman::{Measurement, chi_square};
+use crate::products::{
+    Life,
+    objects::{
+        assignment::{Assigned, Effort, least_cost, nearest_first},
+        near::{Corners, Near, corners, nearest},
+        pairs::Pairs,
+    },
+};
+
+/// In whose turn a pair was chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// Of objects that are believed in, or of all, with sure detections.
+    First,
+    /// Of objects that were seen in the frame before, with detections that are less sure.
+    LessSure,
+    /// Of tentative objects.
+    Tentative,
+    /// Of objects that are believed in, by the boxes in which they were last seen.
+    LastBox,
+}
+
+/// The detection of an object.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    pub column: usize,
+    pub cost: f64,
+    pub turn: Turn,
+}
+
+/// Objects beside detections.
+#[derive(Clone, Debug)]
+pub struct Costs {
+    pub tracks: Vec<Track>,
+    pub detections: Arc<Vec<Detection>>,
+    /// Which detections are sure.
+    pub is_sure: Vec<bool>,
+    /// What the allowed pairs cost; a row for each object.
+    pub costs: Pairs,
+    /// The limit of the squared distances.
+    pub limit: f64,
+    /// The detection of each object.
+    pub pairs: Vec<Option<Pair>>,
+    /// Objects with more than [`MOST_NEAR`] detections near them, of which only the nearest count.
+    pub crowded: usize,
+    /// Objects that were paired nearest first, because so many compete.
+    pub hasty: usize,
+}
+
+/// An object competes for so many detections at most, those that are nearest to it: in a crowd in which everything lies on
+/// everything, comparing all pairs would take for ever.
+pub const MOST_NEAR: usize = 500;
+
+/// An assignment looks at so many pairs at most, some tenths of a second long; then it goes on nearest first.
+const MOST_WORK: u64 = 20_000_000;
+
+/// So many objects are compared before it is asked whether to go on.
+const OBJECTS_AT_ONCE: usize = 64;
+
+impl Costs {
+    /// The overlap of an object and a detection, as intersection over union.
+    pub fn overlap(&self, row: usize, column: usize) -> f64 {
+        f64::from(self.tracks[row].bounds().iou(&self.detections[column].bounds))
+    }
+}
+
+/// What is compared in a frame.
+struct Frame<'a> {
+    clip: &'a Clip,
+    detections: &'a [Detection],
+    measured: Vec<Measurement>,
+    /// The limit of the squared distances.
+    limit: f64,
+}
+
+impl KalmanTracker {
+    /// What the pairs of `tracks` and `detections` cost that are allowed, and who belongs to whom.
+    ///
+    /// # Errors
+    /// If nobody wants to know any more.
+    pub(super) fn costs(
+        &self,
+        clip: &Clip,
+        (tracks, detections): (Vec<Track>, Arc<Vec<Detection>>),
+        is_sure: impl Fn(&Detection) -> bool,
+    ) -> Result<Costs, Error> {
+        let measured = detections.iter().map(|detection| self.measurement(detection)).collect();
+        let limit = chi_square::quantile(f64::from(self.gate), 2);
+        let frame = Frame { clip, detections: &detections, measured, limit };
+        let boxes = Near::new(detections.iter().map(|detection| corners(&detection.bounds)));
+        let (costs, crowded) = match self.cost {
+            PairCost::Mahalanobis => self.by_distance(&frame, &tracks),
+            PairCost::Overlap | PairCost::Both => self.by_overlap(&frame, &boxes, &tracks),
+        }?;
+        let is_sure = detections.iter().map(is_sure).collect();
+        let pairs = vec![None; tracks.len()];
+        let mut all = Costs { tracks, detections, is_sure, costs, limit, pairs, crowded, hasty: 0 };
+        self.share(clip, &mut all, &boxes)?;
+        Ok(all)
+    }
+
+    /// The pairs of which the detection lies in the gate of the object.
+    fn by_distance(&self, frame: &Frame, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
+        // No farther along an axis than √limit (σ + σ'), those of the object and of the measurement: |a + b| ≤ |a| + |b|.
+        let reach = (frame.limit * ROUNDING).sqrt();
+        let gates = frame.measured.iter().map(|measured| around(measured.place, [reach * measured.place_deviation; 2]));
+        let gates = Near::new(gates);
+        rows_of(frame, tracks, |track, found| {
+            let gate = Gate::of(track, frame.limit);
+            let corners = around(gate.place, [gate.xx, gate.yy].map(|variance| reach * variance.sqrt()));
+            gates.touching(corners, found, |x| (!gate.is_far(&frame.measured[x])).then_some(0.0));
+            let is_cut = nearest(found, gate.place, (frame.detections, MOST_NEAR));
+            let near = |x: usize| track.filter.squared_distance(&frame.measured[x]).filter(|d| *d <= frame.limit);
+            (found.iter().filter_map(|(x, _)| Some((*x, near(*x)?))).collect(), is_cut)
+        })
+    }
+
+    /// The pairs whose boxes overlap enough, and where both count, whose detection lies in the gate as well.
+    fn by_overlap(&self, frame: &Frame, boxes: &Near, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
+        let least = f64::from(self.min_overlap);
+        rows_of(frame, tracks, |track, found| {
+            self.overlapping(&track.bounds(), (boxes, frame.detections), found);
+            let is_cut = nearest(found, track.filter.place(), (frame.detections, MOST_NEAR));
+            let cost = |x: usize, overlap: f64| {
+                if self.cost == PairCost::Overlap {
+                    return Some(1.0 - overlap);
+                }
+                let distance = track.filter.squared_distance(&frame.measured[x])?;
+                let apart = (1.0 - overlap) / (1.0 - least);
+                (distance <= frame.limit).then(|| (distance / frame.limit + apart) / 2.0)
+            };
+            (found.iter().filter_map(|(x, overlap)| Some((*x, cost(*x, *overlap)?))).collect(), is_cut)
+        })
+    }
+
+    /// The detections that have enough in common with a box, and how much.
+    fn overlapping(&self, bounds: &Bounds, (boxes, all): (&Near, &[Detection]), found: &mut Vec<(usize, f64)>) {
+        let is_enough = |overlap: &f64| *overlap > 0.0 && *overlap >= f64::from(self.min_overlap);
+        let overlap = |x: usize| Some(f64::from(bounds.iou(&all[x].bounds))).filter(is_enough);
+        boxes.touching(corners(bounds), found, overlap);
+    }
+
+    /// Chooses pairs, turn after turn.
+    fn share(&self, clip: &Clip, all: &mut Costs, boxes: &Near) -> Result<(), Error> {
+        let is_first = |track: &Track| !self.in_turns || track.age.life != Life::Tentative;
+        let by_cost = all.costs.clone();
+        self.take_turn(clip, (all, Turn::First), &by_cost, |track, is_sure| is_sure && is_first(track))?;
+        self.take_turn(clip, (all, Turn::LessSure), &by_cost, |track, is_sure| {
+            !is_sure && is_first(track) && track.age.missed == 0
+        })?;
+        if self.in_turns {
+            self.take_turn(clip, (all, Turn::Tentative), &by_cost, |track, is_sure| is_sure && !is_first(track))?;
+        }
+        if self.recover {
+            let by_last_box = self.by_last_box(all, boxes);
+            self.take_turn(clip, (all, Turn::LastBox), &by_last_box, |track, is_sure| {
+                is_sure && track.age.life != Life::Tentative
+            })?;
+        }
+        Ok(())
+    }
+
+    /// What pairs cost of objects that are left and detections that overlap the boxes in which these were last seen.
+    fn by_last_box(&self, all: &Costs, boxes: &Near) -> Pairs {
+        let (mut pairs, mut found) = (Pairs::new(all.detections.len()), Vec::new());
+        for (track, pair) in all.tracks.iter().zip(&all.pairs) {
+            found.clear();
+            if pair.is_none() && track.age.life != Life::Tentative {
+                self.overlapping(&track.last, (boxes, &all.detections), &mut found);
+            }
+            nearest(&mut found, track.filter.place(), (&all.detections, MOST_NEAR));
+            pairs.push(found.iter().map(|(x, overlap)| (*x, 1.0 - overlap)));
+        }
+        pairs
+    }
+
+    /// Chooses pairs of objects and detections that are left, as far as they take part.
+    fn take_turn(
+        &self,
+        clip: &Clip,
+        (all, turn): (&mut Costs, Turn),
+        costs: &Pairs,
+        takes_part: impl Fn(&Track, bool) -> bool,
+    ) -> Result<(), Error> {
+        let mut is_free = vec![true; costs.columns()];
+        all.pairs.iter().flatten().for_each(|pair| is_free[pair.column] = false);
+        let costs = costs
+            .filtered(|y, x, _| is_free[x] && all.pairs[y].is_none() && takes_part(&all.tracks[y], all.is_sure[x]));
+        if costs.is_empty() {
+            return Ok(());
+        }
+        let Assigned { columns, hasty } = match self.association {
+            Association::Nearest => Assigned { columns: nearest_first(&costs), hasty: 0 },
+            Association::Assignment => least_cost(&costs, &mut Effort::limited(MOST_WORK, &|| clip.wanted()))?,
+        };
+        all.hasty += hasty;
+        for (row, column) in columns.into_iter().enumerate() {
+            let cost = column.and_then(|column| Some((column, costs.get(row, column)?)));
+            all.pairs[row] = all.pairs[row].or(cost.map(|(column, cost)| Pair { column, cost, turn }));
+        }
+        Ok(())
+    }
+}
+
+/// What is allowed may be farther by so much, since distances are rounded: all that is told here is checked again.
+const ROUNDING: f64 = 1.001;
+
+/// The gate of an object without its measurement: what lies clearly outside is told without the filter.
+struct Gate {
+    place: [f64; 2],
+    /// The covariance of the place.
+    xx: f64,
+    xy: f64,
+    yy: f64,
+    limit: f64,
+}
+
+impl Gate {
+    fn of(track: &Track, limit: f64) -> Self {
+        let [[xx, xy], [_, yy]] = track.filter.place_covariance();
+        Self { place: track.filter.place(), xx, xy, yy, limit }
+    }
+
+    /// Whether a measurement is farther than the limit, by more than rounding makes of it.
+    fn is_far(&self, measured: &Measurement) -> bool {
+        let variance = measured.place_deviation * measured.place_deviation;
+        let [x, y] = [0, 1].map(|i| measured.place[i] - self.place[i]);
+        let (xx, yy) = (self.xx + variance, self.yy + variance);
+        let det = xx * yy - self.xy * self.xy;
+        // νᵀ S⁻¹ ν > limit, times det S.
+        let squared = x * x * yy - 2.0 * x * y * self.xy + y * y * xx;
+        det > SOUND * xx * yy && squared > self.limit * ROUNDING * det
+    }
+}
+
+/// A smaller determinant, as a share of the product of the variances, is not worked out exactly enough.
+const SOUND: f64 = 1e-6;
+
+/// The box of a place and how far it reaches.
+fn around(place: [f64; 2], reach: [f64; 2]) -> Corners {
+    [[place[0] - reach[0], place[1] - reach[1]], [place[0] + reach[0], place[1] + reach[1]]]
+}
+
+/// A row of pairs, and whether not all detections that are near were compared.
+type Row = (Vec<(usize, f64)>, bool);
+
+/// The rows of all objects, and how many of them were cut.
+fn rows_of(
+    frame: &Frame,
+    tracks: &[Track],
+    row: impl Fn(&Track, &mut Vec<(usize, f64)>) -> Row,
+) -> Result<(Pairs, usize), Error> {
+    let (mut pairs, mut found, mut cut) = (Pairs::new(frame.detections.len()), Vec::new(), 0);
+    for (y, track) in tracks.iter().enumerate() {
+        if y.is_multiple_of(OBJECTS_AT_ONCE) {
+            frame.clip.wanted()?;
+        }
+        let (row, is_cut) = row(track, &mut found);
+        pairs.push(row);
+        cut += usize::from(is_cut);
+    }
+    Ok((pairs, cut))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::kalman::MotionModel;
+    use crate::synth::random::hash;
+
+    /// Detections of all sizes, some far away, some as large as the picture, one nowhere.
+    fn detections(count: u64, seed: u64) -> Vec<Detection> {
+        let of = |i: u64| {
+            let chance = |k: u64| (hash(seed, i, k) >> 40) as f32 / (1u64 << 24) as f32;
+            let scale = [6.0, 40.0, 90.0, 400.0][(4.0 * chance(0)) as usize];
+            let center = [700.0 * chance(1) - 30.0, 500.0 * chance(2) - 30.0];
+            let bounds = match i {
+                7 => Bounds { min: [f32::NAN; 2], max: [9.0; 2] },
+                _ => Bounds::around(center, [scale * chance(3), scale * chance(4)]),
+            };
+            Detection { bounds, center: if i == 11 { [1e7, -1e7] } else { center }, score: 1.0, blob: None }
+        };
+        (0..count).map(of).collect()
+    }
+
+    #[test]
+    fn pairs_are_those_of_which_all_are_compared() {
+        let clip = Clip::blank("boxes", (640, 480), 2);
+        let mut allowed = 0;
+        for (motion, cost, unseen, min_overlap) in [
+            (MotionModel::Velocity, PairCost::Both, 0, 0.2),
+            (MotionModel::Velocity, PairCost::Mahalanobis, 0, 0.2),
+            (MotionModel::Turn, PairCost::Mahalanobis, 6, 0.2),
+            (MotionModel::Acceleration, PairCost::Mahalanobis, 30, 0.2),
+            (MotionModel::Acceleration, PairCost::Overlap, 3, 0.0),
+        ] {
+            let tracker = KalmanTracker { motion, cost, min_overlap, gate: 0.99, ..KalmanTracker::default() };
+            let seen = detections(150, 2);
+            let tracks: Vec<Track> = detections(170, 1)
+                .iter()
+                .zip(1..)
+                .map(|(found, id)| {
+                    let mut track = tracker.begun(found, id);
+                    track = tracker.updated(&track, &seen[id as usize % 140]);
+                    (0..=unseen).for_each(|_| track.filter = track.filter.predicted());
+                    track
+                })
+                .collect();
+            let costs = tracker.costs(&clip, (tracks, Arc::new(seen)), |_| true).expect("it is wanted");
+            assert_eq!((costs.crowded, costs.hasty), (0, 0));
+            for (y, x) in (0..170).flat_map(|y| (0..150).map(move |x| (y, x))) {
+                let measured = tracker.measurement(&costs.detections[x]);
+                let distance = costs.tracks[y].filter.squared_distance(&measured).unwrap_or(f64::INFINITY);
+                let (near, overlap) = (distance <= costs.limit, costs.overlap(y, x));
+                let has_overlap = overlap > 0.0 && overlap >= f64::from(min_overlap);
+                let apart = (1.0 - overlap) / (1.0 - f64::from(min_overlap));
+                let expected = match cost {
+                    PairCost::Mahalanobis => near.then_some(distance),
+                    PairCost::Overlap => has_overlap.then_some(1.0 - overlap),
+                    PairCost::Both => (near && has_overlap).then(|| (distance / costs.limit + apart) / 2.0),
+                };
+                assert_eq!(costs.costs.get(y, x), expected, "{motion:?}, {cost:?}: object {y}, detection {x}");
+                allowed += usize::from(expected.is_some());
+            }
+        }
+        assert!(allowed > 2000, "{allowed}");
+    }
+}

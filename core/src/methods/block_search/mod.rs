@@ -1,0 +1,278 @@
+//! What all block searches share: the pair of frames, the window, the events, and how they are told and drawn.
+
+mod neighbours;
+mod probe;
+mod rate;
+mod readouts;
+mod search;
+mod settings;
+mod subpixel;
+mod tell;
+mod tester;
+mod whole_readouts;
+
+use std::sync::Arc;
+
+use crate::base::Error;
+use crate::data::{Between, Clip, Frame, Interpolation};
+use crate::methods::cost::Cut;
+use crate::products::{Block, BlockGrid, BlockVector};
+use crate::scene::{Name, Role};
+
+pub use neighbours::Neighbours;
+pub(crate) use probe::Probe;
+pub(crate) use rate::Rate;
+pub use search::BlockSearch;
+pub(crate) use search::{need, search_pseudocode};
+pub(crate) use settings::block_search_params;
+pub use settings::{BorderRule, Cost, HasSettings, Settings};
+pub use subpixel::{Fit, Subpixel};
+pub(crate) use tell::vector;
+pub use tester::Tester;
+pub(crate) use tester::{Workspace, around};
+
+/// A displacement `[u, v]` in whole px from frame t to t + 1.
+pub type Displacement = [i32; 2];
+
+/// The displacements that may be tested for a block: a rectangle, row by row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Smallest displacement, both ways.
+    pub min: Displacement,
+    /// Number of columns and rows.
+    pub size: (usize, usize),
+}
+
+impl Window {
+    /// Number of candidates.
+    pub fn count(&self) -> usize {
+        self.size.0 * self.size.1
+    }
+
+    /// Candidate `index`, row by row.
+    #[inline(always)]
+    pub fn displacement(&self, index: usize) -> Displacement {
+        [self.min[0] + (index % self.size.0) as i32, self.min[1] + (index / self.size.0) as i32]
+    }
+
+    /// The index of a displacement, if it lies in the window.
+    #[inline(always)]
+    pub fn index(&self, [u, v]: Displacement) -> Option<usize> {
+        let (column, row) = (usize::try_from(u - self.min[0]).ok()?, usize::try_from(v - self.min[1]).ok()?);
+        (column < self.size.0 && row < self.size.1).then(|| row * self.size.0 + column)
+    }
+
+    /// Whether a displacement in quarters of a px lies in the window, or between its outermost columns and rows.
+    pub(super) fn holds_quarters(&self, [u, v]: [i32; 2]) -> bool {
+        let within = |c: i32, min: i32, size: usize| (4 * min..=4 * (min + size as i32 - 1)).contains(&c);
+        within(u, self.min[0], self.size.0) && within(v, self.min[1], self.size.1)
+    }
+
+    /// Whether a displacement of the window lies at its edge.
+    pub fn is_at_edge(&self, displacement: Displacement) -> bool {
+        let (column, row) = self.place(displacement);
+        column == 0 || row == 0 || column + 1 == self.size.0 || row + 1 == self.size.1
+    }
+
+    /// Column and row of a displacement.
+    pub(super) fn place(&self, displacement: Displacement) -> (usize, usize) {
+        ((displacement[0] - self.min[0]) as usize, (displacement[1] - self.min[1]) as usize)
+    }
+}
+
+/// Which of two equally good displacements is chosen: the shorter, then the first in raster order.
+#[inline]
+pub fn shorter(a: Displacement, b: Displacement) -> bool {
+    let rank = |[u, v]: Displacement| (u * u + v * v, v, u);
+    rank(a) < rank(b)
+}
+
+/// The two frames, and the blocks of the first.
+#[derive(Clone)]
+pub struct Pair {
+    /// Frame t.
+    pub current: Arc<Frame>,
+    /// Frame t + 1.
+    pub next: Arc<Frame>,
+    /// The blocks of frame t.
+    pub blocks: BlockGrid,
+    /// What happens at the border.
+    pub rule: BorderRule,
+}
+
+impl Pair {
+    /// Frames `frame` and `frame + 1` of `clip`, with blocks of `size` px every `step` px (0: edge to edge).
+    ///
+    /// # Errors
+    /// If there is no such pair, or the picture is smaller than a block.
+    pub fn new(clip: &Clip, frame: usize, size: usize, step: usize, rule: BorderRule) -> Result<Self, Error> {
+        let [current, next] = clip.pair(frame)?;
+        let (width, height) = current.size();
+        if next.size() != (width, height) {
+            return Err(Error::new(format!("frames {frame} and {} differ in size", frame + 1)));
+        }
+        if width < size || height < size {
+            return Err(Error::new(format!(
+                "a block of {size} px does not fit into a picture of {width}×{height} px; choose a smaller block"
+            )));
+        }
+        Ok(Self { current, next, blocks: grid((width, height), size, step), rule })
+    }
+
+    /// Takes `block` moved by `displacement` out of frame t + 1, to be moved on by fractions of a pixel.
+    pub(crate) fn take_between(
+        &self,
+        block: Block,
+        [u, v]: Displacement,
+        filter: Interpolation,
+        between: &mut Between,
+    ) {
+        let corner = (block.x as isize + u as isize, block.y as isize + v as isize);
+        between.take((self.next.luma(), self.rule.border()), corner, (block.width, block.height), filter);
+    }
+
+    /// The window of ±`range` px around `block`, cut where the border rule says so.
+    pub fn window(&self, block: Block, range: usize) -> Window {
+        let (width, height) = self.blocks.picture;
+        let span = |start: usize, length: usize, extent: usize| match self.rule {
+            BorderRule::Inside => (range.min(start), range.min(extent - start - length)),
+            BorderRule::Replicate | BorderRule::Mirror => (range, range),
+        };
+        let (left, right) = span(block.x, block.width, width);
+        let (up, down) = span(block.y, block.height, height);
+        Window { min: [-(left as i32), -(up as i32)], size: (left + right + 1, up + down + 1) }
+    }
+}
+
+/// Where blocks of `size` px lie every `step` px (0: edge to edge).
+pub(crate) fn grid(picture: (usize, usize), size: usize, step: usize) -> BlockGrid {
+    BlockGrid { picture, size, step: if step == 0 { size } else { step } }
+}
+
+/// The pixels of one block and of all that its window reaches.
+#[derive(Default)]
+pub(crate) struct Patch {
+    /// The block in frame t.
+    pub block: Cut,
+    /// The pixels under the window in frame t + 1.
+    pub area: Cut,
+}
+
+impl Patch {
+    /// Copies the block out of frame t.
+    pub fn take_block(&mut self, pair: &Pair, block: Block) {
+        let corner = (block.x as isize, block.y as isize);
+        self.block.take(pair.current.luma(), corner, (block.width, block.height), pair.rule.border());
+    }
+
+    /// Copies what the block's window reaches out of frame t + 1.
+    pub fn take_area(&mut self, pair: &Pair, block: Block, window: Window) {
+        let reach = (block.width + window.size.0 - 1, block.height + window.size.1 - 1);
+        let start = (block.x as isize + window.min[0] as isize, block.y as isize + window.min[1] as isize);
+        self.area.take(pair.next.luma(), start, reach, pair.rule.border());
+    }
+}
+
+/// What happens while a block is searched.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// The window was laid out.
+    Window,
+    /// The search decided what to test next, or that it is over.
+    Stage {
+        /// The line of the pseudocode.
+        line: Name,
+        /// What it decided.
+        stage: Stage,
+    },
+    /// The best is looked at more closely.
+    Refine(Stage),
+    /// A parabola was laid through the costs around the best.
+    Fit(Fit),
+    /// A candidate was tested.
+    Candidate {
+        /// Its displacement, and the cost over the rows that were looked at.
+        tested: Match,
+        /// The rows that were looked at; fewer than the block has if it was given up early.
+        rows: usize,
+    },
+    /// That candidate is the best so far.
+    NewBest {
+        /// The best before, if there was one.
+        before: Option<Match>,
+    },
+    /// The block is done.
+    Found(Match),
+}
+
+impl Event {
+    /// Whether a candidate was tested.
+    pub(crate) fn is_candidate(&self) -> bool {
+        matches!(self, Event::Candidate { .. })
+    }
+
+    /// The role of an event that is worth a mark on the timeline.
+    pub(crate) fn landmark(&self) -> Option<Role> {
+        match self {
+            Event::NewBest { .. } | Event::Fit(_) => Some(Role::Best),
+            Event::Stage { .. } | Event::Refine(_) => Some(Role::Candidate),
+            _ => None,
+        }
+    }
+}
+
+/// A decision of a search: the candidates that it tests next, and why these.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stage {
+    /// The part of the window to which the search has narrowed down, if it does so.
+    pub narrowed: Option<Window>,
+    /// How many points the search asked for.
+    pub asked: usize,
+    /// Those of them that will be tested: they lie in the window and were not tested before.
+    pub points: Vec<[f32; 2]>,
+    /// Why, in a sentence or two.
+    pub why: String,
+}
+
+impl Stage {
+    /// The stage that `event` begins.
+    fn of(event: &Event) -> Option<&Stage> {
+        match event {
+            Event::Stage { stage, .. } | Event::Refine(stage) => Some(stage),
+            _ => None,
+        }
+    }
+}
+
+/// A displacement and its cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Match {
+    /// The displacement in whole px.
+    pub displacement: Displacement,
+    /// What is to be added to it for a fraction of a px: multiples of a quarter, or where a parabola is lowest.
+    pub fraction: [f32; 2],
+    /// What it costs.
+    pub cost: f64,
+}
+
+impl Match {
+    /// A match of whole px.
+    pub fn whole(displacement: Displacement, cost: f64) -> Self {
+        Self { displacement, fraction: [0.0; 2], cost }
+    }
+
+    /// The displacement `[u, v]` in px.
+    pub fn vector(&self) -> [f32; 2] {
+        [0, 1].map(|i| self.displacement[i] as f32 + self.fraction[i])
+    }
+
+    /// It as a result, found after `candidates` were tested.
+    pub(crate) fn result(&self, candidates: u32) -> BlockVector {
+        BlockVector { displacement: self.vector(), cost: self.cost, candidates }
+    }
+
+    /// The displacement in quarters of a px, as it was tested; one that was fitted is rounded.
+    pub(crate) fn quarters(&self) -> [i32; 2] {
+        [0, 1].map(|i| 4 * self.displacement[i] + (4.0 * self.fraction[i]).round() as i32)
+    }
+}

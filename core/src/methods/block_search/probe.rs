@@ -1,0 +1,191 @@
+//! A block search at a cursor: what it draws.
+
+use super::{Event, Match, Neighbours, Pair, Rate, Settings, Stage, Window};
+use crate::data::Counted;
+use crate::geometry::Grid;
+use crate::products::Block;
+use crate::scene::{Arrow, Picture, Role, Scene, Shape};
+
+/// The unit at a cursor as a block search sees it: what to draw and tell follows from this.
+pub(crate) struct Probe<'a> {
+    /// The pair of frames.
+    pub pair: &'a Pair,
+    /// The parameters of the search, on this picture.
+    pub settings: Settings,
+    /// What a displacement costs to send.
+    pub rate: Rate,
+    /// Index of the block.
+    pub index: usize,
+    /// What is said of the blocks when they are counted.
+    pub counted: Counted,
+    /// The block's window.
+    pub window: Window,
+    /// Blocks found before.
+    pub found: &'a [Match],
+    /// Events of this block that were seen.
+    pub events: &'a [Event],
+    /// The pixel pointed at.
+    pub focus: Option<[f32; 2]>,
+}
+
+impl<'a> Probe<'a> {
+    /// The block after those that were found, of whose `events` so many were seen; `focus` is pointed at.
+    pub fn new(
+        pair: &'a Pair,
+        settings: Settings,
+        found: &'a [Match],
+        (events, focus): (&'a [Event], Option<[f32; 2]>),
+    ) -> Self {
+        let index = found.len();
+        let window = pair.window(pair.blocks.block(index), settings.range);
+        let neighbours = Neighbours::of(index, pair.blocks.counts().0, |i| found[i], None);
+        let rate = Rate::new(&settings, &neighbours);
+        Self { pair, settings, rate, index, counted: Counted::default(), window, found, events, focus }
+    }
+}
+
+impl Probe<'_> {
+    pub(super) fn block(&self) -> Block {
+        self.pair.blocks.block(self.index)
+    }
+
+    /// The candidate under test.
+    pub(super) fn candidate(&self) -> Option<(Match, usize)> {
+        self.events.iter().rev().find_map(|event| match event {
+            &Event::Candidate { tested, rows } => Some((tested, rows)),
+            _ => None,
+        })
+    }
+
+    /// The best candidate so far.
+    pub fn best(&self) -> Option<Match> {
+        let newest = self.events.iter().rposition(|event| matches!(event, Event::NewBest { .. }))?;
+        let (best, _) = Probe { events: &self.events[..newest], ..*self }.candidate()?;
+        let fitted = self.events[newest..].iter().find_map(|event| match event {
+            Event::Fit(fit) => Some(fit.fraction),
+            _ => None,
+        });
+        Some(Match { fraction: fitted.unwrap_or(best.fraction), ..best })
+    }
+
+    pub(super) fn tested(&self) -> usize {
+        self.events.iter().filter(|event| event.is_candidate()).count()
+    }
+
+    pub fn is_over(&self) -> bool {
+        matches!(self.events.last(), Some(Event::Found(_)))
+    }
+
+    /// Marks on the stage.
+    pub fn draw(&self, scene: &mut Scene) {
+        let blocks = &self.pair.blocks;
+        let arrow = |block: Block, found: &Match| {
+            let ([x, y], [u, v]) = (block.center(), found.vector());
+            Arrow { from: [x, y], to: [x + u, y + v] }
+        };
+        let done = self.found.iter().enumerate();
+        let arrows: Vec<_> = done.map(|(i, found)| arrow(blocks.block(i), found)).collect();
+        if !arrows.is_empty() {
+            scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
+            scene.legend(Role::Result, "displacement found");
+        }
+        // By itself: where there is no room for all of them, this one is still seen.
+        if let Some(Event::Found(found)) = self.events.last() {
+            let found = arrow(self.block(), found);
+            scene.mark(Picture::Current, Role::Result, Shape::Arrows(vec![found]));
+            scene.legend(Role::Result, "displacement found");
+        }
+        if self.events.is_empty() {
+            return;
+        }
+        let block = self.block();
+        let at = |[u, v]: [f32; 2]| {
+            let min = [block.x as f32 + u - 0.5, block.y as f32 + v - 0.5];
+            Shape::Rect { min, max: [min[0] + block.width as f32, min[1] + block.height as f32] }
+        };
+        scene.mark(Picture::Current, Role::Reference, at([0.0; 2]));
+        scene.legend(Role::Reference, "block in frame t");
+        // The end of the run shows what was found; nothing is searched any more.
+        if !self.is_over() || self.index + 1 < blocks.len() {
+            self.draw_window(block, scene);
+        }
+        self.draw_stage(block, scene);
+        if let Some(best) = self.best() {
+            scene.mark(Picture::Next, Role::Best, at(best.vector()));
+            scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow(block, &best)]));
+            scene.legend(Role::Best, if self.is_over() { "best match" } else { "best so far" });
+        }
+        // On top: a new best is the candidate under test.
+        if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
+            scene.mark(Picture::Next, Role::Candidate, at(candidate.vector()));
+            scene.legend(Role::Candidate, "candidate");
+        }
+    }
+
+    fn draw_window(&self, block: Block, scene: &mut Scene) {
+        let (min, size) = (self.window.min, self.window.size);
+        let reach = (block.width + size.0 - 1, block.height + size.1 - 1);
+        let corner = (block.x as i32 + min[0], block.y as i32 + min[1]);
+        if self.tested() > 0 {
+            let center = block.center();
+            let origin = [center[0] + min[0] as f32, center[1] + min[1] as f32];
+            scene.mark(Picture::Next, Role::Candidate, Shape::Heat { origin, values: self.costs() });
+        }
+        scene.mark(Picture::Next, Role::Window, Shape::pixels(corner.0, corner.1, reach.0, reach.1));
+        scene.legend(Role::Window, "search window");
+    }
+
+    /// The event that tested each displacement, counted from 1.
+    pub(super) fn tests(&self) -> Grid<Option<usize>> {
+        let mut tests = Grid::new(self.window.size.0, self.window.size.1, None);
+        for (i, event) in self.events.iter().enumerate() {
+            if let Event::Candidate { tested, .. } = event
+                && tested.fraction == [0.0; 2]
+            {
+                tests[self.window.place(tested.displacement)] = Some(i + 1);
+            }
+        }
+        tests
+    }
+
+    /// The points of the stage at hand: those tested, and those still to test.
+    fn draw_stage(&self, block: Block, scene: &mut Scene) {
+        let mut stages = self.events.iter().enumerate().rev();
+        let Some((last, stage)) = stages.find_map(|(i, event)| Some((i, Stage::of(event)?))) else {
+            return;
+        };
+        let (since, [x, y]) = (&self.events[last + 1..], block.center());
+        if let Some(part) = stage.narrowed.filter(|_| !self.is_over()) {
+            let corner = [x + part.min[0] as f32 - 0.5, y + part.min[1] as f32 - 0.5];
+            let far = [corner[0] + part.size.0 as f32, corner[1] + part.size.1 as f32];
+            scene.mark(Picture::Next, Role::Window, Shape::Rect { min: corner, max: far });
+        }
+        let is_tested = |point: [f32; 2]| {
+            since.iter().any(|event| matches!(event, Event::Candidate { tested, .. } if tested.vector() == point))
+        };
+        let (tested, waiting): (Vec<_>, Vec<_>) = stage.points.iter().copied().partition(|&point| is_tested(point));
+        for (role, points, meaning) in
+            [(Role::Rejected, tested, "tested in this stage"), (Role::Predicted, waiting, "still to test")]
+        {
+            if !points.is_empty() && !self.is_over() {
+                let places = points.iter().map(|[u, v]| [x + u, y + v]).collect();
+                scene.mark(Picture::Next, role, Shape::Points(places));
+                scene.legend(role, meaning);
+            }
+        }
+    }
+
+    /// The costs known so far, by displacement; a candidate that was given up has none.
+    pub(super) fn costs(&self) -> Grid<f32> {
+        let mut costs = Grid::new(self.window.size.0, self.window.size.1, f32::NAN);
+        for event in self.events {
+            if let &Event::Candidate { tested, rows } = event
+                && rows == self.block().height
+                && tested.fraction == [0.0; 2]
+            {
+                costs[self.window.place(tested.displacement)] = tested.cost as f32;
+            }
+        }
+        costs
+    }
+}

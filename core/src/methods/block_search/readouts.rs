@@ -1,0 +1,349 @@
+//! A block search at a cursor: its numbers.
+
+use super::probe::Probe;
+use super::subpixel::has_lowest;
+use super::tell::{short, signed, vector};
+use super::{Cost, Event, Fit, Match, Patch, Subpixel, Window};
+use crate::data::{Between, Histogram};
+use crate::geometry::Grid;
+use crate::methods::cost::{Cut, Sum};
+use crate::scene::{Fact, Math, Readout, Role, Series, Surface, Tile};
+
+impl Probe<'_> {
+    /// The numbers of the step.
+    pub fn readouts(&self) -> Vec<Readout> {
+        if self.events.is_empty() {
+            return Vec::new();
+        }
+        let mut readouts = vec![Readout::Facts(self.facts())];
+        if let Some(Event::Fit(fit)) = self.events.last() {
+            readouts.push(Readout::Equation(self.fitted(fit)));
+        } else if let Some((candidate, rows)) = self.shown() {
+            let mut lines = self.equation(candidate, rows);
+            lines.extend(self.priced(candidate));
+            readouts.push(Readout::Equation(lines));
+        }
+        if let Some((candidate, rows)) = self.shown() {
+            // The costs between pixels are on no map, so they come first.
+            let tiles = self.between().into_iter().chain(self.tiles(candidate, rows)).collect();
+            readouts.push(Readout::Tiles(tiles));
+        }
+        let is_on_map = |candidate: &Match| !self.is_over() && candidate.fraction == [0.0; 2];
+        let is_fitted = self.settings.subpixel == Subpixel::Parabola;
+        readouts.push(Readout::Surface(Surface {
+            title: self.settings.label(),
+            origin: self.window.min,
+            values: self.costs(),
+            events: self.tests(),
+            probe: self.candidate().map(|(candidate, _)| candidate).filter(is_on_map).map(|at| at.displacement),
+            // One between pixels has no place on the map; one that was fitted stays where it was tested.
+            best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
+        }));
+        readouts.push(Readout::Series(self.series()));
+        readouts.extend(self.histogram().map(Readout::Histogram));
+        readouts
+    }
+
+    /// The displacements found, this block's own among them once it is done.
+    fn histogram(&self) -> Option<Histogram> {
+        let own = self.events.last().and_then(|event| match event {
+            Event::Found(found) => Some(found),
+            _ => None,
+        });
+        let vectors: Vec<_> = self.found.iter().chain(own).map(Match::vector).collect();
+        Histogram::of(self.counted, &vectors, own.is_some())
+    }
+
+    /// The candidate whose numbers are shown: the one under test, at the end the one that won.
+    pub(super) fn shown(&self) -> Option<(Match, usize)> {
+        match self.events.last() {
+            // A parabola was fitted to what was tested, and is no test itself.
+            Some(Event::Found(found)) if self.settings.subpixel == Subpixel::Parabola => {
+                Some((Match { fraction: [0.0; 2], ..*found }, self.block().height))
+            }
+            Some(Event::Found(found)) => Some((*found, self.block().height)),
+            _ => self.candidate(),
+        }
+    }
+
+    /// The role of that candidate.
+    pub(super) fn shown_role(&self) -> Role {
+        if self.is_over() { Role::Best } else { Role::Candidate }
+    }
+
+    fn facts(&self) -> Vec<Fact> {
+        let block = self.block();
+        let mut facts = vec![
+            Fact {
+                label: "Block",
+                value: format!("{} of {}, at ({}, {})", self.index + 1, self.pair.blocks.len(), block.x, block.y),
+                role: Some(Role::Reference),
+            },
+            Fact { label: "Tested", value: self.counted(), role: None },
+        ];
+        let of = |found: Match| format!("{} px, {}", vector(found.vector()), self.cost_of(found));
+        if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
+            facts.push(Fact { label: "Candidate", value: of(candidate), role: Some(Role::Candidate) });
+        }
+        if let Some(best) = self.best() {
+            let label = if self.is_over() { "Displacement" } else { "Best so far" };
+            let role = if self.is_over() { Role::Result } else { Role::Best };
+            facts.push(Fact { label, value: of(best), role: Some(role) });
+        }
+        facts
+    }
+
+    /// How many candidates were tested: of the window, and between its pixels.
+    fn counted(&self) -> String {
+        let whole = self.tests().cells().iter().flatten().count();
+        let of_window = format!("{whole} of {}", self.window.count());
+        match self.tested() - whole {
+            0 => of_window,
+            between => format!("{of_window}, {between} between pixels"),
+        }
+    }
+
+    /// What a match costs, and where that was tested if a parabola has moved it from there since.
+    pub(super) fn cost_of(&self, found: Match) -> String {
+        let cost = self.settings.show(found.cost);
+        let is_fitted = self.settings.subpixel == Subpixel::Parabola && found.fraction != [0.0; 2];
+        if is_fitted { format!("{cost} at {}", vector(found.displacement)) } else { cost }
+    }
+
+    /// The pixels of the block and of the candidate: `(frame t, frame t + 1)`.
+    fn patches(&self, candidate: Match) -> (Cut, Cut) {
+        let (mut patch, block, [u, v]) = (Patch::default(), self.block(), candidate.displacement);
+        patch.take_block(self.pair, block);
+        patch.take_area(self.pair, block, Window { min: [u, v], size: (1, 1) });
+        if candidate.fraction != [0.0; 2] {
+            let (mut between, size) = (Between::default(), (block.width, block.height));
+            self.pair.take_between(block, [u, v], self.settings.filter, &mut between);
+            let (pixels, _) = between.moved(candidate.fraction.map(|c| (4.0 * c) as i32));
+            if let Ok(moved) = Grid::from_vec(size.0, size.1, pixels.to_vec()) {
+                patch.area.take(&moved, (0, 0), size, self.pair.rule.border());
+            }
+        }
+        (patch.block, patch.area)
+    }
+
+    /// How badly a candidate fits, as a person reads it: its cost less the price of its displacement.
+    pub(super) fn distortion(&self, candidate: Match) -> String {
+        self.settings.free().number(self.rate.distortion(candidate))
+    }
+
+    /// The price of the displacement, and what that makes of the cost; nothing where it has none.
+    fn priced(&self, candidate: Match) -> Vec<Math> {
+        if self.settings.lambda == 0.0 {
+            return Vec::new();
+        }
+        let bits = self.rate.bits(candidate.quarters());
+        let sum = Math::Row(vec![
+            Math::text(format!("{} + λR = {} + ", self.settings.cost.label(), self.distortion(candidate))),
+            Math::text(format!("{} · {bits} bits = ", short(self.rate.lambda))),
+            Math::ink(self.shown_role(), self.settings.number(candidate.cost)),
+        ]);
+        let predicted = Math::ink(Role::Predicted, vector(self.rate.predicted_px()));
+        vec![sum, Math::Row(vec![Math::text("bits of the difference from "), predicted])]
+    }
+
+    /// Where each parabola is lowest, with its numbers.
+    fn fitted(&self, fit: &Fit) -> Vec<Math> {
+        let best = self.best().map_or([0, 0], |best| best.displacement);
+        let along = |i: usize, name: &'static str| {
+            let [before, at, after] = fit.costs[i].filter(has_lowest)?.map(|cost| self.settings.number(cost));
+            Some(Math::Row(vec![
+                Math::Var(name),
+                Math::text(format!(" = {} + ", signed(best[i]))),
+                Math::Frac(
+                    Box::new(Math::text(format!("{before} − {after}"))),
+                    Box::new(Math::text(format!("2 · ({before} − 2 · {at} + {after})"))),
+                ),
+                Math::text(" = "),
+                Math::ink(Role::Best, format!("{} px", signed(best[i] as f32 + fit.fraction[i]))),
+            ]))
+        };
+        [along(0, "u"), along(1, "v")].into_iter().flatten().collect()
+    }
+
+    /// The costs between pixels, by where they were tested around the best whole displacement.
+    fn between(&self) -> Option<Tile> {
+        let steps = self.settings.subpixel.steps_per_px();
+        let (label, reach) = match self.settings.subpixel {
+            Subpixel::Half => ("cost by ½ px", 1),
+            Subpixel::Quarter => ("cost by ¼ px", 3),
+            Subpixel::None | Subpixel::Parabola => return None,
+        };
+        let tested = || {
+            self.events.iter().filter_map(|event| match event {
+                Event::Candidate { tested, .. } => Some(*tested),
+                _ => None,
+            })
+        };
+        let centre = tested().find(|tested| tested.fraction != [0.0; 2])?.displacement;
+        let mut values = Grid::new(2 * reach + 1, 2 * reach + 1, f32::NAN);
+        for tested in tested().filter(|tested| tested.displacement == centre) {
+            let [i, j] = tested.fraction.map(|c| (c * steps as f32 + reach as f32) as usize);
+            values[(i, j)] = tested.cost as f32;
+        }
+        let known = || values.cells().iter().copied().filter(|cost| cost.is_finite());
+        let range = [known().fold(f32::INFINITY, f32::min), known().fold(0.0, f32::max)];
+        Some(Tile { label, role: None, values, range })
+    }
+
+    fn equation(&self, candidate: Match, rows: usize) -> Vec<Math> {
+        let block = self.block();
+        let (a, b) = self.patches(candidate);
+        let cost = self.settings.cost;
+        let [u, v] = candidate.vector().map(signed);
+        let name = || Math::text(format!("{}({u}, {v}) ", cost.label()));
+        let Some(sum) = cost.sum() else {
+            return self.whole_equation(candidate, &a, &b);
+        };
+        let (open, close) = if cost == Cost::Mse { ("1/N · ", "") } else { ("", "") };
+        let difference = Math::Row(vec![
+            Math::indexed(Math::Var("I"), Math::Var("t")),
+            Math::text("(x, y) − "),
+            Math::indexed(Math::Var("I"), Math::text("t+1")),
+            Math::text(format!("(x{}, y{})", offset(candidate.vector()[0]), offset(candidate.vector()[1]))),
+        ]);
+        let general = vec![
+            name(),
+            Math::text(format!("= {open}")),
+            Math::Sum(Box::new(Math::text("x, y"))),
+            term(sum, difference),
+            Math::text(close),
+        ];
+        let numbers = |x: usize, y: usize| {
+            let pair = vec![
+                Math::ink(Role::Reference, a.pixel(x, y).to_string()),
+                Math::text(" − "),
+                Math::ink(self.shown_role(), b.pixel(x, y).to_string()),
+            ];
+            term(sum, Math::Row(pair))
+        };
+        let last = (block.width - 1, rows - 1);
+        // Some rows add up to no more than all of them.
+        let relation = if rows < block.height { "≥ " } else { "= " };
+        let mut terms = vec![Math::text(relation), numbers(0, 0)];
+        if block.width > 1 {
+            terms.extend([Math::text(" + "), numbers(1, 0)]);
+        }
+        if last.0 > 1 || last.1 > 0 {
+            terms.extend([Math::text(" + … + "), numbers(last.0, last.1)]);
+        }
+        let mut result = vec![Math::text(format!("= {}", self.distortion(candidate)))];
+        if cost == Cost::Mse {
+            let n = block.width * block.height;
+            let distortion = self.rate.distortion(candidate);
+            let squares = (distortion * n as f64).round();
+            terms.insert(1, Math::text("1/N · ("));
+            terms.push(Math::text(")"));
+            result = vec![
+                Math::text("= "),
+                Math::Frac(Box::new(Math::text(squares.to_string())), Box::new(Math::text(n.to_string()))),
+                Math::text(format!(" = {}", self.distortion(candidate))),
+            ];
+        }
+        if rows < block.height {
+            result.push(Math::text(format!("   (first {rows} of {} rows)", block.height)));
+        }
+        let mut lines = vec![Math::Row(general), Math::Row(terms), Math::Row(result)];
+        lines.extend(self.focused_term(&a, &b, rows));
+        lines
+    }
+
+    /// The term of the pixel pointed at, if it lies in the rows of the block that were summed.
+    fn focused_term(&self, a: &Cut, b: &Cut, rows: usize) -> Option<Math> {
+        let block = self.block();
+        let [x, y] = self.focus?.map(|c| c.round() as isize);
+        let (i, j) = (x - block.x as isize, y - block.y as isize);
+        let inside = (0..block.width as isize).contains(&i) && (0..rows as isize).contains(&j);
+        let (i, j) = inside.then_some((i as usize, j as usize))?;
+        let (p, q, sum) = (a.pixel(i, j), b.pixel(i, j), self.settings.cost.sum()?);
+        let numbers = vec![
+            Math::ink(Role::Reference, p.to_string()),
+            Math::text(" − "),
+            Math::ink(self.shown_role(), q.to_string()),
+        ];
+        Some(Math::Row(vec![
+            Math::text(format!("at pixel ({x}, {y}):  ")),
+            term(sum, Math::Row(numbers)),
+            Math::text(format!(" = {}", sum.term(p, q))),
+        ]))
+    }
+
+    fn tiles(&self, candidate: Match, rows: usize) -> Vec<Tile> {
+        let block = self.block();
+        let (a, b) = self.patches(candidate);
+        let grid = |f: &dyn Fn(usize, usize) -> f32| Grid::from_fn(block.width, block.height, f);
+        let terms =
+            |sum: Sum| grid(&|x, y| if y < rows { sum.term(a.pixel(x, y), b.pixel(x, y)) as f32 } else { f32::NAN });
+        let (label, differences, top) = match self.settings.cost.sum() {
+            Some(sum @ Sum::Absolute) => ("|difference|", terms(sum), 255.0),
+            Some(sum @ Sum::Squared) => ("difference²", terms(sum), 255.0 * 255.0),
+            None => self.whole_tile(&a, &b),
+        };
+        let tile = |label, role, values, top| Tile { label, role, values, range: [0.0, top] };
+        vec![
+            tile("block", Some(Role::Reference), grid(&|x, y| f32::from(a.pixel(x, y))), 255.0),
+            tile(
+                if self.is_over() { "best match" } else { "candidate" },
+                Some(self.shown_role()),
+                grid(&|x, y| f32::from(b.pixel(x, y))),
+                255.0,
+            ),
+            tile(label, Some(Role::Error), differences, top),
+        ]
+    }
+
+    fn series(&self) -> Series {
+        let (mut tested, mut best, mut events, mut number) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
+        for (i, event) in self.events.iter().enumerate() {
+            let last = tested.last().copied();
+            match (event, last) {
+                (Event::Candidate { tested: candidate, rows }, _) => {
+                    number += 1.0;
+                    events.push(i + 1);
+                    if *rows == self.block().height {
+                        tested.push([number, candidate.cost as f32]);
+                    }
+                }
+                (Event::NewBest { .. }, Some(point)) => best.push(point),
+                _ => {}
+            }
+        }
+        // The best stays what it is up to the last candidate.
+        if let Some([_, y]) = best.last().copied() {
+            best.push([number, y]);
+        }
+        Series {
+            title: "Cost by candidate",
+            x_label: "candidate",
+            y_label: self.settings.label(),
+            // What is tested between pixels comes on top.
+            x_max: self.window.count().max(self.tested()),
+            events,
+            sections: Vec::new(),
+            lines: vec![("candidate", Role::Candidate, tested), ("best so far", Role::Best, best)],
+        }
+    }
+}
+
+/// What is added to a coordinate: ` + 3`.
+pub(super) fn offset(v: f32) -> String {
+    match short(v.abs().into()).as_str() {
+        "0" => String::new(),
+        shown if v < 0.0 => format!(" − {shown}"),
+        shown => format!(" + {shown}"),
+    }
+}
+
+fn term(sum: Sum, difference: Math) -> Math {
+    match sum {
+        Sum::Absolute => Math::Abs(Box::new(difference)),
+        Sum::Squared => {
+            let bracketed = Math::Row(vec![Math::text("("), difference, Math::text(")")]);
+            Math::power(bracketed, Math::text("2"))
+        }
+    }
+}

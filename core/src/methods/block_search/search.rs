@@ -1,0 +1,232 @@
+//! What a block search is, and how that makes it an estimator.
+
+use std::sync::Arc;
+
+use super::probe::Probe;
+use super::tester::Workspace;
+use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
+use crate::base::{Earlier, Error, Observer, Threads};
+use crate::data::Clip;
+use crate::line_names;
+use crate::params::Params;
+use crate::products::{BlockField, Output, Product, ProductKind};
+use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
+use crate::scene::{Chart, Name, Role, Scene, Step};
+
+/// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
+pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+    /// What there is to say about it.
+    const INFO: Info;
+    /// What it can be relied on to find.
+    const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
+
+    /// Whether it looks at what was found nearby.
+    fn predicts(&self) -> bool {
+        false
+    }
+
+    /// Whether it looks at what it found in the pair of frames before, which is then searched first.
+    fn looks_back(&self) -> bool {
+        false
+    }
+
+    /// Searches the tester's block. Whatever it tested that costs least is the result.
+    fn search(&self, tester: &mut Tester<impl Observer<Event>>);
+}
+
+/// The lines that all searches have.
+pub(crate) mod line {
+    super::line_names!(EACH_BLOCK, LAY_WINDOW, REFINE_BEST, SET_DISPLACEMENT, COMPUTE_COST, KEEP_BEST);
+}
+
+/// The line that `event` belongs to.
+fn line_of(event: &Event) -> Name {
+    match event {
+        Event::Window => line::LAY_WINDOW,
+        Event::Stage { line, .. } => *line,
+        Event::Refine(_) | Event::Fit(_) => line::REFINE_BEST,
+        Event::Found(_) => line::SET_DISPLACEMENT,
+        Event::Candidate { .. } => line::COMPUTE_COST,
+        Event::NewBest { .. } => line::KEEP_BEST,
+    }
+}
+
+/// The pseudocode of a search that tests displacements one by one: its own lines between those that all have.
+macro_rules! search_pseudocode {
+    ($($name:ident: $text:literal),* $(,)?) => {
+        $crate::pseudocode! {
+            EACH_BLOCK: "for each block B of frame t",
+            LAY_WINDOW: "  lay the window of ±range px around B in frame t+1",
+            $($name: $text,)*
+            REFINE_BEST: "  refine the best to a fraction of a px, if asked for",
+            SET_DISPLACEMENT: "  displacement of B ← (u, v) of the best",
+            TEST: "to test (u, v), if it is new and lies in the window",
+            COMPUTE_COST: "  cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v)]",
+            COMPARE_COST: "  if cost < best, or equal and (u, v) shorter, then first",
+            KEEP_BEST: "    best ← cost at (u, v)",
+        }
+    };
+}
+pub(crate) use search_pseudocode;
+
+/// What a block search reads and writes.
+#[derive(Clone)]
+pub struct State {
+    pair: Pair,
+    /// What was found in the pair of frames before, by block; `None` if nobody looks back, or there is none.
+    before: Option<Arc<[Match]>>,
+    found: Vec<Match>,
+    /// How many candidates were tested for each block.
+    tested: Vec<u32>,
+}
+
+/// Searches block `index`, `found` being those before it; gives what was found and how many displacements were tested.
+fn search_block<S: BlockSearch>(
+    search: &S,
+    State { pair, before, .. }: &State,
+    (index, found): (usize, impl Fn(usize) -> Match),
+    work: &mut Workspace,
+    observer: &mut impl Observer<Event>,
+) -> (Match, usize) {
+    observer.see(|| Event::Window);
+    let settings = search.settings();
+    // The bits of a displacement are those of its difference from what the neighbours predict.
+    let neighbours = match search.predicts() || settings.lambda > 0.0 {
+        true => Neighbours::of(index, pair.blocks.counts().0, found, before.as_deref()),
+        false => Neighbours::default(),
+    };
+    let mut tester = Tester::new((pair, index), settings, neighbours, work, observer);
+    search.search(&mut tester);
+    tester.finish()
+}
+
+/// The state before the first block, `before` being what was found in the pair of frames before.
+fn start<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, before: Option<Arc<[Match]>>) -> Result<State, Error> {
+    let settings = search.settings();
+    let pair = Pair::new(clip, frame, settings.block, settings.spacing, settings.border)?;
+    Ok(State { pair, before, found: Vec::new(), tested: Vec::new() })
+}
+
+/// The state before the first block, after the pair of frames before was searched if the search looks back.
+fn prepare<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+    let earlier = frame.checked_sub(1).filter(|_| search.looks_back());
+    let field = |earlier| {
+        let state = start(search, clip, earlier, None)?;
+        Ok::<_, Error>(finish(search, clip, state, threads)?.found.into())
+    };
+    start(search, clip, frame, earlier.map(field).transpose()?)
+}
+
+/// Searches all blocks.
+///
+/// # Errors
+/// If nobody wants them any more.
+fn finish<S: BlockSearch>(search: &S, clip: &Clip, mut state: State, threads: &Threads) -> Result<State, Error> {
+    let blocks = threads.sweep(
+        (state.pair.blocks.counts(), || clip.wanted()),
+        Workspace::default,
+        |work, index, earlier: Earlier<(Match, usize)>| {
+            search_block(search, &state, (index, |i| earlier.at(i).0), work, &mut ())
+        },
+    )?;
+    (state.found, state.tested) = blocks.into_iter().map(|(found, tested)| (found, tested as u32)).unzip();
+    Ok(state)
+}
+
+impl<S: BlockSearch> Estimator for S {
+    const INFO: Info = <S as BlockSearch>::INFO;
+    const PROMISE: Promise = <S as BlockSearch>::PROMISE;
+    const TESTS_CANDIDATES: bool = true;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram];
+    const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        let settings = self.settings();
+        need(clip, settings.grid(clip.size()).len())
+    }
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        prepare(self, clip, frame, &Threads::single())
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let so_far = (state.found.len(), |i: usize| state.found[i]);
+        let (found, tested) = search_block(self, state, so_far, &mut Workspace::default(), observer);
+        state.found.push(found);
+        state.tested.push(tested as u32);
+        Ok(if state.found.len() == state.pair.blocks.len() { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        Some(state.pair.blocks.len())
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        let block = Rung { index: state.found.len(), of: Some(state.pair.blocks.len()) };
+        vec![Rung { index: 0, of: Some(1) }, block]
+    }
+
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        state.pair.blocks.at(point)
+    }
+
+    fn is_evaluation(&self, event: &Event) -> bool {
+        event.is_candidate()
+    }
+
+    fn evaluations(&self, state: &State) -> Vec<u32> {
+        state.tested.clone()
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + state.found.len() * (size_of::<Match>() + size_of::<u32>())
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.before.as_ref().map_or(0, |before| size_of_val(&**before))
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        event.landmark()
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        let probe = probe(self, seen);
+        let line = seen.events.last().map_or(line::EACH_BLOCK, line_of);
+        Step { line, sentence: probe.sentence(), readouts: probe.readouts() }
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        probe(self, seen).draw(scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        let settings = self.settings();
+        let vector = |(found, &candidates): (&Match, &u32)| Some(found.result(candidates));
+        let mut vectors: Vec<_> = state.found.iter().zip(&state.tested).map(vector).collect();
+        vectors.resize(state.pair.blocks.len(), None);
+        Output::of(settings.field(state.pair.blocks, vectors))
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        prepare(self, clip, frame, threads).and_then(|state| finish(self, clip, state, threads))
+    }
+}
+
+/// Memory that the search of so many blocks takes: a sweep holds each four times until it is done, and a state that is walked
+/// through once.
+pub(crate) fn need(clip: &Clip, blocks: usize) -> Need {
+    const BLOCK: f64 = size_of::<(Match, usize)>() as f64;
+    let blocks = blocks as f64;
+    Need::per_pixel(clip, [1.0, 2.0]).and([blocks * 7.0 * BLOCK, blocks * 9.0 * BLOCK]).and([0.0, EVENTS])
+}
+
+/// What is told of a block with the largest window, in bytes.
+const EVENTS: f64 = 8e6;
+
+fn probe<'a, S: BlockSearch>(search: &S, seen: &'a Seen<S>) -> Probe<'a> {
+    let Seen { before: State { pair, found, .. }, events, focus, .. } = *seen;
+    Probe::new(pair, search.settings(), found, (events, focus))
+}

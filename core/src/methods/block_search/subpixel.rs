@@ -1,0 +1,137 @@
+//! The last step of a search: from whole pixels to fractions of one.
+
+use super::{Event, Match, Stage, Tester, around, vector};
+use crate::base::Observer;
+use crate::choices;
+
+choices! {
+    /// How closely a displacement is found.
+    pub enum Subpixel {
+        /// To whole pixels.
+        None = "none" "Whole px",
+        /// To half pixels: the eight around the best are tested, on the interpolated picture.
+        Half = "half" "Half px",
+        /// To quarters: the eight half pixels around the best, then the eight quarters around the best of those.
+        Quarter = "quarter" "Quarter px",
+        /// To where a parabola through the costs at the best and next to it is lowest. Only those neighbours are tested
+        /// for it; one that is better becomes the best first. Where the texture is smooth SSD is such a parabola; the valley of SAD is sharper. Along u
+        /// and along v by itself, so a valley that lies across both is met only roughly.
+        Parabola = "parabola" "Parabola",
+    }
+}
+
+impl Subpixel {
+    /// In how many steps to a px the displacements are counted that are tested.
+    pub(super) fn steps_per_px(self) -> i32 {
+        match self {
+            Subpixel::None | Subpixel::Parabola => 1,
+            Subpixel::Half => 2,
+            Subpixel::Quarter => 4,
+        }
+    }
+}
+
+/// The eight points around a centre.
+const AROUND: [[i32; 2]; 8] = [[-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
+/// Those beside, above and below it.
+pub(super) const BESIDE: [[i32; 2]; 4] = [[0, -1], [-1, 0], [1, 0], [0, 1]];
+
+/// A parabola through three costs, along u and along v.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// The costs before, at and after the best displacement; `None` where a neighbour lies outside the window.
+    pub costs: [Option<[f64; 3]>; 2],
+    /// The lowest point, in px from the best displacement.
+    pub fraction: [f32; 2],
+}
+
+/// Whether the parabola through the costs at −1, 0 and 1 is lowest anywhere: it is a line where they are equal.
+pub(super) fn has_lowest([before, at, after]: &[f64; 3]) -> bool {
+    before - 2.0 * at + after > 0.0
+}
+
+/// Where it is lowest; 0 where it is a line.
+fn lowest(costs: [f64; 3]) -> f32 {
+    let [before, at, after] = costs;
+    if !has_lowest(&costs) {
+        return 0.0;
+    }
+    ((before - after) / (2.0 * (before - 2.0 * at + after))).clamp(-0.5, 0.5) as f32
+}
+
+impl<O: Observer<Event>> Tester<'_, O> {
+    /// Refines the best as the settings say.
+    pub(super) fn refine(&mut self) {
+        match self.settings.subpixel {
+            Subpixel::None => {}
+            Subpixel::Half => self.look_between(&[2]),
+            Subpixel::Quarter => self.look_between(&[2, 1]),
+            Subpixel::Parabola => self.fit_parabola(),
+        }
+    }
+
+    /// Tests the eight points around the best, so many quarters of a px away, for each of `steps`.
+    fn look_between(&mut self, steps: &[i32]) {
+        let Some(start) = self.best else { return };
+        self.pair.take_between(self.block, start.displacement, self.settings.filter, &mut self.work.between);
+        for &step in steps {
+            let centre = self.best.map_or([0, 0], |best| best.quarters());
+            let all = around(centre, &AROUND, step);
+            let window = self.window;
+            let points = all.clone().filter(move |&point| window.holds_quarters(point));
+            self.observer.see(|| {
+                let centre = centre.map(|c| c as f32 / 4.0);
+                let name = if step == 2 { "half" } else { "quarter" };
+                Event::Refine(Stage {
+                    narrowed: None,
+                    asked: all.clone().count(),
+                    points: points.clone().map(|point| point.map(|c| c as f32 / 4.0)).collect(),
+                    why: format!("The eight points a {name} px around {} are interpolated and tested.", vector(centre)),
+                })
+            });
+            points.for_each(|point| self.test_between(start, point));
+        }
+    }
+
+    /// Tests the displacement `quarters`, less than one px from that of `start`.
+    fn test_between(&mut self, start: Match, quarters: [i32; 2]) {
+        let from_start = [0, 1].map(|i| quarters[i] - 4 * start.displacement[i]);
+        let (pixels, stride) = self.work.between.moved(from_start);
+        let distortion = self.settings.cost.between(self.block, &self.work.patch.block, pixels, stride);
+        let cost = distortion + self.rate.price(quarters);
+        self.take(Match { displacement: start.displacement, fraction: from_start.map(|c| c as f32 / 4.0), cost });
+    }
+
+    /// Moves to the best of the four neighbours until none is better, then fits.
+    fn fit_parabola(&mut self) {
+        let mut centre = None;
+        while centre != self.best.map(|best| best.displacement) {
+            let at = self.best();
+            centre = Some(at);
+            self.announce(around(at, &BESIDE, 1), Event::Refine, || {
+                format!("A parabola needs the costs next to the best, {}.", vector(at))
+            });
+        }
+        let Some(mut best) = self.best else { return };
+        let known = |offset: [i32; 2]| self.known([best.displacement[0] + offset[0], best.displacement[1] + offset[1]]);
+        let costs = [[1, 0], [0, 1]].map(|[u, v]| Some([known([-u, -v])?, best.cost, known([u, v])?]));
+        best.fraction = costs.map(|costs| costs.map_or(0.0, lowest));
+        self.observer.see(|| Event::Fit(Fit { costs, fraction: best.fraction }));
+        self.best = Some(best);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lowest;
+
+    #[test]
+    fn a_parabola_is_lowest_where_it_was_made_to_be() {
+        for at in [-0.5f64, -0.2, 0.0, 0.31, 0.5] {
+            let cost = |x: f64| 3.0 * (x - at).powi(2) + 7.0;
+            assert!((f64::from(lowest([cost(-1.0), cost(0.0), cost(1.0)])) - at).abs() < 1e-6);
+        }
+        assert_eq!(lowest([5.0, 5.0, 5.0]), 0.0);
+        assert_eq!(lowest([9.0, 5.0, 5.0]), 0.5);
+    }
+}

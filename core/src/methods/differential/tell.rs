@@ -1,0 +1,220 @@
+//! How derivatives and displacements are told.
+
+use super::{Derivatives, Linear};
+use crate::base::words::{factor, number, plus};
+use crate::geometry::{Grid, Sampling};
+use crate::scene::{Constraint, Fact, Math, Role, Section, Tile};
+
+/// I_x, I_y or I_t.
+pub fn derivative(along: &'static str) -> Math {
+    Math::indexed(Math::Var("I"), Math::Var(along))
+}
+
+/// The gradient constraint: in symbols, and with the derivatives of one pixel.
+pub fn constraint_equation([a, b, c]: [f32; 3], role: Role) -> [Math; 2] {
+    let symbols = Math::Row(vec![
+        derivative("x"),
+        Math::text(" "),
+        Math::Var("u"),
+        Math::text(" + "),
+        derivative("y"),
+        Math::text(" "),
+        Math::Var("v"),
+        Math::text(" + "),
+        derivative("t"),
+        Math::text(" = 0"),
+    ]);
+    let numbers = Math::Row(vec![
+        Math::ink(role, number(a)),
+        Math::text(" "),
+        Math::Var("u"),
+        Math::text(" "),
+        Math::ink(role, plus(b)),
+        Math::text(" "),
+        Math::Var("v"),
+        Math::text(" "),
+        Math::ink(role, plus(c)),
+        Math::text(" = 0"),
+    ]);
+    [symbols, numbers]
+}
+
+/// The constraint of a pixel as a line of the plane of displacements; a flat one allows any.
+pub fn line(factors: [f32; 3], weight: f32, role: Role) -> Option<Constraint> {
+    let is_line = factors.iter().all(|f| f.is_finite()) && factors[0].hypot(factors[1]) > 1e-3;
+    is_line.then_some(Constraint { factors, weight, role })
+}
+
+/// Displacements up to here are shown in a plane so that `points` are well inside.
+pub fn reach(points: impl IntoIterator<Item = [f32; 2]>) -> f32 {
+    let most = points.into_iter().flatten().filter(|c| c.is_finite()).fold(0.0f32, |most, c| most.max(c.abs()));
+    // By powers of two, so that it stays the same from step to step.
+    let mut reach = 1.0;
+    while reach < 1.25 * most && reach < 1024.0 {
+        reach *= 2.0;
+    }
+    reach
+}
+
+/// Where levels, and warps on them, begin among iterations that are plotted from x = 1 on; each iteration has its level and its
+/// warp, from 0. Of `levels` or `warps` that there is only one of, nothing is said.
+pub fn sections(
+    places: impl Iterator<Item = (usize, usize)>,
+    (levels, warps): (usize, usize),
+) -> impl Iterator<Item = Section> {
+    let begins = move |before: &mut Option<(usize, usize)>, place @ (level, warp): (usize, usize)| {
+        let is_level = levels > 1 && before.is_none_or(|(before, _)| before != level);
+        let is_warp = warps > 1 && *before != Some(place);
+        *before = Some(place);
+        Some((is_level || is_warp).then(|| {
+            let label = if is_level { format!("level {level}") } else { format!("warp {}", warp + 1) };
+            (label, !is_level && levels > 1)
+        }))
+    };
+    let labels = places.scan(None, begins).enumerate();
+    labels.filter_map(|(i, label)| label.map(|(label, is_part)| Section { from: i as f32 + 0.5, label, is_part }))
+}
+
+impl Derivatives {
+    /// I_x, I_y and I_t of a pixel.
+    pub fn at(&self, place: (usize, usize)) -> [f32; 3] {
+        [self.x[place], self.y[place], self.t[place]]
+    }
+
+    /// A table's row with them.
+    pub fn fact(&self, place: (usize, usize)) -> Fact {
+        derivatives_fact(self.at(place))
+    }
+
+    /// Frame t, frame t + 1 and their derivatives around a pixel, as far as `radius` px.
+    pub fn tiles(&self, pictures: [&Grid<f32>; 2], place: (usize, usize), radius: usize) -> Vec<Tile> {
+        let [current, next] = pictures.map(|picture| around(picture, place, radius));
+        let parts = [&self.x, &self.y, &self.t].map(|part| around(part, place, radius));
+        derivative_tiles([("Frame t", current), ("Frame t+1", next)], parts)
+    }
+}
+
+impl Linear {
+    /// A table's row with I_x, I_y and I_t of a pixel.
+    pub fn fact(&self, place: (usize, usize)) -> Fact {
+        derivatives_fact(self.derivatives(place))
+    }
+
+    /// Frame t, frame t + 1 as it is brought back, and their derivatives around a pixel, as far as `radius` px.
+    pub fn tiles(&self, [current, next]: [&Grid<f32>; 2], place: (usize, usize), radius: usize) -> Vec<Tile> {
+        let back = |(x, y): (usize, usize)| {
+            let [u, v] = self.start.at(x, y);
+            Sampling::Bicubic.sample_inside(next, x as f32 + u, y as f32 + v)
+        };
+        let part = |i: usize| around_with(next.size(), place, radius, |place| self.derivatives(place)[i]);
+        let label = if self.start.is_zero() { "Frame t+1" } else { "Brought back" };
+        let pictures =
+            [("Frame t", around(current, place, radius)), (label, around_with(next.size(), place, radius, back))];
+        derivative_tiles(pictures, [0, 1, 2].map(part))
+    }
+
+    /// What stands for I_t where frame t + 1 was brought back: in symbols, and with the numbers of a pixel.
+    pub fn definition(&self, place: (usize, usize), role: Role) -> [Math; 2] {
+        let ([x, y, t], [u, v]) = (self.derivatives(place), self.start.at(place.0, place.1));
+        let zero = |name| Math::indexed(Math::Var(name), Math::text("0"));
+        let symbols = Math::Row(vec![
+            Math::Var("c"),
+            Math::text(" = "),
+            derivative("t"),
+            Math::text(" − "),
+            derivative("x"),
+            Math::text(" "),
+            zero("u"),
+            Math::text(" − "),
+            derivative("y"),
+            Math::text(" "),
+            zero("v"),
+        ]);
+        if !t.is_finite() {
+            return [symbols, Math::text("is not known: the pixel left the picture")];
+        }
+        let times = |a: f32, b: f32| Math::ink(role, format!("{} · {}", factor(a), factor(b)));
+        let numbers = Math::Row(vec![
+            Math::text("= "),
+            Math::ink(role, number(t)),
+            Math::text(" − "),
+            times(x, u),
+            Math::text(" − "),
+            times(y, v),
+            Math::text(" = "),
+            Math::ink(role, number(self.factors.at(place)[2])),
+        ]);
+        [symbols, numbers]
+    }
+}
+
+fn derivatives_fact(derivatives: [f32; 3]) -> Fact {
+    let [x, y, t] = derivatives.map(number);
+    let is_known = derivatives.iter().all(|d| d.is_finite());
+    let value = if is_known { format!("{x}, {y}, {t}") } else { "none: it left the picture".into() };
+    Fact { label: "I_x, I_y, I_t", value, role: None }
+}
+
+fn derivative_tiles(pictures: [(&'static str, Grid<f32>); 2], [x, y, t]: [Grid<f32>; 3]) -> Vec<Tile> {
+    let [(first, current), (second, next)] = pictures;
+    let picture = |label, role, values| Tile { label, role: Some(role), values, range: [0.0, 255.0] };
+    let signed = |label, values: Grid<f32>| {
+        let most = values.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
+        Tile { label, role: None, values, range: [-most, most] }
+    };
+    vec![
+        picture(first, Role::Reference, current),
+        picture(second, Role::Candidate, next),
+        signed("I_x", x),
+        signed("I_y", y),
+        signed("I_t", t),
+    ]
+}
+
+/// The values of `grid` around a place; NaN outside it. Rounded to a tenth, as they are read.
+pub fn around<T: Copy + Into<f32>>(grid: &Grid<T>, place: (usize, usize), radius: usize) -> Grid<f32> {
+    around_with(grid.size(), place, radius, |place| grid[place].into())
+}
+
+/// As [`around`], of values that `of` gives for the pixels of a picture of a `size`.
+pub fn around_with(
+    (width, height): (usize, usize),
+    (x, y): (usize, usize),
+    radius: usize,
+    of: impl Fn((usize, usize)) -> f32,
+) -> Grid<f32> {
+    let side = 2 * radius + 1;
+    let inside = |i: usize, k: usize, extent: usize| (i + k).checked_sub(radius).filter(|i| *i < extent);
+    Grid::from_fn(side, side, |i, j| {
+        let value = inside(x, i, width).zip(inside(y, j, height)).map_or(f32::NAN, &of);
+        (value * 10.0).round() / 10.0
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_and_warps_begin_where_they_do() {
+        let told = |places: &[(usize, usize)], of| -> Vec<_> {
+            sections(places.iter().copied(), of).map(|s| (s.from, s.label, s.is_part)).collect()
+        };
+        let run = [(1, 0), (1, 0), (1, 1), (0, 0), (0, 0), (0, 1)];
+        let section = |from, label: &str, is_part| (from, label.to_owned(), is_part);
+        let level = |from, label| section(from, label, false);
+        let all =
+            [level(0.5, "level 1"), section(2.5, "warp 2", true), level(3.5, "level 0"), section(5.5, "warp 2", true)];
+        assert_eq!(told(&run, (2, 2)), all);
+        assert_eq!(told(&run[..2], (2, 1)), [level(0.5, "level 1")]);
+        assert_eq!(told(&run[3..], (1, 2)), [level(0.5, "warp 1"), level(2.5, "warp 2")]);
+        assert_eq!(told(&run[3..5], (1, 1)), []);
+    }
+
+    #[test]
+    fn the_plane_holds_its_points() {
+        assert_eq!(reach([[0.1, -0.2]]), 1.0);
+        assert_eq!(reach([[3.0, 0.0], [f32::NAN, 99.0]]), 128.0);
+        assert!(reach([[1e9, 0.0]]).is_finite());
+    }
+}

@@ -1,0 +1,353 @@
+//! Corner detection: a map of responses, a threshold, the suppression of all but peaks, and a choice among these.
+
+use std::sync::Arc;
+
+use super::declare::HasSettings;
+use super::response::Tensors;
+use super::select::{Chosen, Peaks, Settings, largest, rank};
+use crate::base::{Error, Observer, Threads};
+use crate::data::{Clip, Frame};
+use crate::geometry::{Gray, Grid};
+use crate::methods::differential::Tensor;
+use crate::params::{Params, inner_params};
+use crate::products::{Feature, Output, PointField, Product, ProductKind, Status};
+use crate::run::{Cursor, Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen};
+use crate::scene::{Chart, Math, Scene, Step};
+
+/// What makes a pixel a corner.
+pub trait Measure: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+    /// What there is to say about the detector.
+    const INFO: Info;
+
+    /// How much of a corner a pixel is, from the means of I_x², I_x I_y and I_y² around it.
+    fn response(&self, tensor: [f32; 3]) -> f32;
+
+    /// What is painted of a response, for the legend.
+    const SHOWN: &'static str;
+
+    /// A response as it is painted, in gray levels per px, so that more than the strongest few can be told apart.
+    fn shown(response: f32) -> f32;
+
+    /// The response in symbols and in numbers.
+    fn equation(&self, tensor: &Tensor) -> [Math; 2];
+}
+
+/// The corners that `M` measures.
+#[derive(Clone, Debug, Default)]
+pub struct Corners<M>(pub M);
+
+inner_params!(Corners<M: Measure>);
+
+/// What a run reads and writes.
+#[derive(Clone)]
+pub struct State {
+    /// Frame t.
+    pub(super) picture: Arc<Frame>,
+    /// The responses; of rows that have not come yet, 0.
+    pub(super) map: Arc<Grid<f32>>,
+    pub(super) largest: f32,
+    pub(super) stage: Stage,
+    /// The row that comes next in this stage.
+    pub(super) row: usize,
+    /// The local maxima over the threshold, later the strongest first.
+    pub(super) peaks: Vec<u32>,
+    pub(super) kept: Vec<u32>,
+    /// Places that are taken, row by row: new corners keep their distance from them as well.
+    taken: Vec<u32>,
+}
+
+/// What is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// The map of responses, a row each unit.
+    Response,
+    /// All but the local maxima over the threshold are suppressed, a row each unit.
+    Suppression,
+    /// The strongest are kept at their distance, in one unit.
+    Choice,
+}
+
+/// What happens inside a unit.
+#[derive(Clone, Copy, Debug)]
+pub enum Event {
+    /// The next pixel of the row has this response.
+    Response(f32),
+    /// A row is looked through for responses over the threshold.
+    Row,
+    /// A pixel of it that is over the threshold, and the neighbour that suppresses it, if one does.
+    Over((usize, usize), Option<(usize, usize)>),
+    /// The peaks are in order.
+    Ranked,
+    /// The next peak, and the one kept before that it is too near to, if there is one.
+    Peak(u32, Option<u32>),
+}
+
+impl State {
+    fn new(clip: &Clip, frame: usize) -> Result<Self, Error> {
+        Ok(Self::of(clip.frame(frame)?))
+    }
+
+    fn of(picture: Arc<Frame>) -> Self {
+        let (width, height) = picture.size();
+        let map = Arc::new(Grid::new(width, height, 0.0));
+        Self {
+            picture,
+            map,
+            largest: 0.0,
+            stage: Stage::Response,
+            row: 0,
+            peaks: Vec::new(),
+            kept: Vec::new(),
+            taken: Vec::new(),
+        }
+    }
+
+    /// The place of a pixel that is counted row by row.
+    pub(super) fn place(&self, index: u32) -> (usize, usize) {
+        let width = self.map.width();
+        (index as usize % width, index as usize / width)
+    }
+
+    fn next_row(&mut self, then: Stage) -> Progress {
+        self.row += 1;
+        if self.row == self.map.height() {
+            (self.stage, self.row) = (then, 0);
+        }
+        Progress::More
+    }
+
+    /// The features as others know them.
+    fn features(&self) -> PointField {
+        let feature = |&index: &u32| {
+            let (x, y) = self.place(index);
+            Feature { at: [x as f32, y as f32], displacement: None, status: Status::Found, residual: None }
+        };
+        let responses = self.kept.iter().map(|&index| self.map.cells()[index as usize]).collect();
+        PointField { picture: self.map.size(), points: self.kept.iter().map(feature).collect(), responses }
+    }
+}
+
+/// The corners of `picture` that `measure` finds, strongest first.
+pub fn detect<M: Measure>(measure: &M, picture: Arc<Frame>, threads: &Threads) -> Vec<Feature> {
+    Corners(measure.clone()).whole(State::of(picture), threads).features().points
+}
+
+/// How corners were found: what each stage of the detection came to.
+#[derive(Debug)]
+pub struct Detection {
+    /// The responses.
+    pub map: Arc<Grid<f32>>,
+    /// A response as it is painted.
+    pub shown: fn(f32) -> f32,
+    /// What is painted of a response, for the legend.
+    pub name: &'static str,
+    /// The least response of a corner.
+    pub limit: f32,
+    /// The local maxima that reach it, in px; the strongest first.
+    pub peaks: Vec<[f32; 2]>,
+    /// Those that were kept.
+    pub kept: Vec<[f32; 2]>,
+}
+
+/// The corners of `picture` that `measure` finds, each at its distance from those at the places `taken` too.
+pub fn detect_around<M: Measure>(
+    measure: &M,
+    picture: Arc<Frame>,
+    taken: impl Iterator<Item = [f32; 2]>,
+    threads: &Threads,
+) -> Detection {
+    let corners = Corners(measure.clone());
+    let mut state = State::of(picture);
+    let last = [state.map.width(), state.map.height()].map(|side| (side - 1) as f32);
+    let nearest = |at: [f32; 2]| [0, 1].map(|i| at[i].clamp(0.0, last[i]).round() as usize);
+    state.taken = taken.map(nearest).map(|[x, y]| (y * state.map.width() + x) as u32).collect();
+    let state = corners.whole(state, threads);
+    let places = |indices: &[u32]| {
+        let place = |index: &u32| <[usize; 2]>::from(state.place(*index)).map(|c| c as f32);
+        indices.iter().map(place).collect()
+    };
+    Detection {
+        shown: M::shown,
+        name: M::SHOWN,
+        limit: corners.peaks(&state).limit,
+        peaks: places(&state.peaks),
+        kept: places(&state.kept),
+        map: state.map,
+    }
+}
+
+impl<M: Measure> Corners<M> {
+    pub(super) fn tensors<'a>(&self, state: &'a State) -> Tensors<'a> {
+        self.tensors_of(state.picture.luma())
+    }
+
+    fn tensors_of<'a>(&self, picture: &'a Gray) -> Tensors<'a> {
+        let Settings { window, weights, derivatives, .. } = self.0.settings();
+        Tensors { picture, scheme: derivatives, window: weights.window(window / 2) }
+    }
+
+    /// The responses of all pixels of a picture.
+    pub(crate) fn map(&self, picture: &Gray, threads: &Threads) -> Grid<f32> {
+        let (width, height) = picture.size();
+        let rows = threads.rows_at_once(height);
+        let mut map = Grid::new(width, height, 0.0);
+        let parts = map.cells_mut().chunks_mut(rows * width).enumerate().collect();
+        let tensors = self.tensors_of(picture);
+        threads.each(parts, |(i, part): (usize, &mut [f32])| self.respond(&tensors, i * rows, part));
+        map
+    }
+
+    pub(super) fn peaks<'a>(&self, state: &'a State) -> Peaks<'a> {
+        Peaks { map: &state.map, limit: self.0.settings().threshold * state.largest }
+    }
+
+    /// Works out the responses of the rows from `first` on, as many as `responses` has room for.
+    fn respond(&self, tensors: &Tensors<'_>, first: usize, responses: &mut [f32]) {
+        let width = tensors.picture.width();
+        tensors.rows(first..first + responses.len() / width, |y, [xx, xy, yy]| {
+            let row = &mut responses[(y - first) * width..][..width];
+            for (response, (xx, (xy, yy))) in row.iter_mut().zip(xx.iter().zip(xy.iter().zip(yy))) {
+                *response = self.0.response([*xx, *xy, *yy]);
+            }
+        });
+    }
+
+    /// Looks through row `y` for peaks.
+    fn suppress(&self, peaks: Peaks<'_>, y: usize, found: &mut Vec<u32>, observer: &mut impl Observer<Event>) {
+        observer.see(|| Event::Row);
+        for x in peaks.over(y) {
+            observer.see(|| Event::Over((x, y), peaks.suppressed_by((x, y))));
+        }
+        peaks.peaks(y, |x| found.push((y * peaks.map.width() + x) as u32));
+    }
+
+    /// Keeps the strongest peaks at their distance.
+    fn choose(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+        let Settings { min_distance, max_points, .. } = self.0.settings();
+        state.peaks = rank(&state.map, &state.peaks);
+        observer.see(|| Event::Ranked);
+        let mut chosen = Chosen::new(state.map.size(), min_distance);
+        state.taken.iter().for_each(|place| chosen.hold(*place));
+        for &peak in &state.peaks {
+            if state.kept.len() == max_points {
+                return;
+            }
+            let near = chosen.take(peak);
+            observer.see(|| Event::Peak(peak, near));
+            if near.is_none() {
+                state.kept.push(peak);
+            }
+        }
+    }
+
+    /// Runs to the end from the start.
+    fn whole(&self, mut state: State, threads: &Threads) -> State {
+        let height = state.map.height();
+        let map = self.map(state.picture.luma(), threads);
+        state.largest = largest(map.cells());
+        state.map = Arc::new(map);
+        let (peaks, rows) = (self.peaks(&state), threads.rows_at_once(height));
+        let of_rows = threads.map(height.div_ceil(rows), |i| {
+            let mut found = Vec::new();
+            (i * rows..((i + 1) * rows).min(height)).for_each(|y| self.suppress(peaks, y, &mut found, &mut ()));
+            found
+        });
+        state.peaks = of_rows.concat();
+        (state.stage, state.row) = (Stage::Choice, 0);
+        self.choose(&mut state, &mut ());
+        state
+    }
+}
+
+/// Memory that corners take which keep a distance from each other: the map of responses and the peaks, ranked and by place.
+pub fn need_of_corners(clip: &Clip, min_distance: usize) -> [f64; 2] {
+    let (width, height) = clip.size();
+    let pixels = (width * height) as f64;
+    let by_place = pixels * 40.0 / (min_distance.max(1) as f64).powi(2);
+    [14.0 * pixels + by_place, 34.0 * pixels + by_place]
+}
+
+impl<M: Measure> Estimator for Corners<M> {
+    const INFO: Info = M::INFO;
+    const PROMISE: Promise = Promise::Places;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles];
+    const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [0.0; 2]).and(need_of_corners(clip, self.0.settings().min_distance))
+    }
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        State::new(clip, frame)
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        match state.stage {
+            Stage::Response => {
+                let mut row = vec![0.0; state.map.width()];
+                self.respond(&self.tensors(state), state.row, &mut row);
+                row.iter().for_each(|response| observer.see(|| Event::Response(*response)));
+                state.largest = state.largest.max(largest(&row));
+                Arc::make_mut(&mut state.map).row_mut(state.row).copy_from_slice(&row);
+                Ok(state.next_row(Stage::Suppression))
+            }
+            Stage::Suppression => {
+                let mut found = std::mem::take(&mut state.peaks);
+                self.suppress(self.peaks(state), state.row, &mut found, observer);
+                state.peaks = found;
+                Ok(state.next_row(Stage::Choice))
+            }
+            Stage::Choice => {
+                self.choose(state, observer);
+                Ok(Progress::Done)
+            }
+        }
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        Some(2 * state.map.height() + 1)
+    }
+
+    fn place(&self, state: &State) -> Vec<Rung> {
+        let rung = |index, of| Rung { index, of: Some(of) };
+        let rows = if state.stage == Stage::Choice { 1 } else { state.map.height() };
+        vec![rung(0, 1), rung(state.stage as usize, 3), rung(state.row, rows)]
+    }
+
+    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+        let (_, y) = state.map.cell_at(point)?;
+        Some(if state.stage == Stage::Response { y } else { state.map.height() + y })
+    }
+
+    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+        let (x, y) = state.map.cell_at(point)?;
+        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let lists = size_of_val(&state.peaks[..]) + size_of_val(&state.kept[..]);
+        size_of::<State>() + size_of_val(state.map.cells()) + lists
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + self.tensors(state).bytes()
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        Output::of(state.features())
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        Ok(self.whole(State::new(clip, frame)?, threads))
+    }
+}

@@ -1,0 +1,11 @@
+//! What the estimators of a family share: a folder for each method, of which several are made.
+
+pub mod block_search;
+pub mod cost;
+pub mod differential;
+pub mod features;
+pub mod kalman;
+pub mod multi_object;
+pub mod polynomial;
+pub mod subtraction;
+pub mod variational;

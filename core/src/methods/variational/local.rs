@@ -1,0 +1,211 @@
+//! Relaxation where the constraints around a pixel count as well as its own.
+//!
+//! Both solvers lessen the energy Σ (w, 1)ᵀ T (w, 1) + α² Σ w_n |w − w_n|² over the displacements w = (u, v), the second sum as in
+//! [`relax`](crate::methods::differential::relax).
+
+use crate::base::{
+    LANES, Threads,
+    wide::{lane, widest},
+};
+use crate::geometry::{Border, Grid, filter};
+use crate::methods::differential::{Field, Linear, stencil};
+
+/// The motion tensor of every pixel: the products of the factors of the constraints, smoothed.
+///
+/// Those about the displacement that is left to find are smoothed, so that around a pixel all ask for more of the same; then
+/// xt, yt and tt are made to be about the whole displacement.
+pub struct MotionTensor {
+    /// xx, xy, yy, xt, yt and tt, in (gray levels)² per px², per px, and by themselves.
+    parts: [Grid<f32>; 6],
+}
+
+impl MotionTensor {
+    /// The tensors of `linear` over a Gaussian of `sigma_px`.
+    pub fn new(linear: &Linear, sigma_px: f32, threads: &Threads) -> Self {
+        let left = left(linear);
+        let [x, y, t] = [&linear.factors.a, &linear.factors.b, &left];
+        let smoothed = |a: &Grid<f32>, b: &Grid<f32>| {
+            let mut product = a.clone();
+            product.cells_mut().iter_mut().zip(b.cells()).for_each(|(a, b)| *a *= b);
+            filter::smooth(&product, sigma_px, Border::Mirror, threads)
+        };
+        let mut parts = [(x, x), (x, y), (y, y), (x, t), (y, t), (t, t)].map(|(a, b)| smoothed(a, b));
+        let [xx, xy, yy, xt, yt, tt] = &mut parts;
+        let start = linear.start.u.cells().iter().zip(linear.start.v.cells());
+        for (i, (u, v)) in start.enumerate() {
+            let [xx, xy, yy] = [&xx, &xy, &yy].map(|part| part.cells()[i]);
+            let (xt, yt) = (&mut xt.cells_mut()[i], &mut yt.cells_mut()[i]);
+            let (of_x, of_y) = (xx * u + xy * v, xy * u + yy * v);
+            tt.cells_mut()[i] += (of_x - 2.0 * *xt) * u + (of_y - 2.0 * *yt) * v;
+            *xt -= of_x;
+            *yt -= of_y;
+        }
+        Self { parts }
+    }
+
+    /// xx, xy, yy, xt, yt and tt of a pixel.
+    pub fn at(&self, place: (usize, usize)) -> [f32; 6] {
+        self.parts.each_ref().map(|part| part[place])
+    }
+
+    /// How far the constraints are off at a field, on average over the pixels.
+    pub fn energy(&self, field: &Field) -> f64 {
+        let (width, height) = field.u.size();
+        let mut sum = 0.0;
+        for place in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let [xx, xy, yy, xt, yt, tt] = self.at(place).map(f64::from);
+            let [u, v] = field.at(place.0, place.1).map(f64::from);
+            sum += (xx * u + 2.0 * (xy * v + xt)) * u + (yy * v + 2.0 * yt) * v + tt;
+        }
+        sum / (width * height) as f64
+    }
+}
+
+/// I_t of what is left to find beside the field about which the constraints are linear.
+fn left(linear: &Linear) -> Grid<f32> {
+    let mut left = linear.factors.c.clone();
+    let gradients = linear.factors.a.cells().iter().zip(linear.factors.b.cells());
+    let start = linear.start.u.cells().iter().zip(linear.start.v.cells());
+    for (t, ((a, b), (u, v))) in left.cells_mut().iter_mut().zip(gradients.zip(start)) {
+        *t += a * u + b * v;
+    }
+    left
+}
+
+/// What a pixel is set to from the mean (u, v) around it: the solution of (T + α²) w = α² (u, v) − (xt, yt), as the factors A
+/// and b of A (u, v) + b.
+pub struct Local {
+    /// A: uu, uv, vv; then b: u, v.
+    factors: [Grid<f32>; 5],
+}
+
+impl Local {
+    /// The solutions for a weight `alpha` of smoothness.
+    pub fn new(tensor: &MotionTensor, alpha: f32) -> Self {
+        let (width, height) = tensor.parts[0].size();
+        let mut factors = std::array::from_fn(|_| Grid::new(width, height, 0.0));
+        let weight = f64::from(alpha).powi(2);
+        for place in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let [xx, xy, yy, xt, yt, _] = tensor.at(place).map(f64::from);
+            let (xx, yy) = (xx + weight, yy + weight);
+            let det = xx * yy - xy * xy;
+            let solution = [
+                weight * yy / det,
+                -weight * xy / det,
+                weight * xx / det,
+                (xy * yt - yy * xt) / det,
+                (xy * xt - xx * yt) / det,
+            ];
+            for (part, value) in factors.iter_mut().zip(solution) {
+                part[place] = value as f32;
+            }
+        }
+        Self { factors }
+    }
+
+    fn rows(&self, y: usize) -> [&[f32]; 5] {
+        self.factors.each_ref().map(|part| part.row(y))
+    }
+
+    /// `iterations` of Jacobi's method from `field` on: all pixels at once, from the averages of the iteration before.
+    pub fn jacobi(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
+        let (mut field, mut to) = (field.clone(), field.clone());
+        let (width, height) = field.u.size();
+        let rows = height.div_ceil(threads.count()).max(1);
+        for _ in 0..iterations {
+            let bands = to.u.cells_mut().chunks_mut(rows * width).zip(to.v.cells_mut().chunks_mut(rows * width));
+            threads.each(bands.enumerate().collect(), |(band, (u, v))| {
+                for (i, (u, v)) in u.chunks_exact_mut(width).zip(v.chunks_exact_mut(width)).enumerate() {
+                    let y = band * rows + i;
+                    let around = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
+                    let around = [&field.u, &field.v].map(|part| around.map(|y| part.row(y)));
+                    row_widest(around, self.rows(y), [u, v]);
+                }
+            });
+            std::mem::swap(&mut field, &mut to);
+        }
+        field
+    }
+
+    /// An iteration in place, pixel by pixel along the rows, from the newest values of the neighbours; `relaxation` as in
+    /// [`System::sweep`](crate::methods::differential::relax::System::sweep).
+    pub fn sweep(&self, field: &mut Field, relaxation: f32) {
+        let (width, height) = field.u.size();
+        for y in 0..height {
+            let factors = self.rows(y);
+            let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
+            for x in 0..width {
+                let columns = [x.saturating_sub(1), (x + 1).min(width - 1)];
+                let mean = [&field.u, &field.v].map(|part| mean(rows.map(|y| part.row(y)), x, columns));
+                let new = solution(factors.map(|row| row[x]), mean);
+                for (part, new) in [&mut field.u, &mut field.v].into_iter().zip(new) {
+                    part[(x, y)] += relaxation * (new - part[(x, y)]);
+                }
+            }
+        }
+    }
+}
+
+/// The mean around pixel `x` of three rows, the columns to its left and right given.
+#[inline(always)]
+fn mean([above, here, below]: [&[f32]; 3], x: usize, [left, right]: [usize; 2]) -> f32 {
+    stencil::BESIDE * ((above[x] + below[x]) + (here[left] + here[right]))
+        + stencil::CORNER * ((above[left] + above[right]) + (below[left] + below[right]))
+}
+
+#[inline(always)]
+fn solution([uu, uv, vv, u, v]: [f32; 5], [mean_u, mean_v]: [f32; 2]) -> [f32; 2] {
+    [uu * mean_u + uv * mean_v + u, uv * mean_u + vv * mean_v + v]
+}
+
+widest! {
+    fn row_widest(around: [[&[f32]; 3]; 2], factors: [&[f32]; 5], to: [&mut [f32]; 2]) = row
+}
+
+/// A row of an iteration from three rows of the one before.
+#[inline(always)]
+fn row(around: [[&[f32]; 3]; 2], factors: [&[f32]; 5], [u, v]: [&mut [f32]; 2]) {
+    let width = u.len();
+    let mut x = 0;
+    while x < width {
+        // What is written next is not seen to be what is read, so it goes through arrays of its own.
+        match lanes(around, factors, x) {
+            Some(to) => {
+                u[x..x + LANES].copy_from_slice(&to[0]);
+                v[x..x + LANES].copy_from_slice(&to[1]);
+                x += LANES;
+            }
+            None => {
+                let mean = around.map(|rows| mean(rows, x, [x.saturating_sub(1), (x + 1).min(width - 1)]));
+                [u[x], v[x]] = solution(factors.map(|row| row[x]), mean);
+                x += 1;
+            }
+        }
+    }
+}
+
+/// The displacements of the pixels from `start` on, where there are so many, and one on either side.
+#[inline(always)]
+fn lanes(around: [[&[f32]; 3]; 2], factors: [&[f32]; 5], start: usize) -> Option<[[f32; LANES]; 2]> {
+    let [u, v] = [around_lanes(around[0], start)?, around_lanes(around[1], start)?];
+    let [a, b, c, d, e] = factors;
+    let (a, b, c) = (lane(a, start)?, lane(b, start)?, lane(c, start)?);
+    let (d, e) = (lane(d, start)?, lane(e, start)?);
+    let mut to = [[0.0; LANES]; 2];
+    for x in 0..LANES {
+        let mean = |[above, here, below]: &[[&[f32; LANES]; 3]; 3]| {
+            stencil::BESIDE * ((above[1][x] + below[1][x]) + (here[0][x] + here[2][x]))
+                + stencil::CORNER * ((above[0][x] + above[2][x]) + (below[0][x] + below[2][x]))
+        };
+        [to[0][x], to[1][x]] = solution([a[x], b[x], c[x], d[x], e[x]], [mean(&u), mean(&v)]);
+    }
+    Some(to)
+}
+
+/// Of each of three rows the pixels to the left of those from `start` on, they themselves, and those to the right.
+#[inline(always)]
+fn around_lanes(rows: [&[f32]; 3], start: usize) -> Option<[[&[f32; LANES]; 3]; 3]> {
+    let left = start.checked_sub(1)?;
+    let of = |row| -> Option<[&[f32; LANES]; 3]> { Some([lane(row, left)?, lane(row, start)?, lane(row, start + 1)?]) };
+    Some([of(rows[0])?, of(rows[1])?, of(rows[2])?])
+}

@@ -1,0 +1,363 @@
+//! How a variational method runs: levels, warps and iterations.
+
+use std::sync::{Arc, OnceLock};
+
+use super::declare::Settings;
+use super::model::{Iteration, Model, Unknowns, Warp};
+use crate::base::{Error, Observer, Threads};
+use crate::data::{Clip, Flow, Frame};
+use crate::geometry::{Grid, filter};
+use crate::methods::differential::{Field, Linear, Multiscale, field, relax};
+use crate::params::inner_params;
+use crate::products::{DenseField, Output, Product, ProductKind};
+use crate::run::{Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen};
+use crate::scene::{Chart, Level, Scene, Step};
+
+/// How many numbers for each pixel [`Linear`] holds.
+const LINEAR_PARTS: usize = 5;
+
+/// At most so many iterations are done before it is asked whether anybody still wants them, and over all of them at most so many
+/// pixels: some hundredths of a second.
+const BATCH: usize = 128;
+const BATCH_PIXELS: usize = 40_000_000;
+
+/// The estimator that `M` makes.
+#[derive(Clone, Debug, Default)]
+pub struct Variational<M>(pub M);
+
+inner_params!(Variational<M: Model>);
+
+/// What a run reads and writes.
+pub struct State<M: Model> {
+    pub(super) fixed: Arc<Fixed>,
+    /// What comes next: the level, 0 being the picture itself, the warp on it, and the iteration for that.
+    pub(super) level: usize,
+    pub(super) warp: usize,
+    pub(super) iteration: usize,
+    /// What was found by now, on the level of the last iteration.
+    unknowns: Arc<M::Unknowns>,
+    /// What was found on the levels that are done, the coarsest first.
+    coarser: Vec<Arc<M::Unknowns>>,
+    /// The constraints of the last iteration.
+    constraints: Constraints<M>,
+    /// The iterations before the eyes of someone.
+    pub(super) notes: Vec<Note>,
+    is_done: bool,
+}
+
+/// The constraints of a warp, or what they are made from.
+enum Constraints<M: Model> {
+    /// The next iteration begins a warp: they come from what was found.
+    Next,
+    /// They are about this field.
+    About(Arc<Field>),
+    /// They are made.
+    Made(Arc<Warp<M>>),
+}
+
+impl<M: Model> Clone for Constraints<M> {
+    fn clone(&self) -> Self {
+        match self {
+            Constraints::Next => Constraints::Next,
+            Constraints::About(start) => Constraints::About(Arc::clone(start)),
+            Constraints::Made(warp) => Constraints::Made(Arc::clone(warp)),
+        }
+    }
+}
+
+impl<M: Model> Clone for State<M> {
+    fn clone(&self) -> Self {
+        Self {
+            fixed: Arc::clone(&self.fixed),
+            unknowns: Arc::clone(&self.unknowns),
+            coarser: self.coarser.clone(),
+            constraints: self.constraints.clone(),
+            notes: self.notes.clone(),
+            ..*self
+        }
+    }
+}
+
+/// What stays the same all along.
+pub(super) struct Fixed {
+    pub(super) frames: Multiscale,
+    /// Frames t and t + 1.
+    pair: [Arc<Frame>; 2],
+    /// The levels as pictures, for whoever looks.
+    pictures: OnceLock<Arc<[Level]>>,
+}
+
+impl Fixed {
+    /// The levels as pictures to be looked at.
+    pub(super) fn pictures(&self) -> Arc<[Level]> {
+        let seen = |level: &Grid<f32>| Arc::new(Frame::gray(level.map(|v| v.round().clamp(0.0, 255.0) as u8)));
+        let coarser = |level: usize| Level::covering(self.frames.pair(level).map(seen));
+        let make = || {
+            let picture = [Level::covering(self.pair.clone())].into_iter();
+            picture.chain((1..self.frames.count()).map(coarser)).collect()
+        };
+        Arc::clone(self.pictures.get_or_init(make))
+    }
+}
+
+/// An iteration in numbers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Note {
+    /// Its level and its warp, from 0.
+    pub(super) place: (usize, usize),
+    /// The parts of the energy, on average over the pixels.
+    pub(super) data: f32,
+    pub(super) smoothness: f32,
+    /// Mean change of the displacements, in px of the picture.
+    pub(super) change: f32,
+    /// Mean endpoint error in px of the picture; NaN where there is no truth.
+    pub(super) error: f32,
+}
+
+/// What happens in an iteration.
+pub enum Event<M: Model> {
+    /// What was found by now is cleared of what is astray.
+    Medians,
+    /// Frame t + 1 is brought back, and the constraints are taken anew.
+    Warped,
+    /// Step so many of the iteration is done.
+    Step(usize, Arc<Iteration<M>>),
+}
+
+impl<M: Model> Clone for Event<M> {
+    fn clone(&self) -> Self {
+        match self {
+            Event::Medians => Event::Medians,
+            Event::Warped => Event::Warped,
+            Event::Step(step, iteration) => Event::Step(*step, Arc::clone(iteration)),
+        }
+    }
+}
+
+impl<M: Model> Variational<M> {
+    pub(super) fn settings(&self) -> Settings {
+        self.0.settings()
+    }
+
+    fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State<M>, Error> {
+        let Settings { levels, smoothing, .. } = self.settings();
+        let frames = Multiscale::new((clip, frame), smoothing, levels, threads)?;
+        let level = frames.count() - 1;
+        let start = Field::new(frames.size(level), [0.0; 2]);
+        Ok(State {
+            unknowns: Arc::new(M::Unknowns::begin(&start, None)),
+            fixed: Arc::new(Fixed { frames, pair: clip.pair(frame)?, pictures: OnceLock::new() }),
+            level,
+            warp: 0,
+            iteration: 0,
+            coarser: Vec::new(),
+            constraints: Constraints::Next,
+            notes: Vec::new(),
+            is_done: false,
+        })
+    }
+
+    /// The constraints of the warp at hand; those that there are, unless it begins.
+    fn constraints(&self, state: &State<M>, threads: &Threads) -> Arc<Warp<M>> {
+        let start = match &state.constraints {
+            Constraints::Made(warp) => return Arc::clone(warp),
+            Constraints::About(start) => Arc::clone(start),
+            Constraints::Next => Arc::new(state.next_start(threads)),
+        };
+        let pictures = state.fixed.frames.pair(state.level);
+        let linear = Linear::about(start, pictures, self.settings().derivatives, threads);
+        let system = self.0.system(&linear, threads);
+        Arc::new(Warp { linear, system })
+    }
+
+    /// Does `count` iterations of the warp at hand, and takes the place of the next. How far displacements changed on average,
+    /// in px of the picture, is known where that is one.
+    fn work(&self, state: &mut State<M>, count: usize, threads: &Threads) -> (Done<M>, f64) {
+        let Settings { iterations, tolerance, warps, .. } = self.settings();
+        let warp = self.constraints(state, threads);
+        let from = match state.iteration {
+            0 => Arc::new(M::Unknowns::begin(&warp.linear.start, (state.warp > 0).then_some(&state.unknowns))),
+            _ => Arc::clone(&state.unknowns),
+        };
+        let to = Arc::new(self.0.iterate(&warp, &from, count, threads));
+        let scale = f64::from(state.fixed.frames.scale(state.level)[0]);
+        let change = if count == 1 { scale * relax::change(from.field(), to.field()) } else { f64::INFINITY };
+        state.unknowns = Arc::clone(&to);
+        state.constraints = Constraints::Made(Arc::clone(&warp));
+        state.iteration += count;
+        // Whether the iteration was the last of its warp.
+        if state.iteration >= iterations || change < f64::from(tolerance) {
+            (state.iteration, state.warp) = (0, state.warp + 1);
+            state.constraints = Constraints::Next;
+        }
+        if state.warp == warps {
+            state.warp = 0;
+            match state.level.checked_sub(1) {
+                Some(level) => {
+                    state.level = level;
+                    state.coarser.push(Arc::clone(&to));
+                }
+                None => state.is_done = true,
+            }
+        }
+        (Done { warp, from, to }, change)
+    }
+
+    /// An iteration of a level and a warp in numbers.
+    fn note(&self, state: &State<M>, place: (usize, usize), done: &Iteration<M>, change: f64) -> Note {
+        let [data, smoothness] = self.0.energy(&done.warp, &done.to).map(|part| part as f32);
+        let error = state.fixed.frames.error(place.0, state.unknowns.field());
+        Note { place, data, smoothness, change: change as f32, error }
+    }
+}
+
+/// What some iterations went from and came to.
+struct Done<M: Model> {
+    warp: Arc<Warp<M>>,
+    from: Arc<M::Unknowns>,
+    to: Arc<M::Unknowns>,
+}
+
+impl<M: Model> State<M> {
+    /// The field at which the next warp begins.
+    fn next_start(&self, threads: &Threads) -> Field {
+        let (found, size) = (self.unknowns.field(), self.fixed.frames.size(self.level));
+        let start = if found.u.size() == size { found.clone() } else { found.resized(size, threads) };
+        if self.is_first_warp() {
+            return start;
+        }
+        Field { u: filter::median(&start.u, threads), v: filter::median(&start.v, threads) }
+    }
+
+    /// Whether nothing was found before the warp at hand.
+    pub(super) fn is_first_warp(&self) -> bool {
+        self.warp == 0 && self.level + 1 == self.fixed.frames.count()
+    }
+
+    /// What was found on `level`, if that is done.
+    pub(super) fn found(&self, level: usize) -> Option<&Field> {
+        self.coarser.get(self.fixed.frames.count() - 1 - level).map(|found| found.field())
+    }
+
+    /// What was found by now, on the picture.
+    fn flow(&self) -> Flow {
+        self.fixed.frames.flow(self.unknowns.field())
+    }
+}
+
+impl<M: Model> Estimator for Variational<M> {
+    const INFO: Info = M::INFO;
+    const PROMISE: Promise = M::PROMISE;
+    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Plane, Chart::Stack];
+    const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
+    type State = State<M>;
+    type Event = Event<M>;
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, M::NEED)
+    }
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State<M>, Error> {
+        self.prepare(clip, frame, &Threads::single())
+    }
+
+    fn advance(
+        &self,
+        _: &Clip,
+        state: &mut State<M>,
+        observer: &mut impl Observer<Event<M>>,
+    ) -> Result<Progress, Error> {
+        let place = (state.level, state.warp);
+        let (is_first, has_medians) = (state.iteration == 0, !state.is_first_warp());
+        let (Done { warp, from, to }, change) = self.work(state, 1, &Threads::single());
+        if is_first {
+            if has_medians {
+                observer.see(|| Event::Medians);
+            }
+            observer.see(|| Event::Warped);
+        }
+        let most = field::most_changed(from.field(), to.field());
+        let done = Arc::new(Iteration { warp, from, to, most });
+        (0..M::STEPS.len()).for_each(|step| observer.see(|| Event::Step(step, Arc::clone(&done))));
+        let note = self.note(state, place, &done, change);
+        state.notes.push(note);
+        Ok(if state.is_done { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, state: &State<M>) -> Option<usize> {
+        let Settings { iterations, tolerance, warps, .. } = self.settings();
+        (tolerance == 0.0).then(|| state.fixed.frames.count() * warps * iterations)
+    }
+
+    fn place(&self, state: &State<M>) -> Vec<Rung> {
+        let Settings { iterations, warps, .. } = self.settings();
+        let (rung, levels) = (|index, of| Rung { index, of: Some(of) }, state.fixed.frames.count());
+        vec![
+            rung(0, 1),
+            rung(levels - 1 - state.level, levels),
+            rung(state.warp, warps),
+            rung(state.iteration, iterations),
+        ]
+    }
+
+    /// The constraints of a warp are made again from the field at which it began.
+    fn at_rest(&self, state: &State<M>) -> State<M> {
+        let constraints = match &state.constraints {
+            Constraints::Made(warp) => Constraints::About(Arc::clone(&warp.linear.start)),
+            constraints => constraints.clone(),
+        };
+        State { constraints, ..state.clone() }
+    }
+
+    fn explained(&self, state: &State<M>, point: [f32; 2]) -> Option<Explained> {
+        state.fixed.frames.given.pixel_at(point).map(|_| Explained::Always)
+    }
+
+    /// What was found on coarser levels is shared by all states of a run.
+    fn state_bytes(&self, state: &State<M>) -> usize {
+        let constraints = match &state.constraints {
+            Constraints::Next => 0,
+            Constraints::About(start) => start.bytes(),
+            Constraints::Made(warp) => size_of_val(warp.linear.start.u.cells()) * (LINEAR_PARTS + M::SYSTEM_PARTS),
+        };
+        size_of::<State<M>>() + size_of_val(&state.notes[..]) + state.unknowns.bytes() + constraints
+    }
+
+    fn memory_bytes(&self, state: &State<M>) -> usize {
+        let frames = &state.fixed.frames;
+        let given = size_of_val(frames.given.pictures[0].cells());
+        let constraints = given * (LINEAR_PARTS + M::SYSTEM_PARTS);
+        let coarser: usize = state.coarser.iter().map(|unknowns| unknowns.bytes()).sum();
+        // What an iteration goes from, and what it comes to.
+        self.state_bytes(state) + frames.bytes() + constraints + coarser + 2 * state.unknowns.bytes()
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let state = seen.after.unwrap_or(seen.before);
+        field::draw(state.flow().0, scene);
+        self.draw_pixel(seen, scene);
+        scene.levels = self.levels(seen);
+    }
+
+    fn output(&self, state: &State<M>) -> Output {
+        Output::of(DenseField { flow: state.flow(), confidence: None })
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State<M>, Error> {
+        let mut state = self.prepare(clip, frame, threads)?;
+        let Settings { iterations, tolerance, .. } = self.settings();
+        while !state.is_done {
+            clip.wanted()?;
+            let (width, height) = state.fixed.frames.size(state.level);
+            let at_once = (BATCH_PIXELS / (width * height)).clamp(1, BATCH);
+            // Where each change decides whether to go on, iterations come one by one.
+            let count = if tolerance > 0.0 { 1 } else { at_once.min(iterations - state.iteration) };
+            self.work(&mut state, count, threads);
+        }
+        Ok(state)
+    }
+}

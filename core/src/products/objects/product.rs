@@ -1,0 +1,261 @@
+//! Objects: what was detected in each frame, the tracks of objects, and where these went.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use crate::base::{Error, words::grouped};
+use crate::data::Detection;
+use crate::geometry::Bounds;
+use crate::products::{
+    Assessment, Cell, Figure, Followed, Life, Measure, Motion, Object, ObjectField, ObjectFrame, Product, ProductKind,
+    Reference, Table,
+    assessment::{fact, scores},
+    objects::{
+        score::{self, Scores},
+        trajectory::{Sighting, Trajectory},
+    },
+};
+
+const COUNTS: [Measure; 3] = [
+    Measure::new("frames", "Frames that were processed."),
+    Measure::new("detections", "Detections, counted in each frame.").in_column("detections", 0),
+    Measure::new("objects", "Confirmed tracks.").in_column("objects", 0),
+];
+
+const WAYS: [Measure; 5] = [
+    Measure::new("crossed_right", "Crossings of the line to its right."),
+    Measure::new("crossed_left", "Crossings of the line to its left."),
+    Measure::new("in_zone", "Objects that were in the zone."),
+    Measure::new("dwell_frames", "Mean dwell time in the zone in frames."),
+    Measure::new("unusual", "Objects with an unusual direction of motion."),
+];
+
+const TRACKING: [Measure; 8] = [
+    Measure::new("mota", "Multiple object tracking accuracy (CLEAR MOT).").in_column("MOTA", 3),
+    Measure::new("motp", "Multiple object tracking precision, as mean intersection over union (CLEAR MOT)."),
+    Measure::new("idf1", "F₁ score of identities.").in_column("IDF1", 3),
+    Measure::new("hota", "Higher order tracking accuracy.").in_column("HOTA", 3),
+    Measure::new("switches", "Identity switches.").in_column("switches", 0),
+    Measure::new("precision", "Share of the estimated boxes that match a true one at an IoU of 0.5."),
+    Measure::new("recall", "Share of the true boxes that were matched at an IoU of 0.5."),
+    Measure::new("true_objects", "True boxes, counted in each frame."),
+];
+
+impl Product for ObjectField {
+    const KIND: &'static ProductKind = &ProductKind {
+        id: "objects",
+        name: "Objects",
+        summary: "Detections of each frame, and the tracks of objects.",
+        motion: Motion::Nowhere,
+        is_of_single_frames: true,
+        measures: &[&COUNTS, &WAYS, &TRACKING],
+    };
+
+    /// One row for each place of a trajectory where these were looked at; else for each object in each frame, or for each
+    /// detection where none is tracked. Velocities are in px/frame; the edge of the first pixel lies at −0.5 px.
+    fn table(&self) -> Option<Table> {
+        Some(if !self.trajectories.is_empty() {
+            trajectories(self)
+        } else if self.followed == Followed::Nobody {
+            detections(self)
+        } else {
+            self.object_table()
+        })
+    }
+
+    fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
+        let own = counted(self).and(ways(&self.trajectories));
+        let scored = score::scores_on(reference.clip, self);
+        reference.clip.wanted()?;
+        Ok(match scored {
+            Ok(scored) => own.and(scored.map(tracking).unwrap_or_default()),
+            Err(error) => own.and(Assessment {
+                facts: vec![fact("Scores", format!("unknown: {error}"))],
+                truth_error: Some(error),
+                ..Assessment::default()
+            }),
+        })
+    }
+
+    fn last_frame(&self) -> Option<usize> {
+        Some(self.first + self.frames.len().saturating_sub(1))
+    }
+}
+
+fn counted(field: &ObjectField) -> Assessment {
+    let confirmed = |frame: &Arc<ObjectFrame>| {
+        let confirmed = frame.objects.iter().filter(|object| object.life == Life::Confirmed);
+        confirmed.map(|object| object.id).collect::<Vec<_>>()
+    };
+    let objects = field.frames.iter().flat_map(confirmed).collect::<BTreeSet<u32>>().len();
+    let detections: usize = field.frames.iter().map(|frame| frame.detections.len()).sum();
+    let frames = field.frames.len();
+    let [told, from, of] = [objects, detections, frames].map(grouped);
+    let text = format!("{told}, from {from} detections in {of} frames");
+    let values = [frames, detections, objects].map(Figure::from);
+    let told = match field.followed {
+        // Each frame was looked at by itself: there are no tracks to count.
+        Followed::Nobody => fact("Detections", format!("{from} in {of} frames")),
+        _ => fact("Tracks", text),
+    };
+    Assessment::default().with(scores(&COUNTS, values), vec![told])
+}
+
+/// What trajectories tell of the line, the zone and unusual directions, where they were looked at.
+fn ways(all: &[Arc<Trajectory>]) -> Assessment {
+    if all.is_empty() {
+        return Assessment::default();
+    }
+    let crossed = |to_right: bool| {
+        all.iter().flat_map(|of| &of.crossings).filter(|crossing| crossing.is_forward == to_right).count()
+    };
+    let stays: Vec<usize> = all.iter().map(|of| of.dwell_frames()).filter(|frames| *frames > 0).collect();
+    let is_unusual = |of: &&Arc<Trajectory>| of.sightings.iter().any(|seen| seen.unusual.is_some());
+    let (right, left) = (crossed(true), crossed(false));
+    let dwell = (!stays.is_empty()).then(|| stays.iter().sum::<usize>() as f64 / stays.len() as f64);
+    let unusual = all.iter().filter(is_unusual).count();
+    let mut facts = Vec::new();
+    if right + left > 0 {
+        facts.push(fact("Over line", format!("{} to its right, {} to its left", grouped(right), grouped(left))));
+    }
+    if let Some(frames) = dwell {
+        let objects = if stays.len() == 1 { "object" } else { "objects" };
+        facts.push(fact("In zone", format!("{} {objects}, {frames:.1} frames each", grouped(stays.len()))));
+    }
+    if unusual > 0 {
+        facts.push(fact("Unusual", format!("{} by direction", grouped(unusual))));
+    }
+    let values = [right.into(), left.into(), stays.len().into(), dwell.into(), unusual.into()];
+    Assessment::default().with(scores(&WAYS, values), facts)
+}
+
+fn tracking(of: Scores) -> Assessment {
+    let Scores { truths, switches, mota, motp, idf1, precision, recall, hota, hasty, .. } = of;
+    let values = [mota, motp, idf1, hota].map(Figure::from);
+    let [a, b, c, d] = values;
+    let values = [a, b, c, d, switches.into(), precision.into(), recall.into(), truths.into()];
+    let mut facts = vec![
+        fact("MOTA, MOTP", format!("{mota:.3}, {motp:.3}")),
+        fact("IDF1", format!("{idf1:.3}")),
+        fact("HOTA", format!("{hota:.3}")),
+        fact("Identity switches", grouped(switches)),
+        fact(
+            "Precision, recall",
+            format!("{:.1} %, {:.1} % of {} true boxes", 100.0 * precision, 100.0 * recall, grouped(truths)),
+        ),
+    ];
+    if hasty > 0 {
+        let told =
+            format!("{} boxes were paired greedily: their crowd is too large for the best assignment", grouped(hasty));
+        facts.push(fact("Approximate", told));
+    }
+    let headline = format!("MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches");
+    Assessment { headline, ..Assessment::default() }.with(scores(&TRACKING, values), facts)
+}
+
+/// The number of each frame, with what it came to.
+fn frames(field: &ObjectField) -> impl Iterator<Item = (Cell, &ObjectFrame)> {
+    field.frames.iter().enumerate().map(|(i, frame)| ((field.first + i).into(), &**frame))
+}
+
+/// Upper left corner, width and height.
+fn place(bounds: &Bounds) -> [Cell; 4] {
+    let ([x, y], [width, height]) = (bounds.min, bounds.size());
+    [x, y, width, height].map(Cell::Single)
+}
+
+impl ObjectField {
+    /// One row for each object in each frame.
+    pub fn object_table(&self) -> Table {
+        let columns = [
+            "frame",
+            "id",
+            "x_px",
+            "y_px",
+            "u_px_per_frame",
+            "v_px_per_frame",
+            "left_px",
+            "top_px",
+            "width_px",
+            "height_px",
+            "status",
+            "sigma_x_px",
+            "sigma_y_px",
+        ];
+        let row = |frame: Cell, object: &Object| {
+            let [x, y] = object.position.map(Cell::Real);
+            let [u, v] = object.velocity.map_or([Cell::Empty; 2], |velocity| velocity.map(Cell::Real));
+            let [left, top, width, height] = place(&object.bounds);
+            let sigma = |i: usize| object.covariance.map(|c| c[i][i].max(0.0).sqrt()).into();
+            let status = Cell::Word(object.life.name());
+            [frame, object.id.into(), x, y, u, v, left, top, width, height, status, sigma(0), sigma(1)]
+        };
+        Table::new(columns, frames(self).flat_map(|(t, frame)| frame.objects.iter().map(move |object| row(t, object))))
+    }
+}
+
+/// Where each object was seen, how it moved there, and what became of it: `crossed` is 1 where it went over the line to its right
+/// and −1 to its left, `in_zone` is 1 in the zone, and `unusual_deg` is how far its heading is off those of others where that
+/// is unusual. Headings count from right, against the clock.
+fn trajectories(field: &ObjectField) -> Table {
+    let columns = [
+        "frame",
+        "id",
+        "x_px",
+        "y_px",
+        "speed_px_per_frame",
+        "heading_deg",
+        "step_px_per_frame",
+        "crossed",
+        "in_zone",
+        "unusual_deg",
+    ];
+    let row = |of: &Trajectory, seen: &Sighting| {
+        let [x, y] = seen.at.map(Cell::Real);
+        let speed = |v: Option<[f64; 2]>| v.map(|[u, v]| u.hypot(v)).into();
+        let crossing = of.crossings.iter().find(|crossing| crossing.frame == seen.frame);
+        let is_inside = of.stays.iter().any(|stay| (stay.entered..=stay.last).contains(&seen.frame));
+        [
+            seen.frame.into(),
+            of.id.into(),
+            x,
+            y,
+            speed(seen.velocity),
+            seen.heading_deg().into(),
+            speed(seen.step),
+            Cell::Int(crossing.map_or(0, |crossing| if crossing.is_forward { 1 } else { -1 })),
+            Cell::Int(i64::from(is_inside)),
+            seen.unusual.map(|unusual| unusual.angle_deg).into(),
+        ]
+    };
+    Table::new(columns, field.trajectories.iter().flat_map(|of| of.sightings.iter().map(move |seen| row(of, seen))))
+}
+
+fn detections(field: &ObjectField) -> Table {
+    let columns = [
+        "frame",
+        "x_px",
+        "y_px",
+        "left_px",
+        "top_px",
+        "width_px",
+        "height_px",
+        "score",
+        "area_px",
+        "angle_deg",
+        "elongation",
+        "gray",
+    ];
+    let row = |frame: Cell, found: &Detection| {
+        let [x, y] = found.center.map(Cell::Single);
+        let [left, top, width, height] = place(&found.bounds);
+        let blob = found.blob.map_or([Cell::Empty; 4], |blob| {
+            let [long, short] = blob.radii;
+            let angle = Cell::Single(blob.angle_rad.to_degrees());
+            [blob.area_px.into(), angle, Cell::Single(long / short), Cell::Single(blob.gray)]
+        });
+        let [area, angle, elongation, gray] = blob;
+        [frame, x, y, left, top, width, height, Cell::Single(found.score), area, angle, elongation, gray]
+    };
+    Table::new(columns, frames(field).flat_map(|(t, frame)| frame.detections.iter().map(move |found| row(t, found))))
+}

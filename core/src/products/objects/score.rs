@@ -1,0 +1,383 @@
+//! How good tracks are beside the true ones.
+
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+
+use super::assignment::{Effort, least_cost, most_worth};
+use super::near::{Near, corners};
+use super::pairs::{Pairs, Sums};
+use crate::base::Error;
+use crate::data::{Clip, Truth};
+use crate::geometry::Bounds;
+use crate::products::{Followed, Life, ObjectField};
+
+/// From here on, as intersection over union, an object counts as found.
+const FOUND: f64 = 0.5;
+
+/// Objects in one frame, each with its identity.
+pub type Boxes = Vec<(u32, Bounds)>;
+
+/// Tracks beside the true ones, over all frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scores {
+    /// True objects, counted in each frame.
+    pub truths: usize,
+    /// Objects that were told, counted in each frame.
+    pub told: usize,
+    /// True objects that were found.
+    pub matches: usize,
+    /// How often a true object was found as another one than before.
+    pub switches: usize,
+    /// Multiple object tracking accuracy: 1 − (misses + false alarms + switches) / truths.
+    pub mota: f64,
+    /// Multiple object tracking precision: mean intersection over union of what was found.
+    pub motp: f64,
+    /// F₁ of identities: of pairs of true and told tracks that agree in the most frames.
+    pub idf1: f64,
+    /// Share of what was told that is true.
+    pub precision: f64,
+    /// Share of the true objects that were found.
+    pub recall: f64,
+    /// Higher order tracking accuracy: the mean of √(DetA · AssA) over limits of 0.05 to 0.95.
+    pub hota: f64,
+    /// True objects and tracks that were paired nearest first, and not as well as can be, because so many overlap so many: 0 unless
+    /// nearly everything lies on everything.
+    pub hasty: usize,
+}
+
+/// A share of nothing is 0.
+fn share(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { part / whole } else { 0.0 }
+}
+
+/// Asks whether scores are still wanted; `E` is what refuses them.
+type Wanted<'a, E> = &'a dyn Fn() -> Result<(), E>;
+
+/// So many rows are compared before it is asked whether to go on.
+const ROWS_AT_ONCE: usize = 64;
+
+/// The pairs of a frame, and those of all tracks, are worked out from so many at most, about a second long; then they are chosen
+/// nearest first.
+const MOST_WORK: u64 = 100_000_000;
+
+/// Overlaps of true objects, a row each, and told ones that have something in common.
+fn overlaps<E>((truth, told): &(Boxes, Boxes), wanted: Wanted<E>) -> Result<Pairs, E> {
+    let near = Near::new(told.iter().map(|(_, bounds)| corners(bounds)));
+    let (mut pairs, mut found) = (Pairs::new(told.len()), Vec::new());
+    for (y, (_, bounds)) in truth.iter().enumerate() {
+        if y.is_multiple_of(ROWS_AT_ONCE) {
+            wanted()?;
+        }
+        let overlap = |x: usize| f64::from(bounds.iou(&told[x].1));
+        near.touching(corners(bounds), &mut found, |x| Some(overlap(x)).filter(|overlap| *overlap > 0.0));
+        pairs.push(found.iter().copied());
+    }
+    Ok(pairs)
+}
+
+/// Scores the confirmed objects of a run beside the truth, where one was followed beside that one; `None` where nothing is known
+/// of its frames, or nobody is followed in them.
+///
+/// # Errors
+/// If the truth cannot be read.
+pub fn scores(field: &ObjectField, truth: &dyn Truth) -> Result<Option<Scores>, Error> {
+    scores_while(field, truth, &|| Ok(()))
+}
+
+/// The same of a run on a clip, beside its truth; `None` as well where it has none.
+///
+/// # Errors
+/// If the truth cannot be read, or nobody wants the scores any more (see [`Clip::until`]).
+pub fn scores_on(clip: &Clip, field: &ObjectField) -> Result<Option<Scores>, Error> {
+    let scored = clip.truth().map(|truth| scores_while(field, &**truth, &|| clip.wanted()));
+    scored.transpose().map(Option::flatten)
+}
+
+fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -> Result<Option<Scores>, Error> {
+    let counts = |id: u32| match &field.followed {
+        Followed::Nobody => false,
+        Followed::One(ids) => ids.contains(&id),
+        Followed::All => true,
+    };
+    let is_anyone = match &field.followed {
+        Followed::Nobody => false,
+        Followed::One(ids) => !ids.is_empty(),
+        Followed::All => true,
+    };
+    if !is_anyone {
+        return Ok(None);
+    }
+    let mut frames = Vec::new();
+    for (i, frame) in field.frames.iter().enumerate() {
+        let Some(objects) = truth.objects(field.first + i)? else { return Ok(None) };
+        let known = objects.iter().filter(|object| counts(object.id));
+        let known = known.map(|object| (object.id, Bounds::from(object))).collect();
+        let confirmed = frame.objects.iter().filter(|object| object.life == Life::Confirmed);
+        frames.push((known, confirmed.map(|object| (object.id, object.bounds)).collect()));
+    }
+    Scores::of_frames(&frames, wanted).map(Some)
+}
+
+impl Scores {
+    /// The scores of frames with their true and told objects.
+    ///
+    /// MOTA and MOTP: K. Bernardin and R. Stiefelhagen, Evaluating multiple object tracking performance, 2008. IDF1: E. Ristani and
+    /// others, Performance measures and a data set for multi-target, multi-camera tracking, 2016. HOTA: J. Luiten and others, 2021.
+    pub fn of(frames: &[(Boxes, Boxes)]) -> Self {
+        let Ok(scores) = Self::of_frames(frames, &|| Ok::<_, Infallible>(()));
+        scores
+    }
+
+    /// The same, as long as they are wanted.
+    fn of_frames<E>(frames: &[(Boxes, Boxes)], wanted: Wanted<E>) -> Result<Self, E> {
+        let (tracks, mut clear) = (Tracks::of(frames), Clear::default());
+        let rows = tracks.truth.ids.len();
+        let (mut agree, mut shared) = (Sums::new(rows), Sums::new(rows));
+        for frame in frames {
+            let overlaps = overlaps(frame, wanted)?;
+            clear.see(frame, &overlaps, wanted)?;
+            tracks.add_agreement(frame, &overlaps, &mut agree);
+            tracks.add_shared(frame, &overlaps, &mut shared);
+        }
+        let columns = tracks.told.ids.len();
+        let aligned = tracks.aligned(&shared.pairs(columns));
+        let (matched, hasty) = tracks.matched(frames, &aligned, wanted)?;
+        let (agree, hota) = (agree.pairs(columns), tracks.hota(&matched));
+        let identities = most_worth(&agree, &mut Effort::limited(MOST_WORK, wanted))?;
+        clear.hasty += hasty + identities.hasty;
+        let identities = paired(&agree, &identities.columns) as usize;
+        Ok(Self::from_counts([tracks.truth.total, tracks.told.total], &clear, (identities, hota)))
+    }
+
+    fn from_counts([truths, told]: [usize; 2], clear: &Clear, (identities, hota): (usize, f64)) -> Self {
+        let Clear { matches, switches, overlap, hasty, .. } = *clear;
+        let wrong = (truths - matches) + (told - matches) + switches;
+        let [all, found] = [truths, told].map(|count| count as f64);
+        Self {
+            truths,
+            told,
+            matches,
+            switches,
+            mota: if truths > 0 { 1.0 - wrong as f64 / all } else { 0.0 },
+            motp: share(overlap, matches as f64),
+            idf1: share(2.0 * identities as f64, all + found),
+            precision: share(matches as f64, found),
+            recall: share(matches as f64, all),
+            hota,
+            hasty,
+        }
+    }
+}
+
+/// What pairs add up to.
+fn paired(numbers: &Pairs, columns: &[Option<usize>]) -> f64 {
+    let pairs = columns.iter().enumerate().filter_map(|(row, column)| numbers.get(row, (*column)?));
+    pairs.sum()
+}
+
+/// What CLEAR-MOT counts.
+#[derive(Default)]
+struct Clear {
+    matches: usize,
+    switches: usize,
+    overlap: f64,
+    /// True objects that were paired nearest first.
+    hasty: usize,
+    /// Who was found as whom.
+    found_as: BTreeMap<u32, u32>,
+}
+
+impl Clear {
+    /// Takes in a frame. Who was found as whom stays so while it can; the others are paired anew.
+    fn see<E>(&mut self, (truth, told): &(Boxes, Boxes), overlaps: &Pairs, wanted: Wanted<E>) -> Result<(), E> {
+        let mut first: BTreeMap<u32, usize> = BTreeMap::new();
+        told.iter().enumerate().for_each(|(x, (id, _))| _ = first.entry(*id).or_insert(x));
+        let (mut pairs, mut is_taken) = (vec![None; truth.len()], vec![false; told.len()]);
+        for (y, (id, _)) in truth.iter().enumerate() {
+            // Two may have been found as the same one before: the first of them has it.
+            let same = self.found_as.get(id).and_then(|other| first.get(other)).copied();
+            let is_found = |x: &usize| overlaps.get(y, *x).is_some_and(|overlap| overlap >= FOUND);
+            pairs[y] = same.filter(|x| is_found(x) && !std::mem::replace(&mut is_taken[*x], true));
+        }
+        let free = overlaps.filter_map(|y, x, overlap| {
+            (pairs[y].is_none() && !is_taken[x] && overlap >= FOUND).then_some(1.0 - overlap)
+        });
+        let new = least_cost(&free, &mut Effort::limited(MOST_WORK, wanted))?;
+        self.hasty += new.hasty;
+        for (pair, new) in pairs.iter_mut().zip(new.columns) {
+            *pair = pair.or(new);
+        }
+        for (y, x) in pairs.iter().enumerate().filter_map(|(y, x)| Some((y, (*x)?))) {
+            let before = self.found_as.insert(truth[y].0, told[x].0);
+            self.switches += usize::from(before.is_some_and(|before| before != told[x].0));
+            self.matches += 1;
+            self.overlap += overlaps.get(y, x).unwrap_or_default();
+        }
+        Ok(())
+    }
+}
+
+/// The identities of all frames, in order, with how often each is there.
+struct Identities {
+    ids: Vec<u32>,
+    counts: Vec<f64>,
+    total: usize,
+}
+
+impl Identities {
+    fn of<'a>(frames: impl Iterator<Item = &'a Boxes>) -> Self {
+        let (mut counts, mut total) = (BTreeMap::<u32, f64>::new(), 0);
+        for (id, _) in frames.flatten() {
+            *counts.entry(*id).or_default() += 1.0;
+            total += 1;
+        }
+        let (ids, counts) = counts.into_iter().unzip();
+        Self { ids, counts, total }
+    }
+
+    /// The places of the objects of a frame, which are there.
+    fn places(&self, boxes: &Boxes) -> Vec<usize> {
+        boxes.iter().map(|(id, _)| self.ids.partition_point(|other| other < id)).collect()
+    }
+}
+
+/// All true tracks, a row each, and all told ones.
+struct Tracks {
+    truth: Identities,
+    told: Identities,
+}
+
+/// A true and a told object that were matched in a frame: their tracks, and how much they overlap.
+type Matched = ((usize, usize), f64);
+
+impl Tracks {
+    fn of(frames: &[(Boxes, Boxes)]) -> Self {
+        let truth = Identities::of(frames.iter().map(|(truth, _)| truth));
+        Self { truth, told: Identities::of(frames.iter().map(|(_, told)| told)) }
+    }
+
+    fn places(&self, (truth, told): &(Boxes, Boxes)) -> [Vec<usize>; 2] {
+        [self.truth.places(truth), self.told.places(told)]
+    }
+
+    /// Adds a frame in which tracks agree that overlap enough.
+    fn add_agreement(&self, frame: &(Boxes, Boxes), overlaps: &Pairs, agree: &mut Sums) {
+        let [rows, columns] = self.places(frame);
+        for (y, x, _) in overlaps.iter().filter(|(.., overlap)| *overlap >= FOUND) {
+            agree.add((rows[y], columns[x]), 1.0);
+        }
+    }
+
+    /// Adds how much of two tracks is alike in a frame, which is shared out among those that overlap in it.
+    fn add_shared(&self, frame: &(Boxes, Boxes), overlaps: &Pairs, shared: &mut Sums) {
+        let [rows, columns] = self.places(frame);
+        let (mut of_truth, mut of_told) = (vec![0.0; rows.len()], vec![0.0; columns.len()]);
+        for (y, x, overlap) in overlaps.iter() {
+            of_truth[y] += overlap;
+            of_told[x] += overlap;
+        }
+        for (y, x, overlap) in overlaps.iter() {
+            shared.add((rows[y], columns[x]), share(overlap, of_truth[y] + of_told[x] - overlap));
+        }
+    }
+
+    /// How much of two tracks is alike over the whole clip.
+    fn aligned(&self, shared: &Pairs) -> Pairs {
+        shared.map(|y, x, both| share(both, self.truth.counts[y] + self.told.counts[x] - both))
+    }
+
+    /// One pairing of each frame for all limits: what aligns best over the whole clip, weighed by the overlap in the frame; and how
+    /// many were paired nearest first.
+    fn matched<E>(
+        &self,
+        frames: &[(Boxes, Boxes)],
+        aligned: &Pairs,
+        wanted: Wanted<E>,
+    ) -> Result<(Vec<Matched>, usize), E> {
+        let (mut matched, mut hasty) = (Vec::new(), 0);
+        for frame in frames {
+            let ([rows, columns], overlaps) = (self.places(frame), overlaps(frame, wanted)?);
+            let worth = overlaps.map(|y, x, overlap| aligned.get(rows[y], columns[x]).unwrap_or_default() * overlap);
+            let pairs = most_worth(&worth, &mut Effort::limited(MOST_WORK, wanted))?;
+            hasty += pairs.hasty;
+            let pairs = pairs.columns.into_iter().enumerate().filter_map(|(y, x)| Some((y, x?)));
+            matched.extend(pairs.map(|(y, x)| ((rows[y], columns[x]), overlaps.get(y, x).unwrap_or_default())));
+        }
+        matched.sort_by_key(|(place, _)| *place);
+        Ok((matched, hasty))
+    }
+
+    /// The score of what was matched, by tracks.
+    fn hota(&self, matched: &[Matched]) -> f64 {
+        let all = (self.truth.total + self.told.total) as f64;
+        let of_limit = |limit: f64| {
+            let (mut hits, mut association) = (0.0, 0.0);
+            for of_pair in matched.chunk_by(|a, b| a.0 == b.0) {
+                let count = of_pair.iter().filter(|(_, overlap)| *overlap >= limit - 1e-9).count() as f64;
+                let (y, x) = of_pair[0].0;
+                hits += count;
+                association += count * share(count, self.truth.counts[y] + self.told.counts[x] - count);
+            }
+            (share(hits, all - hits) * share(association, hits)).sqrt()
+        };
+        (1..20).map(|i| of_limit(f64::from(i) * 0.05)).sum::<f64>() / 19.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(id: u32, x: f32) -> (u32, Bounds) {
+        (id, Bounds { min: [x, 0.0], max: [x + 10.0, 10.0] })
+    }
+
+    #[test]
+    fn the_truth_itself_is_perfect() {
+        let frame = |t: f32| vec![at(1, t), at(2, 50.0 - t)];
+        let frames: Vec<_> = (0..10).map(|t| (frame(t as f32), frame(t as f32))).collect();
+        let Scores { mota, motp, idf1, hota, switches, precision, recall, .. } = Scores::of(&frames);
+        assert_eq!((mota, motp, idf1, switches, precision, recall), (1.0, 1.0, 1.0, 0, 1.0, 1.0));
+        assert!((hota - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn nothing_told_and_nothing_true_are_no_division_by_zero() {
+        let missed: Vec<(Boxes, Boxes)> = vec![(vec![at(1, 0.0)], vec![]); 3];
+        let scores = Scores::of(&missed);
+        assert_eq!((scores.mota, scores.idf1, scores.hota, scores.precision), (0.0, 0.0, 0.0, 0.0));
+        let alarms: Vec<(Boxes, Boxes)> = vec![(vec![], vec![at(1, 0.0)]); 3];
+        assert_eq!(Scores::of(&alarms).idf1, 0.0);
+        assert!(Scores::of(&[]).hota.is_sign_positive() && scores.hota.is_sign_positive(), "no −0");
+    }
+
+    #[test]
+    fn an_identity_that_changes_in_the_middle_is_told_by_each_score() {
+        let frames: Vec<_> = (0..10).map(|t| (vec![at(1, 0.0)], vec![at(if t < 5 { 7 } else { 8 }, 0.0)])).collect();
+        let scores = Scores::of(&frames);
+        assert_eq!((scores.switches, scores.mota), (1, 0.9));
+        assert_eq!(scores.idf1, 0.5, "half of all frames belong to the better half");
+        // DetA is 1; each half is associated to 5 of 10: AssA is ½.
+        assert!((scores.hota - 0.5_f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn nobody_is_found_twice_as_the_same() {
+        // Each true object was found as 9 once; then both stand where 9 is.
+        let frames = vec![
+            (vec![at(1, 0.0)], vec![at(9, 0.0)]),
+            (vec![at(2, 0.0)], vec![at(9, 0.0)]),
+            (vec![at(1, 0.0), at(2, 1.0)], vec![at(9, 0.0)]),
+        ];
+        assert_eq!(Scores::of(&frames).matches, 3);
+    }
+
+    #[test]
+    fn misses_and_false_alarms_count_once_each() {
+        // Of IoU 0.43: too little in common.
+        let frames = vec![(vec![at(1, 0.0)], vec![at(3, 4.0)]), (vec![at(1, 0.0)], vec![at(3, 3.0)])];
+        let scores = Scores::of(&frames);
+        assert_eq!((scores.matches, scores.mota), (1, 0.0));
+        assert!((scores.motp - 7.0 / 13.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,56 @@
+//! What the frames of a run came to so far.
+
+use std::sync::Arc;
+
+use super::{Followed, MaskField, ObjectField, ObjectFrame, Output};
+use crate::data::PackedMask;
+
+/// What frame after frame came to; copies share it.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    frames: Arc<Vec<Arc<ObjectFrame>>>,
+    pixels: Arc<Vec<u32>>,
+}
+
+impl Record {
+    /// Adds what the next frame came to.
+    pub fn note(&mut self, frame: ObjectFrame) {
+        Arc::make_mut(&mut self.pixels).push(frame.mask.as_ref().map_or(0, PackedMask::count) as u32);
+        Arc::make_mut(&mut self.frames).push(Arc::new(frame));
+    }
+
+    /// The frames so far.
+    pub fn frames(&self) -> &[Arc<ObjectFrame>] {
+        &self.frames
+    }
+
+    /// How many pixels the mask of each has.
+    pub fn pixels(&self) -> &[u32] {
+        &self.pixels
+    }
+
+    /// All of it, of a run on pictures of that size from frame `first` on: masks, and the objects found in them.
+    pub fn output(&self, picture: (usize, usize), first: usize) -> Output {
+        let frames = || Vec::clone(&self.frames);
+        let masks = MaskField { picture, first, frames: frames() };
+        let objects =
+            ObjectField { followed: Followed::Nobody, picture, first, frames: frames(), trajectories: Vec::new() };
+        Output::of(masks).and(objects)
+    }
+
+    /// Memory that it takes by itself, in bytes: what earlier frames came to is shared with the records before.
+    pub fn own_bytes(&self) -> usize {
+        let last = self.frames.last().map_or(0, |frame| frame.bytes());
+        size_of_val(&self.frames[..]) + size_of_val(&self.pixels[..]) + last
+    }
+
+    /// Memory that all frames take, in bytes.
+    pub fn bytes(&self) -> usize {
+        self.own_bytes() + self.shared_bytes()
+    }
+
+    /// Memory that earlier frames take, in bytes.
+    pub fn shared_bytes(&self) -> usize {
+        self.frames.iter().rev().skip(1).map(|frame| frame.bytes()).sum()
+    }
+}

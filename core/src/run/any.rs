@@ -1,0 +1,206 @@
+//! An estimator of which only the declaration matters, and the one door to its runs.
+
+use super::estimator::run_observed;
+use super::{Estimator, Info, Need, Progress, Promise, Timeline, Walk, need};
+use crate::base::{Error, Threads, heap};
+use crate::data::Clip;
+use crate::params::Params;
+use crate::products::{Output, ProductKind};
+use crate::scene::Chart;
+
+/// Refuses a clip of detections alone to who looks at pictures.
+fn check_pictures<E: Estimator>(clip: &Clip) -> Result<(), Error> {
+    if !E::NEEDS_PICTURES || !clip.is_blank() {
+        return Ok(());
+    }
+    Err(Error::new(format!(
+        "{} has detections and no pictures, and {} looks at pictures; choose a tracker, or open a clip",
+        clip.info().name,
+        E::INFO.id
+    )))
+}
+
+/// Refuses a run for which there is not enough memory.
+fn check_memory<E: Estimator>(estimator: &E, clip: &Clip, of: fn(Need) -> u64) -> Result<(), Error> {
+    need::check(clip, E::INFO.name, of(estimator.need(clip)))
+}
+
+/// How much a run consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// Units.
+    pub units: usize,
+    /// Events that stepping through it shows.
+    pub events: u64,
+    /// Memory that the run needs beside the two frames, in bytes.
+    pub memory_bytes: usize,
+}
+
+/// An estimator of which only the declaration matters: what the window and the command line hold.
+pub trait AnyEstimator: Params + Send + Sync {
+    /// What there is to say about it.
+    fn info(&self) -> &'static Info;
+
+    /// The kinds of products that a run may make, the one that matters most first.
+    fn produces(&self) -> &'static [&'static ProductKind];
+
+    /// What it can be relied on to find: for tests.
+    fn promise(&self) -> Promise;
+
+    /// Whether it is about each frame by itself, and nothing is said of how pixels of one lie in the next.
+    fn is_of_single_frames(&self) -> bool {
+        self.info().frames == 1 || self.produces().iter().all(|kind| kind.is_of_single_frames)
+    }
+
+    /// The same estimator without hindsight, where it looks back in time as it is set.
+    fn causal(&self) -> Option<Box<dyn AnyEstimator>>;
+
+    /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
+    fn tests_candidates(&self) -> bool;
+
+    /// Whether it looks at pictures: some take what others have detected.
+    fn needs_pictures(&self) -> bool;
+
+    /// The charts that its steps may have something for.
+    fn charts(&self) -> &'static [Chart];
+
+    /// The same estimator with the same parameters.
+    fn boxed_clone(&self) -> Box<dyn AnyEstimator>;
+
+    /// Memory that a run on a clip takes, known before it starts: about the most, beside the frames of the clip.
+    fn need(&self, clip: &Clip) -> Need;
+
+    /// A run that can be walked through in both directions.
+    ///
+    /// # Errors
+    /// If the clip, the frame, the parameters or the memory do not allow a run.
+    fn walk(&self, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error>;
+
+    /// The result of a whole run.
+    ///
+    /// # Errors
+    /// If the clip, the frame, the parameters or the memory do not allow a run.
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error>;
+
+    /// A run that goes on unit after unit.
+    ///
+    /// # Errors
+    /// If the clip, the frame or the parameters do not allow a run.
+    fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error>;
+
+    /// How many units and events a whole run consists of.
+    ///
+    /// # Errors
+    /// If the clip, the frame, the parameters or the memory do not allow a run.
+    fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error>;
+
+    /// How many candidates each unit of a whole run tests.
+    ///
+    /// # Errors
+    /// If the clip, the frame, the parameters or the memory do not allow a run.
+    fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error>;
+}
+
+/// A run that goes on unit after unit.
+pub trait AnyRun: Send {
+    /// Does the next unit.
+    ///
+    /// # Errors
+    /// As [`Estimator::advance`].
+    fn advance(&mut self) -> Result<Progress, Error>;
+
+    /// What the run has made so far.
+    fn output(&self) -> Output;
+}
+
+/// The run of one estimator.
+struct Running<E: Estimator> {
+    estimator: E,
+    clip: Clip,
+    state: E::State,
+}
+
+impl<E: Estimator> AnyRun for Running<E> {
+    fn advance(&mut self) -> Result<Progress, Error> {
+        self.clip.wanted()?;
+        self.estimator.advance(&self.clip, &mut self.state, &mut ())
+    }
+
+    fn output(&self) -> Output {
+        self.estimator.output(&self.state)
+    }
+}
+
+impl<E: Estimator> AnyEstimator for E {
+    fn info(&self) -> &'static Info {
+        const { &E::INFO }
+    }
+
+    fn produces(&self) -> &'static [&'static ProductKind] {
+        E::PRODUCES
+    }
+
+    fn promise(&self) -> Promise {
+        E::PROMISE
+    }
+
+    fn causal(&self) -> Option<Box<dyn AnyEstimator>> {
+        Estimator::causal(self).map(|causal| Box::new(causal) as Box<dyn AnyEstimator>)
+    }
+
+    fn tests_candidates(&self) -> bool {
+        E::TESTS_CANDIDATES
+    }
+
+    fn needs_pictures(&self) -> bool {
+        E::NEEDS_PICTURES
+    }
+
+    fn charts(&self) -> &'static [Chart] {
+        E::CHARTS
+    }
+
+    fn boxed_clone(&self) -> Box<dyn AnyEstimator> {
+        Box::new(self.clone())
+    }
+
+    fn need(&self, clip: &Clip) -> Need {
+        Estimator::need(self, clip)
+    }
+
+    fn walk(&self, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error> {
+        check_pictures::<E>(clip)?;
+        check_memory(self, clip, |need| need.walk)?;
+        // What is left of the memory may hold states to go back to.
+        let left = clip.room().saturating_sub(Estimator::need(self, clip).walk);
+        let budget = Timeline::<E>::BUDGET_BYTES.min(usize::try_from(left / 2).unwrap_or(usize::MAX));
+        Ok(Box::new(Timeline::new(self.clone(), clip.clone(), frame)?.with_budget(budget)))
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error> {
+        check_pictures::<E>(clip)?;
+        check_memory(self, clip, |need| need.run)?;
+        clip.wanted()?;
+        heap::keep();
+        Estimator::run(self, clip, frame, threads).map(|state| self.output(&state))
+    }
+
+    fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {
+        check_pictures::<E>(clip)?;
+        check_memory(self, clip, |need| need.run)?;
+        let state = self.start(clip, frame)?;
+        Ok(Box::new(Running { estimator: self.clone(), clip: clip.clone(), state }))
+    }
+
+    fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {
+        check_memory(self, clip, |need| need.run)?;
+        let mut events = crate::base::Count::default();
+        let (state, units) = run_observed(self, clip, frame, &mut events)?;
+        Ok(Extent { units, events: events.0, memory_bytes: self.memory_bytes(&state) })
+    }
+
+    fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error> {
+        check_memory(self, clip, |need| need.run)?;
+        Estimator::run(self, clip, frame, threads).map(|state| Estimator::evaluations(self, &state))
+    }
+}

@@ -1,0 +1,268 @@
+//! What every estimator is: a declaration, a unit of work, and how it is seen and told.
+
+use super::{Cursor, Need};
+use crate::base::{Error, Observer, Threads};
+use crate::data::Clip;
+use crate::params::Params;
+use crate::products::{Output, ProductKind};
+use crate::pseudocode;
+use crate::scene::{Chart, Line, Name, Role, Scene, Step};
+
+/// What there is to say about an estimator before it runs.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Info {
+    /// Stable kebab-case id: `full-search`. Its file is called the same, with underscores.
+    pub id: &'static str,
+    /// Name in the window: `Full search`.
+    pub name: &'static str,
+    /// Family and folder: `Block matching` lives in `block_matching`.
+    pub family: &'static str,
+    /// What it does, in one sentence.
+    pub summary: &'static str,
+    /// The source that it follows.
+    pub source: &'static str,
+    /// The algorithm, line by line, as [`pseudocode!`](crate::pseudocode!) declares it.
+    pub pseudocode: &'static [Line],
+    /// Names of the ladder's rungs, outermost first. The last is an event, the one before it a unit.
+    pub rungs: &'static [&'static str],
+    /// How many frames a run looks at, from the one that it starts on.
+    pub frames: usize,
+}
+
+/// What an estimator finds where the whole picture moves alike, by a whole number of px unless it says otherwise, and not
+/// farther than it looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Promise {
+    /// That displacement, on any texture that differs from place to place.
+    Translation,
+    /// That displacement, give or take a few px each way, where the texture is smooth, so that the cost falls from all
+    /// sides towards it.
+    SmoothTranslation {
+        /// How far off it may be.
+        off_px: u8,
+    },
+    /// A displacement that fits at least as well as none at all.
+    Better,
+    /// A displacement of a fraction of a px on any smooth texture, on average this near.
+    SubPixel {
+        /// Mean error in hundredths of a px.
+        off_centi_px: u8,
+    },
+    /// A displacement of a fraction of a px for its features on any smooth texture, on average this near.
+    Features {
+        /// Mean error in hundredths of a px.
+        off_centi_px: u8,
+    },
+    /// No displacement, but features: those of a picture that is moved are moved alike.
+    Places,
+    /// No displacement, but what moves before a background at rest: it is found in its place.
+    Objects,
+    /// The part along the gradient of a displacement of a fraction of a px, on any smooth texture.
+    AlongGradient,
+}
+
+impl Info {
+    /// Where in [`Info::pseudocode`] the line called `name` is.
+    pub fn line(&self, name: Name) -> Option<usize> {
+        pseudocode::find(self.pseudocode, name)
+    }
+
+    /// Whether a unit of a run is a frame of the clip.
+    pub fn is_by_frame(&self) -> bool {
+        self.rungs.iter().rev().nth(1) == Some(&"frame")
+    }
+}
+
+/// Where a run stands on one rung of the ladder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rung {
+    /// Which one, from 0.
+    pub index: usize,
+    /// How many there are, if that is known.
+    pub of: Option<usize>,
+}
+
+/// Whether there is more to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// At least one more unit.
+    More,
+    /// That was the last unit.
+    Done,
+}
+
+/// What can be seen at a cursor: everything that a step tells and a scene draws comes from this alone.
+pub struct Seen<'a, E: Estimator> {
+    /// The state before the unit at the cursor.
+    pub before: &'a E::State,
+    /// The state after it, once all its events were seen.
+    pub after: Option<&'a E::State>,
+    /// The unit's events up to the cursor; empty only at the very start of a run.
+    pub events: &'a [E::Event],
+    /// The pixel that the person points at. It changes what is explained, never what is computed.
+    pub focus: Option<[f32; 2]>,
+}
+
+/// From when on a pixel can be explained by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Explained {
+    /// At every step, since each is about all pixels.
+    Always,
+    /// From this place of the run on: there it is its turn.
+    From(Cursor),
+}
+
+impl Explained {
+    /// Whether that is so at `cursor`.
+    pub fn at(self, cursor: Cursor) -> bool {
+        match self {
+            Self::Always => true,
+            Self::From(turn) => turn <= cursor,
+        }
+    }
+}
+
+/// A motion estimator: parameters, a state, and one unit of work at a time.
+///
+/// A *unit* is the natural outer step (a block, an iteration, a feature, a frame); *events* are what
+/// happens inside it. Everything that a unit reads and writes is in the state, so that a run can be
+/// taken up anywhere and gives the same bits.
+pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
+    /// What there is to say about it.
+    const INFO: Info;
+    /// The kinds of products that a run may make, the one that matters most first.
+    const PRODUCES: &'static [&'static ProductKind];
+    /// What it can be relied on to find: for tests.
+    const PROMISE: Promise = Promise::Translation;
+    /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
+    const TESTS_CANDIDATES: bool = false;
+    /// Whether the end of a run tells how far its field is trusted.
+    const TELLS_CONFIDENCE: bool = false;
+    /// Whether it looks at pictures: some take what others have detected.
+    const NEEDS_PICTURES: bool = true;
+    /// The charts that its steps may have something for: the window offers no others.
+    const CHARTS: &'static [Chart] = Chart::ALL;
+    /// All that a unit reads and writes, its random generator included.
+    type State: Clone + Send + Sync + 'static;
+    /// What happens inside a unit.
+    type Event: Clone + Send + Sync + 'static;
+
+    /// Memory that a run on a clip takes, known before it starts: about the most, beside the frames of the clip. A run for which
+    /// there is not so much is refused.
+    fn need(&self, clip: &Clip) -> Need;
+
+    /// The state before the first unit of a run on frame `frame`.
+    ///
+    /// # Errors
+    /// Every bad input is refused here.
+    fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error>;
+
+    /// Does one unit of work and tells at least one event. Called only while there is more to do.
+    ///
+    /// # Errors
+    /// If a frame that it needs is damaged; the run ends before this unit.
+    fn advance(
+        &self,
+        clip: &Clip,
+        state: &mut Self::State,
+        observer: &mut impl Observer<Self::Event>,
+    ) -> Result<Progress, Error>;
+
+    /// How many units the run has, if that is known beforehand.
+    fn units(&self, state: &Self::State) -> Option<usize>;
+
+    /// Where the next unit of `state` stands: one entry for each of [`Info::rungs`] but the innermost.
+    fn place(&self, state: &Self::State) -> Vec<Rung>;
+
+    /// The unit whose result lies at `point` in frame t, for a click on the stage.
+    fn unit_at(&self, _state: &Self::State, _point: [f32; 2]) -> Option<usize> {
+        None
+    }
+
+    /// From when on the pixel at `point` of frame t can be explained by itself; `None` where the unit that lies there is what
+    /// is explained, or nothing lies there. Before that nobody sees what a pixel will come to by pointing at it.
+    fn explained(&self, _state: &Self::State, _point: [f32; 2]) -> Option<Explained> {
+        None
+    }
+
+    /// The units that lead to the result of block `block`, the last one being that which finds it.
+    fn way_to(&self, _state: &Self::State, block: usize) -> Vec<usize> {
+        vec![block]
+    }
+
+    /// Whether a candidate is tested at `event`: what estimators beside each other are counted by.
+    fn is_evaluation(&self, _event: &Self::Event) -> bool {
+        false
+    }
+
+    /// How many such events each unit had that `state` has behind it.
+    fn evaluations(&self, _state: &Self::State) -> Vec<u32> {
+        Vec::new()
+    }
+
+    /// The frame that the next unit of `state` works on, for those that go through a clip: the first of a pair, or one by
+    /// itself. `None` where that is always the pair of the run.
+    fn at_frame(&self, _state: &Self::State) -> Option<usize> {
+        None
+    }
+
+    /// The state as a checkpoint keeps it: without what [`Estimator::advance`] makes again where it is missing.
+    fn at_rest(&self, state: &Self::State) -> Self::State {
+        state.clone()
+    }
+
+    /// Memory that one state at rest takes by itself, in bytes, for the budget of checkpoints.
+    fn state_bytes(&self, state: &Self::State) -> usize;
+
+    /// Memory of all that a run needs beside the two frames, in bytes: what its states share as well.
+    fn memory_bytes(&self, state: &Self::State) -> usize {
+        self.state_bytes(state)
+    }
+
+    /// The role of an event that is worth a mark on the timeline.
+    fn landmark(&self, _event: &Self::Event) -> Option<Role> {
+        None
+    }
+
+    /// What the cursor tells.
+    fn step(&self, seen: &Seen<Self>) -> Step;
+
+    /// What the cursor shows on the stage.
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene);
+
+    /// The same estimator as it would work on a live camera, where it looks back in time as it is set: without hindsight.
+    fn causal(&self) -> Option<Self> {
+        None
+    }
+
+    /// What a state amounts to so far.
+    fn output(&self, state: &Self::State) -> Output;
+
+    /// Runs to the end. Override it to spread units over cores, never to compute differently:
+    /// the result is bit-identical to stepping.
+    ///
+    /// # Errors
+    /// As [`Estimator::start`] and [`Estimator::advance`].
+    fn run(&self, clip: &Clip, frame: usize, _threads: &Threads) -> Result<Self::State, Error> {
+        run_observed(self, clip, frame, &mut ()).map(|(state, _)| state)
+    }
+}
+
+/// Runs to the end before the eyes of `observer`; gives the last state and the number of units.
+///
+/// # Errors
+/// As [`Estimator::start`] and [`Estimator::advance`].
+pub fn run_observed<E: Estimator>(
+    estimator: &E,
+    clip: &Clip,
+    frame: usize,
+    observer: &mut impl Observer<E::Event>,
+) -> Result<(E::State, usize), Error> {
+    let mut state = estimator.start(clip, frame)?;
+    let mut units = 1;
+    while estimator.advance(clip, &mut state, observer)? == Progress::More {
+        clip.wanted()?;
+        units += 1;
+    }
+    Ok((state, units))
+}

@@ -1,0 +1,447 @@
+//! Several estimators beside each other on one pair of frames, each a step further at every step.
+//!
+//! ```text
+//! step of the block   1   2   3   4   5   6   7      Pace::Block: candidate k of each, and at last what each found
+//! full search         ●   ●   ●   ●   ●   ●   found
+//! diamond             ●   ●   ●   ●   found           one that is done waits
+//! ```
+
+use super::{AnyEstimator, Beside, Cursor, Info, Move, Rung, Walk, Way};
+use crate::base::{Error, Threads};
+use crate::choices;
+use crate::data::Clip;
+use crate::products::{BlockField, BlockGrid, Output};
+use crate::scene::{Readout, Role, Scene, Step};
+
+choices! {
+    /// What estimators that go in lockstep have in common at every step.
+    pub enum Pace {
+        /// All are at the same block, and have tested as many candidates for it.
+        Block = "block" "same block",
+        /// All have tested as many candidates in the whole picture: the first leads, and the run ends where it ends.
+        Budget = "budget" "same budget",
+    }
+}
+
+/// As many can stand beside each other.
+pub const MEMBERS: std::ops::RangeInclusive<usize> = 2..=4;
+
+/// The events of one unit of a member at which candidates were tested.
+#[derive(Clone, Default)]
+struct Trail {
+    unit: usize,
+    /// How many events were seen by then, candidate by candidate.
+    evaluations: Vec<usize>,
+    events: usize,
+}
+
+struct Member {
+    walk: Box<dyn Walk>,
+    /// Where the budget counts: candidates tested before each unit, and in all.
+    spent: Vec<u64>,
+    /// The units that lead to what is shown.
+    trails: Vec<Trail>,
+    /// How many candidates of them were tested; one more once what was found is told.
+    seen: usize,
+}
+
+impl Member {
+    fn candidates(&self) -> usize {
+        self.trails.iter().map(|trail| trail.evaluations.len()).sum()
+    }
+
+    /// Which of the units that lead to what is shown the member is at, from 1, and how many there are.
+    fn leg(&self) -> (usize, usize) {
+        let unit = self.walk.cursor().unit;
+        let at = self.trails.iter().position(|trail| trail.unit == unit).unwrap_or(0);
+        (at + 1, self.trails.len())
+    }
+
+    /// The number of the candidate that was tested at `event` of the unit at hand, among all those of its trails.
+    fn number(&self, event: usize) -> usize {
+        let unit = self.walk.cursor().unit;
+        let before = self.trails.iter().take_while(|trail| trail.unit != unit).map(|trail| trail.evaluations.len());
+        let here = self.trails.iter().find(|trail| trail.unit == unit);
+        before.sum::<usize>() + here.map_or(0, |trail| trail.evaluations.partition_point(|&e| e <= event))
+    }
+
+    /// Where the member stands after candidate `seen` of its trails, a new best seen; beyond the last one, at their end.
+    fn stand(&self, mut seen: usize) -> Cursor {
+        if seen == 0 {
+            return Cursor::default();
+        }
+        for trail in &self.trails {
+            if let Some(last) = seen.checked_sub(1).filter(|last| *last < trail.evaluations.len()) {
+                // What comes next, be it a candidate or the end of the unit, is not seen yet.
+                let next = trail.evaluations.get(last + 1).copied().unwrap_or(trail.events);
+                return Cursor { unit: trail.unit, event: trail.evaluations[last].max(next - 1) };
+            }
+            seen -= trail.evaluations.len();
+        }
+        Cursor { unit: self.trails.last().map_or(0, |trail| trail.unit), event: usize::MAX }
+    }
+}
+
+/// A move on its way: the members are asked for their units one after the other, and then stand where they belong.
+struct Journey {
+    goal: Cursor,
+    /// For each member the units that lead to the goal, and the candidate of them at which it is to stand.
+    ways: Vec<(Vec<usize>, usize)>,
+    /// The member at work.
+    member: usize,
+    /// Its trails that are known; `None` once they all are and members are on their way to where they stand.
+    trails: Option<Vec<Trail>>,
+    /// Whether the member was told where to go.
+    asked: bool,
+}
+
+/// A run of several estimators at once, which is walked through like that of one.
+///
+/// A unit is a block of frame t, in [`Pace::Budget`] a unit of the first estimator, which leads. Event k is candidate k
+/// of each; the last event tells what was found. An estimator that comes to a block over several levels tests the
+/// candidates of all units that lead to it, from the coarsest on; those of a coarse level are tested again for each
+/// block that inherits from there. A move that is given up leaves the members on their way until the next one.
+pub struct Lockstep {
+    members: Vec<Member>,
+    pace: Pace,
+    blocks: BlockGrid,
+    units: usize,
+    cursor: Cursor,
+    /// Events of the unit at hand.
+    events: usize,
+    journey: Option<Journey>,
+}
+
+impl Lockstep {
+    /// What there is to say about several estimators: each has its own to say.
+    pub const INFO: Info = Info {
+        id: "lockstep",
+        name: "Lockstep",
+        family: "Comparison",
+        summary: "Several estimators on the same pair of frames, in lockstep.",
+        source: "that of each estimator",
+        pseudocode: &[],
+        rungs: &["frame", "block", "candidate"],
+        frames: 2,
+    };
+
+    /// The runs of `estimators` on `frame`, at their start. Where the budget counts, each is run once on `threads`.
+    ///
+    /// # Errors
+    /// If there are too few or too many, one is there twice, they do not have the same blocks, or one cannot run.
+    pub fn new(
+        estimators: &[&dyn AnyEstimator],
+        pace: Pace,
+        (clip, frame): (&Clip, usize),
+        threads: &Threads,
+    ) -> Result<Self, Error> {
+        check(estimators)?;
+        let member = |estimator: &&dyn AnyEstimator| {
+            let told = |error: Error| Error::new(format!("{}: {error}", estimator.info().id));
+            let mut spent = Vec::new();
+            if pace == Pace::Budget {
+                let evaluations = estimator.evaluations(clip, frame, threads).map_err(told)?;
+                spent.push(0);
+                spent.extend(evaluations.iter().scan(0, |sum, count| {
+                    *sum += u64::from(*count);
+                    Some(*sum)
+                }));
+            }
+            let walk = estimator.walk(clip, frame).map_err(told)?;
+            Ok(Member { walk, spent, trails: Vec::new(), seen: 0 })
+        };
+        let members = estimators.iter().map(member).collect::<Result<Vec<_>, Error>>()?;
+        let blocks = members.iter().map(|member| {
+            let grid = member.walk.output().get::<BlockField>().map(|field| field.blocks);
+            let id = member.walk.info().id;
+            grid.ok_or_else(|| {
+                Error::new(format!("{id} has no blocks to be walked in lockstep; choose block searches"))
+            })
+        });
+        let blocks = blocks.collect::<Result<Vec<BlockGrid>, Error>>()?;
+        if let Some(other) = blocks.iter().position(|grid| *grid != blocks[0]) {
+            let [first, other] = [0, other].map(|index| estimators[index].info().id);
+            return Err(Error::new(format!(
+                "{first} and {other} have different blocks; give them the same block and spacing"
+            )));
+        }
+        let units = match pace {
+            Pace::Block => blocks[0].len(),
+            Pace::Budget => members[0].spent.len() - 1,
+        };
+        let mut lockstep =
+            Self { members, pace, blocks: blocks[0], units, cursor: Cursor::default(), events: 0, journey: None };
+        lockstep.jump(Move::To(Cursor::default()));
+        Ok(lockstep)
+    }
+
+    /// The goal of a move; the event may lie beyond the last.
+    fn goal(&self, to: Move) -> Cursor {
+        let Cursor { unit, event } = self.cursor;
+        let end_of = |unit| Cursor { unit, event: usize::MAX };
+        let back = || unit.checked_sub(1).map_or(Cursor::default(), end_of);
+        let goal = match to {
+            Move::To(Cursor { unit, event: 0 }) if unit > 0 => end_of(unit - 1),
+            Move::To(cursor) => cursor,
+            Move::End | Move::Rung(0, Way::Forward) => end_of(usize::MAX),
+            Move::Rung(0, Way::Back) => Cursor::default(),
+            Move::Rung(1, Way::Forward) if event < self.events => end_of(unit),
+            Move::Rung(1, Way::Forward) => end_of(unit + 1),
+            Move::Rung(_, Way::Forward) if event < self.events => Cursor { unit, event: event + 1 },
+            Move::Rung(_, Way::Forward) if unit + 1 == self.units => self.cursor,
+            Move::Rung(_, Way::Forward) => Cursor { unit: unit + 1, event: 1 },
+            Move::Rung(2.., Way::Back) if event > 1 => Cursor { unit, event: event - 1 },
+            Move::Rung(_, Way::Back) => back(),
+        };
+        if goal.unit < self.units { goal } else { end_of(self.units - 1) }
+    }
+
+    /// The units that lead to `goal`, and the candidate of them at which to stand, for each member.
+    fn ways(&self, goal: Cursor) -> Vec<(Vec<usize>, usize)> {
+        match self.pace {
+            Pace::Block => self.members.iter().map(|m| (m.walk.way_to(goal.unit), goal.event)).collect(),
+            Pace::Budget => self.members.iter().map(|m| budgeted(&m.spent, &self.members[0].spent, goal)).collect(),
+        }
+    }
+
+    /// Does the next part of a journey; gives it back if it goes on, and whether it is only to be waited for.
+    fn travel(&mut self, mut journey: Journey, more: &mut dyn FnMut() -> bool) -> Result<Option<Journey>, Journey> {
+        let Some(member) = self.members.get_mut(journey.member) else {
+            let Some(_) = journey.trails.take() else {
+                self.arrive(journey.goal);
+                return Ok(None);
+            };
+            // Every member knows its candidates: now each takes its stand.
+            (journey.member, journey.asked) = (0, false);
+            return Ok(Some(journey));
+        };
+        let (way, seen) = &journey.ways[journey.member];
+        let cursor = match &journey.trails {
+            Some(trails) => match way.get(trails.len()) {
+                Some(&unit) => Cursor { unit, event: usize::MAX },
+                None => {
+                    member.trails = trails.clone();
+                    journey.trails = Some(Vec::new());
+                    journey.member += 1;
+                    return Ok(Some(journey));
+                }
+            },
+            None => {
+                member.seen = (*seen).min(member.candidates() + 1);
+                member.stand(*seen)
+            }
+        };
+        if !std::mem::replace(&mut journey.asked, true) {
+            if let Some(trails) =
+                journey.trails.as_mut().filter(|_| way.iter().eq(member.trails.iter().map(|t| &t.unit)))
+            {
+                // The same units as before: nobody has to go there to know them.
+                (*trails, journey.asked) = (member.trails.clone(), false);
+                return Ok(Some(journey));
+            }
+            member.walk.go(Move::To(cursor));
+        }
+        if !member.walk.work(more) {
+            return Err(journey);
+        }
+        journey.asked = false;
+        match &mut journey.trails {
+            Some(trails) => trails.push(Trail {
+                unit: cursor.unit,
+                evaluations: member.walk.evaluations(),
+                events: member.walk.events(),
+            }),
+            None => journey.member += 1,
+        }
+        Ok(Some(journey))
+    }
+
+    fn arrive(&mut self, goal: Cursor) {
+        let candidates = self.members.iter().map(Member::candidates);
+        let most = match self.pace {
+            Pace::Block => candidates.max(),
+            Pace::Budget => candidates.take(1).next(),
+        };
+        self.events = most.unwrap_or(0) + 1;
+        self.cursor = Cursor { event: goal.event.min(self.events), ..goal };
+    }
+
+    /// What member `index` tells. A click on its readouts leads to a candidate of the block at hand; where the budget
+    /// counts, only the leader has one.
+    fn told(&self, index: usize, focus: Option<[f32; 2]>) -> Step {
+        let member = &self.members[index];
+        let mut step = member.walk.step(focus);
+        let leads = self.pace == Pace::Block || index == 0;
+        let number = |event: usize| leads.then(|| member.number(event));
+        for readout in &mut step.readouts {
+            match readout {
+                Readout::Series(series) => {
+                    series.events = series.events.iter().filter_map(|event| number(*event)).collect();
+                }
+                Readout::Surface(surface) => {
+                    surface.events.cells_mut().iter_mut().for_each(|event| *event = event.and_then(number));
+                }
+                _ => {}
+            }
+        }
+        step
+    }
+
+    fn is_done(&self, member: &Member) -> bool {
+        match self.pace {
+            Pace::Block => member.seen > member.candidates(),
+            Pace::Budget => member.walk.at_end(),
+        }
+    }
+}
+
+/// The unit of a member, and the candidate of it, at which the leader has spent as much at `goal`.
+fn budgeted(spent: &[u64], leader: &[u64], goal: Cursor) -> (Vec<usize>, usize) {
+    let [before, after] = [leader[goal.unit], leader[goal.unit + 1]];
+    let budget = after.min(before.saturating_add(goal.event as u64));
+    let is_told = goal.event as u64 > after - before;
+    // The first unit at whose end the budget is used up, or more.
+    let unit = spent[1..].partition_point(|&sum| sum < budget).min(spent.len() - 2);
+    let left = (budget - spent[unit].min(budget)) as usize;
+    let of_unit = (spent[unit + 1] - spent[unit]) as usize;
+    (vec![unit], left.min(of_unit + 1) + usize::from(is_told && left == of_unit))
+}
+
+/// Refuses what cannot stand side by side.
+///
+/// # Errors
+/// If there are too few or too many, or one is there twice.
+pub fn check(estimators: &[&dyn AnyEstimator]) -> Result<(), Error> {
+    let count = estimators.len();
+    if !MEMBERS.contains(&count) {
+        return Err(Error::new(format!("two to four estimators can stand side by side, not {count}")));
+    }
+    if let Some(other) = estimators.iter().find(|estimator| !estimator.tests_candidates()) {
+        let name = other.info().name;
+        return Err(Error::new(format!(
+            "{name} tests no candidates, so it cannot go in lockstep; choose block searches"
+        )));
+    }
+    let same = |a: &dyn AnyEstimator, b: &dyn AnyEstimator| a.info().id == b.info().id && a.values() == b.values();
+    let twice = (1..count).find(|&i| estimators[..i].iter().any(|other| same(*other, estimators[i])));
+    match twice {
+        Some(i) => Err(Error::new(format!(
+            "{} would stand beside itself with the same parameters; name another estimator",
+            estimators[i].info().id
+        ))),
+        None => Ok(()),
+    }
+}
+
+impl Walk for Lockstep {
+    fn info(&self) -> &'static Info {
+        const { &Self::INFO }
+    }
+
+    fn frame(&self) -> usize {
+        self.members[0].walk.frame()
+    }
+
+    fn cursor(&self) -> Cursor {
+        self.cursor
+    }
+
+    fn events(&self) -> usize {
+        self.events
+    }
+
+    fn units(&self) -> Option<usize> {
+        Some(self.units)
+    }
+
+    fn at_end(&self) -> bool {
+        self.cursor == Cursor { unit: self.units - 1, event: self.events }
+    }
+
+    fn place(&self) -> Vec<Rung> {
+        vec![Rung { index: 0, of: Some(1) }, Rung { index: self.cursor.unit, of: Some(self.units) }]
+    }
+
+    fn go(&mut self, to: Move) {
+        let goal = self.goal(to);
+        let ways = self.ways(goal);
+        self.journey = Some(Journey { goal, ways, member: 0, trails: Some(Vec::new()), asked: false });
+    }
+
+    fn work(&mut self, more: &mut dyn FnMut() -> bool) -> bool {
+        while let Some(journey) = self.journey.take() {
+            match self.travel(journey, more) {
+                Ok(journey) => self.journey = journey,
+                Err(journey) => {
+                    self.journey = Some(journey);
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    fn progress(&self) -> Option<(usize, usize)> {
+        let member = self.members.get(self.journey.as_ref()?.member)?;
+        member.walk.progress()
+    }
+
+    fn failure(&self) -> Option<&Error> {
+        self.members.iter().find_map(|member| member.walk.failure())
+    }
+
+    /// Where each member is done.
+    fn landmarks(&self) -> Vec<(usize, Role)> {
+        let members = self.members.iter().filter(|_| self.pace == Pace::Block);
+        members.map(|member| (member.candidates() + 1, Role::Result)).collect()
+    }
+
+    fn unit_at(&self, point: [f32; 2]) -> Option<usize> {
+        match self.pace {
+            Pace::Block => self.blocks.at(point),
+            Pace::Budget => self.members[0].walk.unit_at(point),
+        }
+    }
+
+    fn step(&self, focus: Option<[f32; 2]>) -> Step {
+        self.told(0, focus)
+    }
+
+    fn scene(&self, focus: Option<[f32; 2]>) -> Scene {
+        self.members[0].walk.scene(focus)
+    }
+
+    fn output(&self) -> Output {
+        self.members[0].walk.output()
+    }
+
+    fn evaluations(&self) -> Vec<usize> {
+        (1..self.events).collect()
+    }
+
+    fn evaluated(&self) -> u64 {
+        self.members[0].walk.evaluated()
+    }
+
+    fn way_to(&self, block: usize) -> Vec<usize> {
+        match self.pace {
+            Pace::Block => vec![block],
+            Pace::Budget => self.members[0].walk.way_to(block),
+        }
+    }
+
+    fn beside(&self, focus: Option<[f32; 2]>) -> Vec<Beside> {
+        let of = |(index, member): (usize, &Member)| Beside {
+            info: member.walk.info(),
+            cursor: member.walk.cursor(),
+            step: self.told(index, focus),
+            scene: member.walk.scene(focus),
+            output: member.walk.output(),
+            candidates: member.seen.min(member.candidates()),
+            leg: member.leg(),
+            candidates_in_all: member.walk.evaluated(),
+            is_done: self.is_done(member),
+        };
+        self.members.iter().enumerate().map(of).collect()
+    }
+}

@@ -1,0 +1,21 @@
+//! What an estimator is, and how one is run: to the end, step by step in both directions, beside others, within others.
+
+mod any;
+mod cursor;
+mod estimator;
+pub mod lockstep;
+pub mod need;
+mod span;
+pub mod stage;
+mod timeline;
+mod walk;
+
+pub use any::{AnyEstimator, AnyRun, Extent};
+pub use cursor::Cursor;
+pub use estimator::{Estimator, Explained, Info, Progress, Promise, Rung, Seen, run_observed};
+pub use lockstep::{Lockstep, Pace};
+pub use need::Need;
+pub use span::Span;
+pub use stage::{Course, DenseFlow, Detections, Entries, Entry, Foreground, Stage};
+pub use timeline::Timeline;
+pub use walk::{Beside, Move, Walk, Way};

@@ -1,0 +1,421 @@
+//! Time travel for any estimator: checkpoints, and replay of one unit for everything in between.
+
+use std::collections::BTreeMap;
+
+use super::{Cursor, Estimator, Explained, Info, Move, Progress, Rung, Seen, Walk, Way};
+use crate::base::{Error, Stop};
+use crate::data::Clip;
+use crate::products::Output;
+use crate::scene::{Role, Scene, Step};
+
+/// A unit that was run before our eyes.
+struct Unit<E: Estimator> {
+    index: usize,
+    before: E::State,
+    after: E::State,
+    events: Vec<E::Event>,
+}
+
+impl<E: Estimator> Unit<E> {
+    fn observe(estimator: &E, clip: &Clip, index: usize, before: E::State) -> Result<(Self, Progress), Error> {
+        let mut after = before.clone();
+        let mut events = Vec::new();
+        let progress = estimator.advance(clip, &mut after, &mut events)?;
+        Ok((Self { index, before, after, events }, progress))
+    }
+}
+
+/// A move that is not finished: its goal, and the state before unit `index` on the way to it.
+struct Journey<E: Estimator> {
+    goal: Goal,
+    origin: usize,
+    index: usize,
+    state: E::State,
+}
+
+/// What a journey looks for.
+#[derive(Clone, Copy)]
+enum Goal {
+    /// A cursor.
+    Cursor(Cursor),
+    /// The last unit of the group to which unit `from` belongs on a rung.
+    GroupEnd { rung: usize, from: usize },
+}
+
+impl Goal {
+    fn end_of(unit: usize) -> Self {
+        Goal::Cursor(Cursor { unit, event: usize::MAX })
+    }
+
+    /// The first unit that a journey there must not run past unobserved.
+    fn unit(self) -> usize {
+        match self {
+            Goal::Cursor(cursor) => cursor.unit,
+            Goal::GroupEnd { from, .. } => from,
+        }
+    }
+}
+
+/// Checkpoints of states before units, within a budget of memory.
+struct Checkpoints<S> {
+    states: BTreeMap<usize, (S, usize)>,
+    stride: usize,
+    bytes: usize,
+    budget_bytes: usize,
+}
+
+impl<S> Checkpoints<S> {
+    /// Keeps a state and its bytes if its unit falls on the stride; thins out when the budget is used up.
+    fn offer(&mut self, index: usize, rest: impl FnOnce() -> (S, usize)) {
+        if !index.is_multiple_of(self.stride) || self.states.contains_key(&index) {
+            return;
+        }
+        let (state, bytes) = rest();
+        self.states.insert(index, (state, bytes));
+        self.bytes += bytes;
+        while self.bytes > self.budget_bytes && self.states.len() > 1 {
+            self.stride *= 2;
+            let stride = self.stride;
+            self.states.retain(|index, _| index.is_multiple_of(stride));
+            self.bytes = self.states.values().map(|(_, bytes)| bytes).sum();
+        }
+    }
+
+    fn nearest(&self, index: usize) -> Option<(usize, &S)> {
+        self.states.range(..=index).next_back().map(|(&index, (state, _))| (index, state))
+    }
+}
+
+/// Where the groups of each rung begin, as far as the run was ever done.
+struct Groups {
+    starts: Vec<Vec<usize>>,
+    place: Vec<usize>,
+    explored: usize,
+}
+
+impl Groups {
+    fn note(&mut self, index: usize, place: &[Rung]) {
+        if index < self.explored {
+            return;
+        }
+        self.explored = index + 1;
+        // A group begins where its own index, or that of a rung further out, changes.
+        let mut changed = self.place.is_empty();
+        for (rung, starts) in self.starts.iter_mut().enumerate() {
+            changed |= self.place.get(rung) != place.get(rung).map(|r| &r.index);
+            if changed {
+                starts.push(index);
+            }
+        }
+        self.place = place.iter().map(|rung| rung.index).collect();
+    }
+
+    fn is_start(&self, rung: usize, index: usize) -> bool {
+        self.starts[rung].binary_search(&index).is_ok()
+    }
+
+    /// First unit of the group to which unit `index` belongs.
+    fn start_of(&self, rung: usize, index: usize) -> usize {
+        let after = self.starts[rung].partition_point(|&start| start <= index);
+        self.starts[rung][..after].last().copied().unwrap_or(0)
+    }
+}
+
+/// A run of one estimator, with all that is needed to be anywhere in it at once.
+pub struct Timeline<E: Estimator> {
+    estimator: E,
+    clip: Clip,
+    frame: usize,
+    unit: Unit<E>,
+    /// Events of the unit that were seen.
+    seen: usize,
+    /// Number of units, once it is known.
+    units: Option<usize>,
+    failure: Option<Error>,
+    journey: Option<Journey<E>>,
+    checkpoints: Checkpoints<E::State>,
+    groups: Groups,
+}
+
+impl<E: Estimator> Timeline<E> {
+    /// Memory that checkpoints may take unless told otherwise.
+    pub const BUDGET_BYTES: usize = 384 << 20;
+
+    /// The run of `estimator` on `frame`, at its start.
+    ///
+    /// # Errors
+    /// If the clip, the frame or the parameters do not allow a run.
+    pub fn new(estimator: E, clip: Clip, frame: usize) -> Result<Self, Error> {
+        let start = estimator.start(&clip, frame)?;
+        let (unit, progress) = Unit::observe(&estimator, &clip, 0, start)?;
+        let units = if progress == Progress::Done { Some(1) } else { estimator.units(&unit.before) };
+        let mut timeline = Self {
+            checkpoints: Checkpoints { states: BTreeMap::new(), stride: 1, bytes: 0, budget_bytes: Self::BUDGET_BYTES },
+            groups: Groups { starts: vec![Vec::new(); E::INFO.rungs.len() - 1], place: Vec::new(), explored: 0 },
+            estimator,
+            clip,
+            frame,
+            seen: 0,
+            units,
+            failure: None,
+            journey: None,
+            unit,
+        };
+        let start = timeline.unit.before.clone();
+        timeline.come_by(0, &start);
+        Ok(timeline)
+    }
+
+    /// The same run with another budget for its checkpoints.
+    #[must_use]
+    pub fn with_budget(mut self, bytes: usize) -> Self {
+        self.checkpoints.budget_bytes = bytes;
+        self
+    }
+
+    /// Bytes that the checkpoints take now.
+    pub fn checkpoint_bytes(&self) -> usize {
+        self.checkpoints.bytes
+    }
+
+    fn seen_so_far(&self, focus: Option<[f32; 2]>) -> Seen<'_, E> {
+        Seen {
+            before: &self.unit.before,
+            after: self.unit_is_over().then_some(&self.unit.after),
+            events: &self.unit.events[..self.seen],
+            // A pixel whose turn has not come is not told.
+            focus: focus.filter(|point| self.explained(*point).is_none_or(|explained| explained.at(self.cursor()))),
+        }
+    }
+
+    fn unit_is_over(&self) -> bool {
+        self.seen > 0 && self.seen == self.unit.events.len()
+    }
+
+    /// Notes that the run has come to `state`, before unit `index`.
+    fn come_by(&mut self, index: usize, state: &E::State) {
+        self.groups.note(index, &self.estimator.place(state));
+        let estimator = &self.estimator;
+        self.checkpoints.offer(index, || {
+            let state = estimator.at_rest(state);
+            let bytes = estimator.state_bytes(&state);
+            (state, bytes)
+        });
+    }
+
+    /// The goal of a move, or `None` if the unit at hand has it; then the cursor is there.
+    fn goal(&mut self, to: Move) -> Option<Goal> {
+        let all = self.unit.events.len();
+        let unit = self.unit.index;
+        let innermost = E::INFO.rungs.len() - 1;
+        match to {
+            Move::To(Cursor { unit, event: 0 }) if unit > 0 => Some(Goal::end_of(unit - 1)),
+            Move::To(cursor) => Some(Goal::Cursor(cursor)),
+            Move::End => Some(Goal::end_of(usize::MAX)),
+            Move::Rung(rung, Way::Forward) if self.seen < all && rung + 1 >= innermost => {
+                self.seen = if rung == innermost { self.seen + 1 } else { all };
+                None
+            }
+            Move::Rung(_, Way::Forward) if self.at_end() => None,
+            // The group of the outermost rung is the whole run, whose length may be known.
+            Move::Rung(0, Way::Forward) => Some(Goal::end_of(usize::MAX)),
+            Move::Rung(rung, Way::Forward) if rung == innermost => {
+                Some(Goal::Cursor(Cursor { unit: unit + 1, event: 1 }))
+            }
+            Move::Rung(rung, Way::Forward) if rung + 1 == innermost => Some(Goal::end_of(unit + 1)),
+            Move::Rung(rung, Way::Forward) => {
+                let from = if self.seen == all { unit + 1 } else { unit };
+                Some(Goal::GroupEnd { rung, from })
+            }
+            Move::Rung(rung, Way::Back) if rung == innermost && self.seen > 1 => {
+                self.seen -= 1;
+                None
+            }
+            Move::Rung(rung, Way::Back) => {
+                let start = if rung + 1 >= innermost { unit } else { self.groups.start_of(rung, unit) };
+                match start.checked_sub(1) {
+                    Some(previous) => Some(Goal::end_of(previous)),
+                    None => Some(Goal::Cursor(Cursor::default())),
+                }
+            }
+        }
+    }
+
+    /// Sets out towards `goal` from the nearest state at hand.
+    fn depart(&self, goal: Goal) -> Journey<E> {
+        let goal = match (goal, self.units) {
+            (Goal::Cursor(cursor), Some(units)) if cursor.unit >= units => Goal::end_of(units - 1),
+            _ => goal,
+        };
+        let here = &self.unit;
+        let after = (Some(here.index + 1) != self.units).then_some((here.index + 1, &here.after));
+        let at_hand = [self.checkpoints.nearest(goal.unit()), Some((here.index, &here.before)), after];
+        let nearest = at_hand.into_iter().flatten().filter(|(index, _)| *index <= goal.unit());
+        let (index, state) = nearest.max_by_key(|(index, _)| *index).unwrap_or((here.index, &here.before));
+        Journey { goal, origin: index, index, state: state.clone() }
+    }
+
+    /// Runs one unit of the journey unobserved; gives the journey that goes on, if one does.
+    fn travel(&mut self, mut journey: Journey<E>) -> Option<Journey<E>> {
+        match self.estimator.advance(&self.clip, &mut journey.state, &mut ()) {
+            Ok(Progress::More) => {
+                journey.index += 1;
+                self.come_by(journey.index, &journey.state);
+                Some(match journey.goal {
+                    Goal::GroupEnd { rung, from }
+                        if journey.index > from && self.groups.is_start(rung, journey.index) =>
+                    {
+                        self.depart(Goal::end_of(journey.index - 1))
+                    }
+                    _ => journey,
+                })
+            }
+            Ok(Progress::Done) => {
+                self.units = Some(journey.index + 1);
+                Some(self.depart(Goal::end_of(journey.index)))
+            }
+            Err(error) => self.end(journey.index, error),
+        }
+    }
+
+    /// Runs the unit that the journey looked for before our eyes.
+    fn arrive(&mut self, journey: Journey<E>, cursor: Cursor) -> Option<Journey<E>> {
+        self.come_by(journey.index, &journey.state);
+        match Unit::observe(&self.estimator, &self.clip, journey.index, journey.state) {
+            Ok((unit, progress)) => {
+                if progress == Progress::Done {
+                    self.units = Some(unit.index + 1);
+                }
+                self.seen = cursor.event.min(unit.events.len());
+                self.unit = unit;
+                None
+            }
+            Err(error) => self.end(journey.index, error),
+        }
+    }
+
+    /// Unit `index` cannot be run: the run ends before it. The first unit was run once, so it stays. Where it was only given up,
+    /// so is the journey: the run stays where it is.
+    fn end(&mut self, index: usize, error: Error) -> Option<Journey<E>> {
+        if error == Stop::cancelled() || self.clip.wanted().is_err() {
+            return None;
+        }
+        self.failure = Some(error);
+        self.units = Some(index.max(1));
+        index.checked_sub(1).map(|last| self.depart(Goal::end_of(last)))
+    }
+}
+
+impl<E: Estimator> Walk for Timeline<E> {
+    fn info(&self) -> &'static Info {
+        const { &E::INFO }
+    }
+
+    fn tells_confidence(&self) -> bool {
+        E::TELLS_CONFIDENCE
+    }
+
+    fn frame(&self) -> usize {
+        self.frame
+    }
+
+    fn at_frame(&self) -> usize {
+        self.estimator.at_frame(&self.unit.before).unwrap_or(self.frame)
+    }
+
+    fn cursor(&self) -> Cursor {
+        Cursor { unit: self.unit.index, event: self.seen }
+    }
+
+    fn events(&self) -> usize {
+        self.unit.events.len()
+    }
+
+    fn units(&self) -> Option<usize> {
+        self.units
+    }
+
+    fn at_end(&self) -> bool {
+        self.unit_is_over() && self.units == Some(self.unit.index + 1)
+    }
+
+    fn place(&self) -> Vec<Rung> {
+        self.estimator.place(&self.unit.before)
+    }
+
+    fn go(&mut self, to: Move) {
+        self.journey = None;
+        if let Some(goal) = self.goal(to) {
+            self.journey = Some(self.depart(goal));
+        }
+    }
+
+    fn work(&mut self, more: &mut dyn FnMut() -> bool) -> bool {
+        while let Some(journey) = self.journey.take() {
+            self.journey = match journey.goal {
+                Goal::Cursor(cursor) if cursor.unit == journey.index => self.arrive(journey, cursor),
+                _ => self.travel(journey),
+            };
+            if self.journey.is_some() && !more() {
+                return false;
+            }
+        }
+        true
+    }
+
+    fn progress(&self) -> Option<(usize, usize)> {
+        let journey = self.journey.as_ref()?;
+        match journey.goal {
+            Goal::Cursor(Cursor { unit, .. }) if unit < usize::MAX => {
+                Some((journey.index - journey.origin, unit - journey.origin))
+            }
+            _ => None,
+        }
+    }
+
+    fn failure(&self) -> Option<&Error> {
+        self.failure.as_ref()
+    }
+
+    fn landmarks(&self) -> Vec<(usize, Role)> {
+        let roles = self.unit.events.iter().map(|event| self.estimator.landmark(event));
+        roles.enumerate().filter_map(|(i, role)| role.map(|role| (i + 1, role))).collect()
+    }
+
+    fn unit_at(&self, point: [f32; 2]) -> Option<usize> {
+        self.estimator.unit_at(&self.unit.before, point)
+    }
+
+    fn explained(&self, point: [f32; 2]) -> Option<Explained> {
+        self.estimator.explained(&self.unit.before, point)
+    }
+
+    fn step(&self, focus: Option<[f32; 2]>) -> Step {
+        self.estimator.step(&self.seen_so_far(focus))
+    }
+
+    fn scene(&self, focus: Option<[f32; 2]>) -> Scene {
+        let mut scene = Scene::default();
+        self.estimator.draw(&self.seen_so_far(focus), &mut scene);
+        scene
+    }
+
+    fn output(&self) -> Output {
+        self.estimator.output(if self.unit_is_over() { &self.unit.after } else { &self.unit.before })
+    }
+
+    fn evaluations(&self) -> Vec<usize> {
+        let tests = self.unit.events.iter().map(|event| self.estimator.is_evaluation(event));
+        tests.enumerate().filter_map(|(i, tests)| tests.then_some(i + 1)).collect()
+    }
+
+    fn evaluated(&self) -> u64 {
+        let before: u64 = self.estimator.evaluations(&self.unit.before).into_iter().map(u64::from).sum();
+        let seen = self.unit.events[..self.seen].iter().filter(|event| self.estimator.is_evaluation(event));
+        before + seen.count() as u64
+    }
+
+    fn way_to(&self, block: usize) -> Vec<usize> {
+        self.estimator.way_to(&self.unit.before, block)
+    }
+}

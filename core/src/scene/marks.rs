@@ -1,0 +1,250 @@
+//! Marks in image pixels: x right, y down.
+
+use std::sync::Arc;
+
+use super::{Levels, Role};
+use crate::data::Mask;
+use crate::geometry::Grid;
+
+/// Which picture of the pair a mark lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Picture {
+    /// Frame t.
+    Current,
+    /// Frame t + 1.
+    Next,
+}
+
+/// A mark's geometry in image pixels: x right, y down, pixel centres at integers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// An axis-parallel rectangle by its outer edges.
+    Rect {
+        /// Left and top edge.
+        min: [f32; 2],
+        /// Right and bottom edge.
+        max: [f32; 2],
+    },
+    /// Displacements; painters may lengthen them all by one factor, told in the legend.
+    Arrows(Vec<Arrow>),
+    /// An ellipse; `angle_rad` turns the first axis from x towards y.
+    Ellipse {
+        /// Centre.
+        center: [f32; 2],
+        /// Half axes.
+        radii: [f32; 2],
+        /// Angle of the first axis in radians.
+        angle_rad: f32,
+    },
+    /// A polyline, or a polygon if closed.
+    Path {
+        /// Corners.
+        points: Vec<[f32; 2]>,
+        /// Whether the last corner joins the first.
+        closed: bool,
+    },
+    /// Small crosses or dots.
+    Points(Vec<[f32; 2]>),
+    /// A short label with its lower left corner at a place.
+    Text {
+        /// Lower left corner.
+        at: [f32; 2],
+        /// The label.
+        text: String,
+    },
+    /// A grid of values, one per pixel, painted half-transparent in the colour map; NaN stays clear.
+    Heat {
+        /// Pixel of the grid's first cell.
+        origin: [f32; 2],
+        /// The values.
+        values: Grid<f32>,
+    },
+    /// A displacement `[u, v]` in px for every pixel, NaN where it is not known: painters draw arrows at as many of them
+    /// as there is room for, and lay colours over the picture that tell of all.
+    Flow {
+        /// Pixel of the grid's first cell.
+        origin: [f32; 2],
+        /// The displacements.
+        values: Grid<[f32; 2]>,
+    },
+    /// Pixels that belong to something, painted half-transparent in the colour of the role.
+    Mask(Arc<Mask>),
+    /// Which region each pixel belongs to, painted half-transparent in a colour for each; 0 stays clear.
+    Labels(Arc<Grid<u32>>),
+}
+
+impl Shape {
+    /// The rectangle around `width × height` whole pixels whose first is `(x, y)`.
+    pub fn pixels(x: i32, y: i32, width: usize, height: usize) -> Self {
+        let min = [x as f32 - 0.5, y as f32 - 0.5];
+        Shape::Rect { min, max: [min[0] + width as f32, min[1] + height as f32] }
+    }
+
+    /// Whether it can be drawn: every number of its geometry is finite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            // There may be many, and they are asked often.
+            Shape::Arrows(arrows) => {
+                arrows.iter().all(|arrow| arrow.from.iter().chain(&arrow.to).all(|c| c.is_finite()))
+            }
+            other => other.coordinates().iter().all(|c| c.is_finite()),
+        }
+    }
+
+    /// Whether it is a layer of colours, one for each pixel, below all lines.
+    pub fn is_layer(&self) -> bool {
+        matches!(self, Shape::Heat { .. } | Shape::Mask(_) | Shape::Labels(_))
+    }
+
+    /// As [`Scene::same`].
+    fn same(&self, other: &Shape) -> bool {
+        let bits =
+            |a: &[f32], b: &[f32]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
+        match (self, other) {
+            (Shape::Heat { origin, values }, Shape::Heat { origin: place, values: others }) => {
+                origin == place && values.size() == others.size() && bits(values.cells(), others.cells())
+            }
+            (Shape::Flow { origin, values }, Shape::Flow { origin: place, values: others }) => {
+                let [cells, others_cells] = [values, others].map(|grid| grid.cells().as_flattened());
+                origin == place && values.size() == others.size() && bits(cells, others_cells)
+            }
+            _ => self == other,
+        }
+    }
+
+    /// The same on a picture `factor` times as wide and high. A pixel becomes `factor` × `factor` of them.
+    #[must_use]
+    pub fn enlarged(self, factor: usize) -> Self {
+        let times = |c: f32| c * factor as f32;
+        let place = |point: [f32; 2]| point.map(times);
+        // The outer edge of the first pixel is enlarged, not its middle.
+        let first = |origin: [f32; 2]| origin.map(|c| times(c - 0.5) + 0.5);
+        match self {
+            Shape::Rect { min, max } => Shape::Rect { min: place(min), max: place(max) },
+            Shape::Arrows(arrows) => {
+                Shape::Arrows(arrows.into_iter().map(|a| Arrow { from: place(a.from), to: place(a.to) }).collect())
+            }
+            Shape::Ellipse { center, radii, angle_rad } => {
+                Shape::Ellipse { center: place(center), radii: place(radii), angle_rad }
+            }
+            Shape::Path { points, closed } => Shape::Path { points: points.into_iter().map(place).collect(), closed },
+            Shape::Points(points) => Shape::Points(points.into_iter().map(place).collect()),
+            Shape::Text { at, text } => Shape::Text { at: place(at), text },
+            Shape::Heat { origin, values } => {
+                let (width, height) = values.size();
+                let values = Grid::from_fn(width * factor, height * factor, |x, y| values[(x / factor, y / factor)]);
+                Shape::Heat { origin: first(origin), values }
+            }
+            Shape::Flow { origin, values } => {
+                let (width, height) = values.size();
+                let values =
+                    Grid::from_fn(width * factor, height * factor, |x, y| values[(x / factor, y / factor)].map(times));
+                Shape::Flow { origin: first(origin), values }
+            }
+            Shape::Mask(mask) => {
+                let (width, height) = mask.size();
+                let is_set = |x: usize, y: usize| mask.get(x / factor, y / factor);
+                Shape::Mask(Arc::new(Mask::from_fn(width * factor, height * factor, is_set)))
+            }
+            Shape::Labels(labels) => {
+                let (width, height) = labels.size();
+                let label = |x: usize, y: usize| labels[(x / factor, y / factor)];
+                Shape::Labels(Arc::new(Grid::from_fn(width * factor, height * factor, label)))
+            }
+        }
+    }
+
+    /// Every number of the shape that must be finite for it to be drawn.
+    pub fn coordinates(&self) -> Vec<f32> {
+        match self {
+            Shape::Rect { min, max } => [*min, *max].concat(),
+            Shape::Arrows(arrows) => arrows.iter().flat_map(|a| [a.from[0], a.from[1], a.to[0], a.to[1]]).collect(),
+            Shape::Ellipse { center, radii, angle_rad } => {
+                center.iter().chain(radii).copied().chain([*angle_rad]).collect()
+            }
+            Shape::Path { points, .. } | Shape::Points(points) => points.concat(),
+            Shape::Text { at, .. } => at.to_vec(),
+            Shape::Heat { origin, .. } | Shape::Flow { origin, .. } => origin.to_vec(),
+            Shape::Mask(_) | Shape::Labels(_) => Vec::new(),
+        }
+    }
+}
+
+/// A displacement: where it starts and where it ends, in image pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrow {
+    /// Where it starts; painters put a dot there.
+    pub from: [f32; 2],
+    /// Where it ends.
+    pub to: [f32; 2],
+}
+
+/// About how many arrows stand along the longer side of a picture, unless someone wants more or fewer.
+const ARROWS: usize = 36;
+
+/// From one arrow of a dense field to the next on a picture of this size, in px, unless it is chosen.
+pub fn arrow_spacing((width, height): (usize, usize)) -> usize {
+    (width.max(height) / ARROWS).max(5)
+}
+
+/// One mark of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// The picture that it lies on.
+    pub on: Picture,
+    /// What it stands for.
+    pub role: Role,
+    /// The object that it belongs to where several are told apart: each has a colour of its own in the place of the role's.
+    pub of: Option<u32>,
+    /// Where it is.
+    pub shape: Shape,
+}
+
+/// Everything drawn over a pair of pictures, back to front, and the legend that explains it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Marks, back to front.
+    pub marks: Vec<Mark>,
+    /// What each role means in this scene.
+    pub legend: Vec<(Role, &'static str)>,
+    /// The pyramid on which the step works, where there is one: its pictures can stand below the marks.
+    pub levels: Option<Levels>,
+    /// What the values of a heat are called, where no surface says so: `λ`.
+    pub heat: Option<&'static str>,
+}
+
+impl Scene {
+    /// Whether both look the same. Values that are not known yet are NaN, and the same as such.
+    pub fn same(&self, other: &Scene) -> bool {
+        let same = |(a, b): (&Mark, &Mark)| a.on == b.on && a.role == b.role && a.of == b.of && a.shape.same(&b.shape);
+        self.legend == other.legend
+            && self.levels == other.levels
+            && self.heat == other.heat
+            && self.marks.len() == other.marks.len()
+            && self.marks.iter().zip(&other.marks).all(same)
+    }
+
+    /// Adds a mark on top of the others.
+    pub fn mark(&mut self, on: Picture, role: Role, shape: Shape) {
+        self.marks.push(Mark { on, role, of: None, shape });
+    }
+
+    /// Adds a mark that belongs to object `id`, which has a colour of its own, on top of the others.
+    pub fn mark_of(&mut self, id: u32, on: Picture, role: Role, shape: Shape) {
+        self.marks.push(Mark { on, role, of: Some(id), shape });
+    }
+
+    /// Adds the marks of `other`, a scene on a picture `factor` times smaller, and what their roles mean.
+    pub fn add_enlarged(&mut self, other: Scene, factor: usize) {
+        let Scene { marks, legend, .. } = other;
+        self.marks.extend(marks.into_iter().map(|mark| Mark { shape: mark.shape.enlarged(factor), ..mark }));
+        legend.into_iter().for_each(|(role, meaning)| self.legend(role, meaning));
+    }
+
+    /// Says what `role` means here, once.
+    pub fn legend(&mut self, role: Role, meaning: &'static str) {
+        if !self.legend.iter().any(|(r, _)| *r == role) {
+            self.legend.push((role, meaning));
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! What is drawn and told: marks in image pixels, each with an ink role, and words with roles.
+//!
+//! A scene is data. Painters (window, PNG, SVG) choose colours, dashes and halos by [`Role`].
+
+mod levels;
+mod marks;
+pub mod pseudocode;
+mod readouts;
+mod role;
+mod sentence;
+mod step;
+
+pub use levels::{Floor, Level, Levels, Stack};
+pub use marks::{Arrow, Mark, Picture, Scene, Shape, arrow_spacing};
+pub use pseudocode::{Line, Name};
+pub use readouts::{
+    Chart, Constraint, Distribution, Fact, Matrix, Plane, Readout, Section, Series, Spread, Surface, Tile,
+};
+pub use role::Role;
+pub use sentence::{Math, Sentence};
+pub use step::Step;

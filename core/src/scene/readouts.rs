@@ -1,0 +1,315 @@
+//! What is shown beside the stage: equations, tables, charts, as data.
+
+use super::{Math, Role, Stack};
+use crate::data::Histogram;
+use crate::geometry::Grid;
+
+/// Something that the explanation panel, the plots and the 3-D views show. One generic view draws each kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Readout {
+    /// Labelled numbers of this step.
+    Facts(Vec<Fact>),
+    /// A formula with this step's numbers put in, line by line.
+    Equation(Vec<Math>),
+    /// Small pictures with their numbers, side by side: the block, the candidate, their difference.
+    Tiles(Vec<Tile>),
+    /// A quantity over steps.
+    Series(Series),
+    /// A cost over displacements, as a heat map and as a 3-D surface.
+    Surface(Surface),
+    /// Lines and points in the plane of displacements.
+    Plane(Plane),
+    /// How often each displacement was found.
+    Histogram(Histogram),
+    /// How often a quantity has each value.
+    Distribution(Distribution),
+    /// A pyramid with what is at hand on each of its levels.
+    Stack(Stack),
+    /// Matrices with the numbers of this step.
+    Matrices(Vec<Matrix>),
+}
+
+/// The kinds of [`Readout`] that a chart shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Chart {
+    /// [`Readout::Tiles`].
+    Tiles,
+    /// [`Readout::Series`].
+    Series,
+    /// [`Readout::Surface`].
+    Surface,
+    /// [`Readout::Plane`].
+    Plane,
+    /// [`Readout::Histogram`].
+    Histogram,
+    /// [`Readout::Stack`].
+    Stack,
+    /// [`Readout::Matrices`].
+    Matrices,
+}
+
+impl Chart {
+    /// Every chart.
+    pub const ALL: &'static [Chart] =
+        &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Plane, Chart::Histogram, Chart::Stack, Chart::Matrices];
+}
+
+impl Readout {
+    /// The chart that it is of, if it stands in one that an estimator declares.
+    pub fn chart(&self) -> Option<Chart> {
+        match self {
+            Readout::Facts(_) | Readout::Equation(_) | Readout::Distribution(_) => None,
+            Readout::Tiles(_) => Some(Chart::Tiles),
+            Readout::Series(_) => Some(Chart::Series),
+            Readout::Surface(_) => Some(Chart::Surface),
+            Readout::Plane(_) => Some(Chart::Plane),
+            Readout::Histogram(_) => Some(Chart::Histogram),
+            Readout::Stack(_) => Some(Chart::Stack),
+            Readout::Matrices(_) => Some(Chart::Matrices),
+        }
+    }
+}
+
+/// One labelled number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fact {
+    /// What it is: `Best so far`.
+    pub label: &'static str,
+    /// Its value as shown: `812 at (−3, 2)`.
+    pub value: String,
+    /// Its role, if it has one.
+    pub role: Option<Role>,
+}
+
+impl Fact {
+    /// A number with its label, and its role if it has one.
+    pub fn new(label: &'static str, value: impl Into<String>, role: Option<Role>) -> Self {
+        Self { label, value: value.into(), role }
+    }
+}
+
+/// A small picture whose pixels are numbers worth reading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// What it is.
+    pub label: &'static str,
+    /// Its role, if it has one.
+    pub role: Option<Role>,
+    /// The numbers; NaN where there is none yet.
+    pub values: Grid<f32>,
+    /// The number shown black and the one shown white.
+    pub range: [f32; 2],
+}
+
+/// A matrix, or a vector as one of a single column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Matrix {
+    /// What it is called in formulas: `P`.
+    pub symbol: &'static str,
+    /// What it is: `covariance of the state`.
+    pub name: &'static str,
+    /// Its role, if it has one.
+    pub role: Option<Role>,
+    /// Its entries.
+    pub entries: Grid<f64>,
+    /// What stands for each row, as `x` and `v_x`; nothing where that is clear.
+    pub rows: Vec<String>,
+    /// The same for the columns.
+    pub columns: Vec<String>,
+    /// The entries that this step has changed, or is about.
+    pub changed: Option<Grid<bool>>,
+}
+
+/// A quantity over steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// What is plotted.
+    pub title: &'static str,
+    /// What runs along x.
+    pub x_label: &'static str,
+    /// What runs along y, with its unit.
+    pub y_label: &'static str,
+    /// How many steps there will be, so that the axis does not jump.
+    pub x_max: usize,
+    /// The event at which each step came, from x = 1 on, counted from 1: where a click on it leads.
+    pub events: Vec<usize>,
+    /// Where something else is at hand from then on, in the order of x: what is on either side cannot be compared.
+    pub sections: Vec<Section>,
+    /// The lines: name, role, and `(x, y)` points. A line is broken where y is NaN: nothing is known there.
+    pub lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
+}
+
+/// A stretch of a [`Series`] that begins anew.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Where it begins along x.
+    pub from: f32,
+    /// What it is: `level 2`.
+    pub label: String,
+    /// Whether it is part of a longer one.
+    pub is_part: bool,
+}
+
+/// How often a quantity has each value, from 0 up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Distribution {
+    /// What is counted: `Endpoint error`.
+    pub title: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Where the last bar ends.
+    pub top: f32,
+    /// How many there are in each bar, all of one width.
+    pub counts: Vec<u32>,
+    /// How many lie beyond the last bar.
+    pub beyond: u32,
+    /// Values with a name: `mean`.
+    pub figures: Vec<(&'static str, f32)>,
+    /// Shares, 0 to 1, that exceed a limit.
+    pub shares: Vec<(f32, f32)>,
+}
+
+/// A cost over displacements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// What is shown: `SAD`.
+    pub title: &'static str,
+    /// Displacement of the first cell, in px.
+    pub origin: [i32; 2],
+    /// The costs; NaN where nothing was tested yet.
+    pub values: Grid<f32>,
+    /// The event that tested each displacement, counted from 1: where a click on it leads.
+    pub events: Grid<Option<usize>>,
+    /// The displacement under test, if any.
+    pub probe: Option<[i32; 2]>,
+    /// The best displacement so far, if any.
+    pub best: Option<[i32; 2]>,
+}
+
+impl Surface {
+    /// The smallest and largest cost so far, or `None` before the first.
+    pub fn range(&self) -> Option<[f32; 2]> {
+        let known = self.values.cells().iter().filter(|v| v.is_finite());
+        known.fold(None, |range, &v| match range {
+            None => Some([v, v]),
+            Some([low, high]) => Some([v.min(low), v.max(high)]),
+        })
+    }
+
+    /// The part with all displacements that were tested and those up to `margin` px around them; all of it before the
+    /// first.
+    #[must_use]
+    pub fn around_tested(&self, margin: usize) -> Self {
+        let (width, height) = self.values.size();
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let mut tested = places.filter(|place| self.events[*place].is_some()).peekable();
+        let Some(&(x, y)) = tested.peek() else { return self.clone() };
+        let around = |ends: [[usize; 2]; 2], (x, y): (usize, usize)| {
+            [[ends[0][0].min(x), ends[0][1].min(y)], [ends[1][0].max(x), ends[1][1].max(y)]]
+        };
+        let [[left, top], [right, bottom]] = tested.fold([[x, y]; 2], around);
+        let (left, top) = (left.saturating_sub(margin), top.saturating_sub(margin));
+        let (right, bottom) = ((right + margin).min(width - 1), (bottom + margin).min(height - 1));
+        let size = (right - left + 1, bottom - top + 1);
+        Self {
+            origin: [self.origin[0] + left as i32, self.origin[1] + top as i32],
+            values: Grid::from_fn(size.0, size.1, |x, y| self.values[(left + x, top + y)]),
+            events: Grid::from_fn(size.0, size.1, |x, y| self.events[(left + x, top + y)]),
+            ..self.clone()
+        }
+    }
+}
+
+/// What pixels say about their displacement (u, v): lines and points in the plane of displacements, v downwards.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane {
+    /// What is shown: `Gradient constraint`.
+    pub title: &'static str,
+    /// What displacements are measured in: `px`, or `px of level 2`.
+    pub unit: String,
+    /// Displacements from `-reach` to `reach` px are shown on both axes.
+    pub reach: f32,
+    /// The lines on which pixels allow the displacement to lie.
+    pub lines: Vec<Constraint>,
+    /// Displacements with their names.
+    pub points: Vec<(&'static str, Role, [f32; 2])>,
+    /// How certain a displacement is, where that is known: an ellipse of one standard deviation.
+    pub ellipse: Option<Spread>,
+}
+
+/// A line a u + b v + c = 0 in the plane of displacements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constraint {
+    /// The factors a, b and c; a and b are not both 0.
+    pub factors: [f32; 3],
+    /// How much it counts, 0 to 1.
+    pub weight: f32,
+    /// What it stands for.
+    pub role: Role,
+}
+
+impl Constraint {
+    /// The ends of the part that lies within ±`reach`, if any does.
+    pub fn within(&self, reach: f32) -> Option<[[f32; 2]; 2]> {
+        let [a, b, c] = self.factors;
+        let norm = a.hypot(b);
+        // Along the line from its point nearest to zero, as far as each pair of edges allows.
+        let (foot, way) = ([-a * c, -b * c].map(|p| p / (norm * norm)), [-b / norm, a / norm]);
+        let mut span = [f32::NEG_INFINITY, f32::INFINITY];
+        for i in 0..2 {
+            if way[i].abs() < 1e-6 {
+                if foot[i].abs() > reach {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [-reach, reach].map(|edge| (edge - foot[i]) / way[i]);
+            span = [span[0].max(ends[0].min(ends[1])), span[1].min(ends[0].max(ends[1]))];
+        }
+        let at = |s: f32| [0, 1].map(|i| foot[i] + s * way[i]);
+        (span[0] < span[1] && span.iter().all(|s| s.is_finite())).then(|| span.map(at))
+    }
+}
+
+/// An ellipse in the plane of displacements, in px.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Its centre.
+    pub center: [f32; 2],
+    /// Half axes.
+    pub radii: [f32; 2],
+    /// Angle of the first axis, from u towards v, in radians.
+    pub angle_rad: f32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_surface_is_cut_to_what_was_tested() {
+        let tested = |x: usize, y: usize| (x == 10 && (4..7).contains(&y)).then_some(x + y);
+        let events = Grid::from_fn(33, 33, tested);
+        let values = events.map(|event| event.map_or(f32::NAN, |event| event as f32));
+        let whole = Surface { title: "SAD", origin: [-16; 2], values, events, probe: None, best: Some([-6, -11]) };
+        let part = whole.around_tested(2);
+        assert_eq!((part.origin, part.values.size()), ([-8, -14], (5, 7)));
+        assert_eq!((part.range(), part.events[(2, 3)]), (whole.range(), Some(15)));
+        let nothing = Surface { events: Grid::new(33, 33, None), ..whole };
+        assert_eq!(nothing.around_tested(2).values.size(), (33, 33));
+    }
+
+    #[test]
+    fn a_constraint_is_cut_where_the_plane_ends() {
+        let line = |factors| Constraint { factors, weight: 1.0, role: Role::Candidate };
+        for factors in [[1.0, 0.0, -2.0], [3.0, -4.0, 5.0], [-0.5, 0.25, 0.0], [1.0, 1.0, 7.9]] {
+            let ends = line(factors).within(4.0).expect("it passes through");
+            for [u, v] in ends {
+                assert!((factors[0] * u + factors[1] * v + factors[2]).abs() < 1e-4, "{factors:?}");
+                assert!((u.abs().max(v.abs()) - 4.0).abs() < 1e-4, "{factors:?} ends at {u}, {v}");
+            }
+        }
+        assert_eq!(line([1.0, 0.0, 5.0]).within(4.0), None);
+        assert_eq!(line([1.0, 1.0, 9.0]).within(4.0), None);
+    }
+}
