@@ -7,7 +7,8 @@ use super::outputs::refuse_losses;
 use super::say;
 use super::task::Task;
 use crate::media::export::Target;
-use crate::view::shot::{self, Format, Steps};
+use crate::view::panes::Selection;
+use crate::view::shot::{self, Steps};
 
 /// Writes what `args` ask for; each file whole or not at all.
 ///
@@ -21,9 +22,10 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         from: args.steps.0,
         to: args.steps.1,
         rung: rung.unwrap_or(info.rungs.len() - 1),
-        format: if args.format == "svg" { Format::Svg } else { Format::Png },
+        format: args.format,
         scale: args.look.scale,
         look: task.look(&args.look)?,
+        panes: Selection::of(&args.sheet.panes),
         pixel: task.pixel(&args.look),
         must_have_layer: args.look.layer.is_some(),
     };

@@ -15,6 +15,7 @@ use crate::media::export::{self, Target};
 use crate::paint::{FlowLayer, LevelShown};
 use crate::results::{self, Export};
 use crate::view::motion::{Check, Reverse};
+use crate::view::panes::Selection;
 use crate::view::shot::{self, Format, Still};
 
 /// Runs what `args` ask for. Files are made in full before the first is written.
@@ -28,6 +29,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     outputs.check(&task)?;
     if !args.task.beside.is_empty() && outputs.overlay.is_none() {
         return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
+    }
+    if !args.sheet.panes.is_empty() && outputs.overlay.is_none() {
+        return Err(Error::new("--panes is for the picture; give --overlay FILE as well"));
     }
     if args.look.pixel.is_some() && outputs.overlay.is_none() {
         return Err(Error::new("--pixel is for the picture; give --overlay FILE as well"));
@@ -103,10 +107,15 @@ impl<'a> Outputs<'a> {
         files.iter().try_for_each(|path| check_folder(path))?;
         let formats = asked.iter().map(|(export, path)| Ok((*export, path, export.format(path)?)));
         Ok(Self {
-            overlay: args.overlay.as_ref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?,
+            overlay: args.overlay.as_ref().map(|path| Ok((path, Self::format(args, path)?))).transpose()?,
             results: formats.collect::<Result<_, Error>>()?,
             is_piped: pipes > 0,
         })
+    }
+
+    /// What the overlay is written as.
+    fn format(args: &RunArgs, path: &Path) -> Result<Format, Error> {
+        args.format.map_or_else(|| Format::of(path), Ok)
     }
 
     /// Refuses what the estimator of `task` does not make.
@@ -169,7 +178,11 @@ fn overlay(task: &Task, args: &RunArgs, format: Format, reverse: &Reverse<'_>) -
     if let Some(LevelShown::Number(level)) = args.look.level {
         check_level(level, still.levels(), task.estimator.info().id)?;
     }
-    still.moment(&*task.estimator).encode(&look, format, args.look.scale)
+    let panes = Selection::of(&args.sheet.panes);
+    panes.check(&*task.estimator)?;
+    let moment = still.moment(&*task.estimator);
+    panes.check_step(task.estimator.info(), moment.step)?;
+    moment.encode(&look, &panes, format, args.look.scale)
 }
 
 /// Refuses a level that there is not.

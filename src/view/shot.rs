@@ -1,6 +1,7 @@
 //! A picture of one step: the same pixels for the window and for the command line.
 
 use std::path::Path;
+use std::str::FromStr;
 
 use motionscope_core::params::Kind;
 use motionscope_core::scene::{Readout, Sentence};
@@ -11,9 +12,10 @@ use crate::experiment::pixel::Chosen;
 use crate::media::{Progress, export};
 use crate::paint::{
     ArrowStyle, Caption, ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Part, Phase, Pictures, Plate,
-    PlateOptions, Share, Style, Theme, View, export_png, export_svg,
+    PlateOptions, Share, Style, Theme, View, export_pdf, export_png, export_svg,
 };
 use crate::view::motion::{Motion, Offer, Reverse, Site, Want};
+use crate::view::panes::Selection;
 use crate::view::tile::{self, Tile, endings, predicted, tiles};
 
 /// An SVG can be looked at from near: it has the marks of a PNG of this scale.
@@ -61,6 +63,16 @@ impl Look {
         let streak_frames = pictures.streaks.as_ref().filter(|_| streaks.is_some()).map(|all| all.life_frames());
         Style { theme, colors, arrows: ArrowStyle { lengthen, spacing_px, streak_frames } }
     }
+}
+
+/// What stands around pictures.
+pub(super) struct Around {
+    /// Points per pixel of the clip.
+    pub zoom: f32,
+    /// Whether titles stand above them.
+    pub titles: bool,
+    /// Words above and below.
+    pub caption: Option<Caption>,
 }
 
 /// A step of a run.
@@ -185,35 +197,51 @@ impl Moment<'_> {
     ///
     /// # Errors
     /// If the picture would be larger than can be written.
-    pub fn encode(&self, look: &Look, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
+    pub fn encode(&self, look: &Look, panes: &Selection, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
         match format {
-            Format::Png => export_png(&self.plate(look, scale), scale),
-            Format::Svg => export_svg(&self.plate(look, SVG_SCALE)).map(String::into_bytes),
+            Format::Png => export_png(&self.picture(look, panes, scale), scale),
+            Format::Svg => export_svg(&self.picture(look, panes, SVG_SCALE)).map(String::into_bytes),
+            Format::Pdf => export_pdf(&self.picture(look, panes, SVG_SCALE)),
         }
     }
 
-    /// The picture of this step, with the marks that `scale` pixels for each pixel of the clip have room for.
-    fn plate(&self, look: &Look, scale: u32) -> Plate {
-        // A finished field says all in one picture, and so does who looks at single frames; a search needs both.
+    /// The stage alone, or a sheet of the panes that are selected.
+    fn picture(&self, look: &Look, panes: &Selection, scale: u32) -> Plate {
+        if !panes.panes.is_empty() {
+            return self.sheet(look, panes, scale);
+        }
+        let caption = look.caption.then(|| self.caption());
+        self.plate(look, Around { zoom: 1.0, titles: false, caption }, scale)
+    }
+
+    /// How the step is looked at, unless that is chosen: a finished field says all in one picture, and so does a single frame;
+    /// a search needs both.
+    pub(super) fn view(&self, look: &Look) -> View {
         let is_single = self.estimator.is_of_single_frames();
         let fitting = if self.at_end || is_single { View::Current } else { View::SideBySide };
+        let view = look.view.unwrap_or(fitting).or_current(self.pictures);
+        if self.tiles.is_empty() { view } else { view.alone(self.at_end) }
+    }
+
+    /// The pictures of this step, with the marks that `scale` pixels for each point have room for.
+    pub(super) fn plate(&self, look: &Look, around: Around, scale: u32) -> Plate {
         let heat = self.step.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface.title.to_string()),
             _ => None,
         });
-        let view = look.view.unwrap_or(fitting).or_current(self.pictures);
-        let view = if self.tiles.is_empty() { view } else { view.alone(self.at_end) };
+        let view = self.view(look);
         let options = PlateOptions {
             view,
             style: look.style(self.pictures),
             phase: look.streaks.unwrap_or_default().get(),
             share: look.share,
-            zoom: 1,
+            zoom: around.zoom,
+            titles: around.titles,
             scale,
             frame: Some(self.frame),
             legend: look.legend,
             heat: heat.or(self.scene.heat.map(str::to_owned)).unwrap_or_default(),
-            caption: look.caption.then(|| self.caption()),
+            caption: around.caption,
         };
         if self.tiles.is_empty() {
             let pictures = self.pictures.on_level(self.scene.levels.as_ref(), look.level, view);
@@ -231,7 +259,7 @@ impl Moment<'_> {
         Plate::of(&parts, self.scene, &options)
     }
 
-    fn caption(&self) -> Caption {
+    pub(super) fn caption(&self) -> Caption {
         Caption {
             // Each of several has its name above its own picture.
             title: match self.tiles.len() {
@@ -290,6 +318,8 @@ pub struct Steps {
     pub scale: u32,
     /// How they look.
     pub look: Look,
+    /// The panes that stand on each; none for the stage alone.
+    pub panes: Selection,
     /// The pixel that is explained wherever it can be, in the place of the one at work.
     pub pixel: Option<Chosen>,
     /// Whether a layer that none of the steps has is refused.
@@ -361,6 +391,7 @@ impl Steps {
         folder: &Path,
         progress: Option<&dyn Progress>,
     ) -> Result<Written, Error> {
+        self.panes.check(estimator)?;
         let mut walk = company.walk(estimator, clip, frame)?;
         let (mut pairs, reverse) = (LastPair::default(), Reverse::new(estimator, clip, frame));
         self.begin(&mut *walk, progress)?;
@@ -376,7 +407,7 @@ impl Steps {
             let pair = pairs.of(&*walk, clip)?;
             let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*walk));
             let still = Still::of((&*walk, focus), (clip, pair), &self.look.want(), &reverse)?;
-            let picture = still.moment(estimator).encode(&self.look, self.format, self.scale)?;
+            let picture = still.moment(estimator).encode(&self.look, &self.panes, self.format, self.scale)?;
             export::save_result(&folder.join(Self::file_name(written.count, self.format)), &picture)?;
             written.add(layer.and_then(|layer| Some((layer, still.why_without(layer)?))));
             if let Some(progress) = progress {
@@ -452,6 +483,18 @@ pub enum Format {
     Png,
     /// Lines that stay sharp at any size.
     Svg,
+    /// A page with lines that stay sharp and words that stay words.
+    Pdf,
+}
+
+impl FromStr for Format {
+    type Err = Error;
+
+    fn from_str(ending: &str) -> Result<Self, Error> {
+        let all = [Self::Png, Self::Svg, Self::Pdf];
+        let told = || Error::new(format!("a picture is written as png, svg or pdf, and not {ending}"));
+        all.into_iter().find(|format| format.extension() == ending.to_lowercase()).ok_or_else(told)
+    }
 }
 
 impl Format {
@@ -461,11 +504,10 @@ impl Format {
     /// A sentence that tells which endings there are.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("png") => Ok(Self::Png),
-            Some("svg") => Ok(Self::Svg),
+        let told = || Error::new(format!("{}: a picture is written as .png, .svg or .pdf", path.display()));
+        match extension {
             None if path == Path::new("-") => Ok(Self::Png),
-            _ => Err(Error::new(format!("{}: a picture is written as .png or .svg", path.display()))),
+            extension => extension.and_then(|ending| ending.parse().ok()).ok_or_else(told),
         }
     }
 
@@ -474,6 +516,7 @@ impl Format {
         match self {
             Self::Png => "png",
             Self::Svg => "svg",
+            Self::Pdf => "pdf",
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Estimators in lockstep in the window.
 
 use super::*;
+use motionscope::view::panes::Selection;
 use motionscope::view::shot::{self, Still};
 use motionscope_core::Pace;
 
@@ -140,7 +141,7 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     let look = Look { view: None, ..Look::default() };
     for (name, what) in [("one.motionscope", What::Session), ("one.png", What::Picture)] {
         let path = folder.path().join(name);
-        window.harness.state_mut().write(Order { what, path, scale: 1, look });
+        window.harness.state_mut().write(Order { what, path, scale: 1, look, panes: Selection::default() });
         window.settle();
     }
     let shown = window.shown();
@@ -150,7 +151,7 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     let pair = shot::pair(clip, shown.subject.frame).unwrap();
     let reverse = Reverse::new(estimator, clip, shown.subject.frame);
     let still = Still::of((&*walk, None), (clip, &pair), &look.want(), &reverse).unwrap();
-    let drawn = still.moment(estimator).encode(&look, Format::Png, 1).unwrap();
+    let drawn = still.moment(estimator).encode(&look, &Selection::default(), Format::Png, 1).unwrap();
     assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
     let path: OsString = folder.path().join("one.motionscope").into();
     let again = Window::with(vec2(1440.0, 900.0), Start { open: Some(path) });

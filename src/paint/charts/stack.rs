@@ -6,7 +6,7 @@ use glam::{Mat3, Vec3};
 use motionscope_core::{Floor, Frame, Grid, Role, Stack};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
-use super::super::{Panel, Pictures, Share, Theme, number};
+use super::super::{Panel, Pictures, Share, Theme, number, reduced};
 use super::canvas::{Canvas, Level, Type, solid};
 use super::{ChartStyle, Drawing, Orbit, Room, Screen};
 
@@ -340,25 +340,6 @@ impl View<'_> {
 
 fn distance(a: Point, b: Point) -> f32 {
     (a[0] - b[0]).hypot(a[1] - b[1])
-}
-
-/// The mean of every `factor × factor` pixels.
-fn reduced(pixels: &Grid<[u8; 4]>, factor: usize) -> Grid<[u8; 4]> {
-    if factor == 1 {
-        return pixels.clone();
-    }
-    let (width, height) = pixels.size();
-    Grid::from_fn(width.div_ceil(factor), height.div_ceil(factor), |x, y| {
-        let (columns, rows) = (x * factor..((x + 1) * factor).min(width), y * factor..((y + 1) * factor).min(height));
-        let (mut sums, mut count) = ([0u32; 4], 0);
-        for row in rows {
-            for pixel in &pixels.row(row)[columns.clone()] {
-                sums = [0, 1, 2, 3].map(|i| sums[i] + u32::from(pixel[i]));
-                count += 1;
-            }
-        }
-        sums.map(|sum| (sum / count.max(1)) as u8)
-    })
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use crate::ui::app::commands::Rungs;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{self, Order, What};
 use crate::ui::parts::widgets;
+use crate::view::panes::{Angles, PANES, Pane, STAGE, Selection};
 use crate::view::shot::{Format, Look, Steps};
 
 /// Scales that can be chosen.
@@ -46,7 +47,11 @@ impl Kind {
         let choice = |ending, doc| Choice { label: label(ending), ending, doc, export: None };
         match self {
             Kind::Picture | Kind::Steps => {
-                vec![choice("png", "PNG, pixels"), choice("svg", "SVG, lines that stay sharp")]
+                vec![
+                    choice("png", "PNG, pixels"),
+                    choice("svg", "SVG, lines that stay sharp"),
+                    choice("pdf", "PDF, a page with lines and words that stay sharp"),
+                ]
             }
             Kind::Session => vec![choice("motionscope", "Session")],
             Kind::Result => {
@@ -81,6 +86,15 @@ fn label(ending: &str) -> String {
     if ending == "flo" { ".flo".to_owned() } else { ending.to_uppercase() }
 }
 
+/// How the window looks at what is written.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// How pictures look.
+    pub look: Look,
+    /// From where the things in space are looked at.
+    pub angles: Angles,
+}
+
 /// The dialog while it is open.
 pub struct State {
     kind: Kind,
@@ -91,6 +105,11 @@ pub struct State {
     scale: u32,
     legend: bool,
     caption: bool,
+    /// The panes that the estimator may have, and which of them are written.
+    panes: Vec<(&'static Pane, bool)>,
+    angles: Angles,
+    /// Those in which the step has nothing to show.
+    absent: Vec<&'static str>,
     from: String,
     to: String,
     rung: usize,
@@ -111,7 +130,11 @@ struct Found {
 
 impl State {
     /// The dialog for `kind`, with a name that says what it is, in `folder`.
-    pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, look: Look) -> Self {
+    pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, Seen { look, angles }: Seen) -> Self {
+        let estimator = &shown.subject.estimator;
+        let offered = PANES.into_iter().filter(|pane| pane.check(estimator.info(), estimator.charts()).is_ok());
+        let step = shown.tiles.first().map_or(&shown.step, |tile| &tile.step);
+        let absent = PANES.into_iter().filter(|pane| !(pane.is_told)(step)).map(|pane| pane.id).collect();
         let choices = kind.choices(shown.subject.estimator.produces());
         let from = Cursor { unit: shown.cursor.unit, event: 1 };
         // Before the first step the steps of the first unit are meant.
@@ -124,6 +147,9 @@ impl State {
             scale: 2,
             legend: look.legend,
             caption: look.caption,
+            panes: offered.map(|pane| (pane, *pane == STAGE)).collect(),
+            angles,
+            absent,
             from: from.to_string(),
             to: to.to_string(),
             rung: Rungs::new(shown.info.rungs).event(),
@@ -148,7 +174,8 @@ impl State {
             (_, Some(export)) => export.explained,
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
-            _ => "What the stage shows, whole, with the same colours and lines.",
+            _ if self.selection().panes.is_empty() => "What the stage shows, whole, with the same colours and lines.",
+            _ => "The panes that are chosen, arranged on one sheet, the stage largest.",
         }
     }
 
@@ -201,7 +228,14 @@ impl State {
     }
 
     fn format(&self) -> Format {
-        if self.ending() == "svg" { Format::Svg } else { Format::Png }
+        self.ending().parse().unwrap_or(Format::Png)
+    }
+
+    /// The panes that are written; none for the stage alone.
+    fn selection(&self) -> Selection {
+        let chosen: Vec<_> = self.panes.iter().filter(|(_, is_chosen)| *is_chosen).map(|(pane, _)| *pane).collect();
+        let panes = if chosen.iter().all(|pane| **pane == STAGE) { Vec::new() } else { chosen };
+        Selection { panes, angles: self.angles }
     }
 
     /// What the dialog asks for, or what is wrong with it.
@@ -221,7 +255,7 @@ impl State {
             }
         };
         let look = Look { legend: self.legend, caption: self.caption, ..look };
-        Ok(Order { what, path, scale: self.scale, look })
+        Ok(Order { what, path, scale: self.scale, look, panes: self.selection() })
     }
 
     /// What writes a result to `path`: what was chosen, unless the ending that was typed is that of another.
@@ -312,10 +346,32 @@ fn options(ui: &mut Ui, state: &mut State, rungs: Rungs) {
             }
         });
     }
+    panes(ui, state);
+    let is_sheet = !state.selection().panes.is_empty();
     line(ui, "With", |ui| {
         ui.checkbox(&mut state.legend, "Legend").on_hover_text("What the marks mean, below the pictures.");
         ui.add_space(8.0);
-        ui.checkbox(&mut state.caption, "Caption").on_hover_text("Estimator, parameters and the sentence of the step.");
+        // A sheet has a heading anyway.
+        ui.add_enabled(!is_sheet, egui::Checkbox::new(&mut state.caption, "Caption"))
+            .on_hover_text("Estimator, parameters and the sentence of the step.");
+    });
+}
+
+/// What stands beside the stage.
+fn panes(ui: &mut Ui, state: &mut State) {
+    let is_picture = state.kind == Kind::Picture;
+    line(ui, "Panes", |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = vec2(4.0, 2.0);
+            for (pane, is_chosen) in &mut state.panes {
+                let is_there = !is_picture || !state.absent.contains(&pane.id);
+                let label = ui.add_enabled(is_there, Button::selectable(*is_chosen, pane.title));
+                let tip = format!("Shows {}, {}.", pane.doc, pane.when);
+                if label.on_hover_text(&tip).on_disabled_hover_text(tip).clicked() {
+                    *is_chosen = !*is_chosen;
+                }
+            }
+        });
     });
 }
 

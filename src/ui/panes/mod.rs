@@ -36,6 +36,7 @@ use crate::ui::drawing::chart::Subject;
 use crate::ui::drawing::style;
 use crate::ui::panes::layout::Pane;
 use crate::ui::stage;
+use crate::view::panes::Angles;
 use crate::view::shot::Look;
 
 /// What the panes remember between frames, and of it from one day to the next how they are looked at.
@@ -79,6 +80,15 @@ pub struct States {
     /// Small pictures with their numbers.
     #[serde(skip)]
     pub tiles: tiles::State,
+}
+
+impl States {
+    /// From where the things in space are looked at that `step` tells of.
+    pub fn angles(&self, step: &Step) -> Angles {
+        let plane = step.readouts.iter().find_map(|r| if let Readout::Plane(plane) = r { Some(plane) } else { None });
+        let plane = plane.and_then(|plane| self.plane.window(plane));
+        Angles { surface: self.surface3d.orbit, pyramid: self.stack3d.orbit, plane }
+    }
 }
 
 /// What the panes show.
