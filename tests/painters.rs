@@ -143,7 +143,7 @@ fn specimen_plate(theme: Theme) -> Plate {
             arrows: ArrowStyle { lengthen: Lengthen::Times(1.5), ..ArrowStyle::default() },
             ..Style::default()
         },
-        zoom: 4,
+        zoom: 4.0,
         legend: true,
         heat: "SAD".into(),
         caption: Some(caption),
@@ -185,7 +185,7 @@ fn every_shape_in_every_role_looks_as_it_did() {
 fn full_search_in_the_middle_of_a_block_looks_as_it_did() {
     let (frames, scene) = search(MIDDLE);
     let framed = PlateOptions {
-        zoom: 3,
+        zoom: 3.0,
         frame: Some(12),
         legend: true,
         heat: "SAD".into(),
@@ -225,7 +225,7 @@ fn turning() -> (Arc<Frame>, Scene, Arc<Flow>, Scalars) {
 #[test]
 fn layers_of_motion_look_as_they_did() {
     let (frame, scene, flow, scalars) = turning();
-    let framed = PlateOptions { view: View::Current, zoom: 2, legend: true, ..PlateOptions::default() };
+    let framed = PlateOptions { view: View::Current, zoom: 2.0, legend: true, ..PlateOptions::default() };
     let pictures = Pictures::of([frame.clone(), frame]);
     let wheel = Tint::wheel(std::slice::from_ref(&flow), None).pop().map(Arc::new);
     let plate = Plate::new(&Pictures { layer: wheel, ..pictures.clone() }, &scene, &framed);
@@ -328,7 +328,7 @@ fn rendered(svg: &str) -> Rgb {
 #[test]
 fn the_svg_shows_what_the_png_shows() {
     let (frames, scene) = search(MIDDLE);
-    let side_by_side = PlateOptions { zoom: 2, legend: true, ..PlateOptions::default() };
+    let side_by_side = PlateOptions { zoom: 2.0, legend: true, ..PlateOptions::default() };
     let plates = Theme::ALL.map(specimen_plate).into_iter().chain([Plate::new(
         &Pictures::of(frames.clone()),
         &scene,

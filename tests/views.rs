@@ -12,6 +12,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use motionscope::paint::{ColorMap, Pictures, Theme, View};
 use motionscope::ui::charts::{heat_map, series, surface3d, tiles};
+use motionscope::ui::drawing::chart::Subject;
 use motionscope::ui::drawing::style;
 use motionscope::ui::panes::why;
 use motionscope::ui::stage::{self, Zoom};
@@ -26,7 +27,7 @@ struct Fixture {
     walk: Box<dyn Walk>,
     pictures: Pictures,
     scene: Arc<Scene>,
-    step: Step,
+    step: Arc<Step>,
     offer: Offer,
 }
 
@@ -38,7 +39,7 @@ fn fixture(cursor: Cursor) -> Fixture {
     search.set("range", "4").expect("in range");
     let mut walk = AnyEstimator::walk(&search, &clip, 0).expect("the clip suits the search");
     walk.jump(Move::To(cursor));
-    let (scene, step) = (Arc::new(walk.scene(None)), walk.step(None));
+    let (scene, step) = (Arc::new(walk.scene(None)), Arc::new(walk.step(None)));
     let pictures = Pictures::of(clip.pair(0).expect("a pair"));
     Fixture { walk, pictures, scene, step, offer: Offer::default() }
 }
@@ -90,6 +91,11 @@ impl Fixture {
         pictures.into_iter().chain(charts).chain([told]).collect()
     }
 
+    /// What its charts show.
+    fn subject(&self, theme: Theme) -> Subject<'_> {
+        Subject { step: Some(&self.step), whose: self.walk.info().name, theme, ..fresh() }
+    }
+
     fn surface(&self) -> &Surface {
         let surface = self.step.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface),
@@ -97,6 +103,11 @@ impl Fixture {
         });
         surface.expect("full search has a surface")
     }
+}
+
+/// What is laid out anew in each frame.
+fn fresh() -> Subject<'static> {
+    Subject { step: None, whose: "Full search", theme: Theme::Dark, colors: ColorMap::Viridis }
 }
 
 #[test]
@@ -310,7 +321,7 @@ fn a_click_on_the_cost_map_tells_the_event_that_tested_it() {
     let mut state = heat_map::State::default();
     let told = Cell::new(heat_map::Response::default());
     let mut harness = harness(vec2(460.0, 360.0), Theme::Dark, |ui| {
-        let input = heat_map::Input { surface, colors: ColorMap::Viridis, theme: Theme::Dark };
+        let input = heat_map::Input { surface, subject: fixture.subject(Theme::Dark) };
         let response = heat_map::show(ui, input, &mut state);
         if response.clicked.is_some() {
             told.set(response);
@@ -339,7 +350,7 @@ fn tiles_light_the_same_pixel_and_tell_its_numbers() {
     let mut state = tiles::State::default();
     let hovered = Cell::new(None);
     let mut harness = harness(vec2(1400.0, 420.0), Theme::Projector, |ui| {
-        let input = tiles::Input { tiles: shown, is_centred: false, theme: Theme::Projector };
+        let input = tiles::Input { tiles: shown, is_centred: false, subject: fixture.subject(Theme::Projector) };
         hovered.set(tiles::show(ui, input, &mut state).hovered);
     });
     let tile = harness.get_by_role_and_label(Node::Image, "candidate").rect();
@@ -358,7 +369,7 @@ fn windows_are_seen_whole_and_read_at_a_click() {
     let (shown, size) = ([tile("Window"), tile("Its place"), tile("δI")], vec2(440.0, 240.0));
     let mut state = tiles::State::default();
     let mut harness = harness(size, Theme::Dark, |ui| {
-        tiles::show(ui, tiles::Input { tiles: &shown, is_centred: true, theme: Theme::Dark }, &mut state);
+        tiles::show(ui, tiles::Input { tiles: &shown, is_centred: true, subject: fresh() }, &mut state);
     });
     let rect = |harness: &Harness<'_>, label| harness.get_by_role_and_label(Node::Image, label).rect();
     for label in ["Window", "Its place", "δI"] {
@@ -387,8 +398,7 @@ fn the_surface_turns_without_a_graphics_card() {
     let mut state = surface3d::State::default();
     let orbit = Cell::new(surface3d::Orbit::default());
     let mut harness = harness(vec2(500.0, 400.0), Theme::Dark, |ui| {
-        let input =
-            surface3d::Input { surface: fixture.surface(), colors: ColorMap::Viridis, theme: Theme::Dark, gpu: None };
+        let input = surface3d::Input { surface: fixture.surface(), subject: fixture.subject(Theme::Dark), gpu: None };
         surface3d::show(ui, input, &mut state);
         orbit.set(state.orbit);
     });
@@ -472,6 +482,7 @@ struct All {
     stage: stage::State,
     why: why::State,
     map: heat_map::State,
+    plot: series::State,
     tiles: tiles::State,
     solid: surface3d::State,
 }
@@ -479,6 +490,7 @@ struct All {
 impl All {
     fn show(&mut self, ui: &mut Ui, fixture: &Fixture, theme: Theme) {
         let cell = ui.available_size() / vec2(3.0, 2.0);
+        let subject = Subject { colors: ColorMap::Turbo, ..fixture.subject(theme) };
         eframe::egui::Grid::new("all").show(ui, |ui| {
             let part = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
                 ui.allocate_ui(cell, |ui| {
@@ -503,15 +515,14 @@ impl All {
             for readout in &fixture.step.readouts {
                 part(ui, &mut |ui| match readout {
                     Readout::Surface(surface) => {
-                        let colors = ColorMap::Turbo;
-                        heat_map::show(ui, heat_map::Input { surface, colors, theme }, &mut self.map);
-                        surface3d::show(ui, surface3d::Input { surface, colors, theme, gpu: None }, &mut self.solid);
+                        heat_map::show(ui, heat_map::Input { surface, subject }, &mut self.map);
+                        surface3d::show(ui, surface3d::Input { surface, subject, gpu: None }, &mut self.solid);
                     }
                     Readout::Series(lines) => {
-                        series::show(ui, series::Input { series: lines, theme, logarithmic: false });
+                        series::show(ui, series::Input { series: lines, subject, logarithmic: false }, &mut self.plot);
                     }
                     Readout::Tiles(shown) => {
-                        tiles::show(ui, tiles::Input { tiles: shown, is_centred: false, theme }, &mut self.tiles);
+                        tiles::show(ui, tiles::Input { tiles: shown, is_centred: false, subject }, &mut self.tiles);
                     }
                     _ => {}
                 });

@@ -48,6 +48,7 @@ use motionscope::ui::model::writer::{Order, What};
 use motionscope::ui::{self, Start};
 use motionscope::view::look::Look;
 use motionscope::view::motion::Reverse;
+use motionscope::view::panes::Selection;
 use motionscope::view::shot::Format;
 use motionscope_core::scene::Readout;
 use motionscope_core::{Cursor, Value, metrics};
@@ -532,7 +533,7 @@ fn what_is_still_being_written_is_not_cut_short_by_the_next() {
     let folder = tempfile::tempdir().expect("a folder");
     let order = |what, name: &str| {
         let path = folder.path().join(name);
-        Order { what, path, scale: 2, look: Look::default() }
+        Order { what, path, scale: 2, look: Look::default(), panes: Selection::default() }
     };
     let mut window = Window::usual();
     let (from, to) = (Cursor { unit: 0, event: 1 }, Cursor { unit: 0, event: 12 });

@@ -10,6 +10,8 @@ use super::look::LookFlags;
 use crate::experiment::pixel::Pixel;
 use crate::results::Asked;
 use crate::session;
+use crate::view::panes::Named;
+use crate::view::shot::Format;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -204,12 +206,23 @@ pub struct PictureArgs {
     pub pixel: Option<Pixel>,
 }
 
+/// What stands on a picture.
+#[derive(Group)]
+pub struct SheetArgs {
+    /// Panes that are arranged on one sheet, the stage largest, with commas between them: stage, explanation, surface,
+    /// surface-3d, plane, series, tiles, matrices, histogram, errors or pyramid; --scale is then pixels per point of the sheet.
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',', num_args = 1, value_parser = pane)]
+    pub panes: Vec<Named>,
+}
+
 #[derive(Group)]
 pub struct RunArgs {
     #[command(flatten)]
     pub task: TaskArgs,
     #[command(flatten)]
     pub picture: PictureArgs,
+    #[command(flatten)]
+    pub sheet: SheetArgs,
     /// The step that the overlay shows: UNIT.EVENT as in 35.412, UNIT for its end, or 0 for the start; the end of the run unless given.
     #[arg(long, value_name = "CURSOR", value_parser = cursor)]
     pub step: Option<Cursor>,
@@ -219,9 +232,12 @@ pub struct RunArgs {
     /// Threads to run on; all cores unless given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=Threads::MAX as i64))]
     pub threads: Option<u32>,
-    /// Writes the picture of the step, .png or .svg; `-` is a PNG on standard output.
+    /// Writes the picture of the step, .png, .svg or .pdf; `-` is standard output, a PNG unless --format says otherwise.
     #[arg(long, value_name = "FILE")]
     pub overlay: Option<PathBuf>,
+    /// What the overlay is written as, png, svg or pdf; as its ending says unless given.
+    #[arg(long, value_parser = format, requires = "overlay")]
+    pub format: Option<Format>,
     #[command(flatten)]
     pub results: Asked,
     /// Writes results even over files that the run reads, or among the frames.
@@ -238,6 +254,8 @@ pub struct ExportArgs {
     pub task: TaskArgs,
     #[command(flatten)]
     pub picture: PictureArgs,
+    #[command(flatten)]
+    pub sheet: SheetArgs,
     /// First and last step, both written.
     #[arg(long, value_name = "A..B", value_parser = steps)]
     pub steps: (Cursor, Cursor),
@@ -250,15 +268,23 @@ pub struct ExportArgs {
     /// The rung whose stops are written, by the estimator's own name, e.g. block; every event unless given.
     #[arg(long, value_name = "RUNG")]
     pub every: Option<String>,
-    /// png or svg.
-    #[arg(long, default_value = "png", value_parser = ["png", "svg"])]
-    pub format: String,
+    /// png, svg or pdf.
+    #[arg(long, default_value = "png", value_parser = format)]
+    pub format: Format,
 }
 
 // What clap calls may fail with any error; the sentence is what counts.
 
 fn pixel(text: &str) -> Result<Pixel, String> {
     text.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn pane(id: &str) -> Result<Named, String> {
+    id.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn format(ending: &str) -> Result<Format, String> {
+    ending.parse().map_err(|error: motionscope_core::Error| error.to_string())
 }
 
 fn pace(id: &str) -> Result<Pace, String> {

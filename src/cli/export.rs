@@ -7,7 +7,7 @@ use super::outputs::refuse_losses;
 use super::say;
 use super::task;
 use crate::media::export::Target;
-use crate::view::shot::Format;
+use crate::view::panes::Selection;
 use crate::view::steps::{self, Steps};
 
 /// Writes what `args` ask for; each file whole or not at all.
@@ -24,9 +24,10 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         from: args.steps.0,
         to: args.steps.1,
         rung: rung.unwrap_or(info.rungs.len() - 1),
-        format: if args.format == "svg" { Format::Svg } else { Format::Png },
+        format: args.format,
         scale: args.picture.scale,
         look,
+        panes: Selection::of(&args.sheet.panes),
         pixel,
         must_have_layer: args.picture.look.0.has("layer"),
     };

@@ -18,6 +18,7 @@ use crate::results::{self, Export};
 use crate::view::look::Look;
 use crate::view::moment::Viewer;
 use crate::view::motion::{Check, Reverse};
+use crate::view::panes::Selection;
 use crate::view::shot::{Format, Shot};
 
 /// Runs what `args` ask for. Files are made in full before the first is written.
@@ -35,6 +36,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     outputs.check(estimator)?;
     if !args.task.beside.is_empty() && outputs.overlay.is_none() {
         return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
+    }
+    if !args.sheet.panes.is_empty() && outputs.overlay.is_none() {
+        return Err(Error::new("--panes is for the picture; give --overlay FILE as well"));
     }
     if args.picture.pixel.is_some() && outputs.overlay.is_none() {
         return Err(Error::new("--pixel is for the picture; give --overlay FILE as well"));
@@ -110,10 +114,15 @@ impl<'a> Outputs<'a> {
         files.iter().try_for_each(|path| check_folder(path))?;
         let formats = asked.iter().map(|(export, path)| Ok((*export, path, export.format(path)?)));
         Ok(Self {
-            overlay: args.overlay.as_ref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?,
+            overlay: args.overlay.as_ref().map(|path| Ok((path, Self::format(args, path)?))).transpose()?,
             results: formats.collect::<Result<_, Error>>()?,
             is_piped: pipes > 0,
         })
+    }
+
+    /// What the overlay is written as.
+    fn format(args: &RunArgs, path: &Path) -> Result<Format, Error> {
+        args.format.map_or_else(|| Format::of(path), Ok)
     }
 
     /// Refuses what `estimator` does not make.
@@ -201,7 +210,10 @@ impl Overlay<'_> {
         if let LevelShown::Number(level) = asked.level {
             check_level(level, moment.levels(), experiment.estimator.info().id)?;
         }
-        Shot { moment: &moment, estimator: &*experiment.estimator, look }.encode(format, picture.scale)
+        let panes = Selection::of(&args.sheet.panes);
+        panes.check(&*experiment.estimator)?;
+        panes.check_step(experiment.estimator.info(), &moment.step)?;
+        Shot { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }.encode(format, picture.scale)
     }
 }
 

@@ -3,6 +3,8 @@
 pub mod look;
 pub mod moment;
 pub mod motion;
+pub mod panes;
+pub mod sheet;
 pub mod shot;
 pub mod steps;
 pub mod tile;

@@ -1,6 +1,7 @@
 //! A picture of one step: the same pixels for the window and for the command line.
 
 use std::path::Path;
+use std::str::FromStr;
 
 use motionscope_core::params::Kind;
 use motionscope_core::scene::{Readout, Sentence};
@@ -8,7 +9,8 @@ use motionscope_core::{AnyEstimator, Error, Spec, Value};
 
 use super::look::Look;
 use super::moment::Moment;
-use crate::paint::{Caption, Part, Plate, PlateOptions, export_png, export_svg};
+use super::panes::Selection;
+use crate::paint::{Caption, Part, Plate, PlateOptions, View, export_pdf, export_png, export_svg};
 
 /// An SVG can be looked at from near: it has the marks of a PNG of this scale.
 const SVG_SCALE: u32 = 2;
@@ -22,6 +24,18 @@ pub struct Shot<'a> {
     pub estimator: &'a dyn AnyEstimator,
     /// How it looks.
     pub look: &'a Look,
+    /// The panes that stand on it; none for the stage alone.
+    pub panes: &'a Selection,
+}
+
+/// What stands around pictures.
+pub(super) struct Around {
+    /// Points per pixel of the clip.
+    pub zoom: f32,
+    /// Whether titles stand above them.
+    pub titles: bool,
+    /// Words above and below.
+    pub caption: Option<Caption>,
 }
 
 impl Shot<'_> {
@@ -31,31 +45,47 @@ impl Shot<'_> {
     /// If the picture would be larger than can be written.
     pub fn encode(&self, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
         match format {
-            Format::Png => export_png(&self.plate(scale), scale),
-            Format::Svg => export_svg(&self.plate(SVG_SCALE)).map(String::into_bytes),
+            Format::Png => export_png(&self.picture(scale), scale),
+            Format::Svg => export_svg(&self.picture(SVG_SCALE)).map(String::into_bytes),
+            Format::Pdf => export_pdf(&self.picture(SVG_SCALE)),
         }
     }
 
-    /// The picture, with the marks that `scale` pixels for each pixel of the clip have room for.
-    fn plate(&self, scale: u32) -> Plate {
+    /// The stage alone, or a sheet of the panes that are selected.
+    fn picture(&self, scale: u32) -> Plate {
+        if !self.panes.panes.is_empty() {
+            return self.sheet(scale);
+        }
+        let caption = self.look.caption.then(|| self.caption());
+        self.plate(Around { zoom: 1.0, titles: false, caption }, scale)
+    }
+
+    /// How the step is looked at.
+    pub(super) fn view(&self) -> View {
+        self.moment.view(self.look, self.estimator.is_of_single_frames())
+    }
+
+    /// The pictures of the step, with the marks that `scale` pixels for each point have room for.
+    pub(super) fn plate(&self, around: Around, scale: u32) -> Plate {
         let Self { moment, look, .. } = *self;
         let Moment { scene, pictures, tiles, .. } = moment;
         let heat = moment.step.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface.title.to_string()),
             _ => None,
         });
-        let view = moment.view(look, self.estimator.is_of_single_frames());
+        let view = self.view();
         let options = PlateOptions {
             view,
             style: look.style(pictures),
             phase: look.streaks.unwrap_or_default().get(),
             share: look.blend,
-            zoom: 1,
+            zoom: around.zoom,
+            titles: around.titles,
             scale,
             frame: Some(moment.frame),
             legend: look.legend,
             heat: heat.or(scene.heat.map(str::to_owned)).unwrap_or_default(),
-            caption: look.caption.then(|| self.caption()),
+            caption: around.caption,
         };
         if tiles.is_empty() {
             let pictures = pictures.on_level(scene.levels.as_ref(), look.level, view);
@@ -69,7 +99,7 @@ impl Shot<'_> {
         Plate::of(&parts.collect::<Vec<_>>(), scene, &options)
     }
 
-    fn caption(&self) -> Caption {
+    pub(super) fn caption(&self) -> Caption {
         let Moment { cursor, step, tiles, .. } = self.moment;
         Caption {
             // Each of several has its name above its own picture.
@@ -122,6 +152,18 @@ pub enum Format {
     Png,
     /// Lines that stay sharp at any size.
     Svg,
+    /// A page with lines that stay sharp and words that stay words.
+    Pdf,
+}
+
+impl FromStr for Format {
+    type Err = Error;
+
+    fn from_str(ending: &str) -> Result<Self, Error> {
+        let all = [Self::Png, Self::Svg, Self::Pdf];
+        let told = || Error::new(format!("a picture is written as png, svg or pdf, and not {ending}"));
+        all.into_iter().find(|format| format.extension() == ending.to_lowercase()).ok_or_else(told)
+    }
 }
 
 impl Format {
@@ -131,11 +173,10 @@ impl Format {
     /// A sentence that tells which endings there are.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("png") => Ok(Self::Png),
-            Some("svg") => Ok(Self::Svg),
+        let told = || Error::new(format!("{}: a picture is written as .png, .svg or .pdf", path.display()));
+        match extension {
             None if path == Path::new("-") => Ok(Self::Png),
-            _ => Err(Error::new(format!("{}: a picture is written as .png or .svg", path.display()))),
+            extension => extension.and_then(|ending| ending.parse().ok()).ok_or_else(told),
         }
     }
 
@@ -144,6 +185,7 @@ impl Format {
         match self {
             Self::Png => "png",
             Self::Svg => "svg",
+            Self::Pdf => "pdf",
         }
     }
 }

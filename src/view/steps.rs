@@ -7,6 +7,7 @@ use motionscope_core::{Clip, Cursor, Error, Move, Walk, Way};
 use super::look::Look;
 use super::moment::Viewer;
 use super::motion::{Offer, Reverse, Site};
+use super::panes::Selection;
 use super::shot::{Format, Shot};
 use super::tile::{self, tiles};
 use crate::experiment::Prepared;
@@ -28,6 +29,8 @@ pub struct Steps {
     pub scale: u32,
     /// How they look.
     pub look: Look,
+    /// The panes that stand on each; none for the stage alone.
+    pub panes: Selection,
     /// The pixel that is explained wherever it can be, in the place of the one at work.
     pub pixel: Option<Chosen>,
     /// Whether a layer that none of the steps has is refused.
@@ -108,7 +111,8 @@ impl Steps {
         while viewer.walk.cursor() <= self.to {
             let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*viewer.walk));
             let moment = viewer.moment(focus)?;
-            let picture = Shot { moment: &moment, estimator, look: &self.look }.encode(self.format, self.scale)?;
+            let picture = Shot { moment: &moment, estimator, look: &self.look, panes: &self.panes }
+                .encode(self.format, self.scale)?;
             export::save_result(&folder.join(Self::file_name(written.count, self.format)), &picture)?;
             written.add(layer.and_then(|layer| Some((layer, moment.why_without(layer)?))));
             if let Some(progress) = progress {

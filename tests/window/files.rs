@@ -141,7 +141,13 @@ fn what_the_clip_is_read_from_is_not_written_over() {
         refused(&mut window, Command::ExportPicture, &link, "would replace lesson.motionscope, the session");
     }
     // The writer itself refuses as well, whoever asks it.
-    let order = Order { what: What::Result(EXPORTS[0]), path: flow.clone(), scale: 1, look: Look::default() };
+    let order = Order {
+        what: What::Result(EXPORTS[0]),
+        path: flow.clone(),
+        scale: 1,
+        look: Look::default(),
+        panes: Selection::default(),
+    };
     window.harness.state_mut().write(order);
     window.settle();
     assert!(window.app().message().is_some_and(|message| message.contains("would replace the truth of the clip")));

@@ -2,6 +2,7 @@
 
 use super::*;
 use motionscope::view::moment::Viewer;
+use motionscope::view::panes::Selection;
 use motionscope::view::shot::Shot;
 use motionscope_core::Pace;
 
@@ -141,7 +142,7 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     let look = Look { view: None, ..Look::default() };
     for (name, what) in [("one.motionscope", What::Session), ("one.png", What::Picture)] {
         let path = folder.path().join(name);
-        window.harness.state_mut().write(Order { what, path, scale: 1, look });
+        window.harness.state_mut().write(Order { what, path, scale: 1, look, panes: Selection::default() });
         window.settle();
     }
     let shown = window.shown();
@@ -150,7 +151,8 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     let mut viewer = Viewer::new(&shown.subject.experiment, clip, &look, &reverse).unwrap();
     viewer.walk.jump(motionscope_core::Move::To(here));
     let moment = viewer.moment(None).unwrap();
-    let drawn = Shot { moment: &moment, estimator, look: &look }.encode(Format::Png, 1).unwrap();
+    let drawn =
+        Shot { moment: &moment, estimator, look: &look, panes: &Selection::default() }.encode(Format::Png, 1).unwrap();
     assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
     let path: OsString = folder.path().join("one.motionscope").into();
     let again = Window::with(vec2(1440.0, 900.0), Start { open: Some(path) });

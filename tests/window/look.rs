@@ -85,7 +85,13 @@ fn every_entry_is_the_same_by_flag_by_session_and_in_the_window() {
             }
             assert_eq!(window.app().settings().look, look, "{what}");
             for (file, wanted) in [(path("window.png"), What::Picture), (kept.clone(), What::Session)] {
-                window.harness.state_mut().write(Order { what: wanted, path: file, scale: 1, look });
+                window.harness.state_mut().write(Order {
+                    what: wanted,
+                    path: file,
+                    scale: 1,
+                    look,
+                    panes: Selection::default(),
+                });
                 window.harness.state_mut().wait();
             }
             assert_eq!(Session::load(&kept).expect("a session").look, Changes::from(look), "{what}");
@@ -111,7 +117,13 @@ fn a_streakline_keeps_its_moment_through_the_window() {
     fs::write(&first, text).expect("the session");
     let mut window = Window::with(vec2(1200.0, 800.0), Start { open: Some(first.into()) });
     let look = window.app().settings().look;
-    window.harness.state_mut().write(Order { what: What::Session, path: second.clone(), scale: 1, look });
+    window.harness.state_mut().write(Order {
+        what: What::Session,
+        path: second.clone(),
+        scale: 1,
+        look,
+        panes: Selection::default(),
+    });
     window.settle();
     let kept = Session::load(&second).expect("a session").look.over(Look::default());
     assert_eq!(kept.streaks.map(|phase| phase.get()), Some(0.25));

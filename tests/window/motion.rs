@@ -124,7 +124,13 @@ fn what_is_chosen_is_kept_in_a_session() {
     window.command(Command::MagnitudeLayer);
     let path = folder.path().join("two.motionscope");
     let look = Look::default();
-    window.harness.state_mut().write(Order { what: What::Session, path: path.clone(), scale: 1, look });
+    window.harness.state_mut().write(Order {
+        what: What::Session,
+        path: path.clone(),
+        scale: 1,
+        look,
+        panes: Selection::default(),
+    });
     window.settle();
     let session = Session::load(&path).unwrap();
     let look = session.look.over(Look::default());

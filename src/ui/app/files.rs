@@ -234,7 +234,8 @@ impl App {
             _ => None,
         };
         let folder = self.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());
-        let state = save::State::new(kind, &folder, &save::stem(&name), shown, self.settings.look);
+        let seen = save::Seen { look: self.settings.look, angles: self.states.angles(&shown.step) };
+        let state = save::State::new(kind, &folder, &save::stem(&name), shown, seen);
         self.overlay = Overlay::Save(Box::new(state));
     }
 

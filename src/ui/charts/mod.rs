@@ -1,10 +1,8 @@
-//! Charts of what a step tells, as they are drawn and pointed at in the window.
+//! Charts of what a step tells, as they are pointed at in the window; [`crate::paint::charts`] draws them.
 
-pub mod axis;
 pub mod distribution;
 pub mod heat_map;
 pub mod histogram;
-pub mod map;
 pub mod matrices;
 pub mod plane;
 pub mod plots;

@@ -12,10 +12,11 @@ use crate::experiment::company::Company;
 use crate::experiment::comparison::{self, Arena, Column, Row};
 use crate::experiment::source::Source;
 use crate::experiment::sweeps::{self, Sweep};
-use crate::paint::Theme;
+use crate::paint::{ColorMap, Theme};
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::app::commands::Command;
 use crate::ui::charts::series;
+use crate::ui::drawing::chart::Subject;
 use crate::ui::drawing::style;
 use crate::ui::model::background::Background;
 use crate::ui::model::comparing::{Comparing, Plan};
@@ -35,6 +36,8 @@ pub struct State {
     sweep: Option<Sweep>,
     /// The column that is plotted.
     plotted: usize,
+    /// The plot as it is shown.
+    plot: series::State,
     /// What is compared now: the estimators and the sweep.
     begun: Option<(Vec<&'static str>, Option<Sweep>)>,
     comparing: Option<Comparing>,
@@ -61,7 +64,17 @@ impl State {
         }
         // In the order of the course.
         chosen.sort_by_key(|id| all.iter().position(|other| other == id));
-        Self { chosen, sweep: None, plotted: 0, begun: None, comparing: None, refused: None, course: None, laid_out: 0 }
+        Self {
+            chosen,
+            sweep: None,
+            plotted: 0,
+            plot: series::State::default(),
+            begun: None,
+            comparing: None,
+            refused: None,
+            course: None,
+            laid_out: 0,
+        }
     }
 
     /// Whether nothing is being worked on.
@@ -301,7 +314,9 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
         let series = plot(&rows, plotted, state.sweep.as_ref().map_or("", |sweep| sweep.axis));
         let size = TextStyle::Body.resolve(ui.style()).size;
         ui.allocate_ui(vec2(ui.available_width().min(64.0 * size), 15.0 * size), |ui| {
-            series::show(ui, series::Input { series: &series, theme, logarithmic: is_wide(&series) });
+            let subject = Subject { step: None, whose: "", theme, colors: ColorMap::default() };
+            let input = series::Input { series: &series, subject, logarithmic: is_wide(&series) };
+            series::show(ui, input, &mut state.plot);
         });
         ui.add_space(4.0);
     }

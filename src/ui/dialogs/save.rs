@@ -14,9 +14,12 @@ use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{self, Order, What};
 use crate::ui::parts::widgets;
 use crate::view::look::Look;
+use crate::view::panes::{Angles, PANES, Pane, STAGE, Selection};
 use crate::view::shot::Format;
 use crate::view::steps::Steps;
 
+/// The entry of a look that a sheet does not have.
+const CAPTION: &str = "caption";
 /// Scales that can be chosen.
 const SCALES: [u32; 4] = [1, 2, 4, 8];
 
@@ -48,7 +51,11 @@ impl Kind {
         let choice = |ending, doc| Choice { label: label(ending), ending, doc, export: None };
         match self {
             Kind::Picture | Kind::Steps => {
-                vec![choice("png", "PNG, pixels"), choice("svg", "SVG, lines that stay sharp")]
+                vec![
+                    choice("png", "PNG, pixels"),
+                    choice("svg", "SVG, lines that stay sharp"),
+                    choice("pdf", "PDF, a page with lines and words that stay sharp"),
+                ]
             }
             Kind::Session => vec![choice("motionscope", "Session")],
             Kind::Result => {
@@ -83,6 +90,15 @@ fn label(ending: &str) -> String {
     if ending == "flo" { ".flo".to_owned() } else { ending.to_uppercase() }
 }
 
+/// How the window looks at what is written.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// How pictures look.
+    pub look: Look,
+    /// From where the things in space are looked at.
+    pub angles: Angles,
+}
+
 /// The dialog while it is open.
 pub struct State {
     kind: Kind,
@@ -93,6 +109,11 @@ pub struct State {
     scale: u32,
     /// How pictures will look: as they do in the window unless something else is chosen here.
     look: Look,
+    /// The panes that the estimator may have, and which of them are written.
+    panes: Vec<(&'static Pane, bool)>,
+    angles: Angles,
+    /// Those in which the step has nothing to show.
+    absent: Vec<&'static str>,
     from: String,
     to: String,
     rung: usize,
@@ -113,8 +134,12 @@ struct Found {
 
 impl State {
     /// The dialog for `kind`, with a name that says what it is, in `folder`.
-    pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, look: Look) -> Self {
-        let choices = kind.choices(shown.subject.experiment.estimator.produces());
+    pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, Seen { look, angles }: Seen) -> Self {
+        let estimator = &shown.subject.experiment.estimator;
+        let offered = PANES.into_iter().filter(|pane| pane.check(estimator.info(), estimator.charts()).is_ok());
+        let step = shown.tiles.first().map_or(&shown.step, |tile| &tile.step);
+        let absent = PANES.into_iter().filter(|pane| !(pane.is_told)(step)).map(|pane| pane.id).collect();
+        let choices = kind.choices(estimator.produces());
         let from = Cursor { unit: shown.cursor.unit, event: 1 };
         // Before the first step the steps of the first unit are meant.
         let to = if shown.cursor < from { Cursor { event: usize::MAX, ..from } } else { shown.cursor };
@@ -125,6 +150,9 @@ impl State {
             chosen: 0,
             scale: 2,
             look,
+            panes: offered.map(|pane| (pane, *pane == STAGE)).collect(),
+            angles,
+            absent,
             from: from.to_string(),
             to: to.to_string(),
             rung: Rungs::new(shown.info.rungs).event(),
@@ -149,7 +177,8 @@ impl State {
             (_, Some(export)) => export.explained,
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
-            _ => "What the stage shows, whole, with the same colours and lines.",
+            _ if self.selection().panes.is_empty() => "What the stage shows, whole, with the same colours and lines.",
+            _ => "The panes that are chosen, arranged on one sheet, the stage largest.",
         }
     }
 
@@ -202,7 +231,14 @@ impl State {
     }
 
     fn format(&self) -> Format {
-        if self.ending() == "svg" { Format::Svg } else { Format::Png }
+        self.ending().parse().unwrap_or(Format::Png)
+    }
+
+    /// The panes that are written; none for the stage alone.
+    fn selection(&self) -> Selection {
+        let chosen: Vec<_> = self.panes.iter().filter(|(_, is_chosen)| *is_chosen).map(|(pane, _)| *pane).collect();
+        let panes = if chosen.iter().all(|pane| **pane == STAGE) { Vec::new() } else { chosen };
+        Selection { panes, angles: self.angles }
     }
 
     /// What the dialog asks for, or what is wrong with it.
@@ -221,7 +257,7 @@ impl State {
                 What::Steps { from, to, rung: self.rung, format: self.format() }
             }
         };
-        Ok(Order { what, path, scale: self.scale, look: self.look })
+        Ok(Order { what, path, scale: self.scale, look: self.look, panes: self.selection() })
     }
 
     /// What writes a result to `path`: what was chosen, unless the ending that was typed is that of another.
@@ -312,16 +348,39 @@ fn options(ui: &mut Ui, state: &mut State, rungs: Rungs) {
             }
         });
     }
+    panes(ui, state);
+    let is_sheet = !state.selection().panes.is_empty();
     line(ui, "With", |ui| {
         for (index, spec) in Look::entries().iter().enumerate() {
             if let Value::Switch(mut on) = state.look.value(index) {
-                let response = ui.checkbox(&mut on, &spec.label).on_hover_text(&spec.doc);
+                // A sheet has a heading anyway.
+                let matters = !(is_sheet && spec.name == CAPTION);
+                let switch = egui::Checkbox::new(&mut on, &spec.label);
+                let response = ui.add_enabled(matters, switch).on_hover_text(&spec.doc);
                 if response.changed() {
                     state.look.set_value(index, Value::Switch(on)).unwrap_or_default();
                 }
                 ui.add_space(8.0);
             }
         }
+    });
+}
+
+/// What stands beside the stage.
+fn panes(ui: &mut Ui, state: &mut State) {
+    let is_picture = state.kind == Kind::Picture;
+    line(ui, "Panes", |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = vec2(4.0, 2.0);
+            for (pane, is_chosen) in &mut state.panes {
+                let is_there = !is_picture || !state.absent.contains(&pane.id);
+                let label = ui.add_enabled(is_there, Button::selectable(*is_chosen, pane.title));
+                let tip = format!("Shows {}, {}.", pane.doc, pane.when);
+                if label.on_hover_text(&tip).on_disabled_hover_text(tip).clicked() {
+                    *is_chosen = !*is_chosen;
+                }
+            }
+        });
     });
 }
 

@@ -2,11 +2,9 @@
 
 use eframe::egui::text::{LayoutJob, TextWrapping};
 use eframe::egui::{self, Color32, FontFamily, FontId, Painter, Pos2, Vec2, vec2};
-use motionscope_core::Role;
 
-use crate::paint::legend::{self, Sample};
-use crate::paint::{Color, Face, Theme};
-use crate::ui::drawing::primitives;
+use crate::paint::legend;
+use crate::paint::{Color, Face};
 
 /// A colour of the theme as the window wants it.
 pub fn color(color: Color) -> Color32 {
@@ -44,14 +42,3 @@ pub fn name(response: &egui::Response, name: impl Fn() -> String) {
 
 /// Width and height of a role's swatch.
 pub const SWATCH: Vec2 = vec2(legend::SWATCH[0], legend::SWATCH[1]);
-
-/// Paints how `role` is drawn over footage, [`SWATCH`] large, with its upper left corner at `min`.
-pub fn swatch(painter: &Painter, min: Pos2, role: Role, theme: Theme) {
-    let sample = match role {
-        Role::Result => Sample::Arrow,
-        Role::Measured => Sample::Point,
-        Role::Truth | Role::Error => Sample::Line,
-        _ => Sample::Frame,
-    };
-    painter.extend(primitives::shapes(painter, &legend::swatch(role, sample, theme, min.into())));
-}

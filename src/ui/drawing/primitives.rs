@@ -158,7 +158,8 @@ impl<'a> Maker<'a> {
 
     fn text(&mut self, line: &Line) {
         let mut at = Pos2::from(line.start());
-        for run in &line.runs {
+        // Of no letters, not even the place is known.
+        for run in line.runs.iter().filter(|run| !run.text.is_empty()) {
             let galley =
                 self.painter.layout_no_wrap(run.text.clone(), ink::font(run.face, line.size), ink::color(run.color));
             let baseline = galley.rows.first().and_then(|row| row.glyphs.first()).map_or(0.0, |glyph| glyph.pos.y);
@@ -172,6 +173,7 @@ impl<'a> Maker<'a> {
             at.x += galley.size().x;
             self.shapes.push(Shape::galley(corner, galley, Color32::PLACEHOLDER));
         }
+        line.underlines().for_each(|underline| self.add(&underline));
     }
 
     fn texture(&mut self, image: ColorImage) -> egui::TextureId {
@@ -196,6 +198,11 @@ impl<'a> Maker<'a> {
         };
         self.shapes.push(drawn.shape(arrows, sheet));
         self.now.arrows.push(drawn);
+    }
+
+    /// The shapes since the last ones were taken.
+    pub fn take(&mut self) -> Vec<Shape> {
+        std::mem::take(&mut self.shapes)
     }
 
     /// The shapes, and what they need to be kept.

@@ -13,6 +13,7 @@ use crate::media::Progress;
 use crate::media::export::{self, Inputs, Target};
 use crate::results::Export;
 use crate::view::look::Look;
+use crate::view::panes::Selection;
 use crate::view::shot::{Format, Shot};
 use crate::view::steps::{STEP, Steps};
 
@@ -52,6 +53,8 @@ pub struct Order {
     pub scale: u32,
     /// How it looks.
     pub look: Look,
+    /// The panes on pictures; none for the stage alone.
+    pub panes: Selection,
 }
 
 impl What {
@@ -103,11 +106,11 @@ impl Writing {
 /// Writes the picture of a step; says what was written.
 ///
 /// # Errors
-/// If the ending is neither `.png` nor `.svg`, the picture is too large, or the file cannot be written.
+/// If the ending is none of `.png`, `.svg` and `.pdf`, the picture is too large, or the file cannot be written.
 pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     let format = Format::of(&order.path)?;
     let estimator = &*shown.subject.experiment.estimator;
-    let shot = Shot { moment: &shown.moment, estimator, look: &order.look };
+    let shot = Shot { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes };
     export::save_result(&order.path, &shot.encode(format, order.scale)?)?;
     Ok(format!("Wrote {}.", order.path.display()))
 }
@@ -119,7 +122,8 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
 pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
     let What::Steps { from, to, rung, format } = order.what else { return picture(order, shown) };
     let pixel = shown.held().map(Chosen::Held);
-    let steps = Steps { from, to, rung, format, scale: order.scale, look: order.look, pixel, must_have_layer: false };
+    let (panes, scale) = (order.panes.clone(), order.scale);
+    let steps = Steps { from, to, rung, format, scale, look: order.look, panes, pixel, must_have_layer: false };
     let written = steps.write(&shown.subject, &order.path, Some(progress))?;
     Ok(format!("Wrote {} into {}{}.", written.pictures(), order.path.display(), written.without()))
 }

@@ -2,7 +2,6 @@
 
 pub mod clip_card;
 pub mod layout;
-pub mod math;
 pub mod parameters;
 pub mod rungs;
 pub mod status;
@@ -10,6 +9,8 @@ pub mod timeline;
 pub mod topbar;
 pub mod transport;
 pub mod why;
+
+use std::sync::Arc;
 
 use eframe::egui::{
     self, Align2, Button, Color32, Frame, Id, Margin, Rect, Response, RichText, Sense, Stroke, TextStyle, Ui, Visuals,
@@ -27,14 +28,16 @@ use super::model::loader::Loading;
 use super::model::snapshot::Snapshot;
 use super::model::walker::View;
 use super::parts::widgets;
-use crate::paint::{LevelShown, Theme};
+use crate::paint::LevelShown;
 use crate::ui::app::action::{Action, Actions, Side};
 use crate::ui::app::commands::Command;
 use crate::ui::charts::{distribution, heat_map, histogram, matrices, plane, plots, stack3d, surface3d, tiles};
+use crate::ui::drawing::chart::Subject;
 use crate::ui::drawing::style;
 use crate::ui::panes::layout::Pane;
 use crate::ui::stage;
 use crate::view::look::Look;
+use crate::view::panes::Angles;
 
 /// What the panes remember between frames, and of it from one day to the next how they are looked at.
 #[derive(Default, Serialize, Deserialize)]
@@ -58,14 +61,35 @@ pub struct States {
     pub stack3d: stack3d::State,
     /// Whether these stand in the place of the cost surface, where there are some.
     pub is_stack: bool,
+    /// The plane of displacements.
+    #[serde(skip)]
+    pub plane: plane::State,
     /// Quantities over steps.
     #[serde(skip)]
     pub plots: plots::State,
+    /// How often each displacement was found.
+    #[serde(skip)]
+    pub histogram: histogram::State,
+    /// How often errors have each size.
+    #[serde(skip)]
+    pub errors: distribution::State,
+    /// Matrices with their numbers.
+    #[serde(skip)]
+    pub matrices: matrices::State,
     /// Whether errors stand in the place of the displacements found, where both are there to be counted.
     pub is_errors: bool,
     /// Small pictures with their numbers.
     #[serde(skip)]
     pub tiles: tiles::State,
+}
+
+impl States {
+    /// From where the things in space are looked at that `step` tells of.
+    pub fn angles(&self, step: &Step) -> Angles {
+        let plane = step.readouts.iter().find_map(|r| if let Readout::Plane(plane) = r { Some(plane) } else { None });
+        let plane = plane.and_then(|plane| self.plane.window(plane));
+        Angles { surface: self.surface3d.orbit, pyramid: self.stack3d.orbit, plane }
+    }
 }
 
 /// What the panes show.
@@ -192,7 +216,7 @@ impl Panes<'_> {
     }
 
     /// The estimator that is explained, and what it tells.
-    fn told<'a>(&self, shown: &'a Snapshot) -> (&'static Info, &'a Step) {
+    fn told<'a>(&self, shown: &'a Snapshot) -> (&'static Info, &'a Arc<Step>) {
         match self.lockstep(shown) {
             Some(all) => (all.tiles[all.explained].info, &all.tiles[all.explained].step),
             None => (shown.info, &shown.step),
@@ -321,7 +345,7 @@ impl Panes<'_> {
 
     /// What stands over a pane: some are called after what they show just now.
     fn title(&self, pane: Pane) -> &'static str {
-        let step = self.view.shown.as_deref().map(|shown| self.told(shown).1);
+        let step = self.view.shown.as_deref().map(|shown| &**self.told(shown).1);
         let charts = self.document.estimator().charts();
         match pane {
             Pane::Surface if step.is_some_and(has_plane) || !charts.contains(&Chart::Surface) => "Displacements",
@@ -334,12 +358,13 @@ impl Panes<'_> {
             return empty(ui, &self.before("There is nothing to show"));
         };
         let (theme, colors) = (self.look.theme, self.look.colors);
-        let (_, step) = self.told(shown);
+        let (info, step) = self.told(shown);
+        let subject = Subject { step: Some(step), whose: info.name, theme, colors };
         let has_costs = shown.subject.experiment.estimator.charts().contains(&Chart::Surface);
-        if pane == Pane::Surface3d && pyramid(ui, step, has_costs, self.look, self.states) {
+        if pane == Pane::Surface3d && pyramid(ui, step, has_costs, (subject, self.look), self.states) {
             return;
         }
-        if pane == Pane::Histogram && errors(ui, step, theme, self.states) {
+        if pane == Pane::Histogram && errors(ui, step, subject, self.states) {
             return;
         }
         let states = &mut *self.states;
@@ -347,26 +372,30 @@ impl Panes<'_> {
         for readout in &step.readouts {
             match (pane, readout) {
                 (Pane::Surface, Readout::Surface(surface)) => {
-                    let input = heat_map::Input { surface, colors, theme };
+                    let input = heat_map::Input { surface, subject };
                     clicked = heat_map::show(ui, input, &mut states.heat_map).clicked;
                 }
-                (Pane::Surface, Readout::Plane(plane)) => plane::show(ui, plane::Input { plane, theme }),
+                (Pane::Surface, Readout::Plane(plane)) => {
+                    plane::show(ui, plane::Input { plane, subject }, &mut states.plane);
+                }
                 (Pane::Surface3d, Readout::Surface(surface)) => {
-                    let input = surface3d::Input { surface, colors, theme, gpu: self.gpu };
+                    let input = surface3d::Input { surface, subject, gpu: self.gpu };
                     surface3d::show(ui, input, &mut states.surface3d);
                 }
                 (Pane::Plot, Readout::Series(_)) => {
-                    clicked = plots::show(ui, &step.readouts, theme, &mut states.plots);
+                    clicked = plots::show(ui, &step.readouts, subject, &mut states.plots);
                 }
                 (Pane::Numbers, Readout::Tiles(tiles)) => {
                     let is_centred = !shown.subject.experiment.estimator.tests_candidates();
-                    tiles::show(ui, tiles::Input { tiles, is_centred, theme }, &mut states.tiles);
+                    tiles::show(ui, tiles::Input { tiles, is_centred, subject }, &mut states.tiles);
                 }
-                (Pane::Numbers, Readout::Matrices(all)) => matrices::show(ui, all, theme),
+                (Pane::Numbers, Readout::Matrices(all)) => {
+                    matrices::show(ui, all, subject, &mut states.matrices);
+                }
                 (Pane::Histogram, Readout::Histogram(counts)) => {
                     // The units of several in lockstep are their own, and not those of this estimator.
-                    let input = histogram::Input { histogram: counts, leads: shown.tiles.is_empty(), colors, theme };
-                    if let Some(unit) = histogram::show(ui, input).clicked {
+                    let input = histogram::Input { histogram: counts, leads: shown.tiles.is_empty(), subject };
+                    if let Some(unit) = histogram::show(ui, input, &mut states.histogram).clicked {
                         self.actions.ask(Action::Seek(Cursor { unit, event: usize::MAX }));
                     }
                 }
@@ -388,7 +417,13 @@ fn has_plane(step: &Step) -> bool {
 
 /// Where the step works on a pyramid: the choice between it and the cost surface, and the pyramid if it is chosen. Gives
 /// whether it is.
-fn pyramid(ui: &mut Ui, step: &Step, has_costs: bool, look: &mut Look, states: &mut States) -> bool {
+fn pyramid(
+    ui: &mut Ui,
+    step: &Step,
+    has_costs: bool,
+    (subject, look): (Subject<'_>, &mut Look),
+    states: &mut States,
+) -> bool {
     let stack = step.readouts.iter().find_map(|r| if let Readout::Stack(stack) = r { Some(stack) } else { None });
     let Some(stack) = stack else { return false };
     if has_costs {
@@ -408,7 +443,7 @@ fn pyramid(ui: &mut Ui, step: &Step, has_costs: bool, look: &mut Look, states: &
             return false;
         }
     }
-    let input = stack3d::Input { stack, on_stage: look.level.of(&stack.levels), theme: look.theme };
+    let input = stack3d::Input { stack, on_stage: look.level.of(&stack.levels), subject };
     if let Some(level) = stack3d::show(ui, input, &mut states.stack3d).clicked {
         // The stage may be drawn already.
         look.level = LevelShown::Number(level);
@@ -419,7 +454,7 @@ fn pyramid(ui: &mut Ui, step: &Step, has_costs: bool, look: &mut Look, states: &
 
 /// The errors against the truth where they are known, with the choice between them and the displacements where there
 /// are both; gives whether they are shown.
-fn errors(ui: &mut Ui, step: &Step, theme: Theme, states: &mut States) -> bool {
+fn errors(ui: &mut Ui, step: &Step, subject: Subject<'_>, states: &mut States) -> bool {
     let found = step.readouts.iter().find_map(|r| if let Readout::Distribution(all) = r { Some(all) } else { None });
     let Some(distribution) = found else { return false };
     if step.readouts.iter().any(|readout| matches!(readout, Readout::Histogram(_))) {
@@ -438,7 +473,7 @@ fn errors(ui: &mut Ui, step: &Step, theme: Theme, states: &mut States) -> bool {
             return false;
         }
     }
-    distribution::show(ui, distribution::Input { distribution, theme });
+    distribution::show(ui, distribution::Input { distribution, subject }, &mut states.errors);
     true
 }
 

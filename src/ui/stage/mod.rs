@@ -24,8 +24,6 @@ use motionscope_core::{Pace, Scene};
 
 pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;
-pub(crate) use pictures::image_of;
-pub(crate) use pixels::on_gray;
 pub use placing::{Gesture, Placing};
 
 use crate::paint::{self, Face, Panel, Placement, Shown, Theme, View};

@@ -7,7 +7,7 @@ use eframe::egui::mutex::RwLock;
 use eframe::egui_wgpu::{RenderState, Renderer};
 use eframe::wgpu::{self, util::DeviceExt as _};
 
-use crate::ui::charts::surface3d::relief::{Relief, Vertex};
+use crate::paint::charts::relief::mesh::{Relief, Vertex};
 
 /// What egui shows: gamma-encoded, premultiplied.
 const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;

@@ -1,12 +1,10 @@
-//! Typesetting of [`Math`]: a layout that can be measured and tested, and its painting.
+//! Typesetting of [`Math`]: a layout that can be measured, and its primitives.
 
-use eframe::egui::text::{LayoutJob, TextFormat};
-use eframe::egui::{self, Color32, Rect, Vec2, pos2, vec2};
 use motionscope_core::Role;
 use motionscope_core::scene::Math;
 
-use crate::paint::Face;
-use crate::ui::drawing::ink;
+use super::super::primitive::{Anchor, Line, Point, Primitive, Rect, Run};
+use super::super::{Face, Theme, fonts};
 
 /// Heights as fractions of the type size, common to the sans faces in use.
 const ASCENT: f32 = 0.78;
@@ -30,7 +28,7 @@ pub enum Piece {
     /// Text with the left end of its baseline at `at`.
     Text {
         /// Left end of the baseline.
-        at: Vec2,
+        at: Point,
         /// The words.
         text: String,
         /// Type size in points.
@@ -45,10 +43,10 @@ pub enum Piece {
 }
 
 impl Piece {
-    fn shift(&mut self, by: Vec2) {
+    fn shift(&mut self, by: Point) {
         match self {
-            Piece::Text { at, .. } => *at += by,
-            Piece::Rule(rect) => *rect = rect.translate(by),
+            Piece::Text { at, .. } => *at = [0, 1].map(|i| at[i] + by[i]),
+            Piece::Rule(rect) => *rect = rect.moved(by),
         }
     }
 }
@@ -68,17 +66,17 @@ pub struct Formula {
 
 impl Formula {
     /// Width and height in points.
-    pub fn size(&self) -> Vec2 {
-        vec2(self.width, self.ascent + self.descent)
+    pub fn size(&self) -> [f32; 2] {
+        [self.width, self.ascent + self.descent]
     }
 
     /// Sets `other` with its left end at `at`.
-    fn put(&mut self, mut other: Formula, at: Vec2) {
+    fn put(&mut self, mut other: Formula, at: Point) {
         other.pieces.iter_mut().for_each(|piece| piece.shift(at));
         self.pieces.append(&mut other.pieces);
-        self.width = self.width.max(at.x + other.width);
-        self.ascent = self.ascent.max(other.ascent - at.y);
-        self.descent = self.descent.max(other.descent + at.y);
+        self.width = self.width.max(at[0] + other.width);
+        self.ascent = self.ascent.max(other.ascent - at[1]);
+        self.descent = self.descent.max(other.descent + at[1]);
     }
 }
 
@@ -104,7 +102,7 @@ fn units(parts: &[Math], size: f32, measure: &mut dyn Measure) -> Vec<Formula> {
     let mut units = Vec::new();
     let mut unit = Formula::default();
     for part in parts {
-        let at = vec2(unit.width, 0.0);
+        let at = [unit.width, 0.0];
         unit.put(Setter { measure: &mut *measure }.set(part, size), at);
         if !is_operator(part) {
             units.push(std::mem::take(&mut unit));
@@ -137,7 +135,7 @@ fn break_lines(units: Vec<Formula>, size_pt: f32, max_width: f32) -> Formula {
             // What goes on is set in.
             line.width = size_pt.min((max_width - unit.width).max(0.0));
         }
-        let at = vec2(line.width, 0.0);
+        let at = [line.width, 0.0];
         line.put(unit, at);
     }
     add_line(&mut whole, line, below, size_pt);
@@ -148,7 +146,7 @@ fn break_lines(units: Vec<Formula>, size_pt: f32, max_width: f32) -> Formula {
 fn add_line(whole: &mut Formula, line: Formula, below: Option<f32>, size_pt: f32) -> f32 {
     let baseline = below.map_or(0.0, |y| y + 0.3 * size_pt + line.ascent);
     let lower = baseline + line.descent;
-    whole.put(line, vec2(0.0, baseline));
+    whole.put(line, [0.0, baseline]);
     lower
 }
 
@@ -162,8 +160,8 @@ impl Setter<'_> {
             Math::Text(text, role) => self.text(text, size, false, *role),
             Math::Var(name) => self.text(name, size, true, None),
             Math::Row(parts) => self.row(parts, size),
-            Math::Sub(base, index) => self.script(base, index, size, vec2(0.04, 0.22)),
-            Math::Sup(base, exponent) => self.script(base, exponent, size, vec2(0.06, -0.38)),
+            Math::Sub(base, index) => self.script(base, index, size, [0.04, 0.22]),
+            Math::Sup(base, exponent) => self.script(base, exponent, size, [0.06, -0.38]),
             Math::Frac(top, bottom) => self.fraction(top, bottom, size),
             Math::Sum(index) => self.sum(index, size),
             Math::Abs(inner) => self.bars(inner, size),
@@ -172,7 +170,7 @@ impl Setter<'_> {
 
     fn text(&mut self, text: &str, size_pt: f32, italic: bool, role: Option<Role>) -> Formula {
         let width = self.measure.width(text, size_pt, italic);
-        let piece = Piece::Text { at: Vec2::ZERO, text: text.into(), size_pt, italic, role };
+        let piece = Piece::Text { at: [0.0; 2], text: text.into(), size_pt, italic, role };
         Formula { width, ascent: ASCENT * size_pt, descent: DESCENT * size_pt, pieces: vec![piece] }
     }
 
@@ -180,16 +178,16 @@ impl Setter<'_> {
         let mut row = Formula::default();
         for part in parts {
             let part = self.set(part, size);
-            let at = vec2(row.width, 0.0);
+            let at = [row.width, 0.0];
             row.put(part, at);
         }
         row
     }
 
-    fn script(&mut self, base: &Math, script: &Math, size: f32, offset: Vec2) -> Formula {
+    fn script(&mut self, base: &Math, script: &Math, size: f32, offset: Point) -> Formula {
         let mut whole = self.set(base, size);
         let script = self.set(script, size * SMALL);
-        let at = vec2(whole.width + offset.x * size, offset.y * size);
+        let at = [whole.width + offset[0] * size, offset[1] * size];
         whole.put(script, at);
         whole
     }
@@ -200,9 +198,9 @@ impl Setter<'_> {
         let margin = 0.12 * size;
         let width = top.width.max(bottom.width) + 2.0 * margin;
         let mut whole = Formula::default();
-        let bar = Rect::from_min_max(pos2(0.04 * size, -AXIS * size - thickness), pos2(width, -AXIS * size));
-        let up = vec2((width - top.width) / 2.0, bar.min.y - gap - top.descent);
-        let down = vec2((width - bottom.width) / 2.0, bar.max.y + gap + bottom.ascent);
+        let bar = Rect::between([0.04 * size, -AXIS * size - thickness], [width, -AXIS * size]);
+        let up = [(width - top.width) / 2.0, bar.min[1] - gap - top.descent];
+        let down = [(width - bottom.width) / 2.0, bar.max[1] + gap + bottom.ascent];
         whole.put(top, up);
         whole.put(bottom, down);
         whole.pieces.push(Piece::Rule(bar));
@@ -219,9 +217,9 @@ impl Setter<'_> {
         let width = sign.width.max(index.width);
         let under = sink + 0.12 * size + index.ascent;
         let mut whole = Formula::default();
-        let at = vec2((width - sign.width) / 2.0, sink);
+        let at = [(width - sign.width) / 2.0, sink];
         whole.put(sign, at);
-        let at = vec2((width - index.width) / 2.0, under);
+        let at = [(width - index.width) / 2.0, under];
         whole.put(index, at);
         whole.width = width + 0.18 * size;
         whole
@@ -232,9 +230,9 @@ impl Setter<'_> {
         let (margin, thickness) = (0.14 * size, thickness(size));
         let (up, down) = (inner.ascent + 0.04 * size, inner.descent + 0.02 * size);
         let right = inner.width + 2.0 * margin + thickness;
-        let bar = |x: f32| Piece::Rule(Rect::from_min_max(pos2(x, -up), pos2(x + thickness, down)));
+        let bar = |x: f32| Piece::Rule(Rect::between([x, -up], [x + thickness, down]));
         let mut whole = Formula::default();
-        whole.put(inner, vec2(margin + thickness, 0.0));
+        whole.put(inner, [margin + thickness, 0.0]);
         whole.pieces.extend([bar(0.06 * size), bar(right - 0.06 * size)]);
         (whole.ascent, whole.descent) = (whole.ascent.max(up), whole.descent.max(down));
         whole.width = right + thickness;
@@ -246,63 +244,39 @@ fn thickness(size_pt: f32) -> f32 {
     (size_pt / 14.0).max(1.0)
 }
 
-/// Colours and size of a formula in the window.
-#[derive(Clone, Copy)]
-pub struct Ink<'a> {
-    /// Type size in points.
-    pub size_pt: f32,
-    /// Colour of what has no role.
-    pub text: Color32,
-    /// Colour of a role.
-    pub role: &'a dyn Fn(Role) -> Color32,
-}
+/// The program's own type.
+struct Fonts;
 
-/// Measures with the fonts of a window.
-pub struct Fonts<'a>(pub &'a egui::Painter);
-
-impl Measure for Fonts<'_> {
+impl Measure for Fonts {
     fn width(&mut self, text: &str, size_pt: f32, italic: bool) -> f32 {
-        self.0.layout_job(job(text, size_pt, italic, Color32::PLACEHOLDER)).size().x
+        fonts::width(text, face(italic), size_pt)
     }
 }
 
-fn job(text: &str, size_pt: f32, italic: bool, color: Color32) -> LayoutJob {
-    let font = ink::font(if italic { Face::Italic } else { Face::Sans }, size_pt);
-    let mut job = LayoutJob::single_section(text.into(), TextFormat::simple(font, color));
-    job.keep_trailing_whitespace = true;
-    job.round_output_to_gui = false;
-    job
+fn face(italic: bool) -> Face {
+    if italic { Face::Italic } else { Face::Sans }
 }
 
-/// Paints `formula` with its upper left corner at `at`.
-pub fn paint(painter: &egui::Painter, at: egui::Pos2, formula: &Formula, ink: &Ink<'_>) {
-    let origin = at.to_vec2() + vec2(0.0, formula.ascent);
-    for piece in &formula.pieces {
-        match piece {
-            Piece::Rule(rect) => {
-                painter.rect_filled(rect.translate(origin), 0.0, ink.text);
+/// `math` in the program's own type, at most `max_width` points wide where it can be broken.
+pub fn typeset(math: &Math, size_pt: f32, max_width: f32) -> Formula {
+    lay_out(math, size_pt, max_width, &mut Fonts)
+}
+
+impl Formula {
+    /// The formula with its upper left corner at `at`.
+    pub fn primitives(&self, at: Point, theme: Theme) -> Vec<Primitive> {
+        let origin = [at[0], at[1] + self.ascent];
+        let text = theme.chrome().text;
+        let piece = |piece: &Piece| match piece {
+            Piece::Rule(rect) => Primitive::Polygon { points: rect.moved(origin).corners(), color: text },
+            Piece::Text { at, text: words, size_pt, italic, role } => {
+                let run = Run::new(words, role.map_or(text, |role| theme.word(role))).face(face(*italic));
+                let at = [0, 1].map(|i| origin[i] + at[i]);
+                Primitive::Text(Line { at, anchor: Anchor::Start, size: *size_pt, runs: vec![run], halo: None })
             }
-            // Of no letters, not even the place is known.
-            Piece::Text { text, .. } if text.is_empty() => {}
-            Piece::Text { at, text, size_pt, italic, role } => {
-                let color = role.map_or(ink.text, |role| (ink.role)(role));
-                let galley = painter.layout_job(job(text, *size_pt, *italic, color));
-                let baseline = galley.rows.first().and_then(|row| row.glyphs.first()).map_or(0.0, |glyph| glyph.pos.y);
-                painter.galley((origin + *at - vec2(0.0, baseline)).to_pos2(), galley, color);
-            }
-        }
+        };
+        self.pieces.iter().map(piece).collect()
     }
-}
-
-/// Shows `math` in as much width as there is; its accessible name is [`Math::plain`].
-pub fn show(ui: &mut egui::Ui, math: &Math, ink: &Ink<'_>) -> egui::Response {
-    let formula = lay_out(math, ink.size_pt, ui.available_width(), &mut Fonts(ui.painter()));
-    let (rect, response) = ui.allocate_exact_size(formula.size(), egui::Sense::hover());
-    ink::name(&response, || math.plain());
-    if ui.is_rect_visible(rect) {
-        paint(ui.painter(), rect.min, &formula, ink);
-    }
-    response
 }
 
 #[cfg(test)]
@@ -324,7 +298,7 @@ mod tests {
 
     fn baselines(formula: &Formula) -> Vec<f32> {
         let y = |piece: &Piece| match piece {
-            Piece::Text { at, .. } => Some(at.y),
+            Piece::Text { at, .. } => Some(at[1]),
             Piece::Rule(_) => None,
         };
         formula.pieces.iter().filter_map(y).collect()
@@ -353,7 +327,7 @@ mod tests {
         let frac = set(&Math::Frac(Box::new(Math::text("812")), Box::new(Math::text("256"))), 100.0);
         let [top, bottom] = baselines(&frac)[..] else { panic!("two texts") };
         let Some(Piece::Rule(bar)) = frac.pieces.last() else { panic!("a bar") };
-        assert!(top < bar.min.y && bottom - CAP * 18.0 > bar.max.y);
+        assert!(top < bar.min[1] && bottom - CAP * 18.0 > bar.max[1]);
     }
 
     #[test]
@@ -364,8 +338,8 @@ mod tests {
         assert_eq!(wide.pieces.len(), narrow.pieces.len());
         assert!(narrow.width <= 130.0 && narrow.descent > 2.0 * wide.descent);
         let ends = narrow.pieces.iter().map(|p| match p {
-            Piece::Text { at, text, size_pt, .. } => at.x + text.chars().count() as f32 * size_pt / 2.0,
-            Piece::Rule(rect) => rect.max.x,
+            Piece::Text { at, text, size_pt, .. } => at[0] + text.chars().count() as f32 * size_pt / 2.0,
+            Piece::Rule(rect) => rect.max[0],
         });
         assert!(ends.fold(0.0, f32::max) <= 130.0);
     }

@@ -1,11 +1,11 @@
-//! The cost surface as triangles.
+//! The cost surface as triangles in space.
 
 use glam::Vec3;
 use motionscope_core::Role;
 use motionscope_core::scene::Surface;
 
-use crate::paint::{ColorMap, Theme};
-use crate::ui::charts::heat_map::cost;
+use super::super::super::{ColorMap, Theme};
+use super::super::heat_map::{Shades, cost};
 
 /// Height of the largest cost over the ground, whose longer side is 2.
 const HEIGHT: f32 = 1.0;
@@ -58,6 +58,11 @@ impl Bench {
         spans.map(|span| span / spans[0].max(spans[1]))
     }
 
+    /// The displacement of a column and row.
+    pub fn displacement(&self, at: [usize; 2]) -> [f32; 2] {
+        [0, 1].map(|i| self.origin[i] as f32 + at[i] as f32)
+    }
+
     /// The place of a cost at a displacement.
     pub fn place(&self, [u, v]: [f32; 2], cost: f32) -> Vec3 {
         let half = self.half();
@@ -78,7 +83,7 @@ impl Bench {
 pub fn relief(surface: &Surface, colors: ColorMap, theme: Theme) -> Relief {
     let mut relief = Relief::default();
     let bench = Bench::new(surface);
-    relief.sheet(surface, &bench, colors);
+    relief.sheet(&grid(surface, colors));
     for (role, at, top) in pins(surface) {
         relief.pin(surface, &bench, (role, at, top), theme);
     }
@@ -92,58 +97,114 @@ pub fn pins(surface: &Surface) -> Vec<(Role, [i32; 2], f32)> {
     best.into_iter().chain(probe).collect()
 }
 
-impl Relief {
-    fn sheet(&mut self, surface: &Surface, bench: &Bench, colors: ColorMap) {
-        let Some([low, high]) = surface.range() else { return };
-        let span = (high - low).max(f32::MIN_POSITIVE);
-        let known = |x: usize, y: usize| surface.values.get(x, y).copied().filter(|v| v.is_finite());
-        let displacement =
-            |x: usize, y: usize| [surface.origin[0] as f32 + x as f32, surface.origin[1] as f32 + y as f32];
-        let [width, height] = bench.size;
-        let vertex = |x: usize, y: usize, cost: f32| Vertex {
-            place: bench.place(displacement(x, y), cost).into(),
-            normal: normal(surface, bench, x, y).into(),
-            color: colors.at((cost - low) / span).0,
+/// Radii of the needle and of the ball of a pin.
+pub fn pin_radii(role: Role, theme: Theme) -> [f32; 2] {
+    let thick = theme.ink(role).width / 2.0;
+    [0.007 * thick, 0.03 * thick.sqrt()]
+}
+
+/// The corners of a surface: a place for each displacement whose cost is known.
+pub struct Corners {
+    bench: Bench,
+    size: [usize; 2],
+    all: Vec<Option<Vertex>>,
+}
+
+/// The corners of `surface` in colors of its costs.
+pub fn grid(surface: &Surface, colors: ColorMap) -> Corners {
+    let (bench, shades) = (Bench::new(surface), Shades::of(surface, colors));
+    let [width, height] = bench.size;
+    let corner = |x: usize, y: usize| {
+        let cost = surface.values.get(x, y).copied().filter(|v| v.is_finite())?;
+        Some(Vertex {
+            place: bench.place(bench.displacement([x, y]), cost).into(),
+            normal: normal(surface, &bench, x, y).into(),
+            color: shades.at(cost).0,
             grid: [x as f32, y as f32],
-        };
-        let mut index = vec![u32::MAX; width * height];
-        for y in 0..height {
-            for x in 0..width {
-                let Some(cost) = known(x, y) else { continue };
-                index[y * width + x] = self.vertices.len() as u32;
-                self.vertices.push(vertex(x, y, cost));
-            }
-        }
-        let corner = |x: usize, y: usize| index[y * width + x];
-        let mut covered = vec![false; width * height];
-        for y in 0..height.saturating_sub(1) {
-            for x in 0..width.saturating_sub(1) {
-                let quad = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)];
-                let [a, b, c, d] = quad.map(|(x, y)| corner(x, y));
-                if [a, b, c, d].contains(&u32::MAX) {
-                    continue;
-                }
-                quad.iter().for_each(|&(x, y)| covered[y * width + x] = true);
-                self.indices.extend([a, b, c, a, c, d]);
-            }
-        }
-        // A tested cell without tested neighbours all round is shown as a small plate.
-        for y in 0..height {
-            for x in 0..width {
-                if let Some(cost) = known(x, y).filter(|_| !covered[y * width + x]) {
-                    self.plate(bench, displacement(x, y), vertex(x, y, cost));
-                }
-            }
-        }
+        })
+    };
+    let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| corner(x, y)).collect();
+    Corners { bench, size: [width, height], all }
+}
+
+impl Corners {
+    /// The corner in a column and row.
+    pub fn vertex(&self, [x, y]: [usize; 2]) -> Option<&Vertex> {
+        let [width, height] = self.size;
+        if x < width && y < height { self.all[y * width + x].as_ref() } else { None }
     }
 
-    fn plate(&mut self, bench: &Bench, [u, v]: [f32; 2], middle: Vertex) {
-        let first = self.vertices.len() as u32;
-        for [du, dv] in [[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]] {
-            let place = bench.place([u + du, v + dv], 0.0) + Vec3::Y * middle.place[1];
-            self.vertices.push(Vertex { place: place.into(), normal: [0.0, 1.0, 0.0], grid: [0.5, 0.5], ..middle });
+    /// The corners of the cell whose first column and row these are, clockwise, if all are known.
+    pub fn cell(&self, [x, y]: [usize; 2]) -> Option<[Vertex; 4]> {
+        let at = |x, y| self.vertex([x, y]).copied();
+        Some([at(x, y)?, at(x + 1, y)?, at(x + 1, y + 1)?, at(x, y + 1)?])
+    }
+
+    /// The cells of which all corners are known, row by row.
+    pub fn cells(&self) -> Vec<[usize; 2]> {
+        let [width, height] = self.size.map(|n| n.saturating_sub(1));
+        let all = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+        all.filter(|at| self.cell(*at).is_some()).collect()
+    }
+
+    /// What is known without known neighbors all round, as small plates.
+    pub fn plates(&self) -> Vec<[Vertex; 4]> {
+        let [width, height] = self.size;
+        let mut covered = vec![false; width * height];
+        for [x, y] in self.cells() {
+            for (x, y) in [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)] {
+                covered[y * width + x] = true;
+            }
         }
-        self.indices.extend([0, 1, 2, 0, 2, 3].map(|i| first + i));
+        let alone = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+        let alone = alone.filter(|[x, y]| !covered[y * width + x]);
+        alone.filter_map(|at| Some(self.plate(at, *self.vertex(at)?))).collect()
+    }
+
+    fn plate(&self, at: [usize; 2], middle: Vertex) -> [Vertex; 4] {
+        let [u, v] = self.bench.displacement(at);
+        [[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]].map(|[du, dv]| {
+            let place = self.bench.place([u + du, v + dv], 0.0) + Vec3::Y * middle.place[1];
+            Vertex { place: place.into(), normal: [0.0, 1.0, 0.0], grid: [0.5, 0.5], ..middle }
+        })
+    }
+}
+
+impl Vertex {
+    /// What lies between the corners of a cell, a share from the first along columns and along rows.
+    pub fn between([a, b, c, d]: &[Vertex; 4], [s, t]: [f32; 2]) -> Self {
+        let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t];
+        let mix = |of: &dyn Fn(&Vertex) -> f32| {
+            [a, b, c, d].iter().zip(weights).map(|(corner, weight)| of(corner) * weight).sum::<f32>()
+        };
+        Self {
+            place: [0, 1, 2].map(|i| mix(&|v| v.place[i])),
+            normal: [0, 1, 2].map(|i| mix(&|v| v.normal[i])),
+            color: [0, 1, 2, 3].map(|i| mix(&|v| f32::from(v.color[i])).round() as u8),
+            grid: [0, 1].map(|i| mix(&|v| v.grid[i])),
+        }
+    }
+}
+
+impl Relief {
+    fn sheet(&mut self, grid: &Corners) {
+        let [width, height] = grid.size;
+        let mut index = vec![u32::MAX; width * height];
+        for [x, y] in (0..height).flat_map(|y| (0..width).map(move |x| [x, y])) {
+            if let Some(vertex) = grid.vertex([x, y]) {
+                index[y * width + x] = self.vertices.len() as u32;
+                self.vertices.push(*vertex);
+            }
+        }
+        for [x, y] in grid.cells() {
+            let [a, b, c, d] = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(|(x, y)| index[y * width + x]);
+            self.indices.extend([a, b, c, a, c, d]);
+        }
+        for plate in grid.plates() {
+            let first = self.vertices.len() as u32;
+            self.vertices.extend(plate);
+            self.indices.extend([0, 1, 2, 0, 2, 3].map(|i| first + i));
+        }
     }
 
     /// A needle that can be seen above the surface, and a ball on the surface.
@@ -151,9 +212,9 @@ impl Relief {
         let Some(cost) = cost(surface, at) else { return };
         let color = theme.ink(role).color.0;
         let foot = bench.place(at.map(|c| c as f32), cost);
-        let thick = theme.ink(role).width / 2.0;
-        self.needle(foot, top, 0.007 * thick, color);
-        self.ball(foot, 0.03 * thick.sqrt(), color);
+        let [needle, ball] = pin_radii(role, theme);
+        self.needle(foot, top, needle, color);
+        self.ball(foot, ball, color);
     }
 
     fn needle(&mut self, foot: Vec3, top: f32, radius: f32, color: [u8; 4]) {
@@ -212,8 +273,9 @@ fn normal(surface: &Surface, bench: &Bench, x: usize, y: usize) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use motionscope_core::Grid;
+
+    use super::*;
 
     fn surface(known: impl Fn(usize, usize) -> bool) -> Surface {
         let cost = |x: usize, y: usize| if known(x, y) { (x * x + y) as f32 } else { f32::NAN };

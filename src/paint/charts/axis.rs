@@ -29,6 +29,15 @@ impl Axis {
         ticks(self.low(), self.high(), self.step(spacing).max(smallest))
     }
 
+    /// The same, but longer: it ends on ticks, so that it has two at least and seldom changes while values come in.
+    #[must_use]
+    pub fn rounded(self, spacing: f32) -> Self {
+        let step = nice(f64::from(self.step(spacing)).max(f64::from(f32::MIN_POSITIVE))) as f32;
+        let [low, high] = [self.low(), self.high()];
+        let values = [(low / step).floor() * step, (high / step).ceil().max(1.0) * step];
+        Self { values, ..self }
+    }
+
     /// Ticks of displacements: multiples of a power of two, as search ranges are, at least `spacing` points apart.
     pub fn displacement_ticks(&self, spacing: f32) -> Vec<f32> {
         let least = self.step(spacing);
@@ -58,13 +67,18 @@ pub fn ticks(low: f32, high: f32, step: f32) -> Vec<f32> {
     if !(low.is_finite() && high.is_finite() && step.is_finite() && step > 0.0 && low <= high) {
         return Vec::new();
     }
-    let decade = 10f64.powf(f64::from(step).log10().floor());
-    let nice = [1.0, 2.0, 5.0, 10.0].map(|m| m * decade);
-    let step = nice.into_iter().find(|&s| s >= f64::from(step) * (1.0 - 1e-6)).unwrap_or(10.0 * decade);
+    let step = nice(f64::from(step));
     let slack = 1e-4;
     let first = (f64::from(low) / step - slack).ceil() as i64;
     let last = (f64::from(high) / step + slack).floor() as i64;
     (first..=last).take(1000).map(|i| (i as f64 * step) as f32).collect()
+}
+
+/// The smallest of 1, 2, 5 × 10ⁿ that is at least `step`.
+fn nice(step: f64) -> f64 {
+    let decade = 10f64.powf(step.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|m| m * decade);
+    steps.into_iter().find(|&s| s >= step * (1.0 - 1e-6)).unwrap_or(10.0 * decade)
 }
 
 #[cfg(test)]
@@ -96,6 +110,17 @@ mod tests {
             let ticks = axis.ticks(40.0, 1.0);
             assert!(!ticks.is_empty());
             assert!(ticks.windows(2).all(|w| axis.place(w[1]) - axis.place(w[0]) >= 39.9), "{high}: {ticks:?}");
+        }
+    }
+
+    #[test]
+    fn even_a_short_axis_has_two_ticks() {
+        for length in [20.0, 50.0, 90.0, 300.0] {
+            for high in [0.4, 1.0, 7.0, 410.0, 1300.0, 76_799.0] {
+                let axis = Axis { values: [0.0, high], places: [length, 0.0] }.rounded(36.0);
+                let ticks = axis.ticks(36.0, 0.0);
+                assert!(ticks.len() >= 2 && ticks.last() >= Some(&(high * 0.999)), "{high} on {length}: {ticks:?}");
+            }
         }
     }
 

@@ -1,9 +1,11 @@
 //! A camera that turns about the middle of the ground.
 
-use eframe::egui::{Pos2, Rect, Vec2, pos2};
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
+
+use super::super::primitive::{Point, Rect};
+use super::canvas::middle;
 
 const FIELD_OF_VIEW_RAD: f32 = 0.5;
 const DISTANCE: f32 = 5.6;
@@ -45,9 +47,9 @@ impl Room {
 impl Orbit {
     /// After a drag by `delta` points.
     #[must_use]
-    pub fn turned(self, delta: Vec2) -> Self {
-        let yaw_rad = (self.yaw_rad - 0.008 * delta.x).rem_euclid(std::f32::consts::TAU);
-        let pitch_rad = (self.pitch_rad + 0.008 * delta.y).clamp(0.06, 1.5);
+    pub fn turned(self, delta: [f32; 2]) -> Self {
+        let yaw_rad = (self.yaw_rad - 0.008 * delta[0]).rem_euclid(std::f32::consts::TAU);
+        let pitch_rad = (self.pitch_rad + 0.008 * delta[1]).clamp(0.06, 1.5);
         Self { yaw_rad, pitch_rad, ..self }
     }
 
@@ -67,8 +69,8 @@ impl Orbit {
     /// Clip space from the world, for a picture of `size` points with a `margin` left and right, above and below.
     ///
     /// At zoom 1 the `room` fills the picture, and its size does not change while it turns.
-    pub fn clip_from_world(&self, room: Room, size: Vec2, margin: Vec2) -> Mat4 {
-        let size = size.max(Vec2::splat(1.0));
+    pub fn clip_from_world(&self, room: Room, size: [f32; 2], margin: [f32; 2]) -> Mat4 {
+        let (size, margin) = (Vec2::from(size).max(Vec2::splat(1.0)), Vec2::from(margin));
         let aspect = (size.x / size.y).clamp(0.05, 20.0);
         let projection = perspective(FIELD_OF_VIEW_RAD, aspect, 0.1, 100.0);
         let seen = projection * look_at_mat4(self.eye(), TARGET, Vec3::Y);
@@ -82,21 +84,21 @@ impl Orbit {
 }
 
 /// The part of the picture that `room` takes.
-fn extent(seen: &Mat4, room: Room) -> (glam::Vec2, glam::Vec2) {
+fn extent(seen: &Mat4, room: Room) -> (Vec2, Vec2) {
     let Room { ground, top: [top, reach] } = room;
     let rim = (0..24).flat_map(|i| {
         let (sin, cos) = (i as f32 / 24.0 * std::f32::consts::TAU).sin_cos();
         [Vec3::new(ground * cos, 0.0, ground * sin), Vec3::new(reach * cos, top, reach * sin)]
     });
-    let (low, high) = (glam::Vec2::MAX, glam::Vec2::MIN);
+    let (low, high) = (Vec2::MAX, Vec2::MIN);
     rim.map(|place| seen.project_point3(place).truncate())
         .fold((low, high), |(low, high), at| (low.min(at), high.max(at)))
 }
 
-/// The camera over a part of the screen.
-#[derive(Clone, Copy, Debug)]
+/// The camera over a part of the sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screen {
-    /// The part of the screen, in points.
+    /// The part of the sheet, in points.
     pub rect: Rect,
     /// Clip space from the world.
     pub clip_from_world: Mat4,
@@ -104,25 +106,24 @@ pub struct Screen {
 
 impl Screen {
     /// The world as seen from `orbit` in `rect` with a `margin` around it for words.
-    pub fn new(rect: Rect, orbit: &Orbit, room: Room, margin: Vec2) -> Self {
+    pub fn new(rect: Rect, orbit: &Orbit, room: Room, margin: [f32; 2]) -> Self {
         Self { rect, clip_from_world: orbit.clip_from_world(room, rect.size(), margin) }
     }
 
     /// Where a place of the world is seen, and its depth from 0 near to 1 far.
-    pub fn project(&self, place: Vec3) -> (Pos2, f32) {
+    pub fn project(&self, place: Vec3) -> (Point, f32) {
         let clip = self.clip_from_world.project_point3(place);
-        let at = self.rect.center() + Vec2::new(clip.x, -clip.y) * self.rect.size() / 2.0;
-        (pos2(at.x, at.y), clip.z)
+        let (center, half) = (middle(&self.rect), self.rect.size().map(|side| side / 2.0));
+        ([center[0] + clip.x * half[0], center[1] - clip.y * half[1]], clip.z)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eframe::egui::vec2;
 
     fn screen(orbit: &Orbit) -> Screen {
-        Screen::new(Rect::from_min_size(pos2(40.0, 10.0), vec2(600.0, 400.0)), orbit, Room::SURFACE, Vec2::ZERO)
+        Screen::new(Rect::new([40.0, 10.0], [600.0, 400.0]), orbit, Room::SURFACE, [0.0; 2])
     }
 
     #[test]
@@ -130,23 +131,24 @@ mod tests {
         let front = Orbit { yaw_rad: 0.0, ..Orbit::default() };
         let screen = screen(&front);
         let at = |x, y, z| screen.project(Vec3::new(x, y, z));
-        assert!(at(1.0, 0.0, 0.0).0.x > at(-1.0, 0.0, 0.0).0.x, "u to the right");
-        assert!(at(0.0, 1.0, 0.0).0.y < at(0.0, 0.0, 0.0).0.y, "cost upwards");
-        assert!(at(0.0, 0.0, 1.0).0.y > at(0.0, 0.0, -1.0).0.y, "v towards the eye");
+        assert!(at(1.0, 0.0, 0.0).0[0] > at(-1.0, 0.0, 0.0).0[0], "u to the right");
+        assert!(at(0.0, 1.0, 0.0).0[1] < at(0.0, 0.0, 0.0).0[1], "cost upwards");
+        assert!(at(0.0, 0.0, 1.0).0[1] > at(0.0, 0.0, -1.0).0[1], "v towards the eye");
         assert!(at(0.0, 0.0, 1.0).1 < at(0.0, 0.0, -1.0).1, "and nearer");
-        assert!((at(0.0, 0.4, 0.0).0.x - screen.rect.center().x).abs() < 1e-2);
+        assert!((at(0.0, 0.4, 0.0).0[0] - middle(&screen.rect)[0]).abs() < 1e-2);
     }
 
     #[test]
     fn everything_is_in_the_picture_from_every_side() {
-        for aspect in [vec2(900.0, 300.0), vec2(400.0, 400.0), vec2(260.0, 420.0)] {
+        for size in [[900.0, 300.0], [400.0, 400.0], [260.0, 420.0]] {
             for i in 0..12 {
                 let orbit = Orbit { yaw_rad: i as f32 * 0.53, ..Orbit::default() };
-                let rect = Rect::from_min_size(Pos2::ZERO, aspect);
-                let screen = Screen::new(rect, &orbit, Room::SURFACE, Vec2::ZERO);
+                let rect = Rect::new([0.0; 2], size);
+                let screen = Screen::new(rect, &orbit, Room::SURFACE, [0.0; 2]);
                 for corner in [[-1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.5, 1.3, -0.5]] {
                     let (at, depth) = screen.project(corner.into());
-                    assert!(rect.expand(1.0).contains(at) && (0.0..1.0).contains(&depth), "{aspect} {orbit:?}: {at}");
+                    let inside = (0..2).all(|i| (-1.0..=size[i] + 1.0).contains(&at[i]));
+                    assert!(inside && (0.0..1.0).contains(&depth), "{size:?} {orbit:?}: {at:?}");
                 }
             }
         }
@@ -154,7 +156,7 @@ mod tests {
 
     #[test]
     fn turning_stays_above_the_ground_and_zooming_in_bounds() {
-        let orbit = Orbit::default().turned(vec2(1e5, -1e5)).nearer(1e6);
+        let orbit = Orbit::default().turned([1e5, -1e5]).nearer(1e6);
         assert!(orbit.eye().y > 0.0 && orbit.zoom == ZOOM.1);
         assert_eq!(Orbit::default().nearer(1e-6).zoom, ZOOM.0);
     }
