@@ -90,9 +90,9 @@ pub use geometry::{Border, Bounds, Gray, Grid};
 pub use methods::kalman;
 pub use params::{Params, Spec, Value};
 pub use products::{
-    Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Feature,
-    Followed, Life, MaskField, Object, ObjectField, ObjectFrame, Output, PointField, Product, ProductKind, Status,
-    Streak, Streaks, Track, TrackField, metrics, predict, table,
+    Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,
+    Feature, Followed, Keypoint, Life, MaskField, Object, ObjectField, ObjectFrame, Output, PointField, Product,
+    ProductKind, Status, Streak, Streaks, Track, TrackField, metrics, predict, table,
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, Cursor, Estimator, Explained, Extent, Footprint, Info, Lockstep, Move, Pace, Pointed,

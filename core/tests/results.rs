@@ -1,15 +1,32 @@
 //! Results hold bit for bit: what every estimator makes of bundled clips, as one number each.
 
 use motionscope_core::{
-    AnyEstimator, BlockField, Clip, ObjectField, Output, Params, PointField, Threads, TrackField, estimators, synth,
+    AnyEstimator, BlockField, Clip, Feature, ObjectField, Output, Params, Threads, TrackField, estimators, products,
+    synth,
 };
+
+/// Keypoints as the record knows them: scale, orientation and descriptor came later.
+#[derive(Debug)]
+#[expect(dead_code, reason = "what is held is told")]
+struct PointField<'a> {
+    picture: (usize, usize),
+    points: &'a [Feature],
+    responses: Vec<f32>,
+}
+
+impl<'a> PointField<'a> {
+    fn of(field: &'a products::PointField) -> Self {
+        let responses = field.keypoints.iter().map(|keypoint| keypoint.response).collect();
+        Self { picture: field.picture, points: &field.points, responses }
+    }
+}
 
 /// FNV-1a over what `output` holds, as Rust tells it: floats in as many digits as read back the same.
 fn fingerprint(output: &Output) -> u64 {
     let told = format!(
         "{:?}|{:?}|{:?}|{:?}",
         output.get::<BlockField>(),
-        output.get::<PointField>(),
+        output.get().map(PointField::of),
         output.get::<TrackField>(),
         output.get::<ObjectField>()
     );

@@ -103,7 +103,7 @@ fn no_estimator_is_inside_itself() {
         ("connected-components", "mask", "connected-components", "has such a stage itself"),
         ("trajectory-analysis", "tracker", "trajectory-analysis", "has such a stage itself"),
         ("trajectory-analysis", "tracker", "mixture-of-gaussians", "not objects followed over time; choose"),
-        ("klt", "detector", "pyramidal-lucas-kanade", "makes dense flow"),
+        ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, and keypoints of"),
         ("klt", "detector", "klt", "makes feature tracks, not keypoints of single frames; choose harris"),
         ("hierarchical", "coarse", "horn-schunck", "makes dense flow, not block vectors"),
         ("hierarchical", "coarse.block", "8", "block of a stage is that of the estimator that it works for"),
@@ -221,16 +221,6 @@ fn a_stage_opens_on_what_its_parent_looks_at() {
     // A pair of the clip itself.
     let points = opened("klt", "detector", 2);
     assert!(points.clip.is_none() && points.frame == 2);
-}
-
-#[test]
-fn a_refusal_of_a_stage_is_that_of_its_parent() {
-    let clip = clip("pillar", &[("width", "32"), ("height", "32"), ("frames", "3")]);
-    let method: &[(&str, &str)] = &[("method", "hierarchical"), ("threshold", "1")];
-    assert!(estimator("flow-magnitude").expect("it").set(method[0].0, method[0].1).is_err(), "it makes no dense flow");
-    let parent = set("flow-magnitude", &[("method", "pyramidal-lucas-kanade"), ("method.points", "detect")]);
-    let refusal = parent.run(&clip, 0, &Threads::single()).expect_err("single points are no flow").to_string();
-    assert!(refusal.contains("makes no dense flow as it is set"), "{refusal}");
 }
 
 #[test]

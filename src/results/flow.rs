@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn features_that_were_only_found_have_no_flow() {
-        let output = Output::of(PointField { picture: (4, 4), points: Vec::new(), responses: Vec::new() });
+        let output = Output::of(PointField { picture: (4, 4), points: Vec::new(), keypoints: Vec::new() });
         assert!(field(&output).unwrap_err().to_string().contains("not tracked"));
     }
 }

@@ -51,7 +51,7 @@ mod tests {
     use std::sync::Arc;
 
     use motionscope_core::table::Cell;
-    use motionscope_core::{BlockGrid, BlockVector, Border, Confidence, Feature, Flow, Grid, Status, Track};
+    use motionscope_core::{BlockGrid, BlockVector, Border, Confidence, Feature, Flow, Grid, Keypoint, Status, Track};
 
     use super::*;
 
@@ -102,11 +102,11 @@ mod tests {
         ];
         let golden =
             "x_px,y_px,u_px,v_px,status,residual\n3,2,0.25,-1.5,tracked,0.5\n1.5,0,,,lost-outside,\n4,4,,,found,\n";
-        let table = |points, responses| csv(&Output::of(PointField { picture: (8, 8), points, responses }));
+        let table = |points, keypoints| csv(&Output::of(PointField { picture: (8, 8), points, keypoints }));
         assert_eq!(table(points, Vec::new()), golden);
         let corner = vec![feature([4.0, 4.0], None, Status::Found, None)];
         let golden = "x_px,y_px,u_px,v_px,status,residual,response\n4,4,,,found,,812.5\n";
-        assert_eq!(table(corner, vec![812.5]), golden);
+        assert_eq!(table(corner, vec![Keypoint::of_response(812.5)]), golden);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::base::{Error, Threads};
 use crate::data::{Clip, Frame};
 use crate::geometry::Gray;
 use crate::params::{Spec, Value};
-use crate::products::{BlockField, Output};
+use crate::products::{Output, Tested};
 use crate::run::AnyEstimator;
 use crate::synth::disturb;
 
@@ -63,13 +63,13 @@ impl Figures {
             Ok(kept(output, &estimator.run(&disturbed, 0, threads)?, [0.0; 2]))
         };
         let extent = estimator.extent(clip, frame)?;
-        let blocks = |field| BlockFigures::of(estimator, field, (clip, frame), threads);
+        let blocks = |tested: Vec<_>| BlockFigures::of(estimator, &tested, (clip, frame), threads);
         Ok(Self {
             memory_bytes: extent.memory_bytes,
             kept_in_noise: kept([noisy(&current, 1), noisy(&next, 2)])?,
             kept_in_light: kept([Frame::gray(current.luma().clone()), lit(&next)])?,
             units: extent.units,
-            blocks: output.get::<BlockField>().map(blocks).transpose()?,
+            blocks: output.tested().map(blocks).transpose()?,
         })
     }
 
@@ -83,7 +83,7 @@ impl Figures {
 impl BlockFigures {
     fn of(
         estimator: &dyn AnyEstimator,
-        field: &BlockField,
+        tested: &[Option<Tested>],
         (clip, frame): (&Clip, usize),
         threads: &Threads,
     ) -> Result<Self, Error> {
@@ -91,13 +91,13 @@ impl BlockFigures {
             None
         } else {
             let best = full_search_like(estimator)?.run(clip, frame, threads)?;
-            best.get::<BlockField>().map(|best| missed(field, best))
+            best.tested().map(|best| missed(tested, &best))
         };
         Ok(Self {
-            candidates_mean: field.candidates() as f64 / field.vectors.len() as f64,
-            candidates_most: field.vectors.iter().flatten().map(|vector| vector.candidates).max().unwrap_or(0),
+            candidates_mean: candidates_mean(tested),
+            candidates_most: tested.iter().flatten().map(|part| part.candidates).max().unwrap_or(0),
             missed,
-            count: field.vectors.len(),
+            count: tested.len(),
         })
     }
 
@@ -132,8 +132,7 @@ pub fn kept_in_pan(
     let mut full = full_search_like(estimator)?;
     full.set("range", "16")?;
     let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
-    let candidates =
-        moved.get::<BlockField>().map_or(0.0, |field| field.candidates() as f64 / field.vectors.len() as f64);
+    let candidates = moved.tested().map_or(0.0, |tested| candidates_mean(&tested));
     let kept = kept(&still, &moved, [pan_px as f32, 0.0]).ok_or_else(|| {
         Error::new(format!("{} finds single features, not blocks or pixels that keep", estimator.info().id))
     })?;
@@ -177,13 +176,17 @@ fn full_search_like(other: &dyn AnyEstimator) -> Result<Box<dyn AnyEstimator>, E
     Ok(alike(other, estimator("full-search")?))
 }
 
-/// Blocks whose cost in `output` is larger than in `best`.
-fn missed(output: &BlockField, best: &BlockField) -> Vec<usize> {
-    let is_worse = |index: &usize| match (output.vectors[*index], best.vectors[*index]) {
-        (Some(found), Some(best)) => found.cost > best.cost,
-        _ => false,
-    };
-    (0..output.vectors.len().min(best.vectors.len())).filter(is_worse).collect()
+/// Candidates tested for each part, on average.
+fn candidates_mean(tested: &[Option<Tested>]) -> f64 {
+    let all: u64 = tested.iter().flatten().map(|part| u64::from(part.candidates)).sum();
+    all as f64 / tested.len() as f64
+}
+
+/// Parts whose cost in `found` is larger than in `best`.
+fn missed(found: &[Option<Tested>], best: &[Option<Tested>]) -> Vec<usize> {
+    let pairs = found.iter().zip(best).enumerate();
+    let is_worse = |found: &Option<Tested>, best: &Option<Tested>| matches!((found, best), (Some(found), Some(best)) if found.cost > best.cost);
+    pairs.filter(|(_, (found, best))| is_worse(found, best)).map(|(index, _)| index).collect()
 }
 
 /// Share of the displacements of `a` that are in `b` what they are there plus `shift`, within 1 px.
@@ -206,9 +209,9 @@ fn lit(frame: &Arc<Frame>) -> Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimators;
     use crate::geometry::Grid;
     use crate::run::{Cursor, Move};
+    use crate::{BlockField, estimators};
 
     fn clip() -> Clip {
         crate::synth::make(crate::synth::SCENES[0].id, &crate::synth::SCENES[0].difficulty()).expect("a scene")

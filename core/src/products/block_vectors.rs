@@ -2,7 +2,7 @@
 
 use super::assessment::{fact, scores};
 use super::{
-    Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, flow_error, predict, prediction,
+    Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, Tested, flow_error, predict, prediction,
 };
 use crate::base::{Error, words::grouped};
 use crate::data::{Flow, Interpolation};
@@ -173,6 +173,11 @@ impl Product for BlockField {
 
     fn prediction(&self, next: &Gray) -> Option<Gray> {
         Some(predict(&BlockField::flow(self), next, (self.border, self.filter)))
+    }
+
+    fn tested(&self) -> Option<Vec<Option<Tested>>> {
+        let tested = |vector: BlockVector| Tested { cost: vector.cost, candidates: vector.candidates };
+        Some(self.vectors.iter().map(|vector| vector.map(tested)).collect())
     }
 
     fn displacements(&self) -> Option<Vec<Option<[f32; 2]>>> {

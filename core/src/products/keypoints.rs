@@ -1,5 +1,7 @@
 //! Keypoints: features of one picture, with their displacements where they were tracked.
 
+use std::sync::Arc;
+
 use super::assessment::{fact, scores};
 use super::{Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, flow_error};
 use crate::base::{Error, words::grouped};
@@ -13,8 +15,53 @@ pub struct PointField {
     pub picture: (usize, usize),
     /// The features.
     pub points: Vec<Feature>,
-    /// What each was chosen by, as far as it is a corner that this run has found; else empty.
-    pub responses: Vec<f32>,
+    /// How each was detected, as far as this run has detected them; else empty.
+    pub keypoints: Vec<Keypoint>,
+}
+
+/// How a feature was detected.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Keypoint {
+    /// What it was chosen by; larger is stronger.
+    pub response: f32,
+    /// The scale at which it was found, in px, if the detector has scales.
+    pub scale_px: Option<f32>,
+    /// Its orientation in radians, from x towards y, if the detector gives it one.
+    pub angle_rad: Option<f32>,
+    /// What its neighbourhood looks like, if it was described.
+    pub descriptor: Option<Descriptor>,
+}
+
+impl Keypoint {
+    /// One of which only the response is known.
+    pub fn of_response(response: f32) -> Self {
+        Self { response, ..Self::default() }
+    }
+}
+
+/// What the neighbourhood of a keypoint looks like; descriptors of one detector have one kind and length.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Descriptor {
+    /// Numbers, compared by the length of their difference.
+    Reals(Arc<[f32]>),
+    /// Bits, compared by how many differ.
+    Bits(Arc<[u64]>),
+}
+
+impl Descriptor {
+    /// How far two are apart: the Euclidean distance of numbers, the Hamming distance of bits. `None` where they are not of one
+    /// kind and length.
+    pub fn distance(&self, other: &Self) -> Option<f32> {
+        match (self, other) {
+            (Self::Reals(a), Self::Reals(b)) if a.len() == b.len() => {
+                Some(a.iter().zip(&**b).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt())
+            }
+            (Self::Bits(a), Self::Bits(b)) if a.len() == b.len() => {
+                Some(a.iter().zip(&**b).map(|(a, b)| (a ^ b).count_ones()).sum::<u32>() as f32)
+            }
+            _ => None,
+        }
+    }
 }
 
 /// One feature.
@@ -112,20 +159,25 @@ impl Product for PointField {
         measures: &[&MEASURES, &flow_error::MEASURES],
     };
 
-    /// Place of each feature, its displacement per frame if it has one, what became of it, and the response that it was
-    /// chosen by.
+    /// Place of each feature, its displacement per frame if it has one, what became of it, and how it was detected: the
+    /// response that it was chosen by, and where that is known its scale and its orientation in degrees.
     fn table(&self) -> Option<Table> {
-        Some(if self.responses.is_empty() {
-            let columns = ["x_px", "y_px", "u_px", "v_px", "status", "residual"];
-            Table::new(columns, self.points.iter().map(row))
-        } else {
-            let columns = ["x_px", "y_px", "u_px", "v_px", "status", "residual", "response"];
-            let with_response = |(point, response): (&Feature, &f32)| {
-                let [x, y, u, v, status, residual] = row(point);
-                [x, y, u, v, status, residual, (*response).into()]
-            };
-            Table::new(columns, self.points.iter().zip(&self.responses).map(with_response))
-        })
+        let mut columns = vec!["x_px", "y_px", "u_px", "v_px", "status", "residual"];
+        let has_scales = self.keypoints.iter().any(|keypoint| keypoint.scale_px.is_some());
+        let has_angles = self.keypoints.iter().any(|keypoint| keypoint.angle_rad.is_some());
+        columns.extend((!self.keypoints.is_empty()).then_some("response"));
+        columns.extend(has_scales.then_some("scale_px"));
+        columns.extend(has_angles.then_some("angle_deg"));
+        let rows = self.points.iter().enumerate().map(|(i, point)| {
+            let mut cells = row(point).to_vec();
+            if let Some(keypoint) = self.keypoints.get(i) {
+                cells.push(keypoint.response.into());
+                cells.extend(has_scales.then(|| Cell::from(keypoint.scale_px)));
+                cells.extend(has_angles.then(|| Cell::from(keypoint.angle_rad.map(f32::to_degrees))));
+            }
+            cells
+        });
+        Some(Table::of_rows(columns, rows))
     }
 
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
@@ -157,7 +209,7 @@ mod tests {
             feature([3.0, 0.0], None, Status::Flat),
             feature([9.0, 9.0], Some([1.0, 1.0]), Status::Tracked),
         ];
-        let field = PointField { picture: (4, 3), points, responses: Vec::new() };
+        let field = PointField { picture: (4, 3), points, keypoints: Vec::new() };
         let flow = Product::flow(&field).expect("they were tracked");
         assert_eq!(flow.at(1, 2), Some([0.5, -0.25]));
         assert_eq!(flow.0.cells().iter().filter(|uv| uv[0].is_finite()).count(), 1);
@@ -168,14 +220,30 @@ mod tests {
     #[test]
     fn what_was_not_looked_for_is_left_empty() {
         let found = Feature { at: [1.0, 2.5], displacement: None, status: Status::Found, residual: None };
-        let told = |responses| {
-            let field = PointField { picture: (8, 8), points: vec![found], responses };
+        let told = |keypoints| {
+            let field = PointField { picture: (8, 8), points: vec![found], keypoints };
             assert_eq!(Product::flow(&field), None);
             let table = Product::table(&field).expect("a table");
             let rows: Vec<String> = table.rows().flatten().map(Cell::to_string).collect();
-            (table.columns().len(), rows.join(","))
+            (table.columns().join(","), rows.join(","))
         };
-        assert_eq!(told(Vec::new()), (6, "1,2.5,,,found,".to_owned()));
-        assert_eq!(told(vec![12.5]), (7, "1,2.5,,,found,,12.5".to_owned()));
+        let usual = "x_px,y_px,u_px,v_px,status,residual".to_owned();
+        assert_eq!(told(Vec::new()), (usual.clone(), "1,2.5,,,found,".to_owned()));
+        let corner = Keypoint::of_response(12.5);
+        assert_eq!(told(vec![corner.clone()]), (format!("{usual},response"), "1,2.5,,,found,,12.5".to_owned()));
+        let blob = Keypoint { scale_px: Some(3.5), angle_rad: Some(std::f32::consts::FRAC_PI_2), ..corner };
+        let (columns, cells) =
+            (format!("{usual},response,scale_px,angle_deg"), "1,2.5,,,found,,12.5,3.5,90".to_owned());
+        assert_eq!(told(vec![blob]), (columns, cells));
+    }
+
+    #[test]
+    fn descriptors_are_apart_by_numbers_or_bits() {
+        let reals = |values: &[f32]| Descriptor::Reals(values.into());
+        let bits = |values: &[u64]| Descriptor::Bits(values.into());
+        assert_eq!(reals(&[1.0, 5.0]).distance(&reals(&[4.0, 1.0])), Some(5.0));
+        assert_eq!(bits(&[0b1011, 1]).distance(&bits(&[0b0010, 0])), Some(3.0));
+        assert_eq!(bits(&[1]).distance(&reals(&[1.0])), None);
+        assert_eq!(reals(&[1.0]).distance(&reals(&[1.0, 2.0])), None);
     }
 }

@@ -26,13 +26,13 @@ pub use block_vectors::{Block, BlockField, BlockGrid, BlockVector};
 pub use coding::Coding;
 pub use consistency::{Agreement, Consistency};
 pub use dense_flow::DenseField;
-pub use keypoints::{Feature, PointField, Status};
+pub use keypoints::{Descriptor, Feature, Keypoint, PointField, Status};
 pub use mask::MaskField;
 pub use metrics::FlowError;
 pub use objects::{Followed, Life, Object, ObjectField, ObjectFrame};
 pub use output::Output;
 pub use prediction::{PSNR, predict};
-pub use product::{AnyProduct, Confidence, Motion, Product, ProductKind};
+pub use product::{AnyProduct, Confidence, Motion, Product, ProductKind, Tested};
 pub use record::Record;
 pub use streaks::{Streak, Streaks};
 pub use table::{Cell, Table};
@@ -68,7 +68,7 @@ mod tests {
     fn products_are_found_by_their_kind() {
         let flow = Flow(Grid::new(2, 2, [1.0, 0.0]));
         let dense = DenseField { flow: flow.clone(), confidence: None };
-        let points = PointField { picture: (2, 2), points: Vec::new(), responses: Vec::new() };
+        let points = PointField { picture: (2, 2), points: Vec::new(), keypoints: Vec::new() };
         let output = Output::of(points.clone()).and(dense.clone());
         assert_eq!((output.get::<DenseField>(), output.get::<PointField>()), (Some(&dense), Some(&points)));
         assert_eq!((output.get::<BlockField>(), output.motion()), (None, Motion::Pixels));

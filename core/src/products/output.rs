@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::Tested;
 use super::{AnyProduct, Assessment, Confidence, Motion, Product, ProductKind, Reference, Table};
 use crate::base::Error;
 use crate::data::{Flow, Histogram};
@@ -74,6 +75,11 @@ impl Output {
     /// As [`Product::displacements`].
     pub fn displacements(&self) -> Option<Vec<Option<[f32; 2]>>> {
         self.products().find_map(AnyProduct::displacements)
+    }
+
+    /// As [`Product::tested`].
+    pub fn tested(&self) -> Option<Vec<Option<Tested>>> {
+        self.products().find_map(AnyProduct::tested)
     }
 
     /// As [`Product::histogram`].

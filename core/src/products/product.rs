@@ -64,6 +64,15 @@ pub struct Confidence {
     pub values: Grid<f32>,
 }
 
+/// What a part of a product was chosen by among its candidates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tested {
+    /// What the one that was chosen costs.
+    pub cost: f64,
+    /// How many were tested.
+    pub candidates: u32,
+}
+
 /// Something that a run makes.
 pub trait Product: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// What there is to say about its kind.
@@ -95,6 +104,11 @@ pub trait Product: Clone + Debug + PartialEq + Send + Sync + 'static {
 
     /// The displacements of its parts in an order that another run on pictures of the same size shares, where there is one.
     fn displacements(&self) -> Option<Vec<Option<[f32; 2]>>> {
+        None
+    }
+
+    /// What each of its parts was chosen by, in the order of [`Product::displacements`], where candidates were tested.
+    fn tested(&self) -> Option<Vec<Option<Tested>>> {
         None
     }
 
@@ -141,6 +155,9 @@ pub trait AnyProduct: Debug + Send + Sync {
     /// As [`Product::displacements`].
     fn displacements(&self) -> Option<Vec<Option<[f32; 2]>>>;
 
+    /// As [`Product::tested`].
+    fn tested(&self) -> Option<Vec<Option<Tested>>>;
+
     /// As [`Product::histogram`].
     fn histogram(&self) -> Option<Histogram>;
 
@@ -183,6 +200,10 @@ impl<P: Product> AnyProduct for P {
 
     fn displacements(&self) -> Option<Vec<Option<[f32; 2]>>> {
         Product::displacements(self)
+    }
+
+    fn tested(&self) -> Option<Vec<Option<Tested>>> {
+        Product::tested(self)
     }
 
     fn histogram(&self) -> Option<Histogram> {

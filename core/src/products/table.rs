@@ -72,6 +72,11 @@ impl Table {
         Self { columns: columns.to_vec(), cells: rows.into_iter().flatten().collect() }
     }
 
+    /// A table of `rows`, each with a cell for every column; which columns there are depends on what is known.
+    pub fn of_rows(columns: Vec<&'static str>, rows: impl IntoIterator<Item = Vec<Cell>>) -> Self {
+        Self { columns, cells: rows.into_iter().flatten().collect() }
+    }
+
     /// The names of the columns.
     pub fn columns(&self) -> &[&'static str] {
         &self.columns

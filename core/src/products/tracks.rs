@@ -59,7 +59,7 @@ impl TrackField {
     /// The features in frame `t`.
     pub fn at(&self, t: usize) -> PointField {
         let points = self.tracks.iter().filter_map(|track| track.at(t).copied()).collect();
-        PointField { picture: self.picture, points, responses: Vec::new() }
+        PointField { picture: self.picture, points, keypoints: Vec::new() }
     }
 }
 

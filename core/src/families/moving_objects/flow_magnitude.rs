@@ -232,3 +232,19 @@ impl Background for FlowMagnitude {
         model.before.bytes() + pixels * (size_of::<[f32; 2]>() + 2 * size_of::<f32>())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refusal_of_the_method_is_told() {
+        let frame = Arc::new(Frame::gray(Grid::new(64, 48, 7)));
+        let clip = Clip::from_frames("gray", vec![Frame::clone(&frame); 2]).expect("frames of one size");
+        let (magnitude, threads) = (FlowMagnitude::default(), Threads::single());
+        let look = |clip: &Clip| magnitude.look(clip, &magnitude.begin(&frame), &frame, &threads);
+        assert_eq!(look(&clip), Ok(()));
+        let refusal = look(&clip.within(1)).expect_err("there is no memory for it").to_string();
+        assert!(refusal.contains("would take about"), "{refusal}");
+    }
+}

@@ -324,7 +324,7 @@ impl Estimator for PyramidalLucasKanade {
             _ => Output::of(PointField {
                 picture: state.fixed.pair[0].size(),
                 points: state.features().collect(),
-                responses: Vec::new(),
+                keypoints: Vec::new(),
             }),
         }
     }

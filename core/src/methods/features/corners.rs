@@ -9,7 +9,7 @@ use crate::data::{Clip, Frame};
 use crate::geometry::{Gray, Grid};
 use crate::methods::differential::Tensor;
 use crate::params::{Params, inner_params};
-use crate::products::{Feature, Output, PointField, Product, ProductKind, Status};
+use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
 use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
 use crate::scene::{Chart, Focus, Math, Scene, Step};
 
@@ -113,8 +113,12 @@ impl State {
             let (x, y) = self.place(index);
             Feature { at: [x as f32, y as f32], displacement: None, status: Status::Found, residual: None }
         };
-        let responses = self.kept.iter().map(|&index| self.map.cells()[index as usize]).collect();
-        PointField { picture: self.map.size(), points: self.kept.iter().map(feature).collect(), responses }
+        let keypoint = |&index: &u32| Keypoint::of_response(self.map.cells()[index as usize]);
+        PointField {
+            picture: self.map.size(),
+            points: self.kept.iter().map(feature).collect(),
+            keypoints: self.kept.iter().map(keypoint).collect(),
+        }
     }
 }
 

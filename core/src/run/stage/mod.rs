@@ -116,10 +116,11 @@ fn candidate<M: Makes>(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
 /// Why an estimator of the right product cannot be a stage of `M`, if it cannot.
 fn unsuited<M: Makes>(estimator: &dyn AnyEstimator) -> Option<String> {
     let is_circle = |kind: &Kind| matches!(kind, Kind::Stage(kind) if kind.asks == M::ASKS);
-    if estimator.specs().iter().any(|spec| is_circle(&spec.kind)) {
-        return Some(format!("has such a stage itself, and none can be inside itself: {} are wanted here", M::WORDS));
+    if let Some(what) = M::lacks(estimator) {
+        return Some(format!("{what}, and {} are wanted here", M::WORDS));
     }
-    M::lacks(estimator).map(|what| format!("{what}, and {} are wanted here", M::WORDS))
+    let has_one = estimator.specs().iter().any(|spec| is_circle(&spec.kind));
+    has_one.then(|| format!("has such a stage itself, and none can be inside itself: {} are wanted here", M::WORDS))
 }
 
 /// An estimator with the values that suit a stage.

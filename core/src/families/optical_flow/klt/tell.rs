@@ -122,8 +122,8 @@ impl Klt {
                 .ink(Role::Best, words::counted(found.keypoints.points.len(), "keypoint"))
                 .text(format!(
                     " in frame {frame}{}.",
-                    match found.keypoints.responses.first() {
-                        Some(most) => format!(", the strongest with a response of {}", words::number(*most)),
+                    match found.keypoints.keypoints.first().map(|keypoint| keypoint.response) {
+                        Some(most) => format!(", the strongest with a response of {}", words::number(most)),
                         None => String::new(),
                     }
                 )),
