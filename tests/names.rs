@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use motionscope_core::estimators;
 
 /// Files that hold nothing but data about chosen estimators, and what they are for.
-const DATA: [(&str, &str); 2] = [
+const DATA: [(&str, &str); 3] = [
+    ("src/cli/examples.rs", "examples in the help"),
     ("src/experiment/claims.rs", "the course's own table of three searches"),
     ("src/experiment/first.rs", "what is opened, or stands beside another, where nothing is named"),
 ];

@@ -95,7 +95,8 @@ pub use products::{
     ProductKind, Status, Streak, Streaks, Track, TrackField, metrics, predict, table,
 };
 pub use run::{
-    AnyEstimator, AnyRun, Beside, Cursor, Estimator, Explained, Extent, Footprint, Info, Lockstep, Move, Pace, Pointed,
-    Progress, Promise, Rung, Seen, StageView, TestsCandidates, Timeline, Walk, Way, lockstep, run_observed, stage,
+    AnyEstimator, AnyRun, Beside, Cursor, Estimator, Explained, Extent, FRAMES, Footprint, Info, LEVEL, Lockstep, Move,
+    Pace, Pointed, Progress, Promise, Rung, Seen, StageView, TestsCandidates, Timeline, Walk, Way, lockstep,
+    run_observed, stage,
 };
 pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

@@ -67,7 +67,10 @@ fn each_bin_leads_to_its_first_block_and_the_bits_are_those_of_the_coding() {
         let vectors: Vec<_> = field.vectors.iter().flatten().map(|vector| vector.displacement).collect();
         let prediction = prediction.expect("every block is known");
         let coding = Coding::of(Some(&vectors), frames[0].luma(), &prediction).expect("one size");
-        assert!((histogram.bits * bins.len() as f64 - coding.vector_bits.expect("of blocks")).abs() < 1e-6);
+        assert!(
+            (histogram.bits.expect("of blocks") * bins.len() as f64 - coding.vector_bits.expect("of blocks")).abs()
+                < 1e-6
+        );
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args as Group, Parser, Subcommand};
 use motionscope_core::{Cursor, Pace, Threads};
 
+use super::examples;
 use super::look::LookFlags;
 use crate::experiment::pixel::Pixel;
 use crate::results::Asked;
@@ -13,22 +14,9 @@ use crate::session;
 use crate::view::panes::Named;
 use crate::view::shot::Format;
 
-const EXAMPLES: &str = "\
-Examples:
-  motionscope                                    the window, with a bundled clip
-  motionscope ball.mp4                           the window, with a clip of yours
-  motionscope list                               estimators and their parameters
-  motionscope run ball.mp4 --estimator full-search --frame 3 --set range=8 --overlay ball.png
-  motionscope run synth:pillar --estimator full-search --json
-  motionscope export synth:pillar --estimator full-search --steps 35..36 --out steps
-
-A CLIP is a video, an animation, a picture of a numbered sequence, a folder of pictures, a printf
-pattern such as frame%02d.png, a session (*.motionscope), `-` for a Y4M on standard input, or
-synth:NAME[,SLIDER=VALUE]... for a synthetic clip; `motionscope synth --list` names them.";
-
 /// Walk through any motion estimator of a computer-vision course, step by step, forwards and backwards.
 #[derive(Parser)]
-#[command(name = "motionscope", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
+#[command(name = "motionscope", version, after_help = examples::ALL, args_conflicts_with_subcommands = true)]
 pub struct Args {
     /// What to open in the window: a clip or a session; without it, a bundled clip.
     pub clip: Option<OsString>,
@@ -39,22 +27,14 @@ pub struct Args {
 #[derive(Subcommand)]
 pub enum Command {
     /// Estimators with their parameters, ranges, defaults, units and source.
-    #[command(after_help = "\
-Examples:
-  motionscope list                               for a person
-  motionscope list --json                        for a script: ids, parameters, ranges, defaults, units")]
+    #[command(after_help = examples::LIST)]
     List {
         /// As JSON.
         #[arg(long)]
         json: bool,
     },
     /// What a clip is: size, frames, rate, codec, truth.
-    #[command(after_help = "\
-Examples:
-  motionscope info ball.mp4
-  motionscope info frames/ball%03d.png --json
-  motionscope info ball.webm --count             decodes the whole file to count its frames
-  motionscope info frame10.png --truth flow10.flo")]
+    #[command(after_help = examples::INFO)]
     Info {
         /// The clip.
         clip: OsString,
@@ -69,11 +49,7 @@ Examples:
         truth: Option<PathBuf>,
     },
     /// Writes a synthetic clip: frames as PNG, truth as .flo, occlusion masks and gt.txt.
-    #[command(after_help = "\
-Examples:
-  motionscope synth --list                       the scenes, their sliders and what they teach
-  motionscope synth pillar --out pillar
-  motionscope synth translation --out noisy --set noise=8 --set speed=2 --set frames=5")]
+    #[command(after_help = examples::SYNTH)]
     Synth {
         /// The scene; --list names them.
         #[arg(required_unless_present = "list")]
@@ -89,33 +65,13 @@ Examples:
         list: bool,
     },
     /// Runs an estimator on a pair of frames, or through several, and tells its time and errors.
-    #[command(after_help = "\
-Examples:
-  motionscope run frame10.png --estimator full-search --truth flow10.flo --json
-  motionscope run synth:pillar --estimator full-search --set block=8 --flow pillar.flo --table pillar.csv
-  motionscope run synth:pillar --estimator full-search --step 35.412 --overlay step.svg
-  motionscope run synth:pillar --estimator full-search --beside diamond,three-step --step 35.9 --overlay three.png
-  motionscope run synth:pillar --estimator hierarchical --step 15.9 --level 2 --overlay coarse.png
-  motionscope run frame10.png --estimator horn-schunck --layer error --legend --overlay error.png
-  motionscope run frame10.png --estimator horn-schunck --step 20.1 --pixel 303,202 --caption --overlay pixel.png
-  motionscope run synth:pillar --estimator lucas-kanade --layer consistency --json
-  motionscope run hall.mp4 --estimator mixture-of-gaussians --frames 0..99 --masks masks
-  motionscope run --detections det.txt --truth gt.txt --estimator kalman-tracker --tracks tracks.txt --json
-  motionscope run lesson.motionscope --overlay lesson.png --scale 4")]
+    #[command(after_help = examples::RUN)]
     Run(RunArgs),
     /// Writes pictures of a range of steps.
-    #[command(after_help = "\
-Examples:
-  motionscope export synth:pillar --estimator full-search --steps 35..35.20 --out steps
-  motionscope export synth:pillar --estimator full-search --steps 1..50 --every block --format svg --out blocks")]
+    #[command(after_help = examples::EXPORT)]
     Export(ExportArgs),
     /// Several estimators on the same pair of frames, in one table.
-    #[command(after_help = "\
-Examples:
-  motionscope compare synth:pillar --estimators full-search,three-step,diamond
-  motionscope compare synth:pillar --estimators full-search,log-search --sweep range=4,8,16,32,64
-  motionscope compare synth:pillar --estimators full-search,diamond --sweep noise=0,10,20,40 --csv noise.csv
-  motionscope compare ball.mp4 --frame 7 --estimators full-search,hexagon --set block=8 --set hexagon.cost=ssd --markdown")]
+    #[command(after_help = examples::COMPARE)]
     Compare(CompareArgs),
 }
 

@@ -2,6 +2,7 @@
 
 mod args;
 mod compare;
+mod examples;
 mod export;
 mod free_memory;
 mod list;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use motionscope_core::{AnyEstimator, Error, estimator};
+use motionscope_core::{AnyEstimator, Error, FRAMES, estimator};
 
 use super::args::{PictureArgs, TaskArgs};
 use crate::experiment::company::Company;
@@ -102,13 +102,13 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
             return Err(Error::new(format!("--frames {first}..{last} goes beyond {end}, the last frame")));
         }
         *frame = first;
-        if !estimator.values().iter().any(|(name, _)| *name == "frames") {
+        if !estimator.values().iter().any(|(name, _)| *name == FRAMES) {
             return Err(Error::new(format!(
                 "{} works on one pair of frames; give --frame in the place of --frames",
                 estimator.info().id
             )));
         }
-        estimator.set("frames", &(last - first + 1).to_string())?;
+        estimator.set(FRAMES, &(last - first + 1).to_string())?;
     }
     for setting in &args.set {
         company.set(&mut **estimator, setting)?;

@@ -34,8 +34,9 @@ pub struct Histogram {
     pub units: Grid<Option<usize>>,
     /// The bin of the newest result, if there is one at hand.
     pub newest: Option<[i32; 2]>,
-    /// Zero-order entropy in bits for each, displacements told apart by hundredths of a px.
-    pub bits: f64,
+    /// Zero-order entropy in bits for each, displacements told apart by hundredths of a px; `None` where they are of pixels,
+    /// whose displacements no coder sends one by one.
+    pub bits: Option<f64>,
     /// Whether some lie between whole px, and were rounded to their bin.
     pub is_rounded: bool,
 }
@@ -66,7 +67,7 @@ impl Histogram {
             counts,
             units,
             newest: has_newest.then(|| bin(last)),
-            bits: entropy::vector_bits(vectors.iter().copied()) / vectors.len() as f64,
+            bits: Some(entropy::vector_bits(vectors.iter().copied()) / vectors.len() as f64),
             is_rounded: vectors.iter().flatten().any(|c| c.fract() != 0.0),
         })
     }
@@ -76,7 +77,7 @@ impl Histogram {
         let known = flow.0.cells().iter().filter(|vector| vector[0].is_finite());
         let vectors: Vec<[f32; 2]> = known.map(|vector| vector.map(|c| c.clamp(-FARTHEST, FARTHEST))).collect();
         let counted = Self::of(Counted::default(), &vectors, false)?;
-        Some(Self { of: "pixel", units: counted.units.map(|_| None), ..counted })
+        Some(Self { of: "pixel", units: counted.units.map(|_| None), bits: None, ..counted })
     }
 
     /// How many there are in all.
@@ -124,7 +125,8 @@ mod tests {
         assert_eq!([unit([0, 0]), unit([3, -1]), unit([1, 1])], [Some(10), Some(11), None]);
         assert_eq!(histogram.cell([4, 0]), None);
         // Two of one kind and three of their own, the rounded ones apart: 2/5·log₂(5/2) + 3/5·log₂5.
-        assert!((histogram.bits - 1.921_928).abs() < 1e-5, "{}", histogram.bits);
+        let bits = histogram.bits.expect("of blocks");
+        assert!((bits - 1.921_928).abs() < 1e-5, "{bits}");
     }
 
     #[test]
@@ -144,6 +146,6 @@ mod tests {
     fn there_is_none_of_nothing() {
         assert_eq!(Histogram::of(Counted::default(), &[], false), None);
         let one = Histogram::of(Counted::default(), &[[1.0, 0.0]], false).expect("there is one");
-        assert_eq!((one.counts.size(), one.newest, one.bits, one.is_rounded), ((5, 5), None, 0.0, false));
+        assert_eq!((one.counts.size(), one.newest, one.bits, one.is_rounded), ((5, 5), None, Some(0.0), false));
     }
 }

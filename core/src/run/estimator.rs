@@ -70,6 +70,9 @@ impl Info {
     }
 }
 
+/// The rung of the levels of a pyramid: they are counted down to 0, the picture itself.
+pub const LEVEL: &str = "level";
+
 /// Where a run stands on one rung of the ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rung {

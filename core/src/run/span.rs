@@ -4,6 +4,9 @@ use super::Rung;
 use crate::base::Error;
 use crate::data::Clip;
 
+/// What the parameter is called that says how many frames a run goes through.
+pub const FRAMES: &str = "frames";
+
 /// Frames from the first to the last of a run, both counted in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {

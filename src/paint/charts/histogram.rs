@@ -52,14 +52,13 @@ pub fn head(data: Counts<'_>, area: Rect, told: Option<String>, style: ChartStyl
 pub fn summary(histogram: &Histogram) -> String {
     let all = counted(histogram, histogram.total());
     let level = histogram.level.map_or_else(String::new, |level| format!(" of level {level}"));
-    let bits = format!("{:.2}", histogram.bits);
     let bins = match histogram.distinct() {
         1 => "one displacement".to_owned(),
         distinct => format!("{} displacements", grouped(distinct)),
     };
     let rounded = if histogram.is_rounded { ", counted by whole px" } else { "" };
     // A field of real numbers has as many displacements as pixels, and none of them is coded.
-    let entropy = if histogram.of == "block" { format!("; entropy {bits} bits each") } else { String::new() };
+    let entropy = histogram.bits.map_or_else(String::new, |bits| format!("; entropy {bits:.2} bits each"));
     format!("{all}{level}, {bins}{rounded}{entropy}")
 }
 

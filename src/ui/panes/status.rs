@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use eframe::egui::{Button, ProgressBar, RichText, Ui};
-use motionscope_core::Cursor;
 use motionscope_core::scene::{Focus, Picture};
+use motionscope_core::{Cursor, LEVEL};
 
 use crate::paint::grouped;
 use crate::ui::app::action::Actions;
@@ -75,7 +75,7 @@ pub fn line(shown: &Snapshot) -> String {
             // A rung of one is no news.
             (_, Some(1)) => {}
             // Levels are called by their number in the pyramid, as everywhere else: the last is the picture itself.
-            ("level", Some(of)) => parts.push(format!("level {} of {} to 0", of - 1 - rung.index, of - 1)),
+            (LEVEL, Some(of)) => parts.push(format!("level {} of {} to 0", of - 1 - rung.index, of - 1)),
             (name, of) => parts.push(counted(name, rung.index + 1, of)),
         }
     }

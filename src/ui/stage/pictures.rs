@@ -112,7 +112,7 @@ impl Pictures {
             None => {
                 let (pixels, gain) = source.pixels();
                 let image = image(&reduced(&pixels, factor));
-                let texture = painter.ctx().load_texture("frame", image, OPTIONS);
+                let texture = painter.ctx().load_texture("stage picture", image, OPTIONS);
                 Picture { source, factor, texture, gain }
             }
         };
