@@ -70,6 +70,12 @@ impl Look {
         }
     }
 
+    /// Whether `other` shows the same of a step, as far as that is worked out before it is drawn.
+    pub fn shows_same_step(&self, other: &Self) -> bool {
+        let beside = |look: &Self| [false, true].map(|is_single| look.shows_beside(is_single));
+        self.shows_same_motion(other) && beside(self) == beside(other)
+    }
+
     /// Whether `other` shows the same of motion, so that nothing of it has to be worked out anew.
     pub fn shows_same_motion(&self, other: &Self) -> bool {
         let motion = |look: &Self| {
@@ -208,6 +214,26 @@ mod tests {
         assert_eq!(after, Look { theme: Theme::Projector, legend: true, ..before });
         assert_eq!(Changes::default().over(before), before);
         assert_eq!(Changes::from(after).over(Look::of_window()), after);
+    }
+
+    #[test]
+    fn what_is_worked_out_before_it_is_drawn_is_told_from_the_rest() {
+        let look = Look::of_window();
+        let drawn = Look { theme: Theme::Light, legend: false, arrow_scale: Lengthen::Times(2.0), ..look };
+        assert!(look.shows_same_step(&drawn) && look.shows_same_motion(&drawn));
+        let alone = Look { view: Some(View::Current), ..look };
+        assert!(look.shows_same_motion(&alone) && !look.shows_same_step(&alone), "its pictures stand alone");
+        assert!(alone.shows_same_step(&Look { view: Some(View::Next), ..look }));
+        for other in [
+            Look { layer: Some(FlowLayer::Error), ..look },
+            Look { streaks: Some(Phase::default()), ..look },
+            Look { arrow_spacing: Some(9), ..look },
+            Look { colors: ColorMap::Turbo, ..look },
+        ] {
+            assert!(!look.shows_same_motion(&other) && !look.shows_same_step(&other), "{other:?}");
+        }
+        let later = Phase::new(0.5).ok();
+        assert!(Look { streaks: later, ..look }.shows_same_step(&Look { streaks: Some(Phase::default()), ..look }));
     }
 
     #[test]

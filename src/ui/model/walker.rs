@@ -285,9 +285,9 @@ impl Walker {
         self.ask(false, |desk| desk.requests.push_back(Request::Release));
     }
 
-    /// Shows of motion what `look` does from now on.
+    /// Shows what `look` does from now on, as far as that is worked out before it is drawn.
     pub fn look(&self, look: &Look) {
-        if !self.shared.desk().look.shows_same_motion(look) {
+        if !self.shared.desk().look.shows_same_step(look) {
             self.ask(false, |desk| {
                 desk.look = *look;
                 desk.focus_moved = true;
