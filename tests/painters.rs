@@ -85,7 +85,7 @@ fn specimen() -> ([Arc<Frame>; 2], Scene) {
     for (column, role) in Role::ALL.into_iter().enumerate() {
         let x = column as f32 * CELL + 5.5;
         let mut mark = |row: usize, shape: fn(f32, f32) -> Shape| {
-            scene.mark(Picture::Current, role, shape(x, row as f32 * CELL + 5.5));
+            scene.mark(Picture::CURRENT, role, shape(x, row as f32 * CELL + 5.5));
         };
         mark(0, |x, y| Shape::Rect { min: [x - 4.0, y - 4.0], max: [x + 4.0, y + 4.0] });
         mark(1, |x, y| {
@@ -102,7 +102,7 @@ fn specimen() -> ([Arc<Frame>; 2], Scene) {
         scene.legend(role, role_name(role));
     }
     let values = Grid::from_fn(120, 6, |x, y| if (x + y) % 9 == 0 { f32::NAN } else { x as f32 * 8.5 });
-    scene.mark(Picture::Current, Role::Candidate, Shape::Heat { origin: [6.0, 75.0], values });
+    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [6.0, 75.0], values });
     ([frame.clone(), frame], scene)
 }
 
@@ -208,7 +208,7 @@ fn turning() -> (Arc<Frame>, Scene, Arc<Flow>, Scalars) {
     let at = |x: usize, y: usize| [(y as f32 - 59.5) / 20.0, (79.5 - x as f32) / 20.0];
     let values = Grid::from_fn(160, 120, |x, y| if x + y < 40 { Flow::UNKNOWN } else { at(x, y) });
     let mut scene = Scene::default();
-    scene.mark(Picture::Current, Role::Result, Shape::Flow { origin: [0.0; 2], values: values.clone() });
+    scene.mark(Picture::CURRENT, Role::Result, Shape::Flow { origin: [0.0; 2], values: values.clone() });
     scene.legend(Role::Result, "displacements found");
     let off = values.map(|[u, v]| u.hypot(*v) / 4.0);
     let marks = Grid::from_fn(160, 120, |x, y| (100..130).contains(&x) && (20..60).contains(&y));
@@ -253,7 +253,7 @@ fn a_larger_picture_has_room_for_more_displacements() {
     let starts = (0..12).flat_map(|y| (0..16).map(move |x| [1.5 + 4.0 * x as f32, 1.5 + 4.0 * y as f32]));
     let arrows = starts.map(|from| Arrow { from, to: [from[0] + 2.0, from[1]] }).collect();
     let mut scene = Scene::default();
-    scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
+    scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(arrows));
     scene.legend(Role::Result, "displacement found");
     let pictures = Pictures::of([frame.clone(), frame]);
     let drawn = |scale| {

@@ -89,7 +89,7 @@ fn picture(scene: &Scene, renderer: WgpuTestRenderer) -> RgbImage {
         app
     });
     settle(&mut harness);
-    while harness.state().settings().theme() != scene.theme {
+    while harness.state().settings().look.theme != scene.theme {
         harness.state_mut().command(Command::NextTheme);
         settle(&mut harness);
     }

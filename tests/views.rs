@@ -12,17 +12,18 @@ use eframe::egui::{
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use motionscope::paint::charts;
-use motionscope::paint::{ColorMap, Layer, Lengthen, Pictures, Theme, View};
+use motionscope::paint::{ColorMap, Layer, Pictures, Theme, View};
 use motionscope::ui::charts::{heat_map, series, surface3d, tiles};
 use motionscope::ui::drawing::chart::{Subject, rect_of};
 use motionscope::ui::drawing::primitives::shapes;
 use motionscope::ui::drawing::style;
 use motionscope::ui::panes::why;
 use motionscope::ui::stage::{self, Zoom};
+use motionscope::view::look::Look;
 use motionscope::view::motion::Offer;
 use motionscope_core::block_matching::FullSearch;
-use motionscope_core::scene::{Readout, Surface, Tile};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Role, Scene, Step, Walk};
+use motionscope_core::scene::{Focus, Picture, Readout, Surface, Tile};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Params, Role, Scene, Step, Walk};
 
 /// A walk through a pair that moves by (2, 1), some way into a block.
 struct Fixture {
@@ -37,7 +38,8 @@ fn fixture(cursor: Cursor) -> Fixture {
     let texture = |x: usize, y: usize| (x * 37 + y * 101 + x * y * 7) as u8;
     let frame = |dx, dy| Frame::gray(Grid::from_fn(64, 48, |x, y| texture(x + 9 - dx, y + 9 - dy)));
     let clip = Clip::from_frames("moving", vec![frame(0, 0), frame(2, 1)]).expect("two frames of one size");
-    let search = FullSearch { block: 16, range: 4, ..FullSearch::default() };
+    let mut search = FullSearch::default();
+    search.set("range", "4").expect("in range");
     let mut walk = AnyEstimator::walk(&search, &clip, 0).expect("the clip suits the search");
     walk.jump(Move::To(cursor));
     let (scene, step) = (Arc::new(walk.scene(None)), Arc::new(walk.step(None)));
@@ -55,7 +57,7 @@ fn harness<'a>(size: Vec2, theme: Theme, show: impl FnMut(&mut Ui) + 'a) -> Harn
         .with_max_steps(60)
         .with_context_setup(move |ctx| {
             style::install_fonts(ctx);
-            style::apply(ctx, style::Look { theme, zoom: 1.0, reduced_motion: true });
+            style::apply(ctx, style::Interface { theme, zoom: 1.0, reduced_motion: true });
         })
         .build_ui(show)
 }
@@ -67,12 +69,10 @@ impl Fixture {
             frame: 12,
             scene: &self.scene,
             lockstep: None,
-            theme: Theme::Dark,
-            colors: ColorMap::Viridis,
+            is_single: false,
+            look: Look::of_window(),
             heat: "SAD",
             gpu: None,
-            lengthen: Lengthen::Auto,
-            spacing_px: None,
             placing: None,
             offer: &self.offer,
             checking: false,
@@ -233,11 +233,12 @@ fn a_click_on_the_stage_tells_the_pixel_and_pointing_reads_it() {
     right.click();
     harness.run();
     // The middle of 64×48 pixels lies between pixels 31 and 32, 23 and 24.
-    let [x, y] = clicked.get().expect("a click on the picture is told");
+    let Focus { on, at: [x, y] } = clicked.get().expect("a click on the picture is told");
+    assert_eq!(on, Picture::NEXT);
     assert!((31.0..=32.0).contains(&x) && (23.0..=24.0).contains(&y), "{x} {y}");
     harness.hover_at(center + vec2(1.0, 1.0));
     harness.run();
-    assert_eq!(hovered.get(), Some([32.0, 24.0]));
+    assert_eq!(hovered.get(), Some(Focus { on: Picture::NEXT, at: [32.0, 24.0] }));
     let [a, b] = [0, 1].map(|i: usize| fixture.pictures.pair[i].luma()[(32, 24)]);
     let told = format!("x 32, y 24, t {a}, t+1 {b}");
     assert!(harness.query_by_label_contains(&told).is_some(), "{told}");
@@ -285,18 +286,19 @@ fn the_wheel_zooms_about_the_pointer_and_a_double_click_keeps_the_place() {
 fn every_view_of_the_pair_is_one_click_away() {
     let fixture = fixture(MIDDLE);
     let mut state = stage::State::default();
-    let view = Cell::new(View::SideBySide);
+    let look = Cell::new(Look::of_window());
+    let view = || look.get().view.unwrap_or_default();
     let mut harness = harness(vec2(1000.0, 500.0), Theme::Dark, |ui| {
-        stage::show(ui, fixture.stage(), &mut state);
-        view.set(state.view);
+        let response = stage::show(ui, stage::Input { look: look.get(), ..fixture.stage() }, &mut state);
+        look.set(response.look);
     });
     for wanted in View::ALL {
-        let before = view.get();
+        let before = view();
         harness.get_by_role_and_label(Node::Button, wanted.name()).click();
         // A blinking stage is never at rest.
         harness.run_steps(3);
         // There is no prediction in the middle of a run.
-        assert_eq!(view.get(), if wanted.is_of_the_end() { before } else { wanted });
+        assert_eq!(view(), if wanted.is_of_the_end() { before } else { wanted });
         let blend = harness.query_by_role_and_label(Node::Slider, "Share of frame t+1 in the blend");
         assert_eq!(blend.is_some(), wanted == View::Blend);
     }
@@ -528,7 +530,11 @@ fn marks_lie_in_their_picture_whatever_its_size() {
         for size in [vec2(500.0, 700.0), vec2(900.0, 500.0), vec2(1900.0, 1000.0)] {
             let mut state = stage::State::default();
             let harness = harness(size, theme, |ui| {
-                stage::show(ui, stage::Input { theme, ..fixture.stage() }, &mut state);
+                stage::show(
+                    ui,
+                    stage::Input { look: Look { theme, ..Look::of_window() }, ..fixture.stage() },
+                    &mut state,
+                );
             });
             for (role, pane) in [(Role::Reference, "Stage: Frame t = 12"), (Role::Candidate, "Stage: Frame t+1 = 13")] {
                 let pane = harness.get_by_label(pane).rect();
@@ -576,7 +582,11 @@ impl All {
                 });
             };
             part(ui, &mut |ui| {
-                stage::show(ui, stage::Input { theme, ..fixture.stage() }, &mut self.stage);
+                stage::show(
+                    ui,
+                    stage::Input { look: Look { theme, ..Look::of_window() }, ..fixture.stage() },
+                    &mut self.stage,
+                );
             });
             part(ui, &mut |ui| {
                 why::show(

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use motionscope_core::memory::Need;
 use motionscope_core::scene::{Picture, Sentence, Shape};
 use motionscope_core::{
-    AnyEstimator, BlockField, BlockGrid, BlockVector, Border, Clip, Error, Estimator, Frame, Info, Interpolation, Move,
-    Observer, Output, Product, ProductKind, Progress, Role, Rung, Scene, Seen, Step, params, pseudocode, synth,
+    AnyEstimator, BlockField, BlockGrid, BlockVector, Border, Clip, Error, Estimator, Footprint, Frame, Info,
+    Interpolation, Move, Observer, Output, Product, ProductKind, Progress, Role, Rung, Scene, Seen, Step, params,
+    pseudocode, synth,
 };
 
 params! {
@@ -45,11 +46,6 @@ impl Estimator for Still {
     type State = State;
     type Event = u64;
 
-    fn need(&self, clip: &Clip) -> Need {
-        // Bytes for each pixel: of a run, and of one that is walked through.
-        Need::per_pixel(clip, [1.0, 1.0])
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let pair = clip.pair(frame)?;
         let blocks = BlockGrid { picture: clip.size(), size: self.block, step: self.block };
@@ -76,10 +72,6 @@ impl Estimator for Still {
         vec![Rung { index: 0, of: Some(1) }, Rung { index: state.costs.len(), of: Some(state.blocks.len()) }]
     }
 
-    fn state_bytes(&self, state: &State) -> usize {
-        size_of_val(&state.costs[..])
-    }
-
     fn step(&self, seen: &Seen<Self>) -> Step {
         let said = Sentence::default();
         let (line, sentence) = match seen.events.last() {
@@ -95,7 +87,7 @@ impl Estimator for Still {
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let block = seen.before.blocks.block(seen.before.costs.len());
         let shape = Shape::pixels(block.x as i32, block.y as i32, block.width, block.height);
-        scene.mark(Picture::Current, Role::Reference, shape);
+        scene.mark(Picture::CURRENT, Role::Reference, shape);
         scene.legend(Role::Reference, "block");
     }
 
@@ -105,6 +97,17 @@ impl Estimator for Still {
         vectors.resize(state.blocks.len(), None);
         let (border, filter) = (Border::Replicate, Interpolation::Bilinear);
         Output::of(BlockField { blocks: state.blocks, vectors, cost: "SAD", border, filter })
+    }
+}
+
+impl Footprint<State> for Still {
+    fn need(&self, clip: &Clip) -> Need {
+        // Bytes for each pixel: of a run, and of one that is walked through.
+        Need::per_pixel(clip, [1.0, 1.0])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of_val(&state.costs[..])
     }
 }
 

@@ -95,7 +95,7 @@ pub use products::{
     Streak, Streaks, Track, TrackField, metrics, predict, table,
 };
 pub use run::{
-    AnyEstimator, AnyRun, Beside, Cursor, Estimator, Explained, Extent, Info, Lockstep, Move, Pace, Progress, Promise,
-    Rung, Seen, Timeline, Walk, Way, lockstep, run_observed, stage,
+    AnyEstimator, AnyRun, Beside, Cursor, Estimator, Explained, Extent, Footprint, Info, Lockstep, Move, Pace, Pointed,
+    Progress, Promise, Rung, Seen, StageView, TestsCandidates, Timeline, Walk, Way, lockstep, run_observed, stage,
 };
 pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

@@ -161,8 +161,7 @@ fn every_step_of_a_feature_is_told() {
         lines.push(walk.step(None).line.as_str());
         walk.jump(Move::Rung(3, Way::Forward));
     }
-    let expected =
-        ["compute-responses", "find-peaks", "take-strongest", "track", "track-back", "fit-first-view", "move"];
+    let expected = ["detect", "take-strongest", "track", "track-back", "fit-first-view", "move"];
     for line in expected {
         assert!(lines.contains(&line), "line {line} is never lit: {lines:?}");
     }

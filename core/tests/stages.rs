@@ -5,8 +5,10 @@ mod common;
 use common::set;
 use motionscope_core::params::Kind;
 use motionscope_core::products::Reference;
+use motionscope_core::scene::Readout;
 use motionscope_core::{
-    Clip, Move, Params, ProductKind, Threads, TrackField, Value, estimator, estimators, products, stage, synth,
+    BlockField, Clip, Cursor, Move, ObjectField, Params, ProductKind, Threads, TrackField, Value, estimator,
+    estimators, products, stage, synth,
 };
 
 fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
@@ -26,14 +28,21 @@ fn every_stage_offers_what_makes_its_product_and_nothing_else() {
             let is_right = |made: &&ProductKind| made.id == kind.product;
             for other in estimators() {
                 let (id, makes) = (other.info().id, other.produces().first().is_some_and(is_right));
-                assert_eq!(kind.ids().contains(&id), makes, "{}.{}: {id}", parent.info().id, spec.name);
+                // Who has such a stage cannot be one, and what tracks through pairs makes no keypoints of a single frame.
+                let has_one = other.specs().iter().any(|spec| matches!(&spec.kind, Kind::Stage(own) if own == kind));
+                let is_of_pairs = kind.asks == "keypoints" && other.info().frames > 1;
+                let fits = makes && !has_one && !is_of_pairs;
+                assert_eq!(kind.ids().contains(&id), fits, "{}.{}: {id}", parent.info().id, spec.name);
             }
+            assert!(kind.ids().len() > 1, "{}.{}: there is something to choose from", parent.info().id, spec.name);
             assert!(products::KINDS.iter().any(is_right), "{}", kind.product);
             let Value::Stage(default) = &spec.default else { panic!("a stage by default") };
             assert!(kind.ids().contains(&default.id()) && stage::estimator_of(default).is_some());
         }
     }
-    assert_eq!(stages, 6, "flow magnitude, point trajectories, and all that follow objects");
+    // Coarse search; detectors of KLT and pyramidal Lucas–Kanade; flow of trajectories and of flow magnitude; masks of
+    // connected components; detectors of three trackers, and the tracker of trajectory analysis.
+    assert_eq!(stages, 10);
 }
 
 #[test]
@@ -62,6 +71,7 @@ fn a_wrong_stage_is_refused_in_a_sentence_and_changes_nothing() {
         ("detector.min-area", "x", "min-area can be"),
         ("gate.alpha", "3", "is no stage"),
         ("none.alpha", "3", "there is no parameter none"),
+        ("detector.frames", "7", "frames of a stage is that of the estimator that it works for; set frames there"),
     ] {
         let refusal = tracker.set(name, text).expect_err("wrong").to_string();
         assert!(refusal.contains(told), "{name}={text}: {refusal}");
@@ -84,6 +94,153 @@ fn points_are_carried_by_the_flow_that_the_stage_makes() {
         compared += 1;
     }
     assert!(compared > 10, "only {compared} points were compared");
+}
+
+#[test]
+fn no_estimator_is_inside_itself() {
+    for (parent, name, child, told) in [
+        ("hierarchical", "coarse", "hierarchical", "has such a stage itself"),
+        ("connected-components", "mask", "connected-components", "has such a stage itself"),
+        ("trajectory-analysis", "tracker", "trajectory-analysis", "has such a stage itself"),
+        ("trajectory-analysis", "tracker", "mixture-of-gaussians", "not objects followed over time; choose"),
+        ("klt", "detector", "pyramidal-lucas-kanade", "makes dense flow"),
+        ("klt", "detector", "klt", "makes feature tracks, not keypoints of single frames; choose harris"),
+        ("hierarchical", "coarse", "horn-schunck", "makes dense flow, not block vectors"),
+        ("hierarchical", "coarse.block", "8", "block of a stage is that of the estimator that it works for"),
+    ] {
+        let mut estimator = estimator(parent).expect("it");
+        let before = estimator.values();
+        let refusal = estimator.set(name, child).expect_err("wrong").to_string();
+        assert!(refusal.contains(told), "{parent}.{name}={child}: {refusal}");
+        assert_eq!(estimator.values(), before);
+    }
+}
+
+/// What sessions and command lines of before say.
+#[test]
+fn old_names_still_work() {
+    let mut analysis = estimator("trajectory-analysis").expect("it");
+    for (name, text, now) in [
+        ("source", "moving", "tracker.source"),
+        ("clicks", "0:5,6", "tracker.clicks"),
+        ("min-score", "0.5", "tracker.min-score"),
+        ("added-noise", "3", "tracker.added-noise"),
+        ("seed", "7", "tracker.seed"),
+        ("detector", "frame-difference", "tracker.detector"),
+        ("detector.threshold", "31", "tracker.detector.threshold"),
+        // It has never had an effect; a session of before says it nevertheless.
+        ("detector.frames", "300", "frames"),
+    ] {
+        analysis.set(name, text).expect("it has a new name");
+        assert_eq!(analysis.get(now).expect("the new name").to_string(), text, "{name}");
+    }
+    assert_eq!(analysis.get("detector.threshold"), Ok(Value::Int(31)));
+    let mut klt = estimator("klt").expect("it");
+    klt.set("detector", "harris").expect("it makes keypoints");
+    klt.set("quality", "0.05").expect("it has a new name");
+    assert_eq!(klt.get("detector.threshold"), Ok(Value::Real(0.05)));
+    assert_eq!(klt.get("detector.min-distance"), Ok(Value::Int(0)), "the tracker chooses");
+    set("hierarchical", &[("coarse", "diamond")]);
+}
+
+/// Mixture of Gaussians, connected components, Kalman tracker, trajectory analysis: each is set and opened in place.
+#[test]
+fn the_pipeline_of_the_course_has_four_links() {
+    let clip = clip("traffic", &[("width", "160"), ("height", "120"), ("frames", "12")]);
+    let settings: &[(&str, &str)] = &[
+        ("tracker", "kalman-tracker"),
+        ("tracker.source", "moving"),
+        ("tracker.detector", "connected-components"),
+        ("tracker.detector.min-area", "25"),
+        ("tracker.detector.mask", "mixture-of-gaussians"),
+        ("tracker.detector.mask.rate", "0.02"),
+    ];
+    let pipeline = set("trajectory-analysis", settings);
+    let mut walk = pipeline.walk(&clip, 0).expect("a walk");
+    walk.jump(Move::To("9".parse().expect("a cursor")));
+    let mut at = (pipeline.boxed_clone(), clip.clone(), (0, walk.at_frame()));
+    let mut seen = Vec::new();
+    for (stage_name, id) in
+        [("tracker", "kalman-tracker"), ("detector", "connected-components"), ("mask", "mixture-of-gaussians")]
+    {
+        let index = at.0.specs().iter().position(|spec| spec.name == stage_name).expect("it is a parameter");
+        assert!(stage::stages(&*at.0).contains(&index));
+        let opened = stage::open(&*at.0, index, &at.1, at.2).expect("frames").expect("a stage");
+        assert_eq!((opened.estimator.info().id, opened.frame, opened.clip.is_none()), (id, 0, true));
+        let mut walk = opened.estimator.walk(&clip, opened.frame).expect("a walk");
+        walk.jump(Move::To(opened.cursor));
+        assert!(walk.at_frame().abs_diff(at.2.1) <= 1 && walk.cursor().unit == opened.cursor.unit, "{id}");
+        let field = walk.output().get::<ObjectField>().cloned().expect("objects");
+        assert_eq!(field.frames.len(), at.2.1 + 1, "{id}: up to the frame at hand");
+        seen.push(field);
+        at = (opened.estimator, clip.clone(), at.2);
+    }
+    // The links fit: what one makes is what the next one takes.
+    let run = pipeline.run(&clip, 0, &Threads::single()).expect("a run");
+    let analyzed = run.get::<ObjectField>().expect("objects");
+    let [tracked, labelled, masked] = &seen[..] else { panic!("three stages") };
+    for (t, frame) in tracked.frames.iter().enumerate() {
+        assert_eq!(frame.objects, analyzed.frames[t].objects, "frame {t}");
+        assert_eq!(frame.detections, labelled.frames[t].detections, "frame {t}");
+    }
+    let pixels = |field: &ObjectField| {
+        field.frames.iter().map(|frame| frame.mask.as_ref().map_or(0, |mask| mask.count())).collect::<Vec<_>>()
+    };
+    let (before, closed) = (pixels(masked), pixels(labelled));
+    assert!(before.iter().sum::<usize>() > 500, "something moves: {before:?}");
+    assert!(
+        before.iter().zip(&closed).all(|(before, closed)| closed >= before),
+        "gaps are closed: {before:?}, {closed:?}"
+    );
+}
+
+#[test]
+fn a_stage_opens_on_what_its_parent_looks_at() {
+    let clip = clip("pillar", &[("width", "96"), ("height", "80"), ("frames", "4")]);
+    let opened = |id: &str, name: &str, now: usize| {
+        let parent = estimator(id).expect("it");
+        let index = parent.specs().iter().position(|spec| spec.name == name).expect("it is a parameter");
+        stage::open(&*parent, index, &clip, (0, now)).expect("frames").expect("a stage")
+    };
+    // The flow that flow magnitude looks at leads from frame 2 back to frame 1.
+    let flow = opened("flow-magnitude", "method", 2);
+    let pair = flow.clip.expect("a clip of its own").pair(flow.frame).expect("a pair");
+    for (shown, t) in pair.iter().zip([2, 1]) {
+        assert_eq!(shown.luma(), clip.frame(t).expect("a frame").luma());
+    }
+    // Hierarchical search: the coarsest of three levels, a quarter as wide, with a quarter of the range.
+    let coarse = opened("hierarchical", "coarse", 1);
+    let level = coarse.clip.expect("a clip of its own");
+    assert_eq!((level.size(), coarse.estimator.get("range")), ((24, 20), Ok(Value::Int(4))));
+    let output = coarse.estimator.run(&level, coarse.frame, &Threads::single()).expect("a run");
+    let mut walk = set("hierarchical", &[]).walk(&clip, 1).expect("a walk");
+    let found = output.get::<BlockField>().expect("block vectors").vectors.len();
+    walk.jump(Move::To(Cursor { unit: found - 1, event: usize::MAX }));
+    let step = walk.step(None);
+    assert!(step.readouts.iter().any(|readout| matches!(readout, Readout::Stack(stack) if stack.levels.at_work == 2)));
+    // A pair of the clip itself.
+    let points = opened("klt", "detector", 2);
+    assert!(points.clip.is_none() && points.frame == 2);
+}
+
+#[test]
+fn a_refusal_of_a_stage_is_that_of_its_parent() {
+    let clip = clip("pillar", &[("width", "32"), ("height", "32"), ("frames", "3")]);
+    let method: &[(&str, &str)] = &[("method", "hierarchical"), ("threshold", "1")];
+    assert!(estimator("flow-magnitude").expect("it").set(method[0].0, method[0].1).is_err(), "it makes no dense flow");
+    let parent = set("flow-magnitude", &[("method", "pyramidal-lucas-kanade"), ("method.points", "detect")]);
+    let refusal = parent.run(&clip, 0, &Threads::single()).expect_err("single points are no flow").to_string();
+    assert!(refusal.contains("makes no dense flow as it is set"), "{refusal}");
+}
+
+#[test]
+fn what_a_stage_keeps_counts() {
+    let clip = clip("traffic", &[("width", "160"), ("height", "120"), ("frames", "4")]);
+    let tracker = set("kalman-tracker", &[("source", "moving")]);
+    let pixels = 160 * 120;
+    let bytes = tracker.extent(&clip, 0).expect("a run").memory_bytes;
+    // The modes of a mixture of Gaussians alone take more than ten bytes for each pixel.
+    assert!(bytes > 10 * pixels, "{bytes} bytes");
 }
 
 /// Of the five cars some drive under the bridge: from the true boxes with noise MOTA is 0.83. What a detector finds of a car that

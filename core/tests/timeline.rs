@@ -3,8 +3,8 @@
 use motionscope_core::memory::Need;
 use motionscope_core::scene::Sentence;
 use motionscope_core::{
-    BlockField, BlockGrid, BlockVector, Border, Clip, Cursor, Error, Estimator, Frame, Grid, Info, Move, Observer,
-    Output, Product, ProductKind, Progress, Rung, Scene, Seen, Step, Timeline, Walk, Way, params, pseudocode,
+    BlockField, BlockGrid, BlockVector, Border, Clip, Cursor, Error, Estimator, Footprint, Frame, Grid, Info, Move,
+    Observer, Output, Product, ProductKind, Progress, Rung, Scene, Seen, Step, Timeline, Walk, Way, params, pseudocode,
 };
 
 params! {
@@ -39,10 +39,6 @@ impl Estimator for Toy {
     type State = (usize, Vec<u8>);
     type Event = usize;
 
-    fn need(&self, _: &Clip) -> Need {
-        Need::default()
-    }
-
     fn start(&self, _: &Clip, _: usize) -> Result<Self::State, Error> {
         Ok((0, vec![7; 1024]))
     }
@@ -72,10 +68,6 @@ impl Estimator for Toy {
         vec![rung(0), rung(state.0 / self.items), rung(state.0 % self.items)]
     }
 
-    fn state_bytes(&self, state: &Self::State) -> usize {
-        state.1.len()
-    }
-
     fn step(&self, _: &Seen<Self>) -> Step {
         Step { line: line::COUNT, sentence: Sentence::default(), readouts: Vec::new() }
     }
@@ -91,6 +83,16 @@ impl Estimator for Toy {
             border: Border::Replicate,
             filter: motionscope_core::Interpolation::Bilinear,
         })
+    }
+}
+
+impl Footprint<(usize, Vec<u8>)> for Toy {
+    fn need(&self, _: &Clip) -> Need {
+        Need::default()
+    }
+
+    fn state_bytes(&self, state: &(usize, Vec<u8>)) -> usize {
+        state.1.len()
     }
 }
 

@@ -18,6 +18,14 @@ pub struct Contender {
     pub swept: Option<(String, String)>,
 }
 
+/// Contenders that run on the same clip.
+pub struct Round {
+    /// Where the clip comes from.
+    pub source: Source,
+    /// What runs on it.
+    pub contenders: Vec<Contender>,
+}
+
 /// Where estimators are compared, and how often each is run for its time.
 pub struct Arena<'a> {
     /// The clip.
@@ -311,15 +319,11 @@ pub fn json(rows: &[Row]) -> Value {
 ///
 /// # Errors
 /// If it is not written so, there is no such parameter or slider, or a value is out of range.
-pub fn rounds(
-    source: &Source,
-    estimators: &[Box<dyn AnyEstimator>],
-    sweep: Option<&str>,
-) -> Result<Vec<(Source, Vec<Contender>)>, Error> {
+pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Option<&str>) -> Result<Vec<Round>, Error> {
     let copies = || estimators.iter().map(|estimator| estimator.boxed_clone()).collect::<Vec<_>>();
     let round = |source: Source, estimators: Vec<Box<dyn AnyEstimator>>, swept: Option<(String, String)>| {
         let contender = |estimator| Contender { estimator, swept: swept.clone() };
-        (source, estimators.into_iter().map(contender).collect())
+        Round { source, contenders: estimators.into_iter().map(contender).collect() }
     };
     let Some(sweep) = sweep else { return Ok(vec![round(source.clone(), copies(), None)]) };
     let (name, values) = sweep

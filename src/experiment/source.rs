@@ -74,7 +74,7 @@ impl Source {
             Self::File(path) => media::open(path, options),
             Self::Synth { id, difficulty } => {
                 let clip = synth::make(id, difficulty)?;
-                let clip = match &options.truth {
+                let clip = match &options.given.truth {
                     Some(truth) => media::with_truth(clip, truth)?,
                     None => clip,
                 };

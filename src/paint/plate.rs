@@ -151,7 +151,7 @@ impl Plate {
 
 fn description(options: &PlateOptions, parts: &[Part<'_>]) -> String {
     let Some(Part { pictures, .. }) = parts.first() else { return String::new() };
-    let shown = options.view.panels().iter().map(|&panel| Shown { panel, share: options.share, gain: 1 });
+    let shown = options.view.panels(pictures).into_iter().map(|panel| Shown { panel, share: options.share, gain: 1 });
     let titles: Vec<_> = shown.map(|shown| shown.title(options.frame, &pictures.names)).collect();
     let told = parts.iter().filter_map(|part| part.heading).map(|(name, _, words)| {
         let words = words.first().map_or_else(String::new, Sentence::plain);
@@ -190,13 +190,19 @@ impl Layout<'_> {
 
     fn lay_out(&mut self, parts: &[Part<'_>], scene: &Scene, is_framed: bool) {
         let zoom = self.zoom();
-        let panels = self.options.view.panels();
+        let panels_of = |part: &Part<'_>| self.options.view.panels(&part.pictures);
+        let in_a_row = parts.first().map_or(1, |part| panels_of(part).len());
         let pictures: Vec<_> = parts
             .iter()
-            .flat_map(|part| panels.iter().map(move |panel| (part, *panel)))
+            .flat_map(|part| panels_of(part).into_iter().map(move |panel| (part, panel)))
             .map(|(part, panel)| (part, panel, panel.pixels(&part.pictures, self.options.share)))
             .collect();
-        let columns = if parts.len() == 4 { 2 * panels.len() } else { pictures.len() }.max(1);
+        // Four stand in a square.
+        let columns = match (parts.len(), in_a_row) {
+            (1, 4) => 2,
+            (4, _) => 2 * in_a_row,
+            _ => pictures.len().max(1),
+        };
         let widths = pictures.iter().take(columns).map(|(.., (pixels, _))| pixels.width() as f32 * zoom);
         let total = widths.sum::<f32>() + GAP * (columns - 1) as f32;
         self.width = if is_framed { on_grid(total.max(LEAST_WIDTH * self.sizes.body)) } else { total };
@@ -238,7 +244,8 @@ impl Layout<'_> {
 
     /// What stands above a picture that begins at `x`; without the name of its file where that is too long.
     fn title(&mut self, shown: Shown, names: &[Option<String>; 2], (x, width): (f32, f32)) {
-        let room = if shown.panel == Panel::Current { width } else { self.margin + self.width - x };
+        let has_next_to_it = matches!(shown.panel, Panel::Of(picture) if picture != Picture::NEXT);
+        let room = if has_next_to_it { width } else { self.margin + self.width - x };
         let titles = [names, &[const { None }; 2]].map(|names| shown.title(self.options.frame, names));
         let [whole, short] = &titles;
         let title = if fonts::width(whole, Face::Sans, self.sizes.small) <= room { whole } else { short };
@@ -270,7 +277,7 @@ impl Layout<'_> {
             factor => Arc::new(reduced(pixels, factor).into_owned()),
         };
         let mut primitives = vec![Primitive::Image { pixels: fine(&pixels), rect }];
-        let of_frame_t = panel.shows(Picture::Current);
+        let of_frame_t = panel.shows(Picture::CURRENT);
         if let Some(layer) = layer.as_ref().filter(|_| panel.is_tinted()) {
             primitives.push(Primitive::Image { pixels: fine(&layer.pixels), rect });
         }
@@ -296,7 +303,7 @@ impl Layout<'_> {
     }
 
     fn legend(&mut self, parts: &[Part<'_>], scene: &Scene) {
-        let panels = self.options.view.panels();
+        let panels: Vec<_> = parts.iter().flat_map(|part| self.options.view.panels(&part.pictures)).collect();
         let marks = scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
         let mut entries = legend::entries(&scene.legend, marks.clone(), &self.look, self.zoom());
         let heat = self.look.heat.filter(|_| has_heat(marks));

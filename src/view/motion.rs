@@ -12,23 +12,9 @@ use motionscope_core::{
     metrics, scene,
 };
 
-use crate::paint::{ColorMap, FlowLayer, Opacity, Pictures, Scalars, Tint, grouped};
+use crate::paint::{FlowLayer, Pictures, Scalars, Tint, grouped};
+use crate::view::look::Look;
 use crate::view::tile::Tile;
-
-/// What is to be seen of motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Want {
-    /// The layer of colours; `None` for what suits the estimator.
-    pub layer: Option<FlowLayer>,
-    /// How opaque that is; `None` for what suits it.
-    pub opacity: Option<Opacity>,
-    /// The colours of numbers.
-    pub colors: ColorMap,
-    /// Whether particles are carried along.
-    pub streaks: bool,
-    /// From one of them to the next in px, if that is chosen.
-    pub spacing_px: Option<u16>,
-}
 
 /// Which layers there are where a run stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -121,24 +107,26 @@ pub struct Motion {
     pub streaks: Vec<Arc<Streaks>>,
     /// What the check with the reverse pair has found.
     pub check: Option<Check>,
+    /// Why there is none, if the flow of the reverse pair could not be had.
+    pub unchecked: Option<Error>,
 }
 
 impl Motion {
-    /// What `want` wants to see at `site`. Where the check is to be seen, `backward` is asked for the flow of the reverse
+    /// What `look` shows of it at `site`. Where the check is to be seen, `backward` is asked for the flow of the reverse
     /// pair; without it there is none.
     ///
     /// # Errors
     /// If the truth or the reverse pair that it needs cannot be had.
     pub fn of<'a>(
         site: Site<'_>,
-        want: &Want,
+        look: &Look,
         backward: impl FnOnce() -> Result<Option<&'a Flow>, Error>,
     ) -> Result<Self, Error> {
         let found = Found::at(site);
         let offer = found.offer(site);
-        let layer = offer.layer(want.layer);
-        let shows_streaks = want.streaks && offer.has_field();
-        let mut motion = Self { offer, awaited: offer.awaited(want.layer), ..Self::default() };
+        let layer = offer.layer(look.layer);
+        let shows_streaks = look.streaks.is_some() && offer.has_field();
+        let mut motion = Self { offer, awaited: offer.awaited(look.layer), ..Self::default() };
         if layer == FlowLayer::None && !shows_streaks {
             return Ok(motion);
         }
@@ -150,34 +138,35 @@ impl Motion {
             return Ok(motion);
         }
         if shows_streaks {
-            let spacing = |flow: &Flow| want.spacing_px.map_or_else(|| usual_spacing(flow), usize::from);
+            let spacing = |flow: &Flow| look.arrow_spacing.map_or_else(|| usual_spacing(flow), usize::from);
             motion.streaks = flows.iter().map(|flow| Arc::new(Streaks::new(flow, spacing(flow)))).collect();
         }
+        let Look { colors, layer_opacity: opacity, .. } = *look;
         let scalars =
             |label: &str, unit, values| Scalars { kind: layer, label: label.into(), unit, values, marks: None };
         let shown = match layer {
             FlowLayer::None => return Ok(motion),
-            FlowLayer::Wheel => Tint::wheel(&flows, want.opacity),
+            FlowLayer::Wheel => Tint::wheel(&flows, opacity),
             FlowLayer::Magnitude => {
                 let length = |flow: &Arc<Flow>| flow.0.map(|[u, v]| u.hypot(*v));
                 Tint::scale(
                     scalars("length of motion", "px/frame", flows.iter().map(length).collect()),
-                    want.colors,
-                    want.opacity,
+                    colors,
+                    opacity,
                 )
             }
             FlowLayer::Error => {
                 let truth = true_flow(site)?;
                 let errors = flows.iter().map(|flow| metrics::endpoint_errors(flow, &truth));
                 let values = errors.collect::<Result<_, _>>()?;
-                Tint::scale(scalars("endpoint error", "px", values), want.colors, want.opacity)
+                Tint::scale(scalars("endpoint error", "px", values), colors, opacity)
             }
             FlowLayer::Confidence => {
                 let Some(Confidence { name, values }) = found.confidence() else { return Ok(motion) };
                 Tint::scale(
                     scalars(&format!("confidence: {}", name.replace('_', " ")), "", vec![values.clone()]),
-                    want.colors,
-                    want.opacity,
+                    colors,
+                    opacity,
                 )
             }
             FlowLayer::Consistency => {
@@ -186,11 +175,20 @@ impl Motion {
                 motion.check = Some(Check::of(&check, site.clip, site.walk.at_frame())?);
                 let Consistency { distance_px, inconsistent } = check;
                 let scalars = scalars("there and back, off by", "px", vec![distance_px]);
-                Tint::scale(Scalars { marks: Some(inconsistent), ..scalars }, want.colors, want.opacity)
+                Tint::scale(Scalars { marks: Some(inconsistent), ..scalars }, colors, opacity)
             }
         };
         motion.layers = shown.into_iter().map(Arc::new).collect();
         Ok(motion)
+    }
+
+    /// What the check has found, or why there is none, for a person.
+    pub fn facts(&self) -> Vec<Fact> {
+        match (&self.check, &self.unchecked) {
+            (Some(check), _) => check.facts(),
+            (None, Some(error)) => vec![Fact { label: "Reverse pair", value: error.to_string(), role: None }],
+            (None, None) => Vec::new(),
+        }
     }
 
     /// Puts it into the pictures that are looked at, those of all and those of each.

@@ -6,8 +6,8 @@ use crate::paint::charts::{Canvas, ChartStyle};
 use crate::paint::primitive::Rect;
 use crate::paint::{Caption, Layer, Plate, heading, paragraph};
 
-use super::panes::{EXPLANATION, Pane, STAGE, Selection, Told};
-use super::shot::{Around, Look, Moment};
+use super::panes::{EXPLANATION, Pane, STAGE, Told};
+use super::shot::{Around, Shot};
 
 /// Width and height of a sheet in points, unless its panes need more.
 const SIZE: [f32; 2] = [1280.0, 720.0];
@@ -82,22 +82,24 @@ impl Pictures<'_> {
     }
 }
 
-impl Moment<'_> {
-    /// The panes of this step on one sheet, with the marks that `scale` pixels for each point have room for.
-    pub(super) fn sheet(&self, look: &Look, panes: &Selection, scale: u32) -> Plate {
-        let (info, step) = match self.tiles.first() {
+impl Shot<'_> {
+    /// The panes of the step on one sheet, with the marks that `scale` pixels for each point have room for.
+    pub(super) fn sheet(&self, scale: u32) -> Plate {
+        let Self { moment, look, panes, .. } = *self;
+        let (info, step) = match moment.tiles.first() {
             Some(tile) => (tile.info, &*tile.step),
-            None => (self.estimator.info(), self.step),
+            None => (self.estimator.info(), &*moment.step),
         };
         let is_centered = !self.estimator.tests_candidates();
         let told = Told { info, step, is_centered, level: look.level, angles: panes.angles };
-        let plate = |zoom: f32| self.plate(look, Around { zoom, titles: true, caption: None }, scale);
-        let across = self.view(look).panels().len();
-        let [columns, rows] = match self.tiles.len() {
-            4 => [2 * across, 2],
-            count => [count.max(1) * across, 1],
+        let plate = |zoom: f32| self.plate(Around { zoom, titles: true, caption: None }, scale);
+        let across = self.view().panels(&moment.pictures).len();
+        let [columns, rows] = match (moment.tiles.len(), across) {
+            (0 | 1, 4) => [2, 2],
+            (4, across) => [2 * across, 2],
+            (count, across) => [count.max(1) * across, 1],
         };
-        let (width, height) = self.pictures.pair[0].size();
+        let (width, height) = moment.pictures.pair[0].size();
         let extent = [(columns * width) as f32, (rows * height) as f32];
         // What stands around the pictures, as measured where they have about half of the sheet.
         let zoom = 0.5 * SIZE[0] / extent[0];

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::scene::{Fact, Readout, Sentence};
+use motionscope_core::scene::{Fact, Focus, Readout, Sentence};
 use motionscope_core::{Beside, Clip, Cursor, Frame, Info, Levels, Output, Role, Scene, Step, Streaks, Walk};
 
 use crate::paint::{LevelShown, Pictures, Tint, View, grouped};
@@ -54,7 +54,7 @@ pub fn endings(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Vec<Ending> {
 }
 
 /// The estimators in lockstep where `walk` stands; none where there is but one. At the end each has its ending.
-pub fn tiles(walk: &dyn Walk, focus: Option<[f32; 2]>, endings: &[Ending]) -> Vec<Tile> {
+pub fn tiles(walk: &dyn Walk, focus: Option<Focus>, endings: &[Ending]) -> Vec<Tile> {
     let tile = |(index, member): (usize, Beside)| {
         let ending = endings.get(index);
         let counts = counted(&member);
@@ -93,7 +93,7 @@ impl Tile {
 
 /// What `walk` shows: of several in lockstep everything that is drawn in any of their `tiles`, so that all have one
 /// legend, one scale of colours and one of arrows.
-pub fn scene(walk: &dyn Walk, focus: Option<[f32; 2]>, tiles: &[Tile]) -> Scene {
+pub fn scene(walk: &dyn Walk, focus: Option<Focus>, tiles: &[Tile]) -> Scene {
     if tiles.is_empty() {
         return walk.scene(focus);
     }

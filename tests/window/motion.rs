@@ -133,13 +133,14 @@ fn what_is_chosen_is_kept_in_a_session() {
     });
     window.settle();
     let session = Session::load(&path).unwrap();
-    assert_eq!((session.look.layer, session.look.spacing_px), (Some(FlowLayer::Magnitude), None));
+    let look = session.look.over(Look::default());
+    assert_eq!((look.layer, look.arrow_spacing), (Some(FlowLayer::Magnitude), None));
     let again = Window::with(vec2(1440.0, 900.0), Start { open: Some(path.clone().into()) });
     assert_eq!(kind(&again), FlowLayer::Magnitude);
     // Colours are as opaque as a session says.
     let alpha = |window: &Window| tint(window).map(|tint| tint.pixels[(30, 30)][3]);
     assert!(alpha(&again).is_some_and(|alpha| alpha < 255), "the picture is seen through the colours");
-    let text = std::fs::read_to_string(&path).unwrap().replace("[picture]", "[picture]\nlayer-opacity = 1.0");
+    let text = std::fs::read_to_string(&path).unwrap().replace("layer-opacity = \"auto\"", "layer-opacity = 1.0");
     std::fs::write(&path, text).unwrap();
     let opaque = Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) });
     assert_eq!((kind(&opaque), alpha(&opaque)), (FlowLayer::Magnitude, Some(255)));

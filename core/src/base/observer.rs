@@ -2,11 +2,16 @@
 
 /// Where an algorithm tells what it does. `()` sees nothing and costs nothing; `Vec<E>` keeps everything.
 pub trait Observer<E> {
+    /// Whether anything that it is shown is seen.
+    const WATCHES: bool = true;
+
     /// Sees `event`, which is only made if someone looks.
     fn see(&mut self, event: impl FnOnce() -> E);
 }
 
 impl<E> Observer<E> for () {
+    const WATCHES: bool = false;
+
     #[inline(always)]
     fn see(&mut self, _event: impl FnOnce() -> E) {}
 }
@@ -26,6 +31,8 @@ pub struct Mapped<'a, O, F> {
 }
 
 impl<A, B, O: Observer<B>, F: Fn(A) -> B> Observer<A> for Mapped<'_, O, F> {
+    const WATCHES: bool = O::WATCHES;
+
     #[inline(always)]
     fn see(&mut self, event: impl FnOnce() -> A) {
         self.observer.see(|| (self.map)(event()));

@@ -3,11 +3,14 @@
 //! Sliders, tooltips, `--set` flags, `motionscope list`, sessions and the property tests all read the
 //! same declaration, made with [`params!`](crate::params!) and [`choices!`](crate::choices!).
 
+mod field;
 mod part;
 mod placed;
 
+use std::borrow::Cow;
 use std::fmt;
 
+pub use field::{Declared, Field};
 pub use part::{Part, PartKind, StageValue};
 pub use placed::{Figure, Line, Placed, Spot, Spots};
 
@@ -68,6 +71,77 @@ pub enum Kind {
     Placed(Figure),
     /// Something with parameters of its own.
     Stage(PartKind),
+    /// What `of` says, or a word that leaves it open.
+    Optional {
+        /// What it may be where it is set.
+        of: Box<Kind>,
+        /// What stands for none of it: `auto`.
+        word: &'static str,
+    },
+}
+
+impl Kind {
+    /// What may be given, in words, with `unit` behind numbers.
+    fn allowed(&self, unit: &str) -> String {
+        match self {
+            Kind::Int { min, max } => format!("{min} to {max}{unit}"),
+            Kind::Real { min, max } => format!("{min} to {max}{unit}"),
+            Kind::Switch => "on or off".into(),
+            Kind::Placed(figure) => figure.allowed().into(),
+            Kind::Stage(kind) => one_of(&kind.ids()),
+            Kind::Choice(all) => one_of(&names(all)),
+            Kind::Optional { of, word } => match &**of {
+                Kind::Choice(all) => one_of(&[names(all), vec![word]].concat()),
+                of => format!("{} or {word}", of.allowed(unit)),
+            },
+        }
+    }
+
+    /// Whether `value` is one of them.
+    fn fits(&self, value: &Value) -> bool {
+        match (self, value) {
+            (Kind::Int { min, max }, Value::Int(v)) => (*min..=*max).contains(v),
+            (Kind::Real { min, max }, Value::Real(v)) => (*min..=*max).contains(v),
+            (Kind::Switch, Value::Switch(_)) => true,
+            (Kind::Choice(all), Value::Choice(v)) => all.iter().any(|c| c.name == *v),
+            (Kind::Placed(figure), Value::Placed(v)) => v.figure() == *figure && v.is_sound(),
+            (Kind::Stage(kind), Value::Stage(v)) => kind.ids().contains(&v.id()),
+            (Kind::Optional { word, .. }, Value::Choice(v)) if v == word => true,
+            (Kind::Optional { of, .. }, value) => of.fits(value),
+            _ => false,
+        }
+    }
+
+    /// The value that `text` is, if it is one; whether that fits is not looked at.
+    fn read(&self, text: &str) -> Option<Value> {
+        match self {
+            Kind::Int { .. } => text.parse().ok().map(Value::Int),
+            Kind::Real { .. } => text.parse().ok().map(Value::Real),
+            Kind::Switch => match text {
+                "on" | "true" | "yes" | "1" => Some(Value::Switch(true)),
+                "off" | "false" | "no" | "0" => Some(Value::Switch(false)),
+                _ => None,
+            },
+            Kind::Choice(all) => all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name)),
+            Kind::Placed(figure) => figure.parse(text).map(Value::Placed),
+            Kind::Stage(kind) => kind.parse(text).map(Value::Stage).ok(),
+            Kind::Optional { word, .. } if text == *word => Some(Value::Choice(word)),
+            Kind::Optional { of, .. } => of.read(text),
+        }
+    }
+
+    /// Whether it is a whole number, where it is set.
+    fn is_whole(&self) -> bool {
+        match self {
+            Kind::Optional { of, .. } => of.is_whole(),
+            kind => matches!(kind, Kind::Int { .. }),
+        }
+    }
+}
+
+/// The names of choices.
+fn names(all: &[Choice]) -> Vec<&'static str> {
+    all.iter().map(|choice| choice.name).collect()
 }
 
 /// One of a few named values of a parameter.
@@ -111,14 +185,7 @@ impl Spec {
     /// What may be given, in words: `4 to 64 px`, `on or off`, `sad, ssd or mse`.
     pub fn allowed(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
-        match &self.kind {
-            Kind::Int { min, max } => format!("{min} to {max}{unit}"),
-            Kind::Real { min, max } => format!("{min} to {max}{unit}"),
-            Kind::Switch => "on or off".into(),
-            Kind::Placed(figure) => figure.allowed().into(),
-            Kind::Stage(kind) => one_of(&kind.ids()),
-            Kind::Choice(all) => one_of(&all.iter().map(|c| c.name).collect::<Vec<_>>()),
-        }
+        self.kind.allowed(&unit)
     }
 
     /// Checks that `value` is allowed.
@@ -126,16 +193,7 @@ impl Spec {
     /// # Errors
     /// A sentence that names the range.
     pub fn check(&self, value: Value) -> Result<Value, Error> {
-        let fits = match (&self.kind, &value) {
-            (Kind::Int { min, max }, Value::Int(v)) => (*min..=*max).contains(v),
-            (Kind::Real { min, max }, Value::Real(v)) => (*min..=*max).contains(v),
-            (Kind::Switch, Value::Switch(_)) => true,
-            (Kind::Choice(all), Value::Choice(v)) => all.iter().any(|c| c.name == *v),
-            (Kind::Placed(figure), Value::Placed(v)) => v.figure() == *figure && v.is_sound(),
-            (Kind::Stage(kind), Value::Stage(v)) => kind.ids().contains(&v.id()),
-            _ => false,
-        };
-        if fits { Ok(value) } else { Err(self.refusal(&value.to_string())) }
+        if self.kind.fits(&value) { Ok(value) } else { Err(self.refusal(&value.to_string())) }
     }
 
     /// Reads a value as a person types it: `16`, `0.5`, `on`, `sad`.
@@ -145,20 +203,12 @@ impl Spec {
     pub fn parse(&self, text: &str) -> Result<Value, Error> {
         let text = text.trim();
         let value = match &self.kind {
-            Kind::Int { .. } => text.parse().ok().map(Value::Int),
-            Kind::Real { .. } => text.parse().ok().map(Value::Real),
-            Kind::Switch => match text {
-                "on" | "true" | "yes" | "1" => Some(Value::Switch(true)),
-                "off" | "false" | "no" | "0" => Some(Value::Switch(false)),
-                _ => None,
-            },
-            Kind::Choice(all) => all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name)),
-            Kind::Placed(figure) => figure.parse(text).map(Value::Placed),
             // The one that is declared comes as it is declared.
             Kind::Stage(_) if matches!(&self.default, Value::Stage(usual) if usual.id() == text) => {
                 Some(self.default.clone())
             }
             Kind::Stage(kind) => return kind.parse(text).map(Value::Stage).map_err(|error| self.stage_refusal(error)),
+            kind => kind.read(text),
         };
         value.ok_or_else(|| self.refusal(text)).and_then(|value| self.check(value))
     }
@@ -168,7 +218,7 @@ impl Spec {
     }
 
     fn refusal(&self, given: &str) -> Error {
-        if matches!(self.kind, Kind::Int { .. }) && given.parse::<f64>().is_ok_and(|v| v.fract() != 0.0) {
+        if self.kind.is_whole() && given.parse::<f64>().is_ok_and(|v| v.fract() != 0.0) {
             return Error::new(format!("{} can be a whole number, {}, not {given}", self.name, self.allowed()));
         }
         Error::new(format!("{} can be {}, not {given}", self.name, self.allowed()))
@@ -195,11 +245,17 @@ pub trait Params {
     /// If there is no such parameter.
     fn set_value(&mut self, index: usize, value: Value) -> Result<(), Error>;
 
+    /// Names that parameters had before, with those that they have now.
+    fn renamed(&self) -> &'static [(&'static str, &'static str)] {
+        &[]
+    }
+
     /// The value of the parameter called `name`.
     ///
     /// # Errors
     /// A sentence with the names there are.
     fn get(&self, name: &str) -> Result<Value, Error> {
+        let name = &*current_name(self, name);
         match name.split_once('.') {
             Some((stage, inner)) => stage_of(self, stage).and_then(|(_, stage)| stage.part().get(inner)),
             None => find(self.specs(), name).map(|index| self.value(index)),
@@ -211,14 +267,7 @@ pub trait Params {
     /// # Errors
     /// A sentence with what may be given; then nothing changes.
     fn set(&mut self, name: &str, text: &str) -> Result<(), Error> {
-        if let Some((stage, inner)) = name.split_once('.') {
-            let (index, mut stage) = stage_of(self, stage)?;
-            stage.part_mut().set(inner, text)?;
-            return self.set_value(index, Value::Stage(stage));
-        }
-        let index = find(self.specs(), name)?;
-        let value = self.specs()[index].parse(text)?;
-        self.set_value(index, value)
+        set_by_name(self, name, text)
     }
 
     /// Names and values, in declared order.
@@ -239,6 +288,28 @@ pub trait Params {
         }
         all
     }
+}
+
+/// What a parameter is called now: `detector.rate` may have moved to `tracker.detector.rate`.
+fn current_name<'a, P: Params + ?Sized>(params: &P, name: &'a str) -> Cow<'a, str> {
+    let (head, rest) = name.split_at(name.find('.').unwrap_or(name.len()));
+    match params.renamed().iter().find(|(old, _)| *old == head) {
+        Some((_, new)) => Cow::Owned(format!("{new}{rest}")),
+        None => Cow::Borrowed(name),
+    }
+}
+
+/// As [`Params::set`].
+pub(crate) fn set_by_name<P: Params + ?Sized>(params: &mut P, name: &str, text: &str) -> Result<(), Error> {
+    let name = &*current_name(params, name);
+    if let Some((stage, inner)) = name.split_once('.') {
+        let (index, mut stage) = stage_of(params, stage)?;
+        stage.part_mut().set(inner, text)?;
+        return params.set_value(index, Value::Stage(stage));
+    }
+    let index = find(params.specs(), name)?;
+    let value = params.specs()[index].parse(text)?;
+    params.set_value(index, value)
 }
 
 /// Names in words: `sad, ssd or mse`.
@@ -265,10 +336,18 @@ fn find(specs: &'static [Spec], name: &str) -> Result<usize, Error> {
     })
 }
 
+/// Ends what asks for a parameter that was not declared.
+#[doc(hidden)]
+pub fn no_such_parameter() -> ! {
+    panic!("there are not so many parameters")
+}
+
 /// A type that can be a parameter. Numbers need a range, switches and choices bring their own.
 pub trait Parameter: Sized {
     /// The smallest and largest value allowed where the type alone does not say.
     type Range;
+    /// What stands for none, where an [`Option`] of it is a parameter.
+    const NONE: &'static str = "auto";
     /// What the parameter may be.
     fn kind(range: Self::Range) -> Kind;
     /// As a value.
@@ -293,7 +372,7 @@ macro_rules! whole_number {
         }
     )*};
 }
-whole_number!(usize, u32, i32);
+whole_number!(usize, u32, u16, i32);
 
 impl Parameter for f32 {
     type Range = std::ops::RangeInclusive<f32>;
@@ -326,6 +405,20 @@ impl Parameter for bool {
     }
 }
 
+/// What may be left open: a word stands for `None`.
+impl<T: Parameter> Parameter for Option<T> {
+    type Range = T::Range;
+    fn kind(range: Self::Range) -> Kind {
+        Kind::Optional { of: Box::new(T::kind(range)), word: T::NONE }
+    }
+    fn to_value(&self) -> Value {
+        self.as_ref().map_or(Value::Choice(T::NONE), T::to_value)
+    }
+    fn from_value(value: Value) -> Option<Self> {
+        if value == Value::Choice(T::NONE) { Some(None) } else { T::from_value(value).map(Some) }
+    }
+}
+
 /// Gives a struct around parameters those that it holds: `inner_params!(Corners<M: Measure>)`.
 macro_rules! inner_params {
     ($name:ident<$inner:ident: $bound:path>) => {
@@ -341,12 +434,18 @@ macro_rules! inner_params {
             fn set_value(&mut self, index: usize, value: $crate::params::Value) -> Result<(), $crate::Error> {
                 self.0.set_value(index, value)
             }
+
+            fn renamed(&self) -> &'static [(&'static str, &'static str)] {
+                self.0.renamed()
+            }
         }
     };
 }
 pub(crate) use inner_params;
 
-/// Declares a struct of parameters with its [`Default`] and [`Params`].
+/// Declares a struct of parameters with its [`Default`] and [`Params`]. What several structs have in common is declared once
+/// and is a field of each: its parameters stand in the place of that field. `renamed { "old" => "new" }` behind the struct
+/// keeps names that parameters had before.
 ///
 /// ```
 /// motionscope_core::params! {
@@ -363,6 +462,20 @@ pub(crate) use inner_params;
 /// let mut blur = Blur::default();
 /// blur.set("twice", "on").unwrap();
 /// assert_eq!(blur.set("sigma-px", "9").unwrap_err().to_string(), "sigma-px can be 0.5 to 8 px, not 9");
+///
+/// motionscope_core::params! {
+///     /// What it is.
+///     pub struct Edges {
+///         /// How both pictures are smoothed first.
+///         blur: Blur = Blur { sigma_px: 2.0, twice: true };
+///         /// The least gradient of an edge.
+///         least: f32 = 10.0, 0.0..=255.0;
+///     }
+/// }
+/// let edges = Edges::default();
+/// let names: Vec<_> = edges.specs().iter().map(|spec| spec.name.as_str()).collect();
+/// assert_eq!(names, ["sigma-px", "twice", "least"]);
+/// assert_eq!(edges.specs()[0].default.to_string(), "2");
 /// ```
 #[macro_export]
 macro_rules! params {
@@ -374,6 +487,7 @@ macro_rules! params {
                 $field:ident: $ty:ty = $default:expr $(, $range:expr $(, $unit:literal)?)?;
             )*
         }
+        $(renamed { $($old:literal => $new:literal),+ $(,)? })?
     ) => {
         $(#[$meta])*
         #[derive(Clone, Debug)]
@@ -387,36 +501,67 @@ macro_rules! params {
             }
         }
 
+        impl $crate::params::Field for $name {
+            const COUNT: usize = 0 $(+ <$ty as $crate::params::Field>::COUNT)*;
+            type Range = ();
+
+            fn specs_of(_: &$crate::params::Declared, (): (), default: &Self) -> Vec<$crate::params::Spec> {
+                let mut specs = Vec::new();
+                $(
+                    let declared = $crate::params::Declared {
+                        name: stringify!($field),
+                        docs: &[$($doc),+],
+                        unit: concat!($($($unit)?)?),
+                    };
+                    specs.extend(<$ty as $crate::params::Field>::specs_of(&declared, ($($range)?), &default.$field));
+                )*
+                specs
+            }
+
+            #[allow(unused_assignments, reason = "the last field has none behind it")]
+            fn value_of(&self, mut index: usize) -> $crate::params::Value {
+                $(
+                    if index < <$ty as $crate::params::Field>::COUNT {
+                        return $crate::params::Field::value_of(&self.$field, index);
+                    }
+                    index -= <$ty as $crate::params::Field>::COUNT;
+                )*
+                $crate::params::no_such_parameter()
+            }
+
+            #[allow(unused_assignments, reason = "the last field has none behind it")]
+            fn put(&mut self, mut index: usize, value: $crate::params::Value) {
+                $(
+                    if index < <$ty as $crate::params::Field>::COUNT {
+                        return $crate::params::Field::put(&mut self.$field, index, value);
+                    }
+                    index -= <$ty as $crate::params::Field>::COUNT;
+                )*
+                $crate::params::no_such_parameter()
+            }
+        }
+
         impl $crate::params::Params for $name {
             fn specs(&self) -> &'static [$crate::params::Spec] {
-                static SPECS: std::sync::LazyLock<Vec<$crate::params::Spec>> = std::sync::LazyLock::new(|| vec![$(
-                    $crate::params::Spec::declare(
-                        stringify!($field),
-                        &[$($doc),+],
-                        concat!($($($unit)?)?),
-                        <$ty as $crate::params::Parameter>::kind(($($range)?)),
-                        <$ty as $crate::params::Parameter>::to_value(&$default),
-                    ),
-                )*]);
+                static SPECS: std::sync::LazyLock<Vec<$crate::params::Spec>> = std::sync::LazyLock::new(|| {
+                    let whole = $crate::params::Declared { name: "", docs: &[], unit: "" };
+                    <$name as $crate::params::Field>::specs_of(&whole, (), &$name::default())
+                });
                 &SPECS
             }
 
             fn value(&self, index: usize) -> $crate::params::Value {
-                let mut values = vec![$( $crate::params::Parameter::to_value(&self.$field), )*];
-                values.swap_remove(index)
+                $crate::params::Field::value_of(self, index)
             }
 
             fn set_value(&mut self, index: usize, value: $crate::params::Value) -> Result<(), $crate::Error> {
                 let value = $crate::params::Params::specs(self)[index].check(value)?;
-                let setters: &[fn(&mut Self, $crate::params::Value)] = &[$(
-                    |params, value| {
-                        if let Some(value) = $crate::params::Parameter::from_value(value) {
-                            params.$field = value;
-                        }
-                    },
-                )*];
-                setters[index](self, value);
+                $crate::params::Field::put(self, index, value);
                 Ok(())
+            }
+
+            fn renamed(&self) -> &'static [(&'static str, &'static str)] {
+                &[$($(($old, $new)),+)?]
             }
         }
     };
@@ -502,6 +647,10 @@ mod tests {
             switch: bool = false;
             /// A choice.
             pace: Pace = Pace::Fast;
+            /// A whole number that may be left open.
+            room: Option<u16> = None, 1..=256, "px";
+            /// A choice that may be left open.
+            gait: Option<Pace> = Some(Pace::Slow);
         }
     }
 
@@ -512,20 +661,26 @@ mod tests {
         assert_eq!(spec.doc, "A whole number, told on two lines.");
         assert_eq!((spec.allowed(), &spec.default), ("4 to 64 px".into(), &Value::Int(16)));
         assert_eq!(All::default().specs()[1].default, Value::Real(0.1));
-        assert_eq!(All::default().specs()[3].allowed(), "slow or fast");
+        let allowed = [3, 4, 5].map(|index| All::default().specs()[index].allowed());
+        assert_eq!(allowed, ["slow or fast", "1 to 256 px or auto", "slow, fast or auto"]);
     }
 
     #[test]
     fn setting_reads_back_and_refusing_changes_nothing() {
         let mut all = All::default();
-        for (name, text) in [("whole-px", "64"), ("real", "0.25"), ("switch", "on"), ("pace", "slow")] {
+        let open = [("room", "7"), ("room", "auto"), ("gait", "fast"), ("gait", "auto")];
+        for (name, text) in
+            [("whole-px", "64"), ("real", "0.25"), ("switch", "on"), ("pace", "slow")].into_iter().chain(open)
+        {
             all.set(name, text).unwrap();
             assert_eq!(all.get(name).unwrap().to_string(), text);
         }
+        assert_eq!((all.room, all.gait), (None, None));
         assert_eq!((Pace::Slow.label(), Pace::Fast.label()), ("Slow", "Fast"));
         let refused =
             [("whole-px", "65"), ("whole-px", "x"), ("real", "NaN"), ("switch", "2"), ("pace", "Slow"), ("gone", "1")];
-        for (name, text) in refused {
+        let open = [("room", "0"), ("room", "1.5"), ("room", "none"), ("gait", "on")];
+        for (name, text) in refused.into_iter().chain(open) {
             let before = all.values();
             assert!(all.set(name, text).is_err(), "{name}={text}");
             assert_eq!(all.values(), before);

@@ -23,6 +23,8 @@ pub trait Part: Params + Send + Sync {
 /// What can be chosen as a part.
 #[derive(Clone, Copy)]
 pub struct PartKind {
+    /// What is asked for, in one word.
+    pub asks: &'static str,
     /// What it makes, by the id of its product: `dense-flow`.
     pub product: &'static str,
     /// The same in words: `a dense flow`.
@@ -36,13 +38,13 @@ pub struct PartKind {
 /// Two are the same where the same can be chosen.
 impl PartialEq for PartKind {
     fn eq(&self, other: &Self) -> bool {
-        self.product == other.product
+        self.asks == other.asks
     }
 }
 
 impl fmt::Debug for PartKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("PartKind").field(&self.product).finish()
+        f.debug_tuple("PartKind").field(&self.asks).finish()
     }
 }
 

@@ -1,7 +1,9 @@
 //! An estimator of which only the declaration matters, and the one door to its runs.
 
+use std::any::Any;
+
 use super::estimator::run_observed;
-use super::{Estimator, Info, Need, Progress, Promise, Timeline, Walk, need};
+use super::{Estimator, Footprint, Info, Need, Progress, Promise, StageView, Timeline, Walk, need};
 use crate::base::{Error, Threads, heap};
 use crate::data::Clip;
 use crate::params::Params;
@@ -22,7 +24,7 @@ fn check_pictures<E: Estimator>(clip: &Clip) -> Result<(), Error> {
 
 /// Refuses a run for which there is not enough memory.
 fn check_memory<E: Estimator>(estimator: &E, clip: &Clip, of: fn(Need) -> u64) -> Result<(), Error> {
-    need::check(clip, E::INFO.name, of(estimator.need(clip)))
+    need::check(clip, E::INFO.name, of(Footprint::need(estimator, clip)))
 }
 
 /// How much a run consists of.
@@ -51,6 +53,23 @@ pub trait AnyEstimator: Params + Send + Sync {
     fn is_of_single_frames(&self) -> bool {
         self.info().frames == 1 || self.produces().iter().all(|kind| kind.is_of_single_frames)
     }
+
+    /// As [`Estimator::units_of`].
+    fn units_of(&self, picture: (usize, usize), frames: usize) -> Option<usize>;
+
+    /// Whether a unit of a run is a frame of the clip.
+    fn is_by_frame(&self) -> bool {
+        self.units_of((1, 1), 1) == Some(1)
+    }
+
+    /// As [`Estimator::lends`].
+    fn lends(&self) -> Option<Box<dyn Any>>;
+
+    /// As [`Estimator::stage_view`].
+    ///
+    /// # Errors
+    /// If a frame cannot be read.
+    fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error>;
 
     /// The same estimator without hindsight, where it looks back in time as it is set.
     fn causal(&self) -> Option<Box<dyn AnyEstimator>>;
@@ -111,6 +130,9 @@ pub trait AnyRun: Send {
 
     /// What the run has made so far.
     fn output(&self) -> Output;
+
+    /// Memory that its state takes with all that is shared, in bytes.
+    fn bytes(&self) -> usize;
 }
 
 /// The run of one estimator.
@@ -129,6 +151,10 @@ impl<E: Estimator> AnyRun for Running<E> {
     fn output(&self) -> Output {
         self.estimator.output(&self.state)
     }
+
+    fn bytes(&self) -> usize {
+        self.estimator.memory_bytes(&self.state)
+    }
 }
 
 impl<E: Estimator> AnyEstimator for E {
@@ -144,12 +170,24 @@ impl<E: Estimator> AnyEstimator for E {
         E::PROMISE
     }
 
+    fn units_of(&self, picture: (usize, usize), frames: usize) -> Option<usize> {
+        Estimator::units_of(self, picture, frames)
+    }
+
+    fn lends(&self) -> Option<Box<dyn Any>> {
+        Estimator::lends(self)
+    }
+
+    fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
+        Estimator::stage_view(self, clip, now)
+    }
+
     fn causal(&self) -> Option<Box<dyn AnyEstimator>> {
         Estimator::causal(self).map(|causal| Box::new(causal) as Box<dyn AnyEstimator>)
     }
 
     fn tests_candidates(&self) -> bool {
-        E::TESTS_CANDIDATES
+        self.tests().is_some()
     }
 
     fn needs_pictures(&self) -> bool {
@@ -165,14 +203,14 @@ impl<E: Estimator> AnyEstimator for E {
     }
 
     fn need(&self, clip: &Clip) -> Need {
-        Estimator::need(self, clip)
+        Footprint::need(self, clip)
     }
 
     fn walk(&self, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error> {
         check_pictures::<E>(clip)?;
         check_memory(self, clip, |need| need.walk)?;
         // What is left of the memory may hold states to go back to.
-        let left = clip.room().saturating_sub(Estimator::need(self, clip).walk);
+        let left = clip.room().saturating_sub(Footprint::need(self, clip).walk);
         let budget = Timeline::<E>::BUDGET_BYTES.min(usize::try_from(left / 2).unwrap_or(usize::MAX));
         Ok(Box::new(Timeline::new(self.clone(), clip.clone(), frame)?.with_budget(budget)))
     }
@@ -201,6 +239,7 @@ impl<E: Estimator> AnyEstimator for E {
 
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error> {
         check_memory(self, clip, |need| need.run)?;
-        Estimator::run(self, clip, frame, threads).map(|state| Estimator::evaluations(self, &state))
+        let state = Estimator::run(self, clip, frame, threads)?;
+        Ok(self.tests().map_or_else(Vec::new, |tests| tests.evaluations(&state)))
     }
 }

@@ -1,12 +1,14 @@
 //! What every estimator is: a declaration, a unit of work, and how it is seen and told.
 
-use super::{Cursor, Need};
+use std::any::Any;
+
+use super::{Footprint, Pointed, StageView, TestsCandidates};
 use crate::base::{Error, Observer, Threads};
 use crate::data::Clip;
 use crate::params::Params;
 use crate::products::{Output, ProductKind};
 use crate::pseudocode;
-use crate::scene::{Chart, Line, Name, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Line, Name, Picture, Role, Scene, Step};
 
 /// What there is to say about an estimator before it runs.
 #[derive(Debug, PartialEq, Eq)]
@@ -66,11 +68,6 @@ impl Info {
     pub fn line(&self, name: Name) -> Option<usize> {
         pseudocode::find(self.pseudocode, name)
     }
-
-    /// Whether a unit of a run is a frame of the clip.
-    pub fn is_by_frame(&self) -> bool {
-        self.rungs.iter().rev().nth(1) == Some(&"frame")
-    }
 }
 
 /// Where a run stands on one rung of the ladder.
@@ -99,26 +96,15 @@ pub struct Seen<'a, E: Estimator> {
     pub after: Option<&'a E::State>,
     /// The unit's events up to the cursor; empty only at the very start of a run.
     pub events: &'a [E::Event],
-    /// The pixel that the person points at. It changes what is explained, never what is computed.
-    pub focus: Option<[f32; 2]>,
+    /// The pixel that the person points at, on a picture that the estimator takes ([`Pointed::takes`]). It changes what is
+    /// explained, never what is computed.
+    pub focus: Option<Focus>,
 }
 
-/// From when on a pixel can be explained by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Explained {
-    /// At every step, since each is about all pixels.
-    Always,
-    /// From this place of the run on: there it is its turn.
-    From(Cursor),
-}
-
-impl Explained {
-    /// Whether that is so at `cursor`.
-    pub fn at(self, cursor: Cursor) -> bool {
-        match self {
-            Self::Always => true,
-            Self::From(turn) => turn <= cursor,
-        }
+impl<E: Estimator> Seen<'_, E> {
+    /// The point of frame t that the person points at, in px.
+    pub fn point(&self) -> Option<[f32; 2]> {
+        self.focus.filter(|focus| focus.on == Picture::CURRENT).map(|focus| focus.at)
     }
 }
 
@@ -127,15 +113,13 @@ impl Explained {
 /// A *unit* is the natural outer step (a block, an iteration, a feature, a frame); *events* are what
 /// happens inside it. Everything that a unit reads and writes is in the state, so that a run can be
 /// taken up anywhere and gives the same bits.
-pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
+pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + Clone + Send + Sync + 'static {
     /// What there is to say about it.
     const INFO: Info;
     /// The kinds of products that a run may make, the one that matters most first.
     const PRODUCES: &'static [&'static ProductKind];
     /// What it can be relied on to find: for tests.
     const PROMISE: Promise = Promise::Translation;
-    /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
-    const TESTS_CANDIDATES: bool = false;
     /// Whether the end of a run tells how far its field is trusted.
     const TELLS_CONFIDENCE: bool = false;
     /// Whether it looks at pictures: some take what others have detected.
@@ -146,10 +130,6 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     type State: Clone + Send + Sync + 'static;
     /// What happens inside a unit.
     type Event: Clone + Send + Sync + 'static;
-
-    /// Memory that a run on a clip takes, known before it starts: about the most, beside the frames of the clip. A run for which
-    /// there is not so much is refused.
-    fn need(&self, clip: &Clip) -> Need;
 
     /// The state before the first unit of a run on frame `frame`.
     ///
@@ -174,53 +154,43 @@ pub trait Estimator: Params + Default + Clone + Send + Sync + 'static {
     /// Where the next unit of `state` stands: one entry for each of [`Info::rungs`] but the innermost.
     fn place(&self, state: &Self::State) -> Vec<Rung>;
 
-    /// The unit whose result lies at `point` in frame t, for a click on the stage.
-    fn unit_at(&self, _state: &Self::State, _point: [f32; 2]) -> Option<usize> {
-        None
-    }
-
-    /// From when on the pixel at `point` of frame t can be explained by itself; `None` where the unit that lies there is what
-    /// is explained, or nothing lies there. Before that nobody sees what a pixel will come to by pointing at it.
-    fn explained(&self, _state: &Self::State, _point: [f32; 2]) -> Option<Explained> {
-        None
-    }
-
-    /// The units that lead to the result of block `block`, the last one being that which finds it.
-    fn way_to(&self, _state: &Self::State, block: usize) -> Vec<usize> {
-        vec![block]
-    }
-
-    /// Whether a candidate is tested at `event`: what estimators beside each other are counted by.
-    fn is_evaluation(&self, _event: &Self::Event) -> bool {
-        false
-    }
-
-    /// How many such events each unit had that `state` has behind it.
-    fn evaluations(&self, _state: &Self::State) -> Vec<u32> {
-        Vec::new()
-    }
-
     /// The frame that the next unit of `state` works on, for those that go through a clip: the first of a pair, or one by
     /// itself. `None` where that is always the pair of the run.
     fn at_frame(&self, _state: &Self::State) -> Option<usize> {
         None
     }
 
-    /// The state as a checkpoint keeps it: without what [`Estimator::advance`] makes again where it is missing.
-    fn at_rest(&self, state: &Self::State) -> Self::State {
-        state.clone()
+    /// The units that so many frames take on pictures of a width and height in px, where a run goes through the clip frame
+    /// by frame and each takes as many; `None` for what looks at a pair, or takes as long as it takes.
+    fn units_of(&self, _picture: (usize, usize), _frames: usize) -> Option<usize> {
+        None
     }
 
-    /// Memory that one state at rest takes by itself, in bytes, for the budget of checkpoints.
-    fn state_bytes(&self, state: &Self::State) -> usize;
+    /// What it lends to an estimator whose stage it is, beside what a run of it makes.
+    fn lends(&self) -> Option<Box<dyn Any>> {
+        None
+    }
 
-    /// Memory of all that a run needs beside the two frames, in bytes: what its states share as well.
-    fn memory_bytes(&self, state: &Self::State) -> usize {
-        self.state_bytes(state)
+    /// What its stages look at while it works on frame `now`, where that is not the pair from there on.
+    ///
+    /// # Errors
+    /// If a frame cannot be read.
+    fn stage_view(&self, _clip: &Clip, _now: usize) -> Result<Option<StageView>, Error> {
+        Ok(None)
     }
 
     /// The role of an event that is worth a mark on the timeline.
     fn landmark(&self, _event: &Self::Event) -> Option<Role> {
+        None
+    }
+
+    /// How its candidates are counted, if it searches blocks by testing such: then it can go in lockstep with others.
+    fn tests(&self) -> Option<&dyn TestsCandidates<Self::State, Self::Event>> {
+        None
+    }
+
+    /// What lies where a person points, if something does.
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
         None
     }
 

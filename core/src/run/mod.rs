@@ -3,6 +3,7 @@
 mod any;
 mod cursor;
 mod estimator;
+mod facets;
 pub mod lockstep;
 pub mod need;
 mod span;
@@ -12,10 +13,11 @@ mod walk;
 
 pub use any::{AnyEstimator, AnyRun, Extent};
 pub use cursor::Cursor;
-pub use estimator::{Estimator, Explained, Info, Progress, Promise, Rung, Seen, run_observed};
+pub use estimator::{Estimator, Info, Progress, Promise, Rung, Seen, run_observed};
+pub use facets::{Explained, Footprint, Pointed, StageView, TestsCandidates};
 pub use lockstep::{Lockstep, Pace};
 pub use need::Need;
 pub use span::Span;
-pub use stage::{Course, DenseFlow, Detections, Entries, Entry, Foreground, Stage};
+pub use stage::{BlockVectors, Course, DenseFlow, Entries, Entry, Foreground, Frames, Keypoints, Masks, Stage, Tracks};
 pub use timeline::Timeline;
 pub use walk::{Beside, Move, Walk, Way};

@@ -218,7 +218,7 @@ impl View<'_> {
         let max = [0, 1].map(|i| extreme(f32::max, i).ceil());
         let count = |i: usize| ((max[i] - min[i]) * density).round().max(1.0) as usize;
         let frame = &self.data.stack.levels.all[level].pair[0];
-        let pixels = Panel::Current.pixels(&Pictures::of([frame.clone(), frame.clone()]), Share::default()).0;
+        let pixels = Panel::CURRENT.pixels(&Pictures::of([frame.clone(), frame.clone()]), Share::default()).0;
         let longest = (0..4).map(|i| distance(corners[i], corners[(i + 1) % 4])).fold(1.0, f32::max) * density;
         let picture =
             reduced(&pixels, (pixels.width().max(pixels.height()) as f32 / longest).floor().max(1.0) as usize);

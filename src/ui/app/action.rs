@@ -3,11 +3,11 @@
 use std::ffi::OsString;
 use std::sync::Arc;
 
+use motionscope_core::scene::Focus;
 use motionscope_core::synth::Sample;
 use motionscope_core::{Cursor, Pace, Value};
 
 use crate::experiment::comparison::Row;
-use crate::paint::Lengthen;
 use crate::ui::app::commands::Command;
 use crate::ui::model::document::Owner;
 use crate::ui::model::writer::Order;
@@ -72,15 +72,13 @@ pub enum Action {
     /// Go to a place of the run.
     Seek(Cursor),
     /// Go to the end or to the start of what lies at a pixel, or explain that pixel from now on.
-    SeekAt([f32; 2], Side),
+    SeekAt(Focus, Side),
     /// Explain a pixel.
-    Focus(Option<[f32; 2]>),
+    Focus(Option<Focus>),
     /// Explain the pixel that was clicked no longer.
     Release,
     /// Run on the pair that starts with this frame.
     Frame(usize),
-    /// Draw displacements as long as this.
-    Lengthen(Lengthen),
     /// Play at this speed.
     Speed(usize),
     /// The error was read.

@@ -2,11 +2,11 @@
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Cursor, Error, Info, Move, Way, estimator, stage};
+use motionscope_core::{AnyEstimator, Cursor, Error, Move, Params, Way, estimator, stage};
 
 use crate::experiment::company::Company;
 use crate::experiment::comparison::Row;
-use crate::paint::{ColorMap, FlowLayer, Lengthen, Theme, View as Pictures};
+use crate::paint::{FlowLayer, Phase, Theme, View};
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::Command;
 use crate::ui::app::window::{App, Overlay};
@@ -55,14 +55,20 @@ impl App {
                 self.player.pause();
                 self.walker.go(Move::To(cursor));
             }
-            Action::SeekAt(point, side) => {
+            Action::SeekAt(focus, side) => {
                 self.player.pause();
-                self.walker.go_at(point, side);
+                let shown = self.view.shown.as_ref();
+                if let Some(first) = shown.and_then(|shown| shown.elsewhere(focus.on)) {
+                    let (clicked, first) = (focus.on.title(None), first.title(None).to_lowercase());
+                    self.toasts
+                        .tell(format!("{clicked} has no pixels to be explained at this step: click on {first}."));
+                    return;
+                }
+                self.walker.go_at(focus, side);
             }
-            Action::Focus(point) => self.walker.focus(point),
+            Action::Focus(focus) => self.walker.focus(focus),
             Action::Release => self.walker.release(),
             Action::Frame(frame) => self.go_to_frame(frame),
-            Action::Lengthen(lengthen) => self.settings.set_lengthen(lengthen),
             Action::Speed(speed) => {
                 self.player.speed = speed;
                 self.settings.speed = speed;
@@ -80,7 +86,9 @@ impl App {
         match command {
             C::Open => self.overlay = Overlay::Open(open_dialog::State::default()),
             C::PastePath => self.ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
-            C::Compare => self.overlay = Overlay::Compare(compare::State::new(self.document.estimator().info().id)),
+            C::Compare => {
+                self.overlay = Overlay::Compare(Box::new(compare::State::new(self.document.estimator().info().id)))
+            }
             C::Lockstep => self.toggle_lockstep(),
             C::Samples => self.overlay = Overlay::Samples,
             C::Palette => self.overlay = Overlay::Palette(palette::State::default()),
@@ -98,17 +106,21 @@ impl App {
             }
             C::OutOfStage => self.leave(),
             C::Undo | C::Redo | C::ResetParameters => self.edit(command),
-            C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => self.look_at(command),
-            C::Prediction | C::Residual => self.look_at(command),
-            C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => self.look_at(command),
+            C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => self.choose_look(command),
+            C::Prediction | C::Residual => self.choose_look(command),
+            C::NoLayer | C::WheelLayer | C::MagnitudeLayer => self.choose_look(command),
+            C::ErrorLayer | C::ConfidenceLayer | C::ConsistencyLayer => self.choose_look(command),
+            C::DarkTheme | C::LightTheme | C::ProjectorTheme => self.choose_look(command),
+            C::ViridisColors | C::TurboColors => self.choose_look(command),
+            C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => self.choose_look(command),
+            C::NextTheme => self.next_theme(),
             C::NextLayer => self.next_layer(),
-            C::Streaks => self.states.stage.streaks = !self.states.stage.streaks,
-            C::NoLayer | C::WheelLayer | C::MagnitudeLayer => self.states.stage.layer = command.layer(),
-            C::ErrorLayer | C::ConfidenceLayer | C::ConsistencyLayer => self.states.stage.layer = command.layer(),
-            C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => self.restyle(command),
-            C::LargerInterface | C::SmallerInterface | C::NormalInterface => self.restyle(command),
-            C::ViridisColors | C::TurboColors => self.restyle(command),
-            C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => self.restyle(command),
+            C::Streaks => {
+                let look = &mut self.settings.look;
+                look.streaks = look.streaks.is_none().then(Phase::default);
+            }
+            C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => self.zoom(command),
+            C::LargerInterface | C::SmallerInterface | C::NormalInterface => self.resize(command),
             C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::ResetLayout => self.arrange(command),
             C::FullScreen => {
                 let now = self.ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
@@ -169,51 +181,53 @@ impl App {
         self.restart();
     }
 
-    fn look_at(&mut self, command: Command) {
+    /// Sets the entry of the look that is called `name`, from what a person would type.
+    ///
+    /// # Errors
+    /// A sentence with what may be given; then nothing changes.
+    pub fn set_look(&mut self, name: &str, value: &str) -> Result<(), Error> {
+        self.settings.look.set(name, value)
+    }
+
+    /// Sets that entry of the look which `command` is for.
+    fn choose_look(&mut self, command: Command) {
+        let set = command.look().map_or(Ok(()), |(name, value)| self.set_look(name, value));
+        set.unwrap_or_else(|error| self.toasts.fail(error.to_string()));
+    }
+
+    fn zoom(&mut self, command: Command) {
         let stage = &mut self.states.stage;
-        let at_hand = self.view.shown.as_ref().and_then(|shown| shown.reference());
+        let at_hand = self.view.shown.as_ref().and_then(|shown| shown.reference()).map(|focus| focus.at);
         match command {
             Command::ZoomIn => stage.magnify(ZOOM_STEP, at_hand),
             Command::ZoomOut => stage.magnify(1.0 / ZOOM_STEP, at_hand),
-            Command::FrameT => stage.view = Pictures::Current,
-            Command::FrameNext => stage.view = Pictures::Next,
-            Command::Difference => stage.view = Pictures::Difference,
-            Command::Blend => stage.view = Pictures::Blend,
-            Command::Blink => stage.view = Pictures::Blink,
-            Command::Prediction => stage.view = Pictures::Prediction,
-            Command::Residual => stage.view = Pictures::Residual,
             Command::Fit => stage.fit(),
-            Command::ActualSize => stage.one_to_one(self.ctx.pixels_per_point()),
-            _ => stage.view = Pictures::SideBySide,
+            _ => stage.one_to_one(self.ctx.pixels_per_point()),
         }
     }
 
     /// Takes the next of the layers that there are, or will be at the end of the run.
     fn next_layer(&mut self) {
         let Some(shown) = self.view.shown.as_deref() else { return };
-        let stage = &mut self.states.stage;
-        let now = shown.offer.chosen(stage.layer);
+        let look = &mut self.settings.look;
+        let now = shown.offer.chosen(look.layer);
         let mut round = FlowLayer::ALL.into_iter().cycle().skip_while(|layer| *layer != now).skip(1);
-        stage.layer = round.find(|layer| shown.offer.why_never(*layer).is_none());
+        look.layer = round.find(|layer| shown.offer.why_never(*layer).is_none());
     }
 
-    fn restyle(&mut self, command: Command) {
+    fn next_theme(&mut self) {
+        let look = &mut self.settings.look;
+        let round = Theme::ALL.into_iter().cycle().skip_while(|theme| *theme != look.theme).nth(1);
+        look.theme = round.unwrap_or_default();
+    }
+
+    fn resize(&mut self, command: Command) {
         let (_, _, step) = ZOOM;
         let zoom = self.settings.zoom();
         match command {
             Command::LargerInterface => self.settings.set_zoom(zoom + step),
             Command::SmallerInterface => self.settings.set_zoom(zoom - step),
-            Command::NormalInterface => self.settings.set_zoom(1.0),
-            Command::ViridisColors => self.settings.set_colors(ColorMap::Viridis),
-            Command::TurboColors => self.settings.set_colors(ColorMap::Turbo),
-            Command::FittingArrows => self.settings.set_lengthen(Lengthen::Auto),
-            Command::TrueArrows => self.settings.set_lengthen(Lengthen::Times(1.0)),
-            Command::DoubleArrows => self.settings.set_lengthen(Lengthen::Times(2.0)),
-            Command::FourfoldArrows => self.settings.set_lengthen(Lengthen::Times(4.0)),
-            Command::DarkTheme => self.settings.set_theme(Theme::Dark),
-            Command::LightTheme => self.settings.set_theme(Theme::Light),
-            Command::ProjectorTheme => self.settings.set_theme(Theme::Projector),
-            _ => self.settings.set_theme(self.settings.next_theme()),
+            _ => self.settings.set_zoom(1.0),
         }
     }
 
@@ -231,21 +245,20 @@ impl App {
         match estimator(id) {
             Ok(chosen) => {
                 let was_single = self.is_of_single_frames();
-                let before = self.document.estimator().info();
+                let was_by_frame = self.document.estimator().is_by_frame();
                 self.states.stage.placing = None;
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.suit_view(was_single);
-                self.restart_from(before);
+                self.restart_from(was_by_frame);
             }
             Err(error) => self.toasts.fail(error.to_string()),
         }
     }
 
-    /// Runs another estimator, from where that called `before` stands if its units are such as well: where they are frames, from
-    /// the frame that is shown.
-    fn restart_from(&mut self, before: &Info) {
-        let now = self.document.estimator().info();
-        let place = match (before.is_by_frame(), now.is_by_frame(), &self.view.shown) {
+    /// Runs another estimator, from where that before it stands if its units are such as well: where they are frames, from the
+    /// frame that is shown.
+    fn restart_from(&mut self, was_by_frame: bool) {
+        let place = match (was_by_frame, self.document.estimator().is_by_frame(), &self.view.shown) {
             (true, true, _) | (false, false, _) => return self.restart(),
             (false, true, Some(shown)) => {
                 let unit = shown.frame.saturating_sub(self.document.frame());
@@ -293,10 +306,10 @@ impl App {
     /// what looks at single frames has nothing to say of the next, all others need both.
     pub(super) fn suit_view(&mut self, was_single: bool) {
         let is_single = self.is_of_single_frames();
-        let view = &mut self.states.stage.view;
+        let view = &mut self.settings.look.view;
         match (was_single, is_single, *view) {
-            (false, true, Pictures::SideBySide) => *view = Pictures::Current,
-            (true, false, Pictures::Current) => *view = Pictures::SideBySide,
+            (false, true, Some(View::SideBySide)) => *view = Some(View::Current),
+            (true, false, Some(View::Current)) => *view = Some(View::SideBySide),
             _ => {}
         }
     }

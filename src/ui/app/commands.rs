@@ -5,7 +5,7 @@
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
-use crate::paint::FlowLayer;
+use crate::paint::{ColorMap, FlowLayer, Theme, View};
 use crate::view::motion::Offer;
 
 mod faces;
@@ -319,6 +319,31 @@ impl Command {
         }
     }
 
+    /// The entry of the look that it sets, by its name, and the value that it gives to it.
+    pub fn look(self) -> Option<(&'static str, &'static str)> {
+        use Command as C;
+        Some(match self {
+            C::SideBySide => ("view", View::SideBySide.id()),
+            C::FrameT => ("view", View::Current.id()),
+            C::FrameNext => ("view", View::Next.id()),
+            C::Difference => ("view", View::Difference.id()),
+            C::Blend => ("view", View::Blend.id()),
+            C::Blink => ("view", View::Blink.id()),
+            C::Prediction => ("view", View::Prediction.id()),
+            C::Residual => ("view", View::Residual.id()),
+            C::DarkTheme => ("theme", Theme::Dark.id()),
+            C::LightTheme => ("theme", Theme::Light.id()),
+            C::ProjectorTheme => ("theme", Theme::Projector.id()),
+            C::ViridisColors => ("colors", ColorMap::Viridis.id()),
+            C::TurboColors => ("colors", ColorMap::Turbo.id()),
+            C::FittingArrows => ("arrow-scale", "auto"),
+            C::TrueArrows => ("arrow-scale", "1"),
+            C::DoubleArrows => ("arrow-scale", "2"),
+            C::FourfoldArrows => ("arrow-scale", "4"),
+            _ => ("layer", self.layer()?.id()),
+        })
+    }
+
     /// The layer of colours that it shows, if it shows one.
     pub fn layer(self) -> Option<FlowLayer> {
         match self {
@@ -485,7 +510,10 @@ pub fn key_text(shortcut: KeyboardShortcut) -> String {
 
 #[cfg(test)]
 mod tests {
+    use motionscope_core::Params;
+
     use super::*;
+    use crate::view::look::Look;
 
     #[test]
     fn no_two_commands_share_a_key() {
@@ -505,6 +533,17 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), Command::ALL.len());
         assert!(Command::ALL.iter().all(|c| c.tip(&rungs).ends_with('.')));
+    }
+
+    #[test]
+    fn what_a_command_sets_is_an_entry_of_the_look() {
+        let sets: Vec<_> = Command::ALL.iter().filter_map(|command| command.look()).collect();
+        for (name, value) in &sets {
+            let mut look = Look::default();
+            look.set(name, value).unwrap();
+            assert_eq!(look.get(name).unwrap().to_string(), *value);
+        }
+        assert!(sets.len() > 20, "{}", sets.len());
     }
 
     #[test]

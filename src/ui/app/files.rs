@@ -7,25 +7,24 @@ use std::sync::mpsc::{TryRecvError, channel};
 use std::time::Instant;
 
 use eframe::egui::ViewportCommand;
+use motionscope_core::scene::Focus;
 use motionscope_core::synth::Sample;
-use motionscope_core::{Clip, Cursor, Error, estimator};
+use motionscope_core::{Clip, Cursor, Error, Info, estimator};
 
-use crate::experiment::company::Company;
 use crate::experiment::first;
 use crate::experiment::source::Source;
-use crate::media::Open;
-use crate::paint::{Opacity, Phase};
+use crate::experiment::{Experiment, Position};
+use crate::media::{Given, Open};
 use crate::session::{Session, Sight};
 use crate::ui::app::action::Browse;
 use crate::ui::app::window::{App, Overlay, title};
 use crate::ui::dialogs::open as open_dialog;
 use crate::ui::dialogs::save::{self, Kind};
-use crate::ui::model::loader::{Loading, Opened};
-use crate::ui::model::snapshot::{Hold, Place, Snapshot, Subject};
+use crate::ui::model::loader::{Beside, Loading, Opened};
+use crate::ui::model::snapshot::{Hold, Place, Snapshot};
 use crate::ui::model::writer::{self, Order, What, Work, Writing};
 use crate::ui::panes::status;
 use crate::ui::stage::Zoom;
-use crate::view::shot::Look;
 
 /// Events that are seen of the first unit shown of a sample.
 const FIRST_LOOK: usize = 640;
@@ -96,7 +95,9 @@ impl App {
         self.player.pause();
         self.error = None;
         let ctx = self.ctx.clone();
-        self.loading = Some(Loading::new(name.into(), self.document.source(), move || ctx.request_repaint()));
+        let beside = self.document.source().cloned();
+        let beside = beside.map(|source| Beside { source, given: self.document.experiment().given.clone() });
+        self.loading = Some(Loading::new(name.into(), beside, move || ctx.request_repaint()));
     }
 
     /// Opens a bundled sample in the middle of a search, so that there is something to see.
@@ -112,21 +113,22 @@ impl App {
             }
         };
         let (width, height) = clip.size();
-        self.document.open(clip, source, None);
-        self.begin();
-        let near = Some([width as f32 * FIRST_PLACE[0], height as f32 * FIRST_PLACE[1]]);
+        let left = self.document.open(clip, source, Given::default());
+        self.begin(left);
+        let near = [width as f32 * FIRST_PLACE[0], height as f32 * FIRST_PLACE[1]];
+        let near = Some(Focus::current(near));
         self.walk_from(Place { cursor: Cursor { unit: 0, event: FIRST_LOOK }, near, ..Place::default() });
     }
 
     fn opened(&mut self, opened: Opened, path: &Path) {
-        let Opened { clip, source, truth, session, inputs } = opened;
+        let Opened { clip, source, given, session, inputs } = opened;
         // The truth of a clip is no clip.
-        if path.exists() && truth.as_deref() != Some(path) {
+        if path.exists() && given.truth.as_deref() != Some(path) {
             self.settings.remember(path);
         }
-        self.document.open(clip, source, truth);
+        let left = self.document.open(clip, source, given);
         self.document.read_from(inputs);
-        self.begin();
+        self.begin(left.filter(|_| session.is_none()));
         let Some(session) = session else {
             self.choose_tracker();
             // Where there are no pictures, what was detected is the first thing to be seen.
@@ -134,18 +136,19 @@ impl App {
             self.walk_from(Place::at(Cursor { unit: 0, event: usize::from(is_blank) }));
             return;
         };
-        let Session { estimator, company, frame, cursor, pixel, look, sight, .. } = session;
-        let was_single = self.is_of_single_frames();
-        self.document.restore(estimator, company, frame);
+        let Session { experiment, position, look, sight } = session;
+        let (was_single, frame) = (self.is_of_single_frames(), experiment.frame);
+        self.document.restore(experiment);
         self.tell_of_frame(frame);
-        self.look_as(look.over(self.look()));
-        if look.view.is_none() {
+        if !look.has("view") {
             self.suit_view(was_single);
         }
+        self.settings.look = look.over(self.settings.look);
         if let Some(Sight { center, zoom }) = sight {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }
-        let place = cursor.map_or(Place::END, |cursor| Place { cursor, ..Place::default() });
+        let Position { cursor, pixel } = position;
+        let place = cursor.map_or(Place::END, Place::at);
         self.walk_from(Place { hold: Hold::Set(pixel), ..place });
     }
 
@@ -158,7 +161,8 @@ impl App {
             return;
         };
         let was_single = self.is_of_single_frames();
-        self.document.restore(tracker, Company::default(), 0);
+        let source = self.document.experiment().source.clone();
+        self.document.restore(Experiment::new(source, tracker));
         self.suit_view(was_single);
     }
 
@@ -186,11 +190,14 @@ impl App {
         self.error = Some(error);
     }
 
-    /// Another clip is open.
-    fn begin(&mut self) {
+    /// Another clip is open; for it a stage was left, which its estimator is told of.
+    fn begin(&mut self, left: Option<&Info>) {
         self.error = None;
+        if let Some(Info { name, .. }) = left {
+            self.toasts.tell(format!("Another clip is open: back out of the stage, {name} runs on it."));
+        }
         self.states.stage.fit();
-        self.states.stage.leave_end();
+        self.settings.leave_end();
         self.states.stage.placing = None;
         self.ctx.send_viewport_cmd(ViewportCommand::Title(title(&self.document)));
     }
@@ -227,43 +234,9 @@ impl App {
             _ => None,
         };
         let folder = self.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());
-        let seen = save::Seen { look: self.look(), angles: self.states.angles(&shown.step) };
+        let seen = save::Seen { look: self.settings.look, angles: self.states.angles(&shown.step) };
         let state = save::State::new(kind, &folder, &save::stem(&name), shown, seen);
         self.overlay = Overlay::Save(Box::new(state));
-    }
-
-    /// How pictures look, on the stage and written.
-    pub(super) fn look(&self) -> Look {
-        let (stage, settings) = (&self.states.stage, &self.settings);
-        Look {
-            view: Some(stage.view),
-            level: stage.level,
-            share: stage.share(),
-            theme: settings.theme(),
-            colors: settings.colors(),
-            layer: stage.layer,
-            opacity: stage.opacity(),
-            lengthen: settings.lengthen(),
-            spacing_px: stage.spacing_px,
-            streaks: stage.streaks.then(Phase::default),
-            legend: stage.legend,
-            caption: settings.caption,
-        }
-    }
-
-    /// Has pictures look like this from now on.
-    fn look_as(&mut self, look: Look) {
-        let Look { view, level, share, theme, colors, layer, opacity, .. } = look;
-        let Look { lengthen, spacing_px, streaks, legend, caption, .. } = look;
-        let stage = &mut self.states.stage;
-        stage.opacity = opacity.map(Opacity::get);
-        (stage.layer, stage.spacing_px, stage.streaks) = (layer, spacing_px, streaks.is_some());
-        (stage.view, stage.level) = (view.unwrap_or_default(), level);
-        (stage.blend, stage.legend) = (share.get(), legend);
-        self.settings.set_theme(theme);
-        self.settings.set_colors(colors);
-        self.settings.set_lengthen(lengthen);
-        self.settings.caption = caption;
     }
 
     /// Writes on another thread; a message tells the outcome.
@@ -302,18 +275,14 @@ impl App {
             Zoom::At { center, scale } => Some(Sight { center, zoom: scale }),
         };
         let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
-        let Subject { source, truth, estimator, company, frame, .. } = &*shown.subject;
-        Session {
-            source: source.clone().map_path(whole),
-            truth: truth.as_deref().map(whole),
-            estimator: estimator.boxed_clone(),
-            company: company.clone(),
-            frame: *frame,
-            cursor: Some(shown.cursor),
-            pixel: shown.held(),
-            look: self.look().into(),
-            sight,
+        let mut experiment = shown.subject.experiment.clone();
+        experiment.source = experiment.source.map_path(whole);
+        let Given { truth, detections } = &mut experiment.given;
+        for path in [truth, detections].into_iter().flatten() {
+            *path = whole(path);
         }
+        let position = Position { cursor: Some(shown.cursor), pixel: shown.held() };
+        Session { experiment, position, look: self.settings.look.into(), sight }
     }
 }
 

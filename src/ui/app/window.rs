@@ -45,7 +45,7 @@ pub(super) enum Overlay {
     /// The samples.
     Samples,
     /// Estimators beside each other.
-    Compare(compare::State),
+    Compare(Box<compare::State>),
     /// What the program is.
     About,
 }
@@ -71,8 +71,8 @@ pub struct App {
     pub(super) company: Company,
     /// Where was written last.
     pub(super) folder: Option<PathBuf>,
-    /// The look that egui was told last.
-    styled: Option<style::Look>,
+    /// The interface that egui was told last.
+    styled: Option<style::Interface>,
     /// When the run was played on last.
     played: f64,
     pub(super) ctx: egui::Context,
@@ -84,15 +84,15 @@ impl App {
     /// # Errors
     /// If the system gives no thread.
     pub fn new(ctx: &egui::Context, storage: Option<&dyn eframe::Storage>) -> std::io::Result<Self> {
-        let settings = Settings::load(storage);
+        let mut settings = Settings::load(storage);
+        settings.leave_end();
         style::install_fonts(ctx);
-        style::apply(ctx, settings.look());
+        style::apply(ctx, settings.interface());
         let repaint = ctx.clone();
         let player = Player::at_speed(settings.speed);
-        let mut states: States = storage.and_then(|storage| eframe::get_value(storage, STATES)).unwrap_or_default();
-        states.stage.leave_end();
+        let states: States = storage.and_then(|storage| eframe::get_value(storage, STATES)).unwrap_or_default();
         Ok(Self {
-            styled: Some(settings.look()),
+            styled: Some(settings.interface()),
             settings,
             document: Document::default(),
             walker: Walker::new(move || repaint.request_repaint())?,
@@ -172,7 +172,7 @@ impl App {
 
     /// Looks how much room there is, and shares it out anew where that has changed.
     fn measure(&mut self, ctx: &egui::Context) {
-        let (room, body_pt) = (ctx.content_rect().size(), self.settings.theme().sizes().body);
+        let (room, body_pt) = (ctx.content_rect().size(), self.settings.look.theme.sizes().body);
         let tight = Tight::of(room, body_pt);
         if tight.differs(std::mem::replace(&mut self.settings.tight, tight)) {
             layout::share_out(&mut self.settings.tree, tight, room.x, body_pt);
@@ -253,7 +253,8 @@ impl App {
 
     fn top_bar(&self, ui: &mut Ui, actions: &mut Actions) {
         let (frame, id) = (self.document.frame(), self.document.estimator().info().id);
-        let shown = self.view.shown.as_deref().filter(|shown| shown.subject.frame == frame && shown.info.id == id);
+        let shown =
+            self.view.shown.as_deref().filter(|shown| shown.subject.experiment.frame == frame && shown.info.id == id);
         let input = topbar::Input {
             document: &self.document,
             at_frame: shown.map(|shown| shown.frame),
@@ -262,7 +263,7 @@ impl App {
             folded: self.folded(),
             reduced_motion: self.settings.reduced_motion,
             recent: &self.settings.recent,
-            look: self.look(),
+            look: self.settings.look,
         };
         topbar::show(ui, &input, actions);
     }
@@ -273,7 +274,7 @@ impl App {
             now: self.now(),
             rungs: self.rungs(),
             player: self.player,
-            theme: self.settings.theme(),
+            theme: self.settings.look.theme,
         };
         transport::show(ui, &input, actions);
     }
@@ -315,7 +316,6 @@ impl App {
         let folded = self.folded();
         let offered = self.offered();
         layout::fold(&mut self.settings.tree, folded, |pane| offered.contains(&pane));
-        let look = self.look();
         let calm = self.settings.reduced_motion || self.player.is_playing();
         let mut panes = Panes {
             document: &self.document,
@@ -329,12 +329,12 @@ impl App {
             lecture: self.settings.lecture,
             flows: !self.settings.reduced_motion,
             gpu,
-            look,
+            look: &mut self.settings.look,
             actions,
         };
         self.settings.tree.ui(&mut panes, ui);
         // What was chosen on the stage is shown as soon as it is made.
-        self.walker.want(self.look().want());
+        self.walker.look(&self.settings.look);
     }
 
     /// The charts that the estimator may ever have something for on this clip.
@@ -350,7 +350,7 @@ impl App {
     }
 
     fn overlays(&mut self, ctx: &egui::Context, actions: &mut Actions) {
-        let theme = self.settings.theme();
+        let theme = self.settings.look.theme;
         let mut overlay = std::mem::take(&mut self.overlay);
         let open = match &mut overlay {
             Overlay::None => false,
@@ -362,7 +362,7 @@ impl App {
             }
             Overlay::Shortcuts => sheet::shortcuts(ctx, &self.rungs(), theme),
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
-            Overlay::Save(state) => save_dialog::show(ctx, state, self.rungs(), self.look(), actions),
+            Overlay::Save(state) => save_dialog::show(ctx, state, self.rungs(), actions),
             Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
             Overlay::Samples => gallery::show(ctx, &mut self.gallery, theme, actions),
             Overlay::About => sheet::about(ctx),
@@ -377,7 +377,7 @@ impl App {
         if ui.input(|i| i.raw.hovered_files.is_empty()) {
             return;
         }
-        let chrome = self.settings.theme().chrome();
+        let chrome = self.settings.look.theme.chrome();
         let rect = ui.max_rect();
         let painter = ui.ctx().layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop")));
         painter.rect_filled(rect, 0.0, style::color(chrome.background.alpha(215)));
@@ -418,7 +418,7 @@ impl eframe::App for App {
         self.lecture_hint(ui, &mut actions);
         self.overlays(&ctx, &mut actions);
         let bottom = ui.spacing().interact_size.y * 2.0 + 56.0;
-        self.toasts.show(&ctx, bottom, self.settings.theme());
+        self.toasts.show(&ctx, bottom, self.settings.look.theme);
         self.drop_hint(ui);
         for action in actions.0 {
             self.act(action);
@@ -428,8 +428,9 @@ impl eframe::App for App {
             // That it takes long, or ends, is seen even if nobody says so.
             ctx.request_repaint_after(if view.stopping { status::SOON } else { status::LATE });
         }
-        if self.styled.replace(self.settings.look()) != Some(self.settings.look()) {
-            style::apply(&ctx, self.settings.look());
+        let interface = self.settings.interface();
+        if self.styled.replace(interface) != Some(interface) {
+            style::apply(&ctx, interface);
             ctx.request_repaint();
         }
     }

@@ -220,7 +220,7 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     let label = ui.label("Sweep");
     let chosen = chosen(state);
     let of_clip = match document.source() {
-        Some(Source::Synth { difficulty, .. }) => sweeps::of_sliders(&difficulty),
+        Some(Source::Synth { difficulty, .. }) => sweeps::of_sliders(difficulty),
         _ => Vec::new(),
     };
     let title = |sweep: &Option<Sweep>| sweep.as_ref().map_or("nothing".to_owned(), |sweep| sweep.title.clone());
@@ -286,11 +286,15 @@ fn start(ui: &Ui, state: &mut State, document: &Document) {
 
 /// The chosen estimators with what was changed of the one that is open, where they have the same.
 fn plan(state: &State, document: &Document) -> Result<Option<Plan>, Error> {
-    let Some((clip, source)) = document.clip().cloned().zip(document.source()) else { return Ok(None) };
+    let Some(prepared) = document.prepared() else { return Ok(None) };
     let alike =
         chosen(state).into_iter().map(|estimator| changed_alike(document.estimator(), estimator)).collect::<Vec<_>>();
-    let rounds = comparison::rounds(&source, &alike, state.sweep.as_ref().map(|sweep| sweep.setting.as_str()))?;
-    Ok(Some(Plan { clip, source, frame: document.frame(), rounds }))
+    let rounds = comparison::rounds(
+        &prepared.experiment.source,
+        &alike,
+        state.sweep.as_ref().map(|sweep| sweep.setting.as_str()),
+    )?;
+    Ok(Some(Plan { prepared, rounds }))
 }
 
 /// The table and the plot; gives whether a block is to be visited.

@@ -15,7 +15,7 @@ pub use crate::ui::drawing::ink::color;
 
 /// How large and how lively the window is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct Interface {
     /// Colours and type.
     pub theme: Theme,
     /// Interface scale on top of the system's.
@@ -61,9 +61,9 @@ pub fn install_fonts(ctx: &egui::Context) {
     ctx.set_fonts(fonts);
 }
 
-/// Gives the whole window a look.
-pub fn apply(ctx: &egui::Context, look: Look) {
-    let Look { theme, zoom, reduced_motion } = look;
+/// Gives the whole window this look.
+pub fn apply(ctx: &egui::Context, interface: Interface) {
+    let Interface { theme, zoom, reduced_motion } = interface;
     ctx.options_mut(|options| {
         options.zoom_with_keyboard = false;
         options.theme_preference = if theme == Theme::Light { egui::Theme::Light } else { egui::Theme::Dark }.into();

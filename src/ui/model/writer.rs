@@ -7,13 +7,15 @@ use std::time::Duration;
 use motionscope_core::{Cursor, Error, Output};
 
 use super::background::Background;
-use super::snapshot::{Snapshot, Subject};
+use super::snapshot::Snapshot;
 use crate::experiment::pixel::Chosen;
 use crate::media::Progress;
 use crate::media::export::{self, Inputs, Target};
 use crate::results::Export;
+use crate::view::look::Look;
 use crate::view::panes::Selection;
-use crate::view::shot::{Format, Look, Moment, STEP, Steps};
+use crate::view::shot::{Format, Shot};
+use crate::view::steps::{STEP, Steps};
 
 /// How often writing that waits for the run asks whether it was cancelled.
 const POLL: Duration = Duration::from_millis(50);
@@ -107,17 +109,9 @@ impl Writing {
 /// If the ending is none of `.png`, `.svg` and `.pdf`, the picture is too large, or the file cannot be written.
 pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     let format = Format::of(&order.path)?;
-    let moment = Moment {
-        estimator: shown.subject.estimator.as_ref(),
-        frame: shown.frame,
-        cursor: shown.cursor,
-        at_end: shown.at_end,
-        step: &shown.step,
-        scene: &shown.scene,
-        pictures: &shown.pictures,
-        tiles: &shown.tiles,
-    };
-    export::save_result(&order.path, &moment.encode(&order.look, &order.panes, format, order.scale)?)?;
+    let estimator = &*shown.subject.experiment.estimator;
+    let shot = Shot { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes };
+    export::save_result(&order.path, &shot.encode(format, order.scale)?)?;
     Ok(format!("Wrote {}.", order.path.display()))
 }
 
@@ -130,8 +124,7 @@ pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result
     let pixel = shown.held().map(Chosen::Held);
     let (panes, scale) = (order.panes.clone(), order.scale);
     let steps = Steps { from, to, rung, format, scale, look: order.look, panes, pixel, must_have_layer: false };
-    let Subject { clip, estimator, company, frame, .. } = &*shown.subject;
-    let written = steps.write((estimator.as_ref(), company), clip, *frame, &order.path, Some(progress))?;
+    let written = steps.write(&shown.subject, &order.path, Some(progress))?;
     Ok(format!("Wrote {} into {}{}.", written.pictures(), order.path.display(), written.without()))
 }
 

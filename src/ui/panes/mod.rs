@@ -36,14 +36,15 @@ use crate::ui::drawing::chart::Subject;
 use crate::ui::drawing::style;
 use crate::ui::panes::layout::Pane;
 use crate::ui::stage;
+use crate::view::look::Look;
 use crate::view::panes::Angles;
-use crate::view::shot::Look;
 
 /// What the panes remember between frames, and of it from one day to the next how they are looked at.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct States {
     /// The stage.
+    #[serde(skip)]
     pub stage: stage::State,
     /// Which of several estimators is explained.
     #[serde(skip)]
@@ -116,7 +117,7 @@ pub struct Panes<'a> {
     /// The window's graphics card, if it has one.
     pub gpu: Option<&'a RenderState>,
     /// How pictures look.
-    pub look: Look,
+    pub look: &'a mut Look,
     /// What is asked for.
     pub actions: &'a mut Actions,
 }
@@ -141,13 +142,11 @@ impl Panes<'_> {
             frame: shown.frame,
             scene: &shown.scene,
             lockstep: self.lockstep(shown),
-            theme: self.look.theme,
-            colors: self.look.colors,
+            is_single: shown.at_end || shown.subject.experiment.estimator.is_of_single_frames(),
+            look: *self.look,
             heat: heat.or(shown.scene.heat).unwrap_or_default(),
             placing: placing.as_ref(),
             gpu: self.gpu,
-            lengthen: self.look.lengthen,
-            spacing_px: self.look.spacing_px,
             offer: &shown.offer,
             checking: self.view.checking,
             animate: self.animate,
@@ -161,9 +160,7 @@ impl Panes<'_> {
         if let Some(pace) = response.paced {
             self.actions.ask(Action::Pace(pace));
         }
-        if let Some(lengthen) = response.lengthened {
-            self.actions.ask(Action::Lengthen(lengthen));
-        }
+        *self.look = response.look;
         self.place(placing.as_ref(), (&response, shown));
         if response.left {
             self.actions.command(Command::Lockstep);
@@ -180,7 +177,7 @@ impl Panes<'_> {
         let spec = estimator.specs().get(index)?;
         match estimator.value(index) {
             Value::Placed(now) => {
-                let is_by_frame = estimator.info().is_by_frame();
+                let is_by_frame = estimator.is_by_frame();
                 Some(stage::Placing { index, spec, now, frame: shown.frame, is_by_frame })
             }
             _ => None,
@@ -204,7 +201,7 @@ impl Panes<'_> {
                 self.actions.ask(Action::Settle);
                 let next = placing.frame + 1;
                 let last = shown.subject.clip.info().frames.map_or(next, |frames| frames - 1);
-                let unit = next.min(last).saturating_sub(shown.subject.frame);
+                let unit = next.min(last).saturating_sub(shown.subject.experiment.frame);
                 self.actions.ask(Action::Seek(Cursor { unit, event: usize::MAX }));
             }
             stage::Gesture::Done => self.actions.ask(Action::Place(None)),
@@ -215,7 +212,7 @@ impl Panes<'_> {
     fn lockstep<'a>(&self, shown: &'a Snapshot) -> Option<stage::Lockstep<'a>> {
         let tiles = &shown.tiles[..];
         let explained = self.states.explained.min(tiles.len().checked_sub(1)?);
-        Some(stage::Lockstep { tiles, explained, pace: shown.subject.company.pace })
+        Some(stage::Lockstep { tiles, explained, pace: shown.subject.experiment.company.pace })
     }
 
     /// The estimator that is explained, and what it tells.
@@ -335,7 +332,7 @@ impl Panes<'_> {
     /// Whether what is shown is not what is set, and it takes a while to get there.
     fn is_stale(&self) -> bool {
         let (shown, set) =
-            (self.view.shown.as_deref().map(|shown| &shown.subject.estimator), self.document.estimator());
+            (self.view.shown.as_deref().map(|shown| &shown.subject.experiment.estimator), self.document.estimator());
         let differs = |shown: &dyn AnyEstimator| shown.info().id != set.info().id || shown.values() != set.values();
         self.view.progress.is_some() && shown.is_some_and(|shown| differs(&**shown))
     }
@@ -363,8 +360,8 @@ impl Panes<'_> {
         let (theme, colors) = (self.look.theme, self.look.colors);
         let (info, step) = self.told(shown);
         let subject = Subject { step: Some(step), whose: info.name, theme, colors };
-        let has_costs = shown.subject.estimator.charts().contains(&Chart::Surface);
-        if pane == Pane::Surface3d && pyramid(ui, step, has_costs, subject, self.states) {
+        let has_costs = shown.subject.experiment.estimator.charts().contains(&Chart::Surface);
+        if pane == Pane::Surface3d && pyramid(ui, step, has_costs, (subject, self.look), self.states) {
             return;
         }
         if pane == Pane::Histogram && errors(ui, step, subject, self.states) {
@@ -389,7 +386,7 @@ impl Panes<'_> {
                     clicked = plots::show(ui, &step.readouts, subject, &mut states.plots);
                 }
                 (Pane::Numbers, Readout::Tiles(tiles)) => {
-                    let is_centred = !shown.subject.estimator.tests_candidates();
+                    let is_centred = !shown.subject.experiment.estimator.tests_candidates();
                     tiles::show(ui, tiles::Input { tiles, is_centred, subject }, &mut states.tiles);
                 }
                 (Pane::Numbers, Readout::Matrices(all)) => {
@@ -409,7 +406,7 @@ impl Panes<'_> {
             }
             return;
         }
-        empty(ui, &absent(pane, shown.subject.estimator.charts()));
+        empty(ui, &absent(pane, shown.subject.experiment.estimator.charts()));
     }
 }
 
@@ -420,7 +417,13 @@ fn has_plane(step: &Step) -> bool {
 
 /// Where the step works on a pyramid: the choice between it and the cost surface, and the pyramid if it is chosen. Gives
 /// whether it is.
-fn pyramid(ui: &mut Ui, step: &Step, has_costs: bool, subject: Subject<'_>, states: &mut States) -> bool {
+fn pyramid(
+    ui: &mut Ui,
+    step: &Step,
+    has_costs: bool,
+    (subject, look): (Subject<'_>, &mut Look),
+    states: &mut States,
+) -> bool {
     let stack = step.readouts.iter().find_map(|r| if let Readout::Stack(stack) = r { Some(stack) } else { None });
     let Some(stack) = stack else { return false };
     if has_costs {
@@ -440,11 +443,10 @@ fn pyramid(ui: &mut Ui, step: &Step, has_costs: bool, subject: Subject<'_>, stat
             return false;
         }
     }
-    let stage = &mut states.stage;
-    let input = stack3d::Input { stack, on_stage: stage.level.of(&stack.levels), subject };
+    let input = stack3d::Input { stack, on_stage: look.level.of(&stack.levels), subject };
     if let Some(level) = stack3d::show(ui, input, &mut states.stack3d).clicked {
         // The stage may be drawn already.
-        stage.level = LevelShown::Number(level);
+        look.level = LevelShown::Number(level);
         ui.ctx().request_repaint();
     }
     true

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use eframe::egui::{Button, ProgressBar, RichText, Ui};
 use motionscope_core::Cursor;
+use motionscope_core::scene::{Focus, Picture};
 
 use crate::paint::grouped;
 use crate::ui::app::action::Actions;
@@ -91,9 +92,10 @@ pub fn line(shown: &Snapshot) -> String {
 }
 
 /// Which pixel is explained, and how another one is.
-fn explained(Pointed { at: [x, y], is_held }: Pointed) -> String {
+fn explained(Pointed { at: Focus { on, at: [x, y] }, is_held }: Pointed) -> String {
     let hint = if is_held { "Esc lets go" } else { "a click holds it" };
-    format!("explained: pixel ({x}, {y}), {hint}")
+    let of = if on == Picture::CURRENT { String::new() } else { format!(" of {}", on.title(None).to_lowercase()) };
+    format!("explained: pixel ({x}, {y}){of}, {hint}")
 }
 
 /// The keys that matter most: `→ step   Shift+→ block   Space play   ? all keys`.

@@ -2,8 +2,9 @@
 
 use eframe::egui::{self, Align, Button, Layout, MenuBar, RichText, TextStyle, Ui};
 use lucide_icons::Icon;
+use motionscope_core::Params;
 
-use crate::paint::{ColorMap, Lengthen, Theme};
+use crate::paint::Theme;
 use crate::ui::app::action::Actions;
 use crate::ui::app::commands::{Command, Menu, Now, Rungs};
 use crate::ui::dialogs::open as open_dialog;
@@ -12,7 +13,7 @@ use crate::ui::model::document::Document;
 use crate::ui::panes::layout::Folded;
 use crate::ui::panes::transport;
 use crate::ui::parts::widgets;
-use crate::view::shot::Look;
+use crate::view::look::Look;
 
 /// What the bar shows.
 pub struct Input<'a> {
@@ -186,7 +187,6 @@ fn theme(ui: &mut Ui, now: Theme, actions: &mut Actions) {
 
 /// Whether a command that toggles something is on.
 fn is_on(command: Command, input: &Input) -> Option<bool> {
-    let Look { theme, colors, lengthen, .. } = input.look;
     match command {
         Command::ShowParameters => Some(!input.folded.parameters),
         Command::ShowWhy => Some(!input.folded.why),
@@ -194,18 +194,12 @@ fn is_on(command: Command, input: &Input) -> Option<bool> {
         Command::Lecture => Some(input.folded.lecture),
         Command::ReducedMotion => Some(input.reduced_motion),
         Command::Lockstep => Some(input.now.in_lockstep),
-        Command::DarkTheme => Some(theme == Theme::Dark),
-        Command::LightTheme => Some(theme == Theme::Light),
-        Command::ProjectorTheme => Some(theme == Theme::Projector),
-        Command::ViridisColors => Some(colors == ColorMap::Viridis),
-        Command::TurboColors => Some(colors == ColorMap::Turbo),
         Command::Streaks => Some(input.look.streaks.is_some()),
         _ if command.layer().is_some() => Some(command.layer() == Some(input.now.offer.chosen(input.look.layer))),
-        Command::FittingArrows => Some(lengthen == Lengthen::Auto),
-        Command::TrueArrows => Some(lengthen == Lengthen::Times(1.0)),
-        Command::DoubleArrows => Some(lengthen == Lengthen::Times(2.0)),
-        Command::FourfoldArrows => Some(lengthen == Lengthen::Times(4.0)),
-        _ => None,
+        _ => {
+            let (name, value) = command.look()?;
+            input.look.get(name).ok().map(|now| now.to_string() == value)
+        }
     }
 }
 

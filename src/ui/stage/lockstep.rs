@@ -75,7 +75,7 @@ pub fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec
 /// explained.
 pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: &mut Response) {
     let Some((tile, lockstep)) = input.lockstep.and_then(|all| Some((all.tiles.get(index)?, all))) else { return };
-    let theme = input.theme;
+    let theme = input.theme();
     let (chrome, sizes) = (theme.chrome(), theme.sizes());
     let height = header(theme);
     let picture = lens.picture_rect().intersect(lens.pane);

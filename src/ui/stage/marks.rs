@@ -40,7 +40,7 @@ struct Slot {
 impl Marks {
     /// How the scene looks: the same for the marks and for the legend.
     pub fn look(&mut self, input: &Input<'_>) -> Look {
-        let style = input.style();
+        let style = input.look.style(input.pictures);
         match &self.look {
             Some((scene, known, look)) if Arc::ptr_eq(scene, input.scene) && *known == style => *look,
             _ => {

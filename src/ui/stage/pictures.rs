@@ -55,7 +55,7 @@ impl Source {
         let (pixels, gain) = match self {
             Source::Layer(pixels) => return (pixels.clone(), 1),
             Source::Frame(frame) => {
-                Panel::Current.pixels(&paint::Pictures::of([frame.clone(), frame.clone()]), Share::default())
+                Panel::CURRENT.pixels(&paint::Pictures::of([frame.clone(), frame.clone()]), Share::default())
             }
             Source::Difference(pair) => Panel::Difference.pixels(&paint::Pictures::of(pair.clone()), Share::default()),
         };

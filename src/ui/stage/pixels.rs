@@ -55,7 +55,7 @@ fn value(Shown { panel, share, gain }: Shown, pictures: &Pictures, x: usize, y: 
     let frames = panel.frames(pictures);
     let gray = |i: usize| frames[i].luma().get(x, y).copied();
     match panel {
-        Panel::Current | Panel::Next | Panel::Prediction => gray(0).map(|v| (v, v)),
+        Panel::Of(_) | Panel::Prediction => gray(0).map(|v| (v, v)),
         Panel::Difference | Panel::Residual => {
             let v = gray(0)?.abs_diff(gray(1)?);
             Some((v, (u16::from(v) * gain).min(255) as u8))
@@ -115,8 +115,8 @@ mod tests {
         let frame = |v| Arc::new(Frame::gray(Grid::new(3, 2, v)));
         let pair = Pictures::of([frame(10), frame(250)]);
         let shown = |panel| Shown { panel, share: Share::new(0.25).expect("a share"), gain: 1 };
-        assert_eq!(value(shown(Panel::Next), &pair, 2, 1), Some((250, 250)));
-        assert_eq!(value(shown(Panel::Current), &pair, 3, 0), None);
+        assert_eq!(value(shown(Panel::NEXT), &pair, 2, 1), Some((250, 250)));
+        assert_eq!(value(shown(Panel::CURRENT), &pair, 3, 0), None);
         assert_eq!(value(shown(Panel::Blend), &pair, 0, 0), Some((70, 70)));
         let first = pair.pair[0].luma();
         assert_eq!((gray_at(first, [1, 1]), gray_at(first, [9, 9])), ("10".into(), "–".into()));

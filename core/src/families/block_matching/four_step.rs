@@ -46,7 +46,7 @@ impl BlockSearch for FourStep {
     };
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let (mut centre, squares) = ([0, 0], (self.range / 2).max(1));
+        let (mut centre, squares) = ([0, 0], (self.matching.range / 2).max(1));
         for number in 1..=squares {
             tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, 2), || match number {
                 1 => "The square begins at (0, 0), its 9 points 2 px apart.".into(),

@@ -15,7 +15,8 @@ use std::ops::Range;
 use crate::base::Observer;
 use crate::methods::{
     block_search::{
-        BlockSearch, Displacement, Event, Match, Patch, Settings, Tester, Window, block_search_params, shorter,
+        BlockSearch, Displacement, Event, Match, Matching, Patch, Settings, Tester, Window, block_search_params,
+        shorter,
     },
     cost,
 };
@@ -69,7 +70,9 @@ impl BlockSearch for FullSearch {
     const PROMISE: Promise = Promise::Translation;
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let Tester { pair, settings: Settings { cost: kind, .. }, block, window, rate, .. } = *tester;
+        let Tester {
+            pair, settings: Settings { matching: Matching { cost: kind, .. }, .. }, block, window, rate, ..
+        } = *tester;
         let (observer, work) = (&mut *tester.observer, &mut *tester.work);
         work.patch.take_area(pair, block, window);
         if self.order == Order::Spiral && work.order.0 != Some(window) {

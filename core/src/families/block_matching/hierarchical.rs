@@ -15,55 +15,29 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use super::{
-    AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, LogSearch, NewThreeStep, Predictive, QuadrantSearch,
-    ThreeStep,
-};
 use crate::base::{Earlier, Error, Observer, Threads};
 use crate::data::{Clip, Counted, Frame};
 use crate::geometry::pyramid;
 use crate::methods::block_search::{
-    BlockSearch, Displacement, Event, HasSettings, Match, Neighbours, Pair, Probe, Settings, Subpixel, Tester,
-    Workspace, block_search_params, need, vector,
+    Displacement, Event, HasSettings, Match, Matching, Neighbours, Pair, Pattern, Probe, Refinement, Relay, Settings,
+    Subpixel, Tester, Workspace, block_search_params, need, vector,
 };
+use crate::params::{Parameter as _, Value};
 use crate::products::{Block, BlockField, BlockGrid, Output, Product, ProductKind};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Fact, Floor, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
-use crate::{choices, pseudocode};
-
-choices! {
-    /// How the coarsest level is searched.
-    pub enum Coarse {
-        /// Every displacement in the window.
-        FullSearch = "full-search" "Full search",
-        /// By quadrants.
-        QuadrantSearch = "quadrant-search" "Logarithmic search by quadrants",
-        /// With a cross that shrinks.
-        LogSearch = "log-search" "2-D logarithmic search",
-        /// With ever smaller squares.
-        ThreeStep = "three-step" "Three-step search",
-        /// With ever smaller squares, looking around the centre first.
-        NewThreeStep = "new-three-step" "New three-step search",
-        /// With a small square that moves.
-        FourStep = "four-step" "Four-step search",
-        /// With a diamond that moves.
-        Diamond = "diamond" "Diamond search",
-        /// With a hexagon that moves.
-        Hexagon = "hexagon" "Hexagon search",
-        /// As far out as the neighbour moved.
-        AdaptiveRood = "adaptive-rood" "Adaptive rood pattern search",
-        /// Where the neighbours moved.
-        Predictive = "predictive" "Predictive search",
-    }
-}
+use crate::pseudocode;
+use crate::run::{
+    BlockVectors, Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Stage, StageView,
+    TestsCandidates,
+};
+use crate::scene::{Chart, Fact, Floor, Focus, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
 
 block_search_params! {
     /// Hierarchical search: the coarsest level of a pyramid is searched, and each finer one refines what was found.
     pub struct Hierarchical {
         /// Levels of the pyramid, the picture itself included. Each is half as wide and high as the one below.
         levels: usize = 3, 2..=6;
-        /// How the coarsest level is searched.
-        coarse: Coarse = Coarse::FullSearch;
+        /// Search of the coarsest level.
+        coarse: Stage<BlockVectors> = Stage::named("full-search");
         /// How far around the best start each finer level looks.
         refine: usize = 1, 1..=4, "px";
     }
@@ -80,6 +54,8 @@ pub struct State {
     found: Vec<Vec<(Match, u32)>>,
     /// The level of the next block.
     level: usize,
+    /// How the coarsest level is searched.
+    coarse: Pattern,
 }
 
 impl State {
@@ -176,24 +152,37 @@ impl Hierarchical {
     /// The settings on a level: the range is that of the picture, in the level's pixels. Only what is found on the
     /// picture itself is refined, and sent.
     fn settings_on(&self, level: usize) -> Settings {
-        let settings = Settings { range: self.range.div_ceil(1 << level), ..self.settings() };
+        let matching = Matching { range: self.matching.range.div_ceil(1 << level), ..self.matching };
+        let settings = Settings { matching, ..self.settings() };
         match level {
             0 => settings,
-            _ => Settings { subpixel: Subpixel::None, lambda: 0.0, ..settings },
+            _ => {
+                let refinement = Refinement { subpixel: Subpixel::None, lambda: 0.0, ..settings.refinement };
+                Settings { refinement, ..settings }
+            }
         }
+    }
+
+    /// The pattern of the search of the coarsest level.
+    fn pattern(&self) -> Result<Pattern, Error> {
+        let stage = self.coarse.estimator();
+        let lent = stage.lends().and_then(|lent| lent.downcast::<Pattern>().ok());
+        lent.map(|pattern| *pattern).ok_or_else(|| {
+            Error::new(format!("{} has no pattern of displacements to test; choose a block search", stage.info().id))
+        })
     }
 
     /// The state before the first block.
     fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        let pair = Pair::new(clip, frame, self.block, self.spacing, self.border)?;
+        let pair = Pair::new(clip, frame, self.matching.block, self.refinement.spacing, self.refinement.border)?;
         let (width, height) = pair.blocks.picture;
-        let fits = |level: usize| width.div_ceil(1 << level).min(height.div_ceil(1 << level)) >= self.block;
+        let fits = |level: usize| width.div_ceil(1 << level).min(height.div_ceil(1 << level)) >= self.matching.block;
         if !fits(self.levels - 1) {
             let most = (1..self.levels).take_while(|&level| fits(level)).count() + 1;
             return Err(Error::new(format!(
                 "{} levels would leave less than a block of {} px of a picture of {width}×{height} px; {}",
                 self.levels,
-                self.block,
+                self.matching.block,
                 if most > 1 {
                     format!("choose {most} or fewer, or a smaller block")
                 } else {
@@ -210,7 +199,9 @@ impl Hierarchical {
         });
         let levels: Vec<_> = [pair.clone()].into_iter().chain(coarser).collect();
         let pictures = levels.iter().map(|pair| Level::new([pair.current.clone(), pair.next.clone()])).collect();
-        Ok(State { found: vec![Vec::new(); levels.len()], level: levels.len() - 1, levels: levels.into(), pictures })
+        let (found, level) = (vec![Vec::new(); levels.len()], levels.len() - 1);
+        let coarse = self.pattern()?.within(self.settings_on(level).matching.range)?;
+        Ok(State { found, level, levels: levels.into(), pictures, coarse })
     }
 
     /// The levels of the pyramid over `frame`.
@@ -224,26 +215,30 @@ impl Hierarchical {
     }
 
     /// Searches block `index` of the level at hand, `found` being those of the level before it.
-    fn search_block(
+    fn search_block<O: Observer<Event>>(
         &self,
         state: &State,
         (index, found): (usize, impl Fn(usize) -> Match),
         work: &mut Workspace,
-        observer: &mut impl Observer<Event>,
+        observer: &mut O,
     ) -> (Match, usize) {
         observer.see(|| Event::Window);
         let (pair, settings) = (state.pair(), self.settings_on(state.level));
-        let neighbours = match state.is_coarsest() || settings.lambda > 0.0 {
+        let neighbours = match state.is_coarsest() || settings.refinement.lambda > 0.0 {
             true => Neighbours::of(index, pair.blocks.counts().0, found, None),
             false => Neighbours::default(),
         };
-        let mut tester = Tester::new((pair, index), settings, neighbours, work, observer);
-        if state.is_coarsest() {
-            self.coarse.search(settings.range, &mut tester);
-        } else {
+        if !state.is_coarsest() {
+            let mut tester = Tester::new((pair, index), settings, neighbours, work, observer);
             self.refine(&state.inherited(index), &mut tester);
+            return tester.finish();
         }
-        tester.finish()
+        let mut relay = Relay(O::WATCHES.then(Vec::new));
+        let mut tester = Tester::new((pair, index), settings, neighbours, work, &mut relay);
+        state.coarse.search(&mut tester);
+        let result = tester.finish();
+        relay.0.into_iter().flatten().for_each(|event| observer.see(|| event));
+        result
     }
 
     /// Refines on a finer level what was found on the coarser one.
@@ -289,29 +284,11 @@ impl Hierarchical {
     }
 
     fn probe<'a>(&self, seen: &'a Seen<Self>, found: &'a [Match]) -> Probe<'a> {
-        let Seen { before, events, focus, .. } = *seen;
-        let focus = focus.map(|point| point.map(|c| c / before.scale()));
+        let Seen { before, events, .. } = *seen;
+        let focus = seen.point().map(|point| point.map(|c| c / before.scale()));
         let probe = Probe::new(before.pair(), self.settings_on(before.level), found, (events, focus));
         let counted = Counted { first_unit: before.first_unit(before.level), level: Some(before.level) };
         Probe { counted, ..probe }
-    }
-}
-
-impl Coarse {
-    /// Searches the tester's block within ±`range` px.
-    fn search(self, range: usize, tester: &mut Tester<impl Observer<Event>>) {
-        match self {
-            Coarse::FullSearch => FullSearch { range, ..FullSearch::default() }.search(tester),
-            Coarse::QuadrantSearch => QuadrantSearch { range, ..QuadrantSearch::default() }.search(tester),
-            Coarse::LogSearch => LogSearch { range, ..LogSearch::default() }.search(tester),
-            Coarse::ThreeStep => ThreeStep { range, ..ThreeStep::default() }.search(tester),
-            Coarse::NewThreeStep => NewThreeStep { range, ..NewThreeStep::default() }.search(tester),
-            Coarse::FourStep => FourStep { range, ..FourStep::default() }.search(tester),
-            Coarse::Diamond => Diamond { range, ..Diamond::default() }.search(tester),
-            Coarse::Hexagon => Hexagon { range, ..Hexagon::default() }.search(tester),
-            Coarse::AdaptiveRood => AdaptiveRood { range, ..AdaptiveRood::default() }.search(tester),
-            Coarse::Predictive => Predictive { range, ..Predictive::default() }.search(tester),
-        }
     }
 }
 
@@ -346,18 +323,10 @@ impl Estimator for Hierarchical {
         frames: 2,
     };
     const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
-    const TESTS_CANDIDATES: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram, Chart::Stack];
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
     type Event = Event;
-
-    fn need(&self, clip: &Clip) -> Need {
-        let (width, height) = clip.size();
-        let of_level = |level: usize| self.settings().grid((width.div_ceil(1 << level), height.div_ceil(1 << level)));
-        // Beside the levels of both frames.
-        need(clip, (0..self.levels).map(|level| of_level(level).len()).sum()).and([(width * height) as f64; 2])
-    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())
@@ -380,37 +349,32 @@ impl Estimator for Hierarchical {
         vec![Rung { index: 0, of: Some(1) }, level, block]
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let index = state.pair().blocks.at(point.map(|c| c / state.scale()))?;
-        Some(state.first_unit(state.level) + index)
-    }
-
-    /// From the coarsest level on: the nearest block of each, from which the one below inherits.
-    fn way_to(&self, state: &State, block: usize) -> Vec<usize> {
-        let line = state.line(0, block).into_iter().enumerate();
-        line.map(|(level, index)| state.first_unit(level) + index).rev().collect()
-    }
-
-    fn is_evaluation(&self, event: &Event) -> bool {
-        event.is_candidate()
-    }
-
-    fn evaluations(&self, state: &State) -> Vec<u32> {
-        state.found.iter().rev().flatten().map(|(_, candidates)| *candidates).collect()
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + state.found.iter().map(|found| found.len() * size_of::<(Match, u32)>()).sum::<usize>()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let pixels = |frame: &Frame| frame.luma().cells().len();
-        let pyramid: usize = state.levels[1..].iter().map(|pair| pixels(&pair.current) + pixels(&pair.next)).sum();
-        self.state_bytes(state) + pyramid
-    }
-
     fn landmark(&self, event: &Event) -> Option<Role> {
         event.landmark()
+    }
+
+    /// Its search sees the coarsest level alone.
+    fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
+        let pair = clip.pair(now)?;
+        let coarsest = |frame| self.coarser_levels(frame).pop().unwrap_or_else(|| Arc::clone(frame));
+        let frames = pair.each_ref().map(|frame| Frame::clone(&coarsest(frame)));
+        let name = format!("{}, level {}", clip.info().name, self.levels - 1);
+        let level = Clip::from_frames(name, frames.into())?.part_of(clip);
+        let settings = self.settings_on(self.levels - 1);
+        let set = vec![
+            ("range", Value::Int(settings.matching.range as i64)),
+            ("subpixel", settings.refinement.subpixel.to_value()),
+            ("lambda", Value::Real(0.0)),
+        ];
+        Ok(Some(StageView { clip: level, set }))
+    }
+
+    fn tests(&self) -> Option<&dyn TestsCandidates<Self::State, Self::Event>> {
+        Some(self)
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -498,5 +462,47 @@ impl Estimator for Hierarchical {
                 return Ok(state);
             }
         }
+    }
+}
+
+impl Footprint<State> for Hierarchical {
+    fn need(&self, clip: &Clip) -> Need {
+        let (width, height) = clip.size();
+        let of_level = |level: usize| self.settings().grid((width.div_ceil(1 << level), height.div_ceil(1 << level)));
+        // Beside the levels of both frames.
+        need(clip, (0..self.levels).map(|level| of_level(level).len()).sum()).and([(width * height) as f64; 2])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + state.found.iter().map(|found| found.len() * size_of::<(Match, u32)>()).sum::<usize>()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let pixels = |frame: &Frame| frame.luma().cells().len();
+        let pyramid: usize = state.levels[1..].iter().map(|pair| pixels(&pair.current) + pixels(&pair.next)).sum();
+        self.state_bytes(state) + pyramid
+    }
+}
+
+impl TestsCandidates<State, Event> for Hierarchical {
+    /// From the coarsest level on: the nearest block of each, from which the one below inherits.
+    fn way_to(&self, state: &State, block: usize) -> Vec<usize> {
+        let line = state.line(0, block).into_iter().enumerate();
+        line.map(|(level, index)| state.first_unit(level) + index).rev().collect()
+    }
+
+    fn is_evaluation(&self, event: &Event) -> bool {
+        event.is_candidate()
+    }
+
+    fn evaluations(&self, state: &State) -> Vec<u32> {
+        state.found.iter().rev().flatten().map(|(_, candidates)| *candidates).collect()
+    }
+}
+
+impl Pointed<State> for Hierarchical {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
+        let index = state.pair().blocks.at(point.map(|c| c / state.scale()))?;
+        Some(state.first_unit(state.level) + index)
     }
 }

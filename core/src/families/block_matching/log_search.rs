@@ -49,9 +49,12 @@ impl BlockSearch for LogSearch {
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         // 2^(⌊log₂ range⌋ − 1) as in the paper.
-        let mut step = (1 << self.range.ilog2() >> 1).max(2);
+        let mut step = (1 << self.matching.range.ilog2() >> 1).max(2);
         tester.tell(line::SET_STEP, || {
-            format!("With a range of {} px the search begins in steps of {step} px, a power of two.", self.range)
+            format!(
+                "With a range of {} px the search begins in steps of {step} px, a power of two.",
+                self.matching.range
+            )
         });
         while step > 1 {
             let centre = tester.best();

@@ -17,7 +17,7 @@ pub use diamond::Diamond;
 pub use four_step::FourStep;
 pub use full_search::{FullSearch, Order};
 pub use hexagon::Hexagon;
-pub use hierarchical::{Coarse, Hierarchical};
+pub use hierarchical::Hierarchical;
 pub use log_search::LogSearch;
 pub use new_three_step::NewThreeStep;
 pub use predictive::Predictive;

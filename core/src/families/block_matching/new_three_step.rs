@@ -49,7 +49,7 @@ impl BlockSearch for NewThreeStep {
     };
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let mut left = self.range as i32;
+        let mut left = self.matching.range as i32;
         let step = (left + 1) / 2;
         tester.tell(line::SET_STEP, || {
             format!("The search can go {left} px: the first step is half of that, {step} px.")

@@ -73,7 +73,7 @@ impl BlockSearch for Predictive {
         let neighbours = tester.neighbours;
         let median = neighbours.median();
         // A search walks in whole px, whatever its result is refined to.
-        let whole = if tester.settings.subpixel == Subpixel::None { "" } else { " in whole px" };
+        let whole = if tester.settings.refinement.subpixel == Subpixel::None { "" } else { " in whole px" };
         tester.stage(line::TEST_MEDIAN, std::iter::once(median), || {
             let names =
                 [("left", neighbours.left), ("above", neighbours.above), ("above right", neighbours.above_right)];
@@ -107,7 +107,7 @@ impl BlockSearch for Predictive {
         let (settings, cost) = (tester.settings.free(), tester.best_distortion());
         let most = tester.cost_of_levels(self.poor);
         if cost > most {
-            let (step, reach) = (self.grid as i32, (self.range / self.grid) as i32);
+            let (step, reach) = (self.grid as i32, (self.matching.range / self.grid) as i32);
             let row = move |v| (-reach..=reach).map(move |u| [u * step, v * step]);
             tester.stage(line::TEST_GRID, (-reach..=reach).flat_map(row), || {
                 let (cost, most) = (settings.show(cost), settings.show(most));

@@ -53,7 +53,7 @@ impl BlockSearch for QuadrantSearch {
     const PROMISE: Promise = Promise::Better;
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let range = self.range as i32;
+        let range = self.matching.range as i32;
         let mut part = Part { min: [-range; 2], max: [range; 2] };
         loop {
             let (whole, before) = (part, tester.best_cost());

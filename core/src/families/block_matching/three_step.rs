@@ -48,7 +48,7 @@ impl BlockSearch for ThreeStep {
     };
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let mut left = self.range as i32;
+        let mut left = self.matching.range as i32;
         while left > 0 {
             let (centre, step) = (tester.best(), (left + 1) / 2);
             tester.tell(line::HALVE_STEP, || {

@@ -4,16 +4,19 @@ use crate::base::{Threads, words};
 use crate::geometry::{Gray, Grid};
 use crate::methods::{
     differential::Tensor,
-    features::{Corners, Measure, corner_params, corner_pseudocode},
+    features::{Corners, Measure, Settings, corner_pseudocode},
 };
+use crate::params;
 use crate::run::Info;
 use crate::scene::{Math, Role};
 
-corner_params! {
+params! {
     /// Harris and Stephens' corners: where det T − k (tr T)² of the structure tensor T is largest.
     pub struct Harris {
         /// How much the trace counts against the determinant: the larger, the less an edge passes for a corner.
         k: f32 = 0.04, 0.0..=0.25;
+        /// What all corner detectors have.
+        settings: Settings = Settings::default();
     }
 }
 
@@ -37,6 +40,10 @@ impl Measure for Harris {
         rungs: &["frame", "stage", "row", "step"],
         frames: 1,
     };
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
 
     #[inline(always)]
     fn response(&self, [xx, xy, yy]: [f32; 3]) -> f32 {

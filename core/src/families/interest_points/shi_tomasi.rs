@@ -3,14 +3,18 @@
 use crate::base::words;
 use crate::methods::{
     differential::Tensor,
-    features::{Measure, corner_params, corner_pseudocode},
+    features::{Measure, Settings, corner_pseudocode},
 };
+use crate::params;
 use crate::run::Info;
 use crate::scene::{Math, Role};
 
-corner_params! {
+params! {
     /// Shi and Tomasi's corners: where the smaller eigenvalue of the structure tensor is largest.
-    pub struct ShiTomasi {}
+    pub struct ShiTomasi {
+        /// What all corner detectors have.
+        settings: Settings = Settings::default();
+    }
 }
 
 corner_pseudocode!("  R ← the smaller eigenvalue of T");
@@ -26,6 +30,10 @@ impl Measure for ShiTomasi {
         rungs: &["frame", "stage", "row", "step"],
         frames: 1,
     };
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
 
     #[inline(always)]
     fn response(&self, [xx, xy, yy]: [f32; 3]) -> f32 {

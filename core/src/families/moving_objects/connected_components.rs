@@ -7,11 +7,13 @@ use std::sync::Arc;
 use crate::base::{Error, Mapped, Observer, Threads};
 use crate::data::{Clip, Detection, Frame, LabelEvent, Labelling, Mask, PackedMask};
 use crate::geometry::Grid;
-use crate::methods::subtraction::{HasSettings, cleaned, need_of_blobs, sifted, subtraction_params};
+use crate::methods::subtraction::{Settings, cleaned, need_of_blobs, sifted};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen, Span, need};
-use crate::scene::{Chart, Scene, Step};
-use crate::{choices, pseudocode};
+use crate::run::{
+    Estimator, Footprint, Frames, Info, Masks, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, need,
+};
+use crate::scene::{Chart, Focus, Scene, Step};
+use crate::{choices, params, pseudocode};
 
 use super::FrameDifference;
 
@@ -24,18 +26,23 @@ choices! {
         Bright = "bright" "Bright",
         /// Those that are darker than the threshold.
         Dark = "dark" "Dark",
+        /// The foreground that a detector of moving objects finds.
+        Foreground = "foreground" "Foreground",
     }
 }
 
-subtraction_params! {
+params! {
     /// Connected components of each frame.
     pub struct ConnectedComponents {
         /// Which pixels are labelled.
         pixels: Pixels = Pixels::Moving;
+        /// Detector whose foreground is labelled, where that is chosen.
+        mask: Stage<Masks> = Stage::named("mixture-of-gaussians").with("initial", "median");
         /// By how much they differ, or how bright or dark they are, in gray levels.
         threshold: usize = 8, 0..=255;
+        /// What all background subtractions have.
+        settings: Settings = Settings { open: 0, close: 4, ..Settings::default() };
     }
-    open: 0, close: 4
 }
 
 /// What a run reads and writes.
@@ -49,6 +56,8 @@ pub struct State {
     picture: (usize, usize),
     labelling: Arc<Labelling>,
     record: Record,
+    /// The foreground, where a detector finds it.
+    foreground: Option<Frames>,
     /// What is made again where it is missing.
     given: Option<Arc<Given>>,
 }
@@ -77,7 +86,7 @@ impl ConnectedComponents {
         if let Some(given) = &state.given {
             return Ok(Arc::clone(given));
         }
-        need::check_kept(clip, state.record.bytes())?;
+        need::check_kept(clip, state.record.bytes() + state.foreground.as_ref().map_or(0, Frames::bytes))?;
         let frame = clip.frame(state.frame)?;
         let (width, height) = frame.size();
         let mask = match self.pixels {
@@ -86,10 +95,15 @@ impl ConnectedComponents {
                 let difference = FrameDifference { threshold: self.threshold, ..FrameDifference::default() };
                 difference.differs(&[clip.frame(other)?], &frame, &Threads::single())
             }
+            Pixels::Foreground => {
+                let found = state.foreground.as_ref().map(|frames| frames.at(state.frame)).transpose()?.flatten();
+                let mask = found.and_then(|found| found.mask.as_ref().map(PackedMask::unpacked));
+                mask.unwrap_or_else(|| Mask::new(width, height))
+            }
             Pixels::Bright => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) > self.threshold),
             Pixels::Dark => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) < self.threshold),
         };
-        let given = Arc::new(Given { frame, mask: cleaned(self.settings(), mask, &mut ()) });
+        let given = Arc::new(Given { frame, mask: cleaned(self.settings, mask, &mut ()) });
         state.given = Some(Arc::clone(&given));
         Ok(given)
     }
@@ -107,12 +121,12 @@ impl ConnectedComponents {
             let labels = finals.grid(&state.labelling, state.picture);
             Event::Final(Arc::clone(given), Arc::new(labels), finals.count)
         });
-        let [kept, dropped] = sifted(self.settings(), finals.detections(&state.labelling, given.frame.luma()));
+        let [kept, dropped] = sifted(self.settings, finals.detections(&state.labelling, given.frame.luma()));
         observer.see(|| Event::Kept(Arc::clone(given), Arc::new([kept.clone(), dropped])));
         let found = ObjectFrame { mask: Some(PackedMask::new(&given.mask)), detections: kept, objects: Vec::new() };
         state.record.note(found);
         (state.frame, state.row, state.given) = (state.frame + 1, 0, None);
-        state.labelling = Arc::new(Labelling::new(self.connectivity));
+        state.labelling = Arc::new(Labelling::new(self.settings.connectivity));
         if state.span.is_over(clip, state.frame) { Progress::Done } else { Progress::More }
     }
 }
@@ -146,17 +160,19 @@ impl Estimator for ConnectedComponents {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        need_of_blobs(clip, self.settings(), Need::per_pixel(clip, [2.0, 8.0]))
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        let span = Span::new(clip, frame, self.settings.frames)?;
+        let foreground = match self.pixels {
+            Pixels::Foreground => Some(self.mask.frames(clip, span.first, span.most())?),
+            Pixels::Moving | Pixels::Bright | Pixels::Dark => None,
+        };
         Ok(State {
-            span: Span::new(clip, frame, self.frames)?,
+            span,
+            foreground,
             frame,
             row: 0,
             picture: clip.size(),
-            labelling: Arc::new(Labelling::new(self.connectivity)),
+            labelling: Arc::new(Labelling::new(self.settings.connectivity)),
             record: Record::default(),
             given: None,
         })
@@ -184,26 +200,16 @@ impl Estimator for ConnectedComponents {
         place
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let y = point[1] + 0.5;
-        let row = (0.0..state.picture.1 as f32).contains(&y).then_some(y as usize)?;
-        Some((state.frame - state.span.first) * (state.picture.1 + 1) + row)
+    fn units_of(&self, (_, height): (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames * (height + 1))
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
         Some(state.frame)
     }
 
-    fn at_rest(&self, state: &State) -> State {
-        State { given: None, ..state.clone() }
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + state.labelling.bytes() + state.record.own_bytes()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.record.shared_bytes()
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -216,5 +222,35 @@ impl Estimator for ConnectedComponents {
 
     fn output(&self, state: &State) -> Output {
         state.record.output(state.picture, state.span.first)
+    }
+}
+
+impl Footprint<State> for ConnectedComponents {
+    fn need(&self, clip: &Clip) -> Need {
+        let own = need_of_blobs(clip, self.settings, Need::per_pixel(clip, [2.0, 8.0]));
+        match self.pixels {
+            Pixels::Foreground => own.and([self.mask.need(clip).run as f64; 2]),
+            Pixels::Moving | Pixels::Bright | Pixels::Dark => own,
+        }
+    }
+
+    fn at_rest(&self, state: &State) -> State {
+        State { given: None, ..state.clone() }
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + state.labelling.bytes() + state.record.own_bytes()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.record.shared_bytes() + state.foreground.as_ref().map_or(0, Frames::bytes)
+    }
+}
+
+impl Pointed<State> for ConnectedComponents {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
+        let y = point[1] + 0.5;
+        let row = (0.0..state.picture.1 as f32).contains(&y).then_some(y as usize)?;
+        Some((state.frame - state.span.first) * (state.picture.1 + 1) + row)
     }
 }

@@ -2,14 +2,15 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::base::{Error, Stop, Threads, words};
+use crate::base::{Error, Threads, words};
 use crate::data::{Clip, Flow, Frame, Mask};
 use crate::geometry::{Border, Grid, filter};
-use crate::methods::subtraction::{Background, Explanation, Found, subtraction_params, subtraction_pseudocode};
-use crate::run::{DenseFlow, Info, Need, Stage};
-use crate::scene::{Fact, Math, Role, Sentence};
+use crate::methods::subtraction::{Background, Explanation, Found, Settings, subtraction_pseudocode};
+use crate::params;
+use crate::run::{DenseFlow, Info, Need, Stage, StageView};
+use crate::scene::{Canvas, Fact, Math, Picture, Role, Sentence};
 
-subtraction_params! {
+params! {
     /// The length of the optical flow.
     pub struct FlowMagnitude {
         /// Method that estimates the optical flow.
@@ -18,8 +19,9 @@ subtraction_params! {
         threshold: f32 = 1.0, 0.0..=50.0, "px/frame";
         /// How far the pixels around a pixel reach that have to fit better where the flow leads than at rest; a smooth flow goes on beyond the edges of what moves.
         reach: usize = 1, 0..=15, "px";
+        /// What all background subtractions have.
+        settings: Settings = Settings { open: 1, close: 3, ..Settings::default() };
     }
-    open: 1, close: 3
 }
 
 /// The frame before, and what is seen of the next one beside it as soon as somebody asks.
@@ -113,6 +115,15 @@ impl Background for FlowMagnitude {
     const COMPARED: &'static str = "length of the optical flow";
     type Model = Model;
 
+    fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// The flow leads from a frame back to the one before.
+    fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
+        clip.reversed(now.saturating_sub(1)).map(|clip| Some(StageView { clip, set: Vec::new() }))
+    }
+
     fn need(&self, clip: &Clip) -> Need {
         let Need { run, .. } = self.method.need(clip);
         // What is kept of a frame is the flow and two differences.
@@ -127,13 +138,7 @@ impl Background for FlowMagnitude {
         if model.seen.get().is_some() {
             return Ok(());
         }
-        let (width, height) = frame.size();
-        let back = match self.method.between(clip, [frame, &model.before], threads) {
-            Err(error) if error == Stop::cancelled() => return Err(error),
-            // Of a picture in which nothing can be told nothing is.
-            Err(_) => Flow(Grid::new(width, height, [0.0; 2])),
-            Ok(back) => back,
-        };
+        let back = self.method.between(clip, [frame, &model.before], threads)?;
         model.seen.get_or_init(|| Arc::new(self.beside([frame, &model.before], back, threads)));
         Ok(())
     }
@@ -148,6 +153,10 @@ impl Background for FlowMagnitude {
 
     fn expected(&self, model: &Model, place: (usize, usize)) -> f32 {
         f32::from(model.before.luma()[place])
+    }
+
+    fn pictures(&self, _model: &Arc<Model>, _size: (usize, usize)) -> Vec<Canvas> {
+        [Picture::PREVIOUS, Picture::CURRENT].map(Canvas::of_clip).into()
     }
 
     fn difference(&self, model: &Model, frame: &Frame, place: (usize, usize)) -> f32 {

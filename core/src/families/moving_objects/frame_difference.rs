@@ -3,13 +3,11 @@
 use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide, words};
-use crate::choices;
 use crate::data::{Clip, Frame, Mask};
-use crate::methods::subtraction::{
-    Background, Explanation, Flags, Found, compared, subtraction_params, subtraction_pseudocode,
-};
+use crate::methods::subtraction::{Background, Explanation, Flags, Found, Settings, compared, subtraction_pseudocode};
 use crate::run::{Info, Need};
-use crate::scene::{Fact, Math, Role};
+use crate::scene::{Canvas, Fact, Math, Picture, Role};
+use crate::{choices, params};
 
 choices! {
     /// How many frames are looked at.
@@ -21,15 +19,16 @@ choices! {
     }
 }
 
-subtraction_params! {
+params! {
     /// Differences between frames that follow each other.
     pub struct FrameDifference {
         /// How many frames are looked at: the frame and one or two before it.
         compared: Compared = Compared::Two;
         /// A pixel that differs by more than this is foreground, in gray levels.
         threshold: usize = 8, 0..=255;
+        /// What all background subtractions have.
+        settings: Settings = Settings { open: 0, close: 4, ..Settings::default() };
     }
-    open: 0, close: 4
 }
 
 impl FrameDifference {
@@ -83,6 +82,10 @@ impl Background for FrameDifference {
     /// The frames before, the last one first.
     type Model = Vec<Arc<Frame>>;
 
+    fn settings(&self) -> Settings {
+        self.settings
+    }
+
     fn need(&self, clip: &Clip) -> Need {
         Need::per_pixel(clip, [1.0, 1.0])
     }
@@ -100,6 +103,11 @@ impl Background for FrameDifference {
 
     fn expected(&self, model: &Self::Model, place: (usize, usize)) -> f32 {
         f32::from(model[0].luma()[place])
+    }
+
+    fn pictures(&self, model: &Arc<Self::Model>, _size: (usize, usize)) -> Vec<Canvas> {
+        let before = (1..=model.len() as i32).rev().map(|frames| Picture::at(-frames));
+        before.chain([Picture::CURRENT]).map(Canvas::of_clip).collect()
     }
 
     fn compared_with(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32 {

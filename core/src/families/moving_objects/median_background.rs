@@ -6,12 +6,13 @@ use crate::base::{Threads, wide::wide, words};
 use crate::data::{Clip, Frame};
 use crate::geometry::Gray;
 use crate::methods::subtraction::{
-    Background, Explanation, Flags, Found, Initial, by_rows, compared, subtraction_params, subtraction_pseudocode,
+    Background, Explanation, Flags, Found, Initial, Settings, by_rows, compared, subtraction_pseudocode,
 };
+use crate::params;
 use crate::run::{Info, Need};
 use crate::scene::{Fact, Role};
 
-subtraction_params! {
+params! {
     /// An approximate median of each pixel.
     pub struct MedianBackground {
         /// So far the background goes towards each frame, in gray levels: it comes to rest where half of the frames are brighter.
@@ -20,8 +21,9 @@ subtraction_params! {
         threshold: usize = 25, 0..=255;
         /// Initial background.
         initial: Initial = Initial::FirstFrame;
+        /// What all background subtractions have.
+        settings: Settings = Settings::default();
     }
-    open: 1, close: 2
 }
 
 wide!(fn decide(model: &mut [u8], row: &[u8], words: &mut [u64], median: &MedianBackground) = decide_row);
@@ -63,6 +65,10 @@ impl Background for MedianBackground {
     };
     const SHOWN: &'static str = "|I − B|";
     type Model = Gray;
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
 
     fn need(&self, clip: &Clip) -> Need {
         Need::per_pixel(clip, [2.0, 2.0])

@@ -7,15 +7,14 @@ use std::sync::Arc;
 
 use crate::base::{Threads, words};
 use crate::data::{Clip, Frame};
-use crate::methods::subtraction::{
-    Background, Explanation, Found, Initial, subtraction_params, subtraction_pseudocode,
-};
+use crate::methods::subtraction::{Background, Explanation, Found, Initial, Settings, subtraction_pseudocode};
+use crate::params;
 use crate::run::{Info, Need};
 use crate::scene::Chart;
 
 pub use model::{Mixture, Mode};
 
-subtraction_params! {
+params! {
     /// A mixture of normal distributions for each pixel, in colour where the frames have it.
     pub struct MixtureOfGaussians {
         /// At most so many distributions, or modes, for each pixel; as many as it needs.
@@ -38,8 +37,9 @@ subtraction_params! {
         darkest: f32 = 0.5, 0.05..=1.0;
         /// Initial background.
         initial: Initial = Initial::FirstFrame;
+        /// What all background subtractions have.
+        settings: Settings = Settings::default();
     }
-    open: 1, close: 2
 }
 
 /// No σ becomes more than so many times that of a new mode.
@@ -69,6 +69,10 @@ impl Background for MixtureOfGaussians {
     const SHOWN: &'static str = "|I − μ| / σ of the nearest mode of the background";
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
     type Model = Mixture;
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
 
     fn need(&self, clip: &Clip) -> Need {
         let is_gray = clip.cached(0).is_some_and(|frame| frame.color().is_none());

@@ -6,12 +6,13 @@ use crate::base::{Threads, wide::wide, words};
 use crate::data::{Clip, Frame};
 use crate::geometry::Grid;
 use crate::methods::subtraction::{
-    Background, Explanation, Flags, Found, Initial, by_rows, compared, subtraction_params, subtraction_pseudocode,
+    Background, Explanation, Flags, Found, Initial, Settings, by_rows, compared, subtraction_pseudocode,
 };
+use crate::params;
 use crate::run::{Info, Need};
 use crate::scene::{Fact, Role};
 
-subtraction_params! {
+params! {
     /// A running average of each pixel.
     pub struct RunningAverage {
         /// How much a frame counts in the background: the larger, the sooner what stands still belongs to it.
@@ -22,8 +23,9 @@ subtraction_params! {
         selective: bool = false;
         /// Initial background.
         initial: Initial = Initial::FirstFrame;
+        /// What all background subtractions have.
+        settings: Settings = Settings::default();
     }
-    open: 1, close: 2
 }
 
 wide!(fn decide(model: &mut [f32], row: &[u8], words: &mut [u64], average: &RunningAverage) = decide_row);
@@ -64,6 +66,10 @@ impl Background for RunningAverage {
     };
     const SHOWN: &'static str = "|I − B|";
     type Model = Grid<f32>;
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
 
     fn need(&self, clip: &Clip) -> Need {
         Need::per_pixel(clip, [6.0, 6.0])

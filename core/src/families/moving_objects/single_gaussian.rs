@@ -6,12 +6,13 @@ use crate::base::{Threads, wide::wide, words};
 use crate::data::{Clip, Frame};
 use crate::geometry::Grid;
 use crate::methods::subtraction::{
-    Background, Explanation, Flags, Found, Initial, by_rows, subtraction_params, subtraction_pseudocode,
+    Background, Explanation, Flags, Found, Initial, Settings, by_rows, subtraction_pseudocode,
 };
+use crate::params;
 use crate::run::{Info, Need};
 use crate::scene::{Fact, Math, Role, Sentence};
 
-subtraction_params! {
+params! {
     /// A normal distribution for each pixel.
     pub struct SingleGaussian {
         /// How much a frame counts in mean and variance: the larger, the sooner the background follows a change.
@@ -26,8 +27,9 @@ subtraction_params! {
         selective: bool = true;
         /// Initial background.
         initial: Initial = Initial::FirstFrame;
+        /// What all background subtractions have.
+        settings: Settings = Settings::default();
     }
-    open: 1, close: 2
 }
 
 /// What is known of a pixel.
@@ -81,6 +83,10 @@ impl Background for SingleGaussian {
     };
     const SHOWN: &'static str = "|I − μ| / σ";
     type Model = Grid<Gaussian>;
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
 
     fn need(&self, clip: &Clip) -> Need {
         Need::per_pixel(clip, [9.0, 9.0])

@@ -6,13 +6,13 @@ use crate::base::{Threads, words};
 use crate::geometry::filter;
 use crate::methods::{
     differential::{Field, Linear, relax, tell},
-    variational::{Local, Looked, Model, MotionTensor, Solver, Told, Warp, variational_params},
+    variational::{Local, Looked, Model, MotionTensor, Settings, Solver, Told, Warp},
 };
-use crate::pseudocode;
 use crate::run::{Info, Promise};
 use crate::scene::{Constraint, Fact, Math, Name, Role, Sentence};
+use crate::{params, pseudocode};
 
-variational_params! {
+params! {
     /// The combined local-global method. The energy ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), w = (u, v), is made as small as can
     /// be, where T is the motion tensor over a window: Lucas and Kanade's where α is 0, Horn and Schunck's where ρ is 0.
     pub struct Clg {
@@ -24,8 +24,9 @@ variational_params! {
         solver: Solver = Solver::Jacobi;
         /// How far SOR goes beyond Gauss and Seidel: 1 is theirs, from 2 on nothing converges.
         relaxation: f32 = 1.9, 1.0..=1.99;
+        /// What all variational methods have.
+        settings: Settings = Settings { iterations: 100, levels: 4, warps: 3, smoothing: 0.5, ..Settings::default() };
     }
-    iterations = 100, levels = 4, warps = 3, smoothing = 0.5
 }
 
 /// The step of an iteration that is told first.
@@ -72,6 +73,10 @@ impl Model for Clg {
     const NEED: [f64; 2] = [112.0, 220.0];
     type System = System;
     type Unknowns = Field;
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
 
     fn system(&self, linear: &Linear, threads: &Threads) -> System {
         let tensor = MotionTensor::new(linear, self.rho, threads);

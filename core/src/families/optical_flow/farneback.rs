@@ -10,8 +10,8 @@ use crate::methods::{
     polynomial::{Agreed, Agreement, Applicability, Expander, Looked, Moved, Packed, Part},
 };
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
-use crate::run::{Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Fact, Readout, Role, Scene, Sentence, Series, Step};
+use crate::run::{Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::scene::{Chart, Fact, Focus, Readout, Role, Scene, Sentence, Series, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -173,10 +173,6 @@ impl Estimator for Farneback {
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Plane];
 
-    fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [130.0, 240.0])
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())
     }
@@ -213,24 +209,8 @@ impl Estimator for Farneback {
         vec![rung(0, 1), rung(levels - 1 - state.level, levels), rung(state.iteration, self.iterations)]
     }
 
-    /// The polynomials are made again.
-    fn at_rest(&self, state: &State) -> State {
-        State { polynomials: None, ..state.clone() }
-    }
-
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        state.frames.pixel_at(0, point).map(|_| Explained::Always)
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + size_of_val(&state.notes[..]) + 3 * size_of_val(state.certainty.cells())
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let (width, height) = state.frames.size(0);
-        // Two polynomials, five products, the field before and the one after with its certainty.
-        let working = width * height * (2 * size_of::<Packed>() + (5 + 2 + 3) * size_of::<f32>());
-        state.frames.bytes() + working
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -279,12 +259,40 @@ impl Estimator for Farneback {
     }
 }
 
+impl Footprint<State> for Farneback {
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [130.0, 240.0])
+    }
+
+    /// The polynomials are made again.
+    fn at_rest(&self, state: &State) -> State {
+        State { polynomials: None, ..state.clone() }
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + size_of_val(&state.notes[..]) + 3 * size_of_val(state.certainty.cells())
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let (width, height) = state.frames.size(0);
+        // Two polynomials, five products, the field before and the one after with its certainty.
+        let working = width * height * (2 * size_of::<Packed>() + (5 + 2 + 3) * size_of::<f32>());
+        state.frames.bytes() + working
+    }
+}
+
+impl Pointed<State> for Farneback {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        state.frames.pixel_at(0, point).map(|_| Explained::Always)
+    }
+}
+
 impl Farneback {
     /// The iteration at the pixel pointed at, or else at the one that changes most.
     fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Looked<'a>> {
         let Event { part, iteration } = seen.events.last()?;
         let (frames, level) = (&*seen.before.frames, seen.before.level);
-        let pointed_at = seen.focus.and_then(|point| frames.pixel_at(level, point));
+        let pointed_at = seen.point().and_then(|point| frames.pixel_at(level, point));
         let place = pointed_at.unwrap_or(iteration.most);
         let moved = Moved { pair: iteration.polynomials.each_ref(), from: &iteration.from };
         let agreement = Agreement { window: self.window(), damping: self.damping };

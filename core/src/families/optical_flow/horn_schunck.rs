@@ -3,13 +3,13 @@
 use crate::base::{Threads, words};
 use crate::methods::{
     differential::{FLAT, Field, Linear, relax, tell},
-    variational::{Looked, Model, Solver, Told, Warp, variational_params},
+    variational::{Looked, Model, Settings, Solver, Told, Warp},
 };
-use crate::pseudocode;
 use crate::run::{Info, Promise};
 use crate::scene::{Math, Name, Role, Sentence};
+use crate::{params, pseudocode};
 
-variational_params! {
+params! {
     /// Horn and Schunck's method. The energy ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²) is made as small as can be.
     /// Where course notes multiply the second part by (I_x² + I_y²) as well, that is a misprint: smoothness counts
     /// everywhere alike, and most of all where there is no gradient.
@@ -22,8 +22,9 @@ variational_params! {
         solver: Solver = Solver::Jacobi;
         /// How far SOR goes beyond Gauss and Seidel: 1 is theirs, from 2 on nothing converges.
         relaxation: f32 = 1.9, 1.0..=1.99;
+        /// What all variational methods have.
+        settings: Settings = Settings { iterations: 100, levels: 4, warps: 3, smoothing: 0.5, ..Settings::default() };
     }
-    iterations = 100, levels = 4, warps = 3, smoothing = 0.5
 }
 
 /// The steps in which an iteration is told.
@@ -64,6 +65,10 @@ impl Model for HornSchunck {
     const NEED: [f64; 2] = [76.0, 150.0];
     type System = relax::System;
     type Unknowns = Field;
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
 
     fn system(&self, linear: &Linear, threads: &Threads) -> relax::System {
         relax::System::new(linear, self.alpha, threads)

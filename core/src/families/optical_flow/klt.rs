@@ -6,46 +6,33 @@ use std::sync::Arc;
 
 use crate::base::{Error, Mapped, Observer, Threads};
 use crate::data::{Clip, Flow, Frame};
-use crate::families::interest_points::{Harris, ShiTomasi};
 use crate::methods::{
     differential::truth,
     features::{
-        Detection,
         affine::{Fit, IDENTITY, SAME_LIGHT, Start, Unfit, View},
-        detect_around,
         follow::{self, Follow},
-        need_of_corners,
+        spread,
         tracker::Level,
     },
 };
-use crate::products::{Feature, Output, Product, ProductKind, Status, Track, TrackField};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen, Span, need};
-use crate::scene::{Chart, Role, Scene, Step};
-use crate::{choices, params, pseudocode};
-
-choices! {
-    /// What makes a good feature.
-    pub enum Detector {
-        /// The smaller eigenvalue of the structure tensor is large.
-        ShiTomasi = "shi-tomasi" "Shi–Tomasi",
-        /// Harris and Stephens' response is large.
-        Harris = "harris" "Harris",
-    }
-}
+use crate::products::{Feature, Output, PointField, Product, ProductKind, Status, Track, TrackField};
+use crate::run::{
+    Estimator, Footprint, Info, Keypoints, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, need,
+};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::{params, pseudocode};
 
 params! {
     /// The Kanade–Lucas–Tomasi tracker.
     pub struct Klt {
         /// At most so many frames are tracked through, the first one counted; fewer where the clip ends.
         frames: usize = 30, 2..=10_000;
-        /// What makes a good feature.
-        detector: Detector = Detector::ShiTomasi;
+        /// Detector of the keypoints that become features. It gives all that it finds, and the tracker chooses.
+        detector: Stage<Keypoints> = Stage::named("shi-tomasi");
         /// At most so many features are tracked at once.
         max_points: usize = 200, 1..=5000;
         /// From one feature to the next it is at least this far where a feature begins.
         min_distance: usize = 7, 0..=100, "px";
-        /// The least response of a new feature, as a share of the largest in the picture.
-        quality: f32 = 0.01, 0.0..=1.0;
         /// Look for new features in each frame, in place of those that were lost.
         replenish: bool = true;
         /// Side of the window around each feature, on every level; an even one reaches as far as the next odd one.
@@ -67,6 +54,7 @@ params! {
         /// Let the light of that first view fit as well: a gain and an offset of its gray values.
         any_light: bool = true;
     }
+    renamed { "quality" => "detector.threshold" }
 }
 
 /// What a run reads and writes.
@@ -117,7 +105,6 @@ impl Live {
 
 /// Two frames and their pyramids.
 pub struct Pair {
-    first: Arc<Frame>,
     pyramids: [Arc<Vec<Level>>; 2],
     truth: Option<Arc<Flow>>,
 }
@@ -128,17 +115,21 @@ impl Pair {
     }
 }
 
+/// What the detector finds in a frame, and what is taken of it.
+pub struct Found {
+    keypoints: PointField,
+    taken: Vec<[f32; 2]>,
+}
+
 /// What happens inside a unit: features are looked for, or one is tracked to the next frame.
 #[derive(Clone)]
 pub enum Event {
     /// There are features enough.
     Enough,
-    /// How much of a corner each pixel is.
-    Responses(Arc<Detection>),
-    /// The local maxima over the threshold.
-    Peaks(Arc<Detection>),
-    /// Those that are taken.
-    Taken(Arc<Detection>),
+    /// The detector has found keypoints.
+    Found(Arc<Found>),
+    /// Some of them are taken.
+    Taken(Arc<Found>),
     /// A step of following the feature between two frames, on this level.
     Forward(Arc<Pair>, usize, follow::Event),
     /// Where tracking back from there leads to, or why it does not.
@@ -165,30 +156,20 @@ impl Klt {
         let pyramid = |frame: &Frame| Arc::new(Level::pyramid(frame.luma(), self.levels, self.window / 2));
         let pyramids = [state.pyramid.take().unwrap_or_else(|| pyramid(&frames[0])), pyramid(&frames[1])];
         state.pyramid_bytes = pyramids[0].iter().map(Level::bytes).sum();
-        let [first, _] = frames;
-        let pair = Arc::new(Pair { first, pyramids, truth: truth(clip, state.frame) });
+        let pair = Arc::new(Pair { pyramids, truth: truth(clip, state.frame) });
         state.pair = Some(Arc::clone(&pair));
         Ok(pair)
     }
 
     /// Looks for features in the first frame of the pair, if there is room for more.
-    fn look(&self, state: &State, pair: &Pair, threads: &Threads) -> Option<Detection> {
+    fn look(&self, clip: &Clip, state: &State, threads: &Threads) -> Result<Option<Found>, Error> {
         let room = self.max_points.saturating_sub(state.live.len());
         if room == 0 || (state.frame > state.span.first && !self.replenish) {
-            return None;
+            return Ok(None);
         }
-        let (picture, taken) = (Arc::clone(&pair.first), state.live.iter().map(|live| live.at));
-        let Self { quality: threshold, min_distance, .. } = *self;
-        Some(match self.detector {
-            Detector::ShiTomasi => {
-                let detector = ShiTomasi { threshold, min_distance, max_points: room, ..ShiTomasi::default() };
-                detect_around(&detector, picture, taken, threads)
-            }
-            Detector::Harris => {
-                let detector = Harris { threshold, min_distance, max_points: room, ..Harris::default() };
-                detect_around(&detector, picture, taken, threads)
-            }
-        })
+        let keypoints = self.detector.points(clip, state.frame, threads)?;
+        let taken = spread(&keypoints, state.live.iter().map(|live| live.at), (self.min_distance, room));
+        Ok(Some(Found { keypoints, taken }))
     }
 
     /// Begins the tracks of the features found.
@@ -299,9 +280,8 @@ impl Klt {
 
 pseudocode! {
     EACH_FRAME: "for each frame t, up to the last but one",
-    COMPUTE_RESPONSES: "  if there is room: R ← response of each pixel of frame t",
-    FIND_PEAKS: "    peaks ← local maxima with R ≥ quality · largest R",
-    TAKE_STRONGEST: "    take the strongest that keep their distance; remember how each looks",
+    DETECT: "  if there is room: K ← keypoints of frame t, by the detector",
+    TAKE_STRONGEST: "    take the strongest of K that keep their distance; remember how each looks",
     EACH_FEATURE: "  for each feature x",
     TRACK: "    d ← displacement to frame t+1, by pyramidal Lucas–Kanade",
     TRACK_BACK: "    b ← displacement back to frame t; lost if |d + b| > max-return",
@@ -330,13 +310,6 @@ impl Estimator for Klt {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        // The first view of each point, its derivatives, and its track.
-        let points = self.max_points as f64 * (20.0 * (self.window * self.window) as f64 + 1000.0);
-        let corners = need_of_corners(clip, self.min_distance);
-        Need::per_pixel(clip, [14.0, 20.0]).and([points, 4.0 * points]).and(corners)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State {
             span: Span::new(clip, frame, self.frames)?,
@@ -355,20 +328,18 @@ impl Estimator for Klt {
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let threads = Threads::single();
         let pair = self.pair(clip, state)?;
         match state.turn {
             None => {
-                let found = self.look(state, &pair, &threads).map(Arc::new);
+                let found = self.look(clip, state, &Threads::single())?.map(Arc::new);
                 match &found {
                     None => observer.see(|| Event::Enough),
                     Some(found) => {
-                        for event in [Event::Responses, Event::Peaks, Event::Taken] {
-                            observer.see(|| event(Arc::clone(found)));
-                        }
+                        observer.see(|| Event::Found(Arc::clone(found)));
+                        observer.see(|| Event::Taken(Arc::clone(found)));
                     }
                 }
-                self.begin(state, &pair, found.as_ref().map_or(&[], |found| &found.kept));
+                self.begin(state, &pair, found.as_ref().map_or(&[], |found| &found.taken));
             }
             Some(turn) => {
                 let live = state.live[turn].clone();
@@ -394,30 +365,8 @@ impl Estimator for Klt {
         ]
     }
 
-    /// The unit that tracks the feature of this pair that is nearest to a place.
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        state.turn?;
-        let far = |live: &Live| (live.at[0] - point[0]).hypot(live.at[1] - point[1]);
-        let nearest = state.live.iter().enumerate().min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
-        nearest.map(|(index, _)| state.begun + 1 + index)
-    }
-
     fn at_frame(&self, state: &State) -> Option<usize> {
         Some(state.frame)
-    }
-
-    fn at_rest(&self, state: &State) -> State {
-        State { pair: None, pyramid: None, ..state.clone() }
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        let tracks: usize = state.tracks.iter().map(|track| track.bytes()).sum();
-        let views: usize = state.live.iter().map(|live| size_of::<Live>() + live.view.bytes()).sum();
-        size_of::<State>() + tracks + views + size_of_val(&state.next[..]) + size_of_val(&state.counts[..])
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + 2 * state.pyramid_bytes
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -425,6 +374,10 @@ impl Estimator for Klt {
             Event::Verdict(Feature { displacement: None, .. }) => Some(Role::Rejected),
             _ => None,
         }
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -445,8 +398,8 @@ impl Estimator for Klt {
         loop {
             clip.wanted()?;
             let pair = self.pair(clip, &mut state)?;
-            let found = self.look(&state, &pair, threads);
-            self.begin(&mut state, &pair, found.as_ref().map_or(&[], |found| &found.kept));
+            let found = self.look(clip, &state, threads)?.map(Arc::new);
+            self.begin(&mut state, &pair, found.as_ref().map_or(&[], |found| &found.taken));
             let live = std::mem::take(&mut state.live);
             let became = threads.map_while(live.len(), || clip.wanted(), |i| self.track(&pair, &live[i], &mut ()))?;
             became.into_iter().for_each(|became| Self::note(&mut state, became));
@@ -455,5 +408,38 @@ impl Estimator for Klt {
                 return Ok(state);
             }
         }
+    }
+}
+
+impl Footprint<State> for Klt {
+    fn need(&self, clip: &Clip) -> Need {
+        // The first view of each point, its derivatives, and its track.
+        let points = self.max_points as f64 * (20.0 * (self.window * self.window) as f64 + 1000.0);
+        let Need { run, .. } = self.detector.need(clip);
+        Need::per_pixel(clip, [14.0, 20.0]).and([points, 4.0 * points]).and([run as f64; 2])
+    }
+
+    fn at_rest(&self, state: &State) -> State {
+        State { pair: None, pyramid: None, ..state.clone() }
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let tracks: usize = state.tracks.iter().map(|track| track.bytes()).sum();
+        let views: usize = state.live.iter().map(|live| size_of::<Live>() + live.view.bytes()).sum();
+        size_of::<State>() + tracks + views + size_of_val(&state.next[..]) + size_of_val(&state.counts[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + 2 * state.pyramid_bytes
+    }
+}
+
+impl Pointed<State> for Klt {
+    /// The unit that tracks the feature of this pair that is nearest to a place.
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
+        state.turn?;
+        let far = |live: &Live| (live.at[0] - point[0]).hypot(live.at[1] - point[1]);
+        let nearest = state.live.iter().enumerate().min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
+        nearest.map(|(index, _)| state.begun + 1 + index)
     }
 }

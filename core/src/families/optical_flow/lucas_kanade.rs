@@ -9,8 +9,8 @@ use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
-use crate::run::{Cursor, Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Scene, Step};
+use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::scene::{Chart, Focus, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -213,10 +213,6 @@ impl Estimator for LucasKanade {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [80.0, 210.0])
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())
     }
@@ -243,29 +239,8 @@ impl Estimator for LucasKanade {
         vec![rung(0, 1), rung(state.iteration, self.iterations), rung(state.y, state.given.size().1)]
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let iteration = state.iteration.min(self.iterations - 1);
-        state.given.pixel_at(point).map(|(_, y)| iteration * state.given.size().1 + y)
-    }
-
-    fn at_rest(&self, state: &State) -> State {
-        State { linear: Arc::default(), ..state.clone() }
-    }
-
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        let (x, y) = state.given.pixel_at(point)?;
-        // The first row of an iteration begins with its constraints.
-        let event = x + 1 + usize::from(y == 0);
-        Some(Explained::From(Cursor { unit: self.unit_at(state, point)?, event }))
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + size_of_val(&state.found[..]) + state.start.bytes()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let constraints = state.linear.get().map_or(0, |linear| linear.factors.bytes());
-        self.state_bytes(state) + state.given.bytes() + constraints
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -291,5 +266,38 @@ impl Estimator for LucasKanade {
                 return Ok(state);
             }
         }
+    }
+}
+
+impl Footprint<State> for LucasKanade {
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [80.0, 210.0])
+    }
+
+    fn at_rest(&self, state: &State) -> State {
+        State { linear: Arc::default(), ..state.clone() }
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + size_of_val(&state.found[..]) + state.start.bytes()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let constraints = state.linear.get().map_or(0, |linear| linear.factors.bytes());
+        self.state_bytes(state) + state.given.bytes() + constraints
+    }
+}
+
+impl Pointed<State> for LucasKanade {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
+        let iteration = state.iteration.min(self.iterations - 1);
+        state.given.pixel_at(point).map(|(_, y)| iteration * state.given.size().1 + y)
+    }
+
+    fn explained(&self, state: &State, focus: Focus) -> Option<Explained> {
+        let (x, y) = state.given.pixel_at(focus.at)?;
+        // The first row of an iteration begins with its constraints.
+        let event = x + 1 + usize::from(y == 0);
+        Some(Explained::From(Cursor { unit: self.unit_at(state, focus)?, event }))
     }
 }

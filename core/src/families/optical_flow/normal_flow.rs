@@ -15,8 +15,8 @@ use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
-use crate::run::{Cursor, Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Fact, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Step};
+use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::scene::{Chart, Fact, Focus, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -124,10 +124,6 @@ impl Estimator for NormalFlow {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [44.0, 100.0])
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())
     }
@@ -147,22 +143,8 @@ impl Estimator for NormalFlow {
         vec![Rung { index: 0, of: Some(1) }, Rung { index: state.y(), of: self.units(state) }]
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        state.fixed.given.pixel_at(point).map(|(_, y)| y)
-    }
-
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        let (x, y) = state.fixed.given.pixel_at(point)?;
-        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + size_of_val(&state.found[..])
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let Fixed { given, derivatives } = &*state.fixed;
-        self.state_bytes(state) + given.bytes() + derivatives.bytes()
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -187,7 +169,7 @@ impl Estimator for NormalFlow {
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
         field::draw(seen.before.flow(seen.events), scene);
         if let Some((x, y)) = pixel(seen) {
-            scene.mark(Picture::Current, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
+            scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
             scene.legend(Role::Reference, "pixel");
         }
     }
@@ -214,10 +196,36 @@ impl Estimator for NormalFlow {
     }
 }
 
+impl Footprint<State> for NormalFlow {
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [44.0, 100.0])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + size_of_val(&state.found[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let Fixed { given, derivatives } = &*state.fixed;
+        self.state_bytes(state) + given.bytes() + derivatives.bytes()
+    }
+}
+
+impl Pointed<State> for NormalFlow {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
+        state.fixed.given.pixel_at(point).map(|(_, y)| y)
+    }
+
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        let (x, y) = state.fixed.given.pixel_at(point)?;
+        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
+    }
+}
+
 /// The pixel that is explained: the one pointed at, else the one at work.
 fn pixel(seen: &Seen<NormalFlow>) -> Option<(usize, usize)> {
     let last = seen.events.len().checked_sub(1)?;
-    let pointed_at = seen.focus.and_then(|point| seen.before.fixed.given.pixel_at(point));
+    let pointed_at = seen.point().and_then(|point| seen.before.fixed.given.pixel_at(point));
     Some(pointed_at.unwrap_or((last, seen.before.y())))
 }
 

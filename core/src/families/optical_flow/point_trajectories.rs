@@ -15,8 +15,10 @@ use crate::methods::{
     },
 };
 use crate::products::{Feature, Output, Product, ProductKind, Status, Track, TrackField, consistency::returned};
-use crate::run::{DenseFlow, Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen, Span, Stage, need};
-use crate::scene::{Chart, Role, Scene, Step};
+use crate::run::{
+    DenseFlow, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, need,
+};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -364,13 +366,6 @@ impl Estimator for PointTrajectories {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        let (width, height) = clip.size();
-        let points = (width.div_ceil(self.spacing) * height.div_ceil(self.spacing)) as f64;
-        // The flow there and back and both pyramids beside the method; each point has two tracks.
-        self.method.need(clip).and([28.0 * (width * height) as f64; 2]).and([1500.0 * points, 3000.0 * points])
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         Ok(State {
             span: Span::new(clip, frame, self.frames)?,
@@ -397,22 +392,8 @@ impl Estimator for PointTrajectories {
         vec![Rung { index: 0, of: Some(1) }, Rung { index: state.frame - state.span.first, of: pairs }]
     }
 
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        let inside = |i: usize, extent: usize| (0.0..extent as f32).contains(&(point[i] + 0.5));
-        (inside(0, state.picture.0) && inside(1, state.picture.1)).then_some(Explained::Always)
-    }
-
     fn at_frame(&self, state: &State) -> Option<usize> {
         Some(state.frame)
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        let tracks: usize = state.tracks.iter().chain(&state.twins).map(|track| track.bytes()).sum();
-        size_of::<State>() + tracks + size_of_val(&state.live[..]) + size_of_val(&state.notes[..])
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.pair_bytes
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -420,6 +401,10 @@ impl Estimator for PointTrajectories {
             What::Moved(_, moved) if moved.to().is_none() => Some(Role::Rejected),
             _ => None,
         }
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -439,6 +424,31 @@ impl Estimator for PointTrajectories {
         let mut state = self.start(clip, frame)?;
         while self.work((clip, threads), &mut state, &mut ())? == Progress::More {}
         Ok(state)
+    }
+}
+
+impl Footprint<State> for PointTrajectories {
+    fn need(&self, clip: &Clip) -> Need {
+        let (width, height) = clip.size();
+        let points = (width.div_ceil(self.spacing) * height.div_ceil(self.spacing)) as f64;
+        // The flow there and back and both pyramids beside the method; each point has two tracks.
+        self.method.need(clip).and([28.0 * (width * height) as f64; 2]).and([1500.0 * points, 3000.0 * points])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let tracks: usize = state.tracks.iter().chain(&state.twins).map(|track| track.bytes()).sum();
+        size_of::<State>() + tracks + size_of_val(&state.live[..]) + size_of_val(&state.notes[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.pair_bytes
+    }
+}
+
+impl Pointed<State> for PointTrajectories {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        let inside = |i: usize, extent: usize| (0.0..extent as f32).contains(&(point[i] + 0.5));
+        (inside(0, state.picture.0) && inside(1, state.picture.1)).then_some(Explained::Always)
     }
 }
 

@@ -4,27 +4,26 @@ use std::sync::{Arc, OnceLock};
 
 use crate::base::{Error, Mapped, Observer, Threads, words};
 use crate::data::{Clip, Flow, Frame};
-use crate::families::interest_points::ShiTomasi;
 use crate::geometry::{Grid, pyramid::halvings};
 use crate::methods::{
     differential::{field, truth},
     features::{
-        Account, Trace, detect,
+        Account, Trace,
         follow::{self, Follow, Followed},
         tracker::Level,
     },
 };
 use crate::params::Spots;
 use crate::products::{Confidence, DenseField, Feature, Output, PointField, Product, ProductKind, Status};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
-use crate::scene::{Arrow, Chart, Fact, Levels, Picture, Readout, Role, Scene, Sentence, Shape, Stack, Step};
+use crate::run::{Estimator, Footprint, Info, Keypoints, Need, Pointed, Progress, Promise, Rung, Seen, Stage};
+use crate::scene::{Arrow, Chart, Fact, Focus, Levels, Picture, Readout, Role, Scene, Sentence, Shape, Stack, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
     /// Which points are tracked.
     pub enum Points {
-        /// The corners that Shi and Tomasi's detector finds, with its defaults.
-        Detect = "detect" "Detected corners",
+        /// The keypoints that the detector finds, the strongest first.
+        Detect = "detect" "Detected keypoints",
         /// Those of an even grid.
         Grid = "grid" "Grid",
         /// Those that someone has clicked in the frame.
@@ -39,6 +38,8 @@ params! {
     pub struct PyramidalLucasKanade {
         /// Which points are tracked.
         points: Points = Points::Detect;
+        /// Detector of the points where keypoints are tracked.
+        detector: Stage<Keypoints> = Stage::named("shi-tomasi").with("min-distance", "7");
         /// Places in frames, clicked on the picture, where clicked points are tracked.
         clicks: Spots = Spots::default();
         /// At most so many points, of corners the strongest; not where every pixel is tracked.
@@ -144,8 +145,8 @@ impl PyramidalLucasKanade {
         let pair = clip.pair(frame)?;
         let points = match self.points {
             Points::Detect => {
-                let detector = ShiTomasi { max_points: self.max_points, ..ShiTomasi::default() };
-                detect(&detector, Arc::clone(&pair[0]), threads).iter().map(|feature| feature.at).collect()
+                let found = self.detector.points(clip, frame, threads)?;
+                found.points.iter().map(|point| point.at).take(self.max_points).collect()
             }
             Points::Grid => grid(clip.size(), self.max_points),
             Points::Clicks => self.clicks.of_frame(frame).filter(|at| is_in(*at, clip.size())).collect(),
@@ -223,14 +224,6 @@ impl Estimator for PyramidalLucasKanade {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        match self.points {
-            Points::Dense => Need::per_pixel(clip, [72.0, 110.0]),
-            // Where corners are looked for, every fourth pixel may be one at first.
-            _ => Need::per_pixel(clip, [14.0, 20.0]),
-        }
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         self.prepare(clip, frame, &Threads::single())
     }
@@ -285,29 +278,15 @@ impl Estimator for PyramidalLucasKanade {
         vec![rung(0, 1), rung(state.found.len(), groups.max(1)), rung(levels - 1 - state.level, levels)]
     }
 
-    /// The unit that finds the point nearest to a place.
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let index = nearest(&state.fixed.points, point)?;
-        Some((index / state.fixed.group + 1) * state.fixed.levels[0].len() - 1)
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        // What was found is shared by the states after it.
-        let groups = size_of_val(&state.found[..]) + size_of_val(&state.guesses[..]);
-        size_of::<State>() + groups + state.fixed.group * size_of::<Found>()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let levels: usize = state.fixed.levels.iter().flatten().map(Level::bytes).sum();
-        let points = size_of_val(&state.fixed.points[..]) + state.fixed.points.len() * size_of::<Found>();
-        self.state_bytes(state) + points + levels
-    }
-
     fn landmark(&self, event: &Event) -> Option<Role> {
         match event {
             Event::Of(follow::Event::End(_, Err(_))) => Some(Role::Rejected),
             _ => None,
         }
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -334,7 +313,7 @@ impl Estimator for PyramidalLucasKanade {
         }
         let looked = self.look(seen);
         if let Some(looked) = &looked {
-            looked.account().draw([Picture::Current, Picture::Next], scene);
+            looked.account().draw([Picture::CURRENT, Picture::NEXT], scene);
         }
         scene.levels = Some(state.fixed.shown(looked.map_or(0, |looked| looked.trace.level())));
     }
@@ -362,6 +341,39 @@ impl Estimator for PyramidalLucasKanade {
         let of_group = |index| fixed.group(index).iter().map(found).collect();
         state.found = threads.map_while(fixed.groups(), || clip.wanted(), of_group)?;
         Ok(state)
+    }
+}
+
+impl Footprint<State> for PyramidalLucasKanade {
+    fn need(&self, clip: &Clip) -> Need {
+        match self.points {
+            Points::Dense => Need::per_pixel(clip, [72.0, 110.0]),
+            Points::Detect => {
+                let Need { run, .. } = self.detector.need(clip);
+                Need::per_pixel(clip, [14.0, 20.0]).and([run as f64; 2])
+            }
+            _ => Need::per_pixel(clip, [14.0, 20.0]),
+        }
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        // What was found is shared by the states after it.
+        let groups = size_of_val(&state.found[..]) + size_of_val(&state.guesses[..]);
+        size_of::<State>() + groups + state.fixed.group * size_of::<Found>()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let levels: usize = state.fixed.levels.iter().flatten().map(Level::bytes).sum();
+        let points = size_of_val(&state.fixed.points[..]) + state.fixed.points.len() * size_of::<Found>();
+        self.state_bytes(state) + points + levels
+    }
+}
+
+impl Pointed<State> for PyramidalLucasKanade {
+    /// The unit that finds the point nearest to a place.
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
+        let index = nearest(&state.fixed.points, point)?;
+        Some((index / state.fixed.group + 1) * state.fixed.levels[0].len() - 1)
     }
 }
 
@@ -428,7 +440,7 @@ impl PyramidalLucasKanade {
             Event::Pixel => first + seen.events.len() - 1,
         };
         // Every point up to the one at work is known, as far as it was followed.
-        let pointed_at = seen.focus.and_then(|place| {
+        let pointed_at = seen.point().and_then(|place| {
             let index = nearest(&fixed.points[..=at_work], place)?;
             let reach = if self.points == Points::Dense { 0.5 } else { self.reach() as f32 + 0.5 };
             let at = fixed.points[index];
@@ -501,7 +513,7 @@ fn draw_points(state: &State, scene: &mut Scene) {
     let lost = state.features().filter(|point| point.displacement.is_none()).map(|point| point.at);
     let mut points = |role, meaning, places: Vec<[f32; 2]>| {
         if !places.is_empty() {
-            scene.mark(Picture::Current, role, Shape::Points(places));
+            scene.mark(Picture::CURRENT, role, Shape::Points(places));
             scene.legend(role, meaning);
         }
     };
@@ -509,7 +521,7 @@ fn draw_points(state: &State, scene: &mut Scene) {
     points(Role::Rejected, "lost", lost.collect());
     let tracked: Vec<_> = tracked.collect();
     if !tracked.is_empty() {
-        scene.mark(Picture::Current, Role::Result, Shape::Arrows(tracked));
+        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(tracked));
         scene.legend(Role::Result, "displacements found");
     }
     if state.fixed.points.is_empty() {

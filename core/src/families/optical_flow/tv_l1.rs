@@ -3,13 +3,13 @@
 use crate::base::{Threads, words};
 use crate::methods::{
     differential::{Linear, tell},
-    variational::{Dual, Looked, Model, Told, Warp, primal_dual, variational_params},
+    variational::{Dual, Looked, Model, Settings, Told, Warp, primal_dual},
 };
-use crate::pseudocode;
 use crate::run::{Info, Promise};
 use crate::scene::{Fact, Math, Name, Role, Sentence};
+use crate::{params, pseudocode};
 
-variational_params! {
+params! {
     /// TV-L1. The energy ∫∫ λ |I_x u + I_y v + I_t| + |∇u| + |∇v| is made as small as can be. Nothing is squared, so a constraint
     /// that is far off and a border at which motion jumps cost no more than in proportion.
     pub struct TvL1 {
@@ -19,8 +19,9 @@ variational_params! {
         theta: f32 = 0.3, 0.01..=2.0;
         /// Step size τ of the dual variables; up to 0.25 the iterations converge.
         tau: f32 = 0.25, 0.01..=0.25;
+        /// What all variational methods have.
+        settings: Settings = Settings { iterations: 40, levels: 5, warps: 5, smoothing: 0.0, ..Settings::default() };
     }
-    iterations = 40, levels = 5, warps = 5, smoothing = 0.0
 }
 
 /// The steps in which an iteration is told.
@@ -63,6 +64,10 @@ impl Model for TvL1 {
     const NEED: [f64; 2] = [122.0, 275.0];
     type System = ();
     type Unknowns = Dual;
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
 
     fn system(&self, _: &Linear, _: &Threads) {}
 

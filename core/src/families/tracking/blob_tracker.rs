@@ -9,8 +9,8 @@ use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::geometry::{Bounds, Grid};
 use crate::methods::multi_object::{
-    course::{Course, tracker_params},
-    lives::Age,
+    course::{self, Course},
+    lives::{Age, Rules},
 };
 use crate::products::{
     Object, ObjectField, ObjectFrame, Output, Product, ProductKind,
@@ -19,9 +19,9 @@ use crate::products::{
         pairs::Pairs,
     },
 };
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Footprint, Info, Need, Progress, Promise, Rung, Seen};
 use crate::scene::{Chart, Role, Scene, Step};
-use crate::{choices, pseudocode};
+use crate::{choices, params, pseudocode};
 use correspond::{Blob, Table};
 
 choices! {
@@ -34,9 +34,11 @@ choices! {
     }
 }
 
-tracker_params! {
+params! {
     /// Many objects, matched from frame to frame by overlap.
     pub struct BlobTracker {
+        /// Which frames are gone through, and who detects.
+        given: course::Settings = course::Settings::default();
         /// Objects are expected where their velocity leads; otherwise where they were last.
         predict: bool = true;
         /// An object's velocity is its mean displacement over so many frames in which it was last seen by itself.
@@ -47,6 +49,8 @@ tracker_params! {
         max_distance: f32 = 30.0, 0.0..=1000.0, "px";
         /// What tells who is who where a group splits.
         identity: Identity = Identity::Appearance;
+        /// When an object is believed in, and when it is given up.
+        rules: Rules = Rules::default();
     }
 }
 
@@ -229,7 +233,7 @@ impl BlobTracker {
         // A displacement lies between two frames.
         let surplus = centers.len().saturating_sub(self.velocity_frames + 1);
         centers.drain(..surplus);
-        let rules = self.rules();
+        let rules = self.rules;
         let members = members.into_iter().map(|member| Member { age: rules.seen(member.age), ..member }).collect();
         let mut body = Body { bounds: blob.detection.bounds, centers, members };
         if body.is_group() {
@@ -243,7 +247,7 @@ impl BlobTracker {
     fn begun(&self, blob: &Blob, id: u32) -> Body {
         let member = Member {
             id,
-            age: self.rules().begun(),
+            age: self.rules.begun(),
             gray: blob.gray,
             area_px: blob.area_px,
             bounds: blob.detection.bounds,
@@ -255,7 +259,7 @@ impl BlobTracker {
 
     /// What is left of an object or a group that was not seen; `None` where it is given up.
     fn missed(&self, body: &Body) -> Option<Body> {
-        let rules = self.rules();
+        let rules = self.rules;
         let left =
             body.members.iter().filter_map(|member| Some(Member { age: rules.missed(member.age)?, ..member.clone() }));
         let members: Vec<Member> = left.collect();
@@ -344,7 +348,7 @@ impl BlobTracker {
                 for member in &body.members {
                     let object = member.object(Some(*column));
                     if let Ok(place) = was.binary_search_by_key(&member.id, |was| was.id) {
-                        state.course.look_back(self.rules(), &object, was[place].age);
+                        state.course.look_back(self.rules, &object, was[place].age);
                     }
                     objects.push(object);
                 }
@@ -396,12 +400,8 @@ impl Estimator for BlobTracker {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        super::need(clip)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        Ok(State { course: Course::new(self.course_settings(), clip, frame)?, bodies: Vec::new() })
+        Ok(State { course: Course::new(self.given.clone(), clip, frame)?, bodies: Vec::new() })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
@@ -429,17 +429,12 @@ impl Estimator for BlobTracker {
         state.course.place()
     }
 
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
     fn at_frame(&self, state: &State) -> Option<usize> {
         Some(state.course.frame())
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        let bodies = state.bodies.iter().map(|body| size_of_val(&body.centers[..]) + size_of_val(&body.members[..]));
-        state.course.own_bytes() + size_of_val(&state.bodies[..]) + bodies.sum::<usize>()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.course.shared_bytes()
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -461,10 +456,25 @@ impl Estimator for BlobTracker {
     }
 
     fn causal(&self) -> Option<Self> {
-        self.without_hindsight()
+        self.rules.without_hindsight().map(|rules| Self { rules, ..self.clone() })
     }
 
     fn output(&self, state: &State) -> Output {
         Output::of(state.course.field())
+    }
+}
+
+impl Footprint<State> for BlobTracker {
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let bodies = state.bodies.iter().map(|body| size_of_val(&body.centers[..]) + size_of_val(&body.members[..]));
+        state.course.own_bytes() + size_of_val(&state.bodies[..]) + bodies.sum::<usize>()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.course.shared_bytes()
     }
 }

@@ -19,7 +19,7 @@ use crate::methods::{
 };
 use crate::params::Spots;
 use crate::products::{Followed, Life, Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
-use crate::run::{Estimator, Foreground, Info, Need, Progress, Promise, Rung, Seen, Span, Stage};
+use crate::run::{Estimator, Footprint, Foreground, Info, Need, Progress, Promise, Rung, Seen, Span, Stage};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
@@ -372,10 +372,6 @@ impl Estimator for KalmanFilter {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        super::need(clip)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let span = Span::new(clip, frame, self.frames)?;
         if self.sensors != Sensors::One && clip.truth().is_none_or(|truth| !truth.kinds().contains(&"objects")) {
@@ -432,22 +428,14 @@ impl Estimator for KalmanFilter {
         vec![clip, Rung { index: pass, of: passes }, Rung { index: done, of: state.span.frames() }]
     }
 
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
     fn at_frame(&self, state: &State) -> Option<usize> {
         let count = state.moments.len();
         let index = state.back.map_or(count, |done| count.saturating_sub(done + 1));
         Some(state.span.first + index)
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        // What earlier frames came to is shared with the states before, up to where it was smoothed: then it is a copy.
-        let smoothed = state.moments.iter().rev().take(state.back.unwrap_or(0)).map(|moment| moment.own_bytes());
-        let last = state.moments.last().map_or(0, |moment| moment.bytes());
-        size_of::<State>() + size_of_val(&state.moments[..]) + last + smoothed.sum::<usize>()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let earlier: usize = state.moments.iter().map(|moment| moment.bytes()).sum();
-        self.state_bytes(state) + state.detector.bytes() + earlier
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -484,5 +472,23 @@ impl Estimator for KalmanFilter {
             frames,
             trajectories: Vec::new(),
         })
+    }
+}
+
+impl Footprint<State> for KalmanFilter {
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        // What earlier frames came to is shared with the states before, up to where it was smoothed: then it is a copy.
+        let smoothed = state.moments.iter().rev().take(state.back.unwrap_or(0)).map(|moment| moment.own_bytes());
+        let last = state.moments.last().map_or(0, |moment| moment.bytes());
+        size_of::<State>() + size_of_val(&state.moments[..]) + last + smoothed.sum::<usize>()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let earlier: usize = state.moments.iter().map(|moment| moment.bytes()).sum();
+        self.state_bytes(state) + state.detector.bytes() + earlier
     }
 }

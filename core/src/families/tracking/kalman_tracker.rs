@@ -13,14 +13,14 @@ use crate::methods::{
     kalman::{Filter, Measurement, Model, MotionModel},
     multi_object::{
         Extent,
-        course::{Course, tracker_params},
-        lives::Age,
+        course::{self, Course},
+        lives::{Age, Rules},
     },
 };
 use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Footprint, Info, Need, Progress, Promise, Rung, Seen};
 use crate::scene::{Chart, Role, Scene, Step};
-use crate::{choices, pseudocode};
+use crate::{choices, params, pseudocode};
 
 pub use share::Costs;
 
@@ -46,9 +46,11 @@ choices! {
     }
 }
 
-tracker_params! {
+params! {
     /// Many objects, each with a Kalman filter.
     pub struct KalmanTracker {
+        /// Which frames are gone through, and who detects.
+        given: course::Settings = course::Settings::default();
         /// How objects are thought to move.
         motion: MotionModel = MotionModel::Velocity;
         /// Standard deviation of what disturbs the motion, in px/frame² for each px of the height that the object has by then.
@@ -71,6 +73,8 @@ tracker_params! {
         sure_score: f32 = 0.6, -1000.0..=1000.0;
         /// An object for which nothing is left where it is expected may take what overlaps the box in which it was last seen: it may have stopped while it was hidden (OC-SORT).
         recover: bool = true;
+        /// When an object is believed in, and when it is given up.
+        rules: Rules = Rules::default();
     }
 }
 
@@ -126,18 +130,6 @@ impl Track {
     }
 }
 
-impl State {
-    /// The first frame of the run.
-    pub(super) fn first(&self) -> usize {
-        self.course.span.first
-    }
-
-    /// What it and those that follow came to so far.
-    pub(super) fn frames(&self) -> &[Arc<ObjectFrame>] {
-        self.course.frames()
-    }
-}
-
 impl KalmanTracker {
     fn measurement(&self, detection: &Detection) -> Measurement {
         let height_px = f64::from(detection.bounds.size()[1]).max(1.0);
@@ -150,7 +142,7 @@ impl KalmanTracker {
         let measurement = self.measurement(detection);
         let filter = track.filter.updated(&measurement).map_or(track.filter, |(filter, _)| filter);
         let extent = track.extent.towards(detection);
-        Track { filter, extent, last: detection.bounds, age: self.rules().seen(track.age), id: track.id }
+        Track { filter, extent, last: detection.bounds, age: self.rules.seen(track.age), id: track.id }
     }
 
     fn begun(&self, detection: &Detection, id: u32) -> Track {
@@ -158,7 +150,7 @@ impl KalmanTracker {
         // In a frame hardly anything goes as far as half its height.
         let speed = extent.height_px() / 4.0;
         let filter = Filter::begun(self.model(&extent), &self.measurement(detection), speed);
-        Track { id, filter, extent, last: detection.bounds, age: self.rules().begun() }
+        Track { id, filter, extent, last: detection.bounds, age: self.rules.begun() }
     }
 
     /// How something of this size is thought to move.
@@ -168,7 +160,7 @@ impl KalmanTracker {
 
     /// What becomes of an object that was not seen in a picture of this size; `None` where it is given up.
     fn missed(&self, track: &Track, picture: (usize, usize)) -> Option<Track> {
-        let age = self.rules().missed(track.age).filter(|_| !is_far_outside(track.filter.place(), picture))?;
+        let age = self.rules.missed(track.age).filter(|_| !is_far_outside(track.filter.place(), picture))?;
         Some(Track { age, ..track.clone() })
     }
 }
@@ -207,12 +199,8 @@ impl Estimator for KalmanTracker {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        super::need(clip)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        Ok(State { course: Course::new(self.course_settings(), clip, frame)?, tracks: Vec::new() })
+        Ok(State { course: Course::new(self.given.clone(), clip, frame)?, tracks: Vec::new() })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
@@ -244,16 +232,12 @@ impl Estimator for KalmanTracker {
         state.course.place()
     }
 
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
     fn at_frame(&self, state: &State) -> Option<usize> {
         Some(state.course.frame())
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        state.course.own_bytes() + size_of_val(&state.tracks[..])
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.course.shared_bytes()
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -273,11 +257,25 @@ impl Estimator for KalmanTracker {
     }
 
     fn causal(&self) -> Option<Self> {
-        self.without_hindsight()
+        self.rules.without_hindsight().map(|rules| Self { rules, ..self.clone() })
     }
 
     fn output(&self, state: &State) -> Output {
         Output::of(state.course.field())
+    }
+}
+
+impl Footprint<State> for KalmanTracker {
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        state.course.own_bytes() + size_of_val(&state.tracks[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.course.shared_bytes()
     }
 }
 
@@ -296,7 +294,7 @@ impl KalmanTracker {
                         let both = Box::new([track.clone(), updated.clone()]);
                         Event::Updated(both, self.measurement(detection))
                     });
-                    state.course.look_back(self.rules(), &updated.object(Some(column)), track.age);
+                    state.course.look_back(self.rules, &updated.object(Some(column)), track.age);
                     Some(updated)
                 }
                 None => {

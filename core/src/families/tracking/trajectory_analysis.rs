@@ -4,21 +4,20 @@ mod tell;
 
 use std::sync::Arc;
 
-use super::kalman_tracker::{KalmanTracker, State as Tracked};
 use crate::base::{Error, Observer};
 use crate::data::Clip;
 use crate::geometry::Bounds;
-use crate::methods::multi_object::{
-    directions::Directions,
-    source::{Source, usual_detector},
-};
-use crate::params::{Line, Spots};
+use crate::methods::multi_object::directions::Directions;
+use crate::params::Line;
 use crate::products::{
     Life, ObjectField, ObjectFrame, Output, Product, ProductKind,
     objects::trajectory::{Crossing, News, Places, Stay, Trajectory, Unusual},
 };
-use crate::run::{Estimator, Explained, Foreground, Info, Need, Progress, Promise, Rung, Seen, Stage};
-use crate::scene::{Chart, Role, Scene, Step};
+use crate::run::{
+    Estimator, Explained, Footprint, Frames, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, Tracks,
+    need,
+};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -40,18 +39,16 @@ params! {
         least_others: usize = 2, 1..=100;
         /// Side of the parts of the picture in which the headings of the others are taken together.
         part: usize = 64, 8..=1000, "px";
-        /// Who detects the objects.
-        source: Source = Source::Auto;
-        /// Detector of moving objects, for a source that is what moves.
-        detector: Stage<Foreground> = usual_detector();
-        /// Places in frames, clicked on the picture, that stand for what a detector finds.
-        clicks: Spots = Spots::default();
-        /// Detections with a lower score are left out.
-        min_score: f32 = 0.3, -1000.0..=1000.0;
-        /// Standard deviation of the noise that a true place is measured with.
-        added_noise: f32 = 2.0, 0.0..=100.0, "px";
-        /// Which noise that is.
-        seed: u32 = 1, 0..=9999;
+        /// Tracker of the objects. Unless set otherwise it has no hindsight: what is analysed is what was seen.
+        tracker: Stage<Tracks> = Stage::named("kalman-tracker");
+    }
+    renamed {
+        "source" => "tracker.source",
+        "detector" => "tracker.detector",
+        "clicks" => "tracker.clicks",
+        "min-score" => "tracker.min-score",
+        "added-noise" => "tracker.added-noise",
+        "seed" => "tracker.seed",
     }
 }
 
@@ -65,10 +62,14 @@ const NEAR_PX: f64 = 16.0;
 /// What a run reads and writes.
 #[derive(Clone)]
 pub struct State {
-    tracked: Tracked,
+    span: Span,
+    tracked: Frames,
+    /// The frames that are done, as they were known then.
+    frames: Vec<Arc<ObjectFrame>>,
     /// By identity.
     trajectories: Vec<Arc<Trajectory>>,
     directions: Arc<Directions>,
+    picture: (usize, usize),
 }
 
 /// What happens in a frame.
@@ -109,13 +110,6 @@ struct Lesson {
 }
 
 impl TrajectoryAnalysis {
-    fn tracker(&self) -> KalmanTracker {
-        let Self { frames, source, detector, clicks, min_score, added_noise, seed, .. } = self.clone();
-        // As a live camera would have it: what is analysed is what was seen.
-        let live = KalmanTracker { backdate: false, bridge: false, ..KalmanTracker::default() };
-        KalmanTracker { frames, source, detector, clicks, min_score, added_noise, seed, ..live }
-    }
-
     fn places(&self) -> Places {
         Places { line: self.line, zone: self.zone, window: self.window }
     }
@@ -123,7 +117,7 @@ impl TrajectoryAnalysis {
     /// Takes in all places of an object up to now that are not known yet: that it was seen where it was not yet believed in is
     /// known only once it is.
     fn follow(&self, state: &mut State, id: u32, observer: &mut impl Observer<Event>) -> Vec<Lesson> {
-        let (first, frames) = (state.tracked.first(), state.tracked.frames());
+        let (first, frames) = (state.span.first, &state.frames);
         let place = state.trajectories.binary_search_by_key(&id, |trajectory| trajectory.id);
         // Taken out, so that it is not copied where nobody else holds it.
         let mut trajectory = match place {
@@ -217,19 +211,18 @@ impl Estimator for TrajectoryAnalysis {
     type State = State;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        super::need(clip)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        let tracked = self.tracker().start(clip, frame)?;
+        let span = Span::new(clip, frame, self.frames)?;
+        let tracked = self.tracker.frames(clip, span.first, span.most())?;
         let directions = Arc::new(Directions::new(clip.size(), self.part));
-        Ok(State { tracked, trajectories: Vec::new(), directions })
+        Ok(State { span, tracked, frames: Vec::new(), trajectories: Vec::new(), directions, picture: clip.size() })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let progress = self.tracker().advance(clip, &mut state.tracked, &mut ())?;
-        let Some(frame) = state.tracked.frames().last().map(Arc::clone) else { return Ok(progress) };
+        need::check_kept(clip, self.memory_bytes(state))?;
+        let t = state.span.first + state.frames.len();
+        let frame = state.tracked.at(t)?.unwrap_or_default();
+        state.frames.push(Arc::clone(&frame));
         observer.see(|| Event::Tracked(Arc::clone(&frame)));
         let is_seen = |life: Life, has_detection: bool| life == Life::Confirmed && has_detection;
         let seen = frame.objects.iter().filter(|object| is_seen(object.life, object.detection.is_some()));
@@ -245,38 +238,23 @@ impl Estimator for TrajectoryAnalysis {
             lessons.into_iter().for_each(|Lesson { id, at, direction }| directions.learn(id, at, direction));
         }
         observer.see(|| Event::Learned(Arc::clone(&state.directions)));
-        Ok(progress)
+        Ok(if state.span.is_over(clip, t + 1) { Progress::Done } else { Progress::More })
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        self.tracker().units(&state.tracked)
+        state.span.frames()
     }
 
     fn place(&self, state: &State) -> Vec<Rung> {
-        self.tracker().place(&state.tracked)
+        state.span.place(state.frames.len())
     }
 
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        near(&state.trajectories, point).map(|_| Explained::Always)
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
-        self.tracker().at_frame(&state.tracked)
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        // A trajectory is copied where it goes on; others are shared with the states before.
-        let last = state.tracked.frames().len();
-        let goes_on = |trajectory: &&Arc<Trajectory>| {
-            trajectory.sightings.last().is_some_and(|seen| seen.frame + 1 >= state.tracked.first() + last)
-        };
-        let own: usize = state.trajectories.iter().filter(goes_on).map(|trajectory| bytes(trajectory)).sum();
-        self.tracker().state_bytes(&state.tracked) + size_of::<State>() + own + state.directions.bytes()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let trajectories: usize = state.trajectories.iter().map(|trajectory| bytes(trajectory)).sum();
-        self.tracker().memory_bytes(&state.tracked) + size_of::<State>() + trajectories + state.directions.bytes()
+        Some(state.span.first + state.frames.len())
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -285,6 +263,10 @@ impl Estimator for TrajectoryAnalysis {
             Event::Unusual(..) => Some(Role::Error),
             _ => None,
         }
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -296,9 +278,43 @@ impl Estimator for TrajectoryAnalysis {
     }
 
     fn output(&self, state: &State) -> Output {
-        let trajectories = &state.trajectories;
-        let tracked = self.tracker().output(&state.tracked);
-        tracked.map(|field: ObjectField| ObjectField { trajectories: trajectories.clone(), ..field })
+        Output::of(ObjectField {
+            followed: state.tracked.followed(),
+            picture: state.picture,
+            first: state.span.first,
+            frames: state.frames.clone(),
+            trajectories: state.trajectories.clone(),
+        })
+    }
+}
+
+impl Footprint<State> for TrajectoryAnalysis {
+    fn need(&self, clip: &Clip) -> Need {
+        let Need { run, .. } = self.tracker.need(clip);
+        super::need(clip).and([run as f64; 2])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        // A trajectory is copied where it goes on; others are shared with the states before, as frames are.
+        let next = state.span.first + state.frames.len();
+        let goes_on =
+            |trajectory: &&Arc<Trajectory>| trajectory.sightings.last().is_some_and(|seen| seen.frame + 1 >= next);
+        let own: usize = state.trajectories.iter().filter(goes_on).map(|trajectory| bytes(trajectory)).sum();
+        let last = state.frames.last().map_or(0, |frame| frame.bytes());
+        size_of::<State>() + size_of_val(&state.frames[..]) + last + own + state.directions.bytes()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let trajectories: usize = state.trajectories.iter().map(|trajectory| bytes(trajectory)).sum();
+        let own = size_of::<State>() + size_of_val(&state.frames[..]) + trajectories + state.directions.bytes();
+        // The frames are those of the tracker.
+        own + state.tracked.bytes()
+    }
+}
+
+impl Pointed<State> for TrajectoryAnalysis {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        near(&state.trajectories, point).map(|_| Explained::Always)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What all block searches share: the pair of frames, the window, the events, and how they are told and drawn.
 
 mod neighbours;
+mod pattern;
 mod probe;
 mod rate;
 mod readouts;
@@ -20,12 +21,13 @@ use crate::products::{Block, BlockGrid, BlockVector};
 use crate::scene::{Name, Role};
 
 pub use neighbours::Neighbours;
+pub use pattern::{Pattern, Relay};
 pub(crate) use probe::Probe;
 pub(crate) use rate::Rate;
 pub use search::BlockSearch;
 pub(crate) use search::{need, search_pseudocode};
 pub(crate) use settings::block_search_params;
-pub use settings::{BorderRule, Cost, HasSettings, Settings};
+pub use settings::{BorderRule, Cost, HasSettings, Matching, Refinement, Settings};
 pub use subpixel::{Fit, Subpixel};
 pub(crate) use tell::vector;
 pub use tester::Tester;

@@ -18,12 +18,12 @@ pub(crate) struct Rate {
 impl Rate {
     /// The price for a block with these neighbours: their median is the prediction.
     pub fn new(settings: &Settings, neighbours: &Neighbours) -> Self {
-        let per_px = settings.subpixel.steps_per_px();
+        let per_px = settings.refinement.subpixel.steps_per_px();
         let steps = |found: Match| match per_px {
             1 => found.displacement,
             _ => found.quarters().map(|c| c * per_px / 4),
         };
-        Self { lambda: settings.lambda.into(), predicted: neighbours.median_of(steps), per_px }
+        Self { lambda: settings.refinement.lambda.into(), predicted: neighbours.median_of(steps), per_px }
     }
 
     /// The price of a displacement in quarters of a px.
@@ -60,7 +60,7 @@ fn exp_golomb_bits(v: i32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::HasSettings;
+    use super::super::{HasSettings, Refinement};
     use super::*;
     use crate::families::block_matching::FullSearch;
 
@@ -76,7 +76,10 @@ mod tests {
     fn the_prediction_is_free_but_for_its_shortest_code() {
         let left = Some(Match { displacement: [3, -2], fraction: [0.5, 0.0], cost: 0.0 });
         let neighbours = Neighbours { left, ..Neighbours::default() };
-        let settings = |subpixel| Settings { lambda: 4.0, subpixel, ..FullSearch::default().settings() };
+        let settings = |subpixel| {
+            let settings = FullSearch::default().settings();
+            Settings { refinement: Refinement { lambda: 4.0, subpixel, ..settings.refinement }, ..settings }
+        };
         let half = Rate::new(&settings(super::super::Subpixel::Half), &neighbours);
         assert_eq!((half.bits([14, -8]), half.price([14, -8]), half.predicted_px()), (2, 8.0, [3.5, -2.0]));
         assert_eq!(half.bits([16, -8]), 4);

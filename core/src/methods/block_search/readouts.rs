@@ -29,7 +29,7 @@ impl Probe<'_> {
             readouts.push(Readout::Tiles(tiles));
         }
         let is_on_map = |candidate: &Match| !self.is_over() && candidate.fraction == [0.0; 2];
-        let is_fitted = self.settings.subpixel == Subpixel::Parabola;
+        let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola;
         readouts.push(Readout::Surface(Surface {
             title: self.settings.label(),
             origin: self.window.min,
@@ -58,7 +58,7 @@ impl Probe<'_> {
     pub(super) fn shown(&self) -> Option<(Match, usize)> {
         match self.events.last() {
             // A parabola was fitted to what was tested, and is no test itself.
-            Some(Event::Found(found)) if self.settings.subpixel == Subpixel::Parabola => {
+            Some(Event::Found(found)) if self.settings.refinement.subpixel == Subpixel::Parabola => {
                 Some((Match { fraction: [0.0; 2], ..*found }, self.block().height))
             }
             Some(Event::Found(found)) => Some((*found, self.block().height)),
@@ -106,7 +106,7 @@ impl Probe<'_> {
     /// What a match costs, and where that was tested if a parabola has moved it from there since.
     pub(super) fn cost_of(&self, found: Match) -> String {
         let cost = self.settings.show(found.cost);
-        let is_fitted = self.settings.subpixel == Subpixel::Parabola && found.fraction != [0.0; 2];
+        let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola && found.fraction != [0.0; 2];
         if is_fitted { format!("{cost} at {}", vector(found.displacement)) } else { cost }
     }
 
@@ -117,7 +117,7 @@ impl Probe<'_> {
         patch.take_area(self.pair, block, Window { min: [u, v], size: (1, 1) });
         if candidate.fraction != [0.0; 2] {
             let (mut between, size) = (Between::default(), (block.width, block.height));
-            self.pair.take_between(block, [u, v], self.settings.filter, &mut between);
+            self.pair.take_between(block, [u, v], self.settings.refinement.filter, &mut between);
             let (pixels, _) = between.moved(candidate.fraction.map(|c| (4.0 * c) as i32));
             if let Ok(moved) = Grid::from_vec(size.0, size.1, pixels.to_vec()) {
                 patch.area.take(&moved, (0, 0), size, self.pair.rule.border());
@@ -133,12 +133,12 @@ impl Probe<'_> {
 
     /// The price of the displacement, and what that makes of the cost; nothing where it has none.
     fn priced(&self, candidate: Match) -> Vec<Math> {
-        if self.settings.lambda == 0.0 {
+        if self.settings.refinement.lambda == 0.0 {
             return Vec::new();
         }
         let bits = self.rate.bits(candidate.quarters());
         let sum = Math::Row(vec![
-            Math::text(format!("{} + λR = {} + ", self.settings.cost.label(), self.distortion(candidate))),
+            Math::text(format!("{} + λR = {} + ", self.settings.matching.cost.label(), self.distortion(candidate))),
             Math::text(format!("{} · {bits} bits = ", short(self.rate.lambda))),
             Math::ink(self.shown_role(), self.settings.number(candidate.cost)),
         ]);
@@ -167,8 +167,8 @@ impl Probe<'_> {
 
     /// The costs between pixels, by where they were tested around the best whole displacement.
     fn between(&self) -> Option<Tile> {
-        let steps = self.settings.subpixel.steps_per_px();
-        let (label, reach) = match self.settings.subpixel {
+        let steps = self.settings.refinement.subpixel.steps_per_px();
+        let (label, reach) = match self.settings.refinement.subpixel {
             Subpixel::Half => ("cost by ½ px", 1),
             Subpixel::Quarter => ("cost by ¼ px", 3),
             Subpixel::None | Subpixel::Parabola => return None,
@@ -193,7 +193,7 @@ impl Probe<'_> {
     fn equation(&self, candidate: Match, rows: usize) -> Vec<Math> {
         let block = self.block();
         let (a, b) = self.patches(candidate);
-        let cost = self.settings.cost;
+        let cost = self.settings.matching.cost;
         let [u, v] = candidate.vector().map(signed);
         let name = || Math::text(format!("{}({u}, {v}) ", cost.label()));
         let Some(sum) = cost.sum() else {
@@ -259,7 +259,7 @@ impl Probe<'_> {
         let (i, j) = (x - block.x as isize, y - block.y as isize);
         let inside = (0..block.width as isize).contains(&i) && (0..rows as isize).contains(&j);
         let (i, j) = inside.then_some((i as usize, j as usize))?;
-        let (p, q, sum) = (a.pixel(i, j), b.pixel(i, j), self.settings.cost.sum()?);
+        let (p, q, sum) = (a.pixel(i, j), b.pixel(i, j), self.settings.matching.cost.sum()?);
         let numbers = vec![
             Math::ink(Role::Reference, p.to_string()),
             Math::text(" − "),
@@ -278,7 +278,7 @@ impl Probe<'_> {
         let grid = |f: &dyn Fn(usize, usize) -> f32| Grid::from_fn(block.width, block.height, f);
         let terms =
             |sum: Sum| grid(&|x, y| if y < rows { sum.term(a.pixel(x, y), b.pixel(x, y)) as f32 } else { f32::NAN });
-        let (label, differences, top) = match self.settings.cost.sum() {
+        let (label, differences, top) = match self.settings.matching.cost.sum() {
             Some(sum @ Sum::Absolute) => ("|difference|", terms(sum), 255.0),
             Some(sum @ Sum::Squared) => ("difference²", terms(sum), 255.0 * 255.0),
             None => self.whole_tile(&a, &b),

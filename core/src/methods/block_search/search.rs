@@ -4,14 +4,16 @@ use std::sync::Arc;
 
 use super::probe::Probe;
 use super::tester::Workspace;
-use super::{Event, HasSettings, Match, Neighbours, Pair, Tester};
+use std::any::Any;
+
+use super::{Event, HasSettings, Match, Neighbours, Pair, Pattern, Tester};
 use crate::base::{Earlier, Error, Observer, Threads};
 use crate::data::Clip;
 use crate::line_names;
 use crate::params::Params;
 use crate::products::{BlockField, Output, Product, ProductKind};
-use crate::run::{Estimator, Info, Need, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Name, Role, Scene, Step};
+use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, TestsCandidates};
+use crate::scene::{Chart, Focus, Name, Role, Scene, Step};
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
 pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 'static {
@@ -91,7 +93,7 @@ fn search_block<S: BlockSearch>(
     observer.see(|| Event::Window);
     let settings = search.settings();
     // The bits of a displacement are those of its difference from what the neighbours predict.
-    let neighbours = match search.predicts() || settings.lambda > 0.0 {
+    let neighbours = match search.predicts() || settings.refinement.lambda > 0.0 {
         true => Neighbours::of(index, pair.blocks.counts().0, found, before.as_deref()),
         false => Neighbours::default(),
     };
@@ -103,7 +105,8 @@ fn search_block<S: BlockSearch>(
 /// The state before the first block, `before` being what was found in the pair of frames before.
 fn start<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, before: Option<Arc<[Match]>>) -> Result<State, Error> {
     let settings = search.settings();
-    let pair = Pair::new(clip, frame, settings.block, settings.spacing, settings.border)?;
+    let pair =
+        Pair::new(clip, frame, settings.matching.block, settings.refinement.spacing, settings.refinement.border)?;
     Ok(State { pair, before, found: Vec::new(), tested: Vec::new() })
 }
 
@@ -136,16 +139,10 @@ fn finish<S: BlockSearch>(search: &S, clip: &Clip, mut state: State, threads: &T
 impl<S: BlockSearch> Estimator for S {
     const INFO: Info = <S as BlockSearch>::INFO;
     const PROMISE: Promise = <S as BlockSearch>::PROMISE;
-    const TESTS_CANDIDATES: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram];
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
     type Event = Event;
-
-    fn need(&self, clip: &Clip) -> Need {
-        let settings = self.settings();
-        need(clip, settings.grid(clip.size()).len())
-    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         prepare(self, clip, frame, &Threads::single())
@@ -168,28 +165,20 @@ impl<S: BlockSearch> Estimator for S {
         vec![Rung { index: 0, of: Some(1) }, block]
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        state.pair.blocks.at(point)
-    }
-
-    fn is_evaluation(&self, event: &Event) -> bool {
-        event.is_candidate()
-    }
-
-    fn evaluations(&self, state: &State) -> Vec<u32> {
-        state.tested.clone()
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + state.found.len() * (size_of::<Match>() + size_of::<u32>())
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.before.as_ref().map_or(0, |before| size_of_val(&**before))
-    }
-
     fn landmark(&self, event: &Event) -> Option<Role> {
         event.landmark()
+    }
+
+    fn lends(&self) -> Option<Box<dyn Any>> {
+        Some(Box::new(Pattern::of(self.clone())))
+    }
+
+    fn tests(&self) -> Option<&dyn TestsCandidates<Self::State, Self::Event>> {
+        Some(self)
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -215,6 +204,37 @@ impl<S: BlockSearch> Estimator for S {
     }
 }
 
+impl<S: BlockSearch> Footprint<State> for S {
+    fn need(&self, clip: &Clip) -> Need {
+        let settings = self.settings();
+        need(clip, settings.grid(clip.size()).len())
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + state.found.len() * (size_of::<Match>() + size_of::<u32>())
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.before.as_ref().map_or(0, |before| size_of_val(&**before))
+    }
+}
+
+impl<S: BlockSearch> TestsCandidates<State, Event> for S {
+    fn is_evaluation(&self, event: &Event) -> bool {
+        event.is_candidate()
+    }
+
+    fn evaluations(&self, state: &State) -> Vec<u32> {
+        state.tested.clone()
+    }
+}
+
+impl<S: BlockSearch> Pointed<State> for S {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
+        state.pair.blocks.at(point)
+    }
+}
+
 /// Memory that the search of so many blocks takes: a sweep holds each four times until it is done, and a state that is walked
 /// through once.
 pub(crate) fn need(clip: &Clip, blocks: usize) -> Need {
@@ -227,6 +247,6 @@ pub(crate) fn need(clip: &Clip, blocks: usize) -> Need {
 const EVENTS: f64 = 8e6;
 
 fn probe<'a, S: BlockSearch>(search: &S, seen: &'a Seen<S>) -> Probe<'a> {
-    let Seen { before: State { pair, found, .. }, events, focus, .. } = *seen;
-    Probe::new(pair, search.settings(), found, (events, focus))
+    let Seen { before: State { pair, found, .. }, events, .. } = *seen;
+    Probe::new(pair, search.settings(), found, (events, seen.point()))
 }

@@ -1,11 +1,11 @@
 //! The parameters that all block searches have, declared once.
 
 use super::Subpixel;
-use crate::choices;
 use crate::data::Interpolation;
 use crate::geometry::Border;
 use crate::methods::cost::{self, Cut, Sum, whole};
 use crate::products::{Block, BlockField, BlockGrid, BlockVector};
+use crate::{choices, params};
 
 choices! {
     /// How unlike two blocks are.
@@ -123,36 +123,62 @@ impl BorderRule {
     }
 }
 
+params! {
+    /// What is compared, and how: the first parameters that all block searches have.
+    #[derive(Copy, PartialEq)]
+    pub struct Matching {
+        /// Side of the square blocks.
+        block: usize = 16, 4..=64, "px";
+        /// Largest displacement to the left, right, up and down that is tested.
+        range: usize = 16, 1..=64, "px";
+        /// How unlike two blocks are. SSD and MSE are one divided by the other: without lambda they choose the
+        /// same vectors.
+        cost: Cost = Cost::Sad;
+    }
+}
+
+params! {
+    /// How closely, at what price and where: the last parameters that all block searches have.
+    #[derive(Copy, PartialEq)]
+    pub struct Refinement {
+        /// How closely a displacement is found: the best in whole px is refined.
+        subpixel: Subpixel = Subpixel::None;
+        /// How gray values between pixels are interpolated, for the refinement and for the prediction.
+        filter: Interpolation = Interpolation::Bilinear;
+        /// Cost of each bit that the displacement takes when it is sent as its difference from the median of the
+        /// neighbours' displacements, in units of the cost; 0 leaves the bits out.
+        lambda: f32 = 0.0, 0.0..=100.0, "per bit";
+        /// Distance from one block to the next; 0 sets them edge to edge, less than the block lets them overlap.
+        spacing: usize = 0, 0..=64, "px";
+        /// What happens where the window leaves the picture.
+        border: BorderRule = BorderRule::Inside;
+    }
+}
+
 /// The values of the parameters that all block searches have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Side of the blocks in px.
-    pub block: usize,
-    /// How far the window reaches, in px.
-    pub range: usize,
-    /// How unlike two blocks are.
-    pub cost: Cost,
-    /// How closely a displacement is found.
-    pub subpixel: Subpixel,
-    /// How gray values between pixels are interpolated.
-    pub filter: Interpolation,
-    /// Cost of a bit of the displacement.
-    pub lambda: f32,
-    /// From one block to the next in px; 0 sets them edge to edge.
-    pub spacing: usize,
-    /// What happens where the window leaves the picture.
-    pub border: BorderRule,
+    /// What is compared, and how.
+    pub matching: Matching,
+    /// How closely, at what price and where.
+    pub refinement: Refinement,
 }
 
 impl Settings {
     /// Where the blocks of a picture lie.
     pub(crate) fn grid(&self, picture: (usize, usize)) -> BlockGrid {
-        super::grid(picture, self.block, self.spacing)
+        super::grid(picture, self.matching.block, self.refinement.spacing)
     }
 
     /// The result of a search: `vectors` for `blocks`.
     pub(crate) fn field(&self, blocks: BlockGrid, vectors: Vec<Option<BlockVector>>) -> BlockField {
-        BlockField { blocks, vectors, cost: self.label(), border: self.border.border(), filter: self.filter }
+        BlockField {
+            blocks,
+            vectors,
+            cost: self.label(),
+            border: self.refinement.border.border(),
+            filter: self.refinement.filter,
+        }
     }
 
     /// A cost as a person reads it, with its name: `SAD 120`.
@@ -163,22 +189,22 @@ impl Settings {
     /// The same without the price of a displacement, to show how badly something fits.
     #[must_use]
     pub(crate) fn free(self) -> Self {
-        Self { lambda: 0.0, ..self }
+        Self { refinement: Refinement { lambda: 0.0, ..self.refinement }, ..self }
     }
 
     /// A cost as a person reads it.
     pub(super) fn number(&self, cost: f64) -> String {
-        if self.lambda == 0.0 {
-            return self.cost.show(cost);
+        if self.refinement.lambda == 0.0 {
+            return self.matching.cost.show(cost);
         }
-        let digits = if self.cost == Cost::Ncc { 4 } else { 2 };
+        let digits = if self.matching.cost == Cost::Ncc { 4 } else { 2 };
         let shown = format!("{cost:.digits$}");
         shown.trim_end_matches('0').trim_end_matches('.').into()
     }
 
     /// What the cost is called.
     pub(crate) fn label(&self) -> &'static str {
-        if self.lambda == 0.0 { self.cost.label() } else { self.cost.priced_label() }
+        if self.refinement.lambda == 0.0 { self.matching.cost.label() } else { self.matching.cost.priced_label() }
     }
 }
 
@@ -188,7 +214,7 @@ pub trait HasSettings {
     fn settings(&self) -> Settings;
 }
 
-/// Declares the parameters of a block search: those that all have, and between them its own.
+/// Declares the parameters of a block search: its own between those that all have.
 macro_rules! block_search_params {
     (
         $(#[$meta:meta])*
@@ -199,32 +225,19 @@ macro_rules! block_search_params {
         $crate::params! {
             $(#[$meta])*
             pub struct $name {
-                /// Side of the square blocks.
-                block: usize = 16, 4..=64, "px";
-                /// Largest displacement to the left, right, up and down that is tested.
-                range: usize = 16, 1..=64, "px";
-                /// How unlike two blocks are. SSD and MSE are one divided by the other: without lambda they choose the
-                /// same vectors.
-                cost: $crate::methods::block_search::Cost = $crate::methods::block_search::Cost::Sad;
+                /// What is compared, and how.
+                matching: $crate::methods::block_search::Matching = $crate::methods::block_search::Matching::default();
                 $($own)*
-                /// How closely a displacement is found: the best in whole px is refined.
-                subpixel: $crate::methods::block_search::Subpixel = $crate::methods::block_search::Subpixel::None;
-                /// How gray values between pixels are interpolated, for the refinement and for the prediction.
-                filter: $crate::data::Interpolation = $crate::data::Interpolation::Bilinear;
-                /// Cost of each bit that the displacement takes when it is sent as its difference from the median of the
-                /// neighbours' displacements, in units of the cost; 0 leaves the bits out.
-                lambda: f32 = 0.0, 0.0..=100.0, "per bit";
-                /// Distance from one block to the next; 0 sets them edge to edge, less than the block lets them overlap.
-                spacing: usize = 0, 0..=64, "px";
-                /// What happens where the window leaves the picture.
-                border: $crate::methods::block_search::BorderRule = $crate::methods::block_search::BorderRule::Inside;
+                /// How closely, at what price and where.
+                refinement: $crate::methods::block_search::Refinement =
+                    $crate::methods::block_search::Refinement::default();
             }
         }
 
         impl $crate::methods::block_search::HasSettings for $name {
             fn settings(&self) -> $crate::methods::block_search::Settings {
-                let Self { block, range, cost, subpixel, filter, lambda, spacing, border, .. } = *self;
-                $crate::methods::block_search::Settings { block, range, cost, subpixel, filter, lambda, spacing, border }
+                let Self { matching, refinement, .. } = *self;
+                $crate::methods::block_search::Settings { matching, refinement }
             }
         }
     };

@@ -62,7 +62,7 @@ fn lowest(costs: [f64; 3]) -> f32 {
 impl<O: Observer<Event>> Tester<'_, O> {
     /// Refines the best as the settings say.
     pub(super) fn refine(&mut self) {
-        match self.settings.subpixel {
+        match self.settings.refinement.subpixel {
             Subpixel::None => {}
             Subpixel::Half => self.look_between(&[2]),
             Subpixel::Quarter => self.look_between(&[2, 1]),
@@ -73,7 +73,7 @@ impl<O: Observer<Event>> Tester<'_, O> {
     /// Tests the eight points around the best, so many quarters of a px away, for each of `steps`.
     fn look_between(&mut self, steps: &[i32]) {
         let Some(start) = self.best else { return };
-        self.pair.take_between(self.block, start.displacement, self.settings.filter, &mut self.work.between);
+        self.pair.take_between(self.block, start.displacement, self.settings.refinement.filter, &mut self.work.between);
         for &step in steps {
             let centre = self.best.map_or([0, 0], |best| best.quarters());
             let all = around(centre, &AROUND, step);
@@ -97,7 +97,7 @@ impl<O: Observer<Event>> Tester<'_, O> {
     fn test_between(&mut self, start: Match, quarters: [i32; 2]) {
         let from_start = [0, 1].map(|i| quarters[i] - 4 * start.displacement[i]);
         let (pixels, stride) = self.work.between.moved(from_start);
-        let distortion = self.settings.cost.between(self.block, &self.work.patch.block, pixels, stride);
+        let distortion = self.settings.matching.cost.between(self.block, &self.work.patch.block, pixels, stride);
         let cost = distortion + self.rate.price(quarters);
         self.take(Match { displacement: start.displacement, fraction: from_start.map(|c| c as f32 / 4.0), cost });
     }

@@ -51,7 +51,7 @@ impl Probe<'_> {
             (Some(Event::Window), _) | (Some(Event::Candidate { .. } | Event::NewBest { .. }), None) => {
                 let (columns, rows) = self.window.size;
                 let of = format!("{columns}×{rows} = {} candidates", self.window.count());
-                let is_cut = self.window.count() < (2 * self.settings.range + 1).pow(2);
+                let is_cut = self.window.count() < (2 * self.settings.matching.range + 1).pow(2);
                 let cut = if is_cut { "; the picture's border cuts it." } else { "." };
                 said.ink(Role::Reference, format!("Block {}", self.index + 1))
                     .text(format!(" is the {place} of frame t. Its "))

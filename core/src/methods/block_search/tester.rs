@@ -57,7 +57,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         observer: &'a mut O,
     ) -> Self {
         let block = pair.blocks.block(index);
-        let window = pair.window(block, settings.range);
+        let window = pair.window(block, settings.matching.range);
         work.patch.take_block(pair, block);
         work.tested.clear();
         work.tested.resize(window.count().div_ceil(64), 0);
@@ -83,7 +83,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
 
     /// What it costs if pixels differ by `levels` gray levels on average.
     pub fn cost_of_levels(&self, levels: f32) -> f64 {
-        self.settings.cost.of_levels(levels.into(), self.block)
+        self.settings.matching.cost.of_levels(levels.into(), self.block)
     }
 
     /// What `displacement` costs, if it was tested.
@@ -183,11 +183,11 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         let inside = |start: isize, length: usize, extent: usize| start >= 0 && start as usize + length <= extent;
         if inside(x, block.width, picture.width()) && inside(y, block.height, picture.height()) {
             let first = y as usize * picture.width() + x as usize;
-            settings.cost.between(block, &self.work.patch.block, &picture.cells()[first..], picture.width())
+            settings.matching.cost.between(block, &self.work.patch.block, &picture.cells()[first..], picture.width())
         } else {
             self.work.patch.take_area(pair, block, Window { min: displacement, size: (1, 1) });
             let (pixels, stride) = self.work.patch.area.rows();
-            settings.cost.between(block, &self.work.patch.block, pixels, stride)
+            settings.matching.cost.between(block, &self.work.patch.block, pixels, stride)
         }
     }
 

@@ -12,9 +12,9 @@ impl Probe<'_> {
     /// The formula of the cost with the numbers of block `a` and candidate `b` put in.
     pub(super) fn whole_equation(&self, candidate: Match, a: &Cut, b: &Cut) -> Vec<Math> {
         let [u, v] = candidate.vector().map(signed);
-        let name = Math::text(format!("{}({u}, {v}) = ", self.settings.cost.label()));
+        let name = Math::text(format!("{}({u}, {v}) = ", self.settings.matching.cost.label()));
         let result = Math::text(format!("= {}", self.distortion(candidate)));
-        let mut lines = match self.settings.cost {
+        let mut lines = match self.settings.matching.cost {
             Cost::Satd => vec![hadamard(), self.first_coefficients(a, b)],
             Cost::Ncc => vec![correlation(candidate.vector()), self.moments(a, b)],
             _ => vec![zero_mean(candidate.vector()), self.off_means(a, b)],
@@ -79,7 +79,7 @@ impl Probe<'_> {
     /// What the cost sees of each pixel, its name, and the largest there may be.
     pub(super) fn whole_tile(&self, a: &Cut, b: &Cut) -> (&'static str, Grid<f32>, f32) {
         let block = self.block();
-        if self.settings.cost == Cost::Satd {
+        if self.settings.matching.cost == Cost::Satd {
             let (pixels, stride) = b.rows();
             let coefficient = |x: usize, y: usize| {
                 let tile = whole::coefficients(a, pixels, stride, (x / 4 * 4, y / 4 * 4));

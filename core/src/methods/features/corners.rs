@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::declare::HasSettings;
 use super::response::Tensors;
 use super::select::{Chosen, Peaks, Settings, largest, rank};
 use crate::base::{Error, Observer, Threads};
@@ -11,13 +10,16 @@ use crate::geometry::{Gray, Grid};
 use crate::methods::differential::Tensor;
 use crate::params::{Params, inner_params};
 use crate::products::{Feature, Output, PointField, Product, ProductKind, Status};
-use crate::run::{Cursor, Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Math, Scene, Step};
+use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::scene::{Chart, Focus, Math, Scene, Step};
 
 /// What makes a pixel a corner.
-pub trait Measure: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
     /// What there is to say about the detector.
     const INFO: Info;
+
+    /// The parameters that all corner detectors have.
+    fn settings(&self) -> Settings;
 
     /// How much of a corner a pixel is, from the means of I_x², I_x I_y and I_y² around it.
     fn response(&self, tensor: [f32; 3]) -> f32;
@@ -52,8 +54,6 @@ pub struct State {
     /// The local maxima over the threshold, later the strongest first.
     pub(super) peaks: Vec<u32>,
     pub(super) kept: Vec<u32>,
-    /// Places that are taken, row by row: new corners keep their distance from them as well.
-    taken: Vec<u32>,
 }
 
 /// What is done.
@@ -90,16 +90,7 @@ impl State {
     fn of(picture: Arc<Frame>) -> Self {
         let (width, height) = picture.size();
         let map = Arc::new(Grid::new(width, height, 0.0));
-        Self {
-            picture,
-            map,
-            largest: 0.0,
-            stage: Stage::Response,
-            row: 0,
-            peaks: Vec::new(),
-            kept: Vec::new(),
-            taken: Vec::new(),
-        }
+        Self { picture, map, largest: 0.0, stage: Stage::Response, row: 0, peaks: Vec::new(), kept: Vec::new() }
     }
 
     /// The place of a pixel that is counted row by row.
@@ -124,55 +115,6 @@ impl State {
         };
         let responses = self.kept.iter().map(|&index| self.map.cells()[index as usize]).collect();
         PointField { picture: self.map.size(), points: self.kept.iter().map(feature).collect(), responses }
-    }
-}
-
-/// The corners of `picture` that `measure` finds, strongest first.
-pub fn detect<M: Measure>(measure: &M, picture: Arc<Frame>, threads: &Threads) -> Vec<Feature> {
-    Corners(measure.clone()).whole(State::of(picture), threads).features().points
-}
-
-/// How corners were found: what each stage of the detection came to.
-#[derive(Debug)]
-pub struct Detection {
-    /// The responses.
-    pub map: Arc<Grid<f32>>,
-    /// A response as it is painted.
-    pub shown: fn(f32) -> f32,
-    /// What is painted of a response, for the legend.
-    pub name: &'static str,
-    /// The least response of a corner.
-    pub limit: f32,
-    /// The local maxima that reach it, in px; the strongest first.
-    pub peaks: Vec<[f32; 2]>,
-    /// Those that were kept.
-    pub kept: Vec<[f32; 2]>,
-}
-
-/// The corners of `picture` that `measure` finds, each at its distance from those at the places `taken` too.
-pub fn detect_around<M: Measure>(
-    measure: &M,
-    picture: Arc<Frame>,
-    taken: impl Iterator<Item = [f32; 2]>,
-    threads: &Threads,
-) -> Detection {
-    let corners = Corners(measure.clone());
-    let mut state = State::of(picture);
-    let last = [state.map.width(), state.map.height()].map(|side| (side - 1) as f32);
-    let nearest = |at: [f32; 2]| [0, 1].map(|i| at[i].clamp(0.0, last[i]).round() as usize);
-    state.taken = taken.map(nearest).map(|[x, y]| (y * state.map.width() + x) as u32).collect();
-    let state = corners.whole(state, threads);
-    let places = |indices: &[u32]| {
-        let place = |index: &u32| <[usize; 2]>::from(state.place(*index)).map(|c| c as f32);
-        indices.iter().map(place).collect()
-    };
-    Detection {
-        shown: M::shown,
-        name: M::SHOWN,
-        limit: corners.peaks(&state).limit,
-        peaks: places(&state.peaks),
-        kept: places(&state.kept),
-        map: state.map,
     }
 }
 
@@ -226,13 +168,13 @@ impl<M: Measure> Corners<M> {
         let Settings { min_distance, max_points, .. } = self.0.settings();
         state.peaks = rank(&state.map, &state.peaks);
         observer.see(|| Event::Ranked);
-        let mut chosen = Chosen::new(state.map.size(), min_distance);
-        state.taken.iter().for_each(|place| chosen.hold(*place));
+        // Peaks are apart by themselves.
+        let mut chosen = (min_distance > 1).then(|| Chosen::new(state.map.size(), min_distance));
         for &peak in &state.peaks {
             if state.kept.len() == max_points {
                 return;
             }
-            let near = chosen.take(peak);
+            let near = chosen.as_mut().and_then(|chosen| chosen.take(peak));
             observer.see(|| Event::Peak(peak, near));
             if near.is_none() {
                 state.kept.push(peak);
@@ -260,10 +202,10 @@ impl<M: Measure> Corners<M> {
 }
 
 /// Memory that corners take which keep a distance from each other: the map of responses and the peaks, ranked and by place.
-pub fn need_of_corners(clip: &Clip, min_distance: usize) -> [f64; 2] {
+fn need_of_corners(clip: &Clip, min_distance: usize) -> [f64; 2] {
     let (width, height) = clip.size();
     let pixels = (width * height) as f64;
-    let by_place = pixels * 40.0 / (min_distance.max(1) as f64).powi(2);
+    let by_place = if min_distance > 1 { pixels * 40.0 / (min_distance as f64).powi(2) } else { 0.0 };
     [14.0 * pixels + by_place, 34.0 * pixels + by_place]
 }
 
@@ -274,10 +216,6 @@ impl<M: Measure> Estimator for Corners<M> {
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
     type State = State;
     type Event = Event;
-
-    fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [0.0; 2]).and(need_of_corners(clip, self.0.settings().min_distance))
-    }
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         State::new(clip, frame)
@@ -316,23 +254,8 @@ impl<M: Measure> Estimator for Corners<M> {
         vec![rung(0, 1), rung(state.stage as usize, 3), rung(state.row, rows)]
     }
 
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
-        let (_, y) = state.map.cell_at(point)?;
-        Some(if state.stage == Stage::Response { y } else { state.map.height() + y })
-    }
-
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        let (x, y) = state.map.cell_at(point)?;
-        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        let lists = size_of_val(&state.peaks[..]) + size_of_val(&state.kept[..]);
-        size_of::<State>() + size_of_val(state.map.cells()) + lists
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + self.tensors(state).bytes()
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -349,5 +272,32 @@ impl<M: Measure> Estimator for Corners<M> {
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         Ok(self.whole(State::new(clip, frame)?, threads))
+    }
+}
+
+impl<M: Measure> Footprint<State> for Corners<M> {
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [0.0; 2]).and(need_of_corners(clip, self.0.settings().min_distance))
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let lists = size_of_val(&state.peaks[..]) + size_of_val(&state.kept[..]);
+        size_of::<State>() + size_of_val(state.map.cells()) + lists
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + self.tensors(state).bytes()
+    }
+}
+
+impl<M: Measure> Pointed<State> for Corners<M> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
+        let (_, y) = state.map.cell_at(point)?;
+        Some(if state.stage == Stage::Response { y } else { state.map.height() + y })
+    }
+
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        let (x, y) = state.map.cell_at(point)?;
+        Some(Explained::From(Cursor { unit: y, event: x + 1 }))
     }
 }

@@ -14,8 +14,7 @@ pub mod tracker;
 pub(crate) mod trails;
 
 pub use account::{Account, why};
-pub use corners::{Corners, Detection, Measure, detect, detect_around, need_of_corners};
-pub use declare::HasSettings;
-pub(crate) use declare::{corner_params, corner_pseudocode};
-pub use select::Settings;
+pub use corners::{Corners, Measure};
+pub(crate) use declare::corner_pseudocode;
+pub use select::{Settings, spread};
 pub use trace::Trace;

@@ -2,22 +2,26 @@
 
 use crate::geometry::Grid;
 use crate::methods::differential::{Scheme, Weights};
+use crate::params;
+use crate::products::PointField;
 
-/// How corners are found, whatever measures them.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// Side of the window in px.
-    pub window: usize,
-    /// How much its pixels count.
-    pub weights: Weights,
-    /// How derivatives are taken.
-    pub derivatives: Scheme,
-    /// The least response, as a share of the largest in the picture.
-    pub threshold: f32,
-    /// From one corner to the next at least this far, in px.
-    pub min_distance: usize,
-    /// At most this many.
-    pub max_points: usize,
+params! {
+    /// How corners are found, whatever measures them.
+    #[derive(Copy)]
+    pub struct Settings {
+        /// Side of the window of the structure tensor; an even one reaches as far as the next odd one.
+        window: usize = 5, 3..=31, "px";
+        /// How much the pixels of the window count.
+        weights: Weights = Weights::Gaussian;
+        /// How derivatives are estimated from pixels.
+        derivatives: Scheme = Scheme::Sobel;
+        /// The least response of a corner, as a share of the largest in the picture.
+        threshold: f32 = 0.01, 0.0..=1.0;
+        /// From a corner to the next stronger one it is at least this far; 0 allows any distance.
+        min_distance: usize = 7, 0..=100, "px";
+        /// At most so many corners are kept, the strongest.
+        max_points: usize = 500, 1..=100_000;
+    }
 }
 
 /// A map of responses with a response below which there is no corner.
@@ -151,6 +155,24 @@ impl Chosen {
         }
         found
     }
+}
+
+/// The first `most` of `points` that keep their distance, in px, from those before them and from the places `taken`.
+pub fn spread(
+    points: &PointField,
+    taken: impl Iterator<Item = [f32; 2]>,
+    (min_distance, most): (usize, usize),
+) -> Vec<[f32; 2]> {
+    let (width, height) = points.picture;
+    let last = [width, height].map(|side| side.saturating_sub(1) as f32);
+    let nearest = |at: [f32; 2]| {
+        let [x, y] = [0, 1].map(|i| at[i].clamp(0.0, last[i]).round() as usize);
+        (y * width + x) as u32
+    };
+    let mut chosen = Chosen::new(points.picture, min_distance);
+    taken.for_each(|at| chosen.hold(nearest(at)));
+    let places = points.points.iter().map(|point| point.at);
+    places.filter(|at| chosen.take(nearest(*at)).is_none()).take(most).collect()
 }
 
 /// The largest of `values`, 0 if there is none.

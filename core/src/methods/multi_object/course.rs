@@ -4,82 +4,33 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::lives::{Age, Rules};
-use super::source::{Detector, Given, Noise, Source};
+use super::source::{Detector, Given, Noise, Source, usual_detector};
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;
+use crate::params;
 use crate::params::Spots;
 use crate::products::{Followed, Life, Object, ObjectField, ObjectFrame};
 use crate::run::{Foreground, Progress, Rung, Span, Stage, need};
 
-/// Declares the parameters of a tracker: its own between those that all have, whose values `course_settings` gives.
-macro_rules! tracker_params {
-    (
-        $(#[$meta:meta])*
-        pub struct $name:ident {
-            $($own:tt)*
-        }
-    ) => {
-        $crate::params! {
-            $(#[$meta])*
-            pub struct $name {
-                /// At most so many frames, the first one counted; fewer where the clip ends.
-                frames: usize = 300, 2..=10_000;
-                /// Who detects the objects.
-                source: $crate::methods::multi_object::source::Source = $crate::methods::multi_object::source::Source::Auto;
-                /// Detector of moving objects, for a source that is what moves.
-                detector: $crate::run::Stage<$crate::run::Foreground> = $crate::methods::multi_object::source::usual_detector();
-                /// Places in frames, clicked on the picture, that stand for what a detector finds.
-                clicks: $crate::params::Spots = $crate::params::Spots::default();
-                /// Detections beside the clip with a lower score are left out.
-                min_score: f32 = 0.3, -1000.0..=1000.0;
-                /// Standard deviation of the noise that a true place is measured with.
-                added_noise: f32 = 2.0, 0.0..=100.0, "px";
-                /// Which noise that is.
-                seed: u32 = 1, 0..=9999;
-                $($own)*
-                /// An object is believed in once it was seen in so many frames.
-                confirm: usize = 3, 1..=50;
-                /// An object is given up once it was not seen in more than so many frames in a row; one that is not believed in after the first.
-                patience: usize = 15, 0..=500;
-                /// Once an object is believed in, it counts from where it was first seen. This looks back in time: a live camera could not tell so early.
-                backdate: bool = true;
-                /// Where an object comes back after some frames, it is put in between as well, on a straight line. This looks back in time: a live camera would have shown the gap.
-                bridge: bool = true;
-            }
-        }
-
-        impl $name {
-            fn course_settings(&self) -> $crate::methods::multi_object::course::Settings {
-                let Self { frames, source, min_score, added_noise, seed, .. } = *self;
-                let (clicks, detector) = (self.clicks.clone(), self.detector.clone());
-                $crate::methods::multi_object::course::Settings { frames, source, detector, clicks, min_score, added_noise, seed }
-            }
-
-            /// The same without hindsight, if there is any.
-            fn without_hindsight(&self) -> Option<Self> {
-                (self.backdate || self.bridge).then(|| Self { backdate: false, bridge: false, ..self.clone() })
-            }
-
-            fn rules(&self) -> $crate::methods::multi_object::lives::Rules {
-                let Self { confirm, patience, backdate, bridge, .. } = *self;
-                $crate::methods::multi_object::lives::Rules { confirm, patience, backdate, bridge }
-            }
-        }
-    };
-}
-pub(crate) use tracker_params;
-
-/// The parameters that all trackers have and a run is begun with.
-#[derive(Clone, Debug)]
-pub(crate) struct Settings {
-    pub frames: usize,
-    pub source: Source,
-    pub detector: Stage<Foreground>,
-    pub clicks: Spots,
-    pub min_score: f32,
-    pub added_noise: f32,
-    pub seed: u32,
+params! {
+    /// The parameters that all trackers have and a run is begun with.
+    pub struct Settings {
+        /// At most so many frames, the first one counted; fewer where the clip ends.
+        frames: usize = 300, 2..=10_000;
+        /// Who detects the objects.
+        source: Source = Source::Auto;
+        /// Detector of moving objects, for a source that is what moves.
+        detector: Stage<Foreground> = usual_detector();
+        /// Places in frames, clicked on the picture, that stand for what a detector finds.
+        clicks: Spots = Spots::default();
+        /// Detections beside the clip with a lower score are left out.
+        min_score: f32 = 0.3, -1000.0..=1000.0;
+        /// Standard deviation of the noise that a true place is measured with.
+        added_noise: f32 = 2.0, 0.0..=100.0, "px";
+        /// Which noise that is.
+        seed: u32 = 1, 0..=9999;
+    }
 }
 
 /// The frames of a run, those that are done and what is detected in those that follow.

@@ -5,7 +5,7 @@ use crate::choices;
 use crate::data::{Clip, Detection, ObjectBox};
 use crate::geometry::Bounds;
 use crate::params::Spots;
-use crate::run::{Detections, Foreground, Span, Stage};
+use crate::run::{Foreground, Frames, Span, Stage};
 use crate::synth::random::{gaussian, hash};
 
 choices! {
@@ -66,7 +66,7 @@ enum Eye {
     Detections,
     Truth,
     /// Found by a detector of moving objects.
-    Moving(Detections),
+    Moving(Frames),
 }
 
 /// The centre of an object.
@@ -99,7 +99,7 @@ impl Detector {
             Source::Auto if has_detections => Eye::Detections,
             Source::Truth => Eye::Truth,
             Source::Auto if has_truth => Eye::Truth,
-            Source::Auto | Source::Moving => Eye::Moving(stage.detections(clip, span.first, span.most())?),
+            Source::Auto | Source::Moving => Eye::Moving(stage.frames(clip, span.first, span.most())?),
         };
         Ok(Self { eye, noise })
     }
@@ -117,7 +117,7 @@ impl Detector {
                 let seen = objects.iter().filter(|object| object.visibility >= LEAST_VISIBLE);
                 Ok(seen.map(|object| self.measured(object, t)).collect())
             }
-            Eye::Moving(detections) => Ok(detections.at(t)?.to_vec()),
+            Eye::Moving(frames) => Ok(frames.at(t)?.map_or_else(Vec::new, |frame| frame.detections.clone())),
         }
     }
 
@@ -150,7 +150,7 @@ impl Detector {
     /// Memory that it takes, in bytes; its copies share it.
     pub fn bytes(&self) -> usize {
         match &self.eye {
-            Eye::Moving(detections) => detections.bytes(),
+            Eye::Moving(frames) => frames.bytes(),
             Eye::Clicks(clicks) => size_of_val(clicks.all()),
             Eye::Detections | Eye::Truth => 0,
         }

@@ -1,63 +1,24 @@
 //! What every background subtraction declares, once.
 
 use crate::data::Connectivity;
+use crate::params;
 
-/// The parameters that all have.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// Radius of the square with which the mask is opened, in px.
-    pub open: usize,
-    /// Radius of the square with which it is closed after that, in px.
-    pub close: usize,
-    /// The least area of a blob that is kept, in px.
-    pub min_area: usize,
-    /// Which pixels are neighbours.
-    pub connectivity: Connectivity,
-    /// How many frames there are at most.
-    pub frames: usize,
+params! {
+    /// The parameters that all have.
+    #[derive(Copy)]
+    pub struct Settings {
+        /// Regions in which a square of this radius does not fit go; 0 keeps all.
+        open: usize = 1, 0..=15, "px";
+        /// Gaps in which a square of this radius does not fit are filled; 0 leaves all open.
+        close: usize = 2, 0..=15, "px";
+        /// Smaller blobs are dropped.
+        min_area: usize = 30, 1..=100_000, "px";
+        /// Which pixels are neighbours: those with a common edge, or a common corner as well.
+        connectivity: Connectivity = Connectivity::Eight;
+        /// At most so many frames, the first one counted; fewer where the clip ends.
+        frames: usize = 300, 2..=100_000;
+    }
 }
-
-/// What has the parameters of a background subtraction: every struct that [`subtraction_params!`] declares.
-pub trait HasSettings {
-    /// Their values.
-    fn settings(&self) -> Settings;
-}
-
-/// Declares the parameters of a background subtraction: its own, and those that all have.
-macro_rules! subtraction_params {
-    (
-        $(#[$meta:meta])*
-        pub struct $name:ident {
-            $($own:tt)*
-        }
-        open: $open:literal, close: $close:literal
-    ) => {
-        $crate::params! {
-            $(#[$meta])*
-            pub struct $name {
-                $($own)*
-                /// Regions in which a square of this radius does not fit go; 0 keeps all.
-                open: usize = $open, 0..=15, "px";
-                /// Gaps in which a square of this radius does not fit are filled; 0 leaves all open.
-                close: usize = $close, 0..=15, "px";
-                /// Smaller blobs are dropped.
-                min_area: usize = 30, 1..=100_000, "px";
-                /// Which pixels are neighbours: those with a common edge, or a common corner as well.
-                connectivity: $crate::data::Connectivity = $crate::data::Connectivity::Eight;
-                /// At most so many frames, the first one counted; fewer where the clip ends.
-                frames: usize = 300, 2..=100_000;
-            }
-        }
-
-        impl $crate::methods::subtraction::HasSettings for $name {
-            fn settings(&self) -> $crate::methods::subtraction::Settings {
-                let Self { open, close, min_area, connectivity, frames, .. } = *self;
-                $crate::methods::subtraction::Settings { open, close, min_area, connectivity, frames }
-            }
-        }
-    };
-}
-pub(crate) use subtraction_params;
 
 /// The lines that all background subtractions have; shadows are not looked for by all.
 pub(super) mod line {

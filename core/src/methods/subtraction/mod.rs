@@ -9,7 +9,8 @@ mod tell;
 
 use std::sync::Arc;
 
-pub(crate) use declare::{HasSettings, Settings, subtraction_params, subtraction_pseudocode};
+pub use declare::Settings;
+pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explanation::{Explanation, compared};
 pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
@@ -20,11 +21,13 @@ use crate::data::{Clip, Detection, Frame, Labelling, Mask, PackedMask};
 use crate::geometry::{Gray, Grid};
 use crate::params::{Params, inner_params};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
-use crate::run::{Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen, Span, need};
-use crate::scene::{Chart, Scene, Step};
+use crate::run::{
+    Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, StageView, need,
+};
+use crate::scene::{Canvas, Chart, Focus, Picture, Scene, Step};
 
 /// A model of the background.
-pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// What there is to say about the detector.
     const INFO: Info;
     /// What the heat shows that tells how far pixels differ, for the legend.
@@ -35,6 +38,17 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     /// What is known of the background.
     type Model: Clone + Send + Sync + 'static;
+
+    /// As [`Estimator::stage_view`].
+    ///
+    /// # Errors
+    /// If a frame cannot be read.
+    fn stage_view(&self, _clip: &Clip, _now: usize) -> Result<Option<StageView>, Error> {
+        Ok(None)
+    }
+
+    /// The parameters that all background subtractions have.
+    fn settings(&self) -> Settings;
 
     /// What the model begins with.
     fn initial(&self) -> Initial {
@@ -65,6 +79,16 @@ pub trait Background: Params + HasSettings + Default + Clone + Send + Sync + 'st
     /// The gray value that a pixel of a frame is compared with, which is the expected one unless there are several.
     fn compared_with(&self, model: &Self::Model, _frame: &Frame, place: (usize, usize)) -> f32 {
         self.expected(model, place)
+    }
+
+    /// The pictures that a frame is compared with, and the frame, from left to right.
+    fn pictures(&self, model: &Arc<Self::Model>, size: (usize, usize)) -> Vec<Canvas> {
+        let (detector, model) = (self.clone(), Arc::clone(model));
+        let expected = move || {
+            let gray = |x, y| detector.expected(&model, (x, y)).round().clamp(0.0, 255.0) as u8;
+            Frame::gray(Grid::from_fn(size.0, size.1, gray))
+        };
+        vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(Picture::REFERENCE, expected)]
     }
 
     /// How far a pixel is from what is expected, as [`Background::SHOWN`] says.
@@ -246,13 +270,6 @@ impl<M: Background> Estimator for Subtraction<M> {
     type State = State<M::Model>;
     type Event = Event;
 
-    fn need(&self, clip: &Clip) -> Need {
-        let model = self.0.need(clip);
-        // Walked through, the model before a frame, after it, kept and on its way, and the pictures that are told.
-        let walked = Need { walk: 4 * model.walk, ..model };
-        need_of_blobs(clip, self.0.settings(), walked)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error> {
         let span = Span::new(clip, frame, self.0.settings().frames)?;
         Ok(State { span, frame, picture: clip.size(), model: None, record: Record::default() })
@@ -275,27 +292,20 @@ impl<M: Background> Estimator for Subtraction<M> {
         state.span.place(state.frame - state.span.first)
     }
 
-    fn explained(&self, state: &Self::State, point: [f32; 2]) -> Option<Explained> {
-        let [x, y] = point.map(|c| c + 0.5);
-        let (width, height) = state.picture;
-        ((0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y)).then_some(Explained::Always)
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
+    fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
+        self.0.stage_view(clip, now)
     }
 
     fn at_frame(&self, state: &Self::State) -> Option<usize> {
         Some(state.frame)
     }
 
-    fn at_rest(&self, state: &Self::State) -> Self::State {
-        State { model: state.model.as_ref().map(|model| self.0.at_rest(model)), ..state.clone() }
-    }
-
-    fn state_bytes(&self, state: &Self::State) -> usize {
-        let model = state.model.as_ref().map_or(0, |model| self.0.model_bytes(model));
-        size_of::<Self::State>() + model + state.record.own_bytes()
-    }
-
-    fn memory_bytes(&self, state: &Self::State) -> usize {
-        self.state_bytes(state) + state.record.shared_bytes()
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -314,5 +324,35 @@ impl<M: Background> Estimator for Subtraction<M> {
         let mut state = self.start(clip, frame)?;
         while self.work(clip, &mut state, threads, &mut ())? == Progress::More {}
         Ok(state)
+    }
+}
+
+impl<M: Background> Footprint<State<M::Model>> for Subtraction<M> {
+    fn need(&self, clip: &Clip) -> Need {
+        let model = self.0.need(clip);
+        // Walked through, the model before a frame, after it, kept and on its way, and the pictures that are told.
+        let walked = Need { walk: 4 * model.walk, ..model };
+        need_of_blobs(clip, self.0.settings(), walked)
+    }
+
+    fn at_rest(&self, state: &State<M::Model>) -> State<M::Model> {
+        State { model: state.model.as_ref().map(|model| self.0.at_rest(model)), ..state.clone() }
+    }
+
+    fn state_bytes(&self, state: &State<M::Model>) -> usize {
+        let model = state.model.as_ref().map_or(0, |model| self.0.model_bytes(model));
+        size_of::<State<M::Model>>() + model + state.record.own_bytes()
+    }
+
+    fn memory_bytes(&self, state: &State<M::Model>) -> usize {
+        self.state_bytes(state) + state.record.shared_bytes()
+    }
+}
+
+impl<M: Background> Pointed<State<M::Model>> for Subtraction<M> {
+    fn explained(&self, state: &State<M::Model>, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        let [x, y] = point.map(|c| c + 0.5);
+        let (width, height) = state.picture;
+        ((0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y)).then_some(Explained::Always)
     }
 }

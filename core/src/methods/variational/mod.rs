@@ -12,8 +12,7 @@ mod run;
 mod solver;
 mod tell;
 
-pub(crate) use declare::variational_params;
-pub use declare::{HasSettings, Settings};
+pub use declare::Settings;
 pub use local::{Local, MotionTensor};
 pub use model::{Looked, Model, Told, Warp};
 pub use primal_dual::Dual;

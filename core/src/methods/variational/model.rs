@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::declare::HasSettings;
+use super::Settings;
 use crate::base::{Threads, words};
 use crate::methods::differential::{Field, Linear, tell};
 use crate::params::Params;
@@ -36,7 +36,7 @@ impl Unknowns for Field {
 }
 
 /// A method that makes an energy of the whole field small.
-pub trait Model: Params + HasSettings + Default + Clone + Send + Sync + 'static {
+pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     /// What there is to say about the method.
     const INFO: Info;
     /// What it can be relied on to find.
@@ -55,6 +55,9 @@ pub trait Model: Params + HasSettings + Default + Clone + Send + Sync + 'static 
     type System: Send + Sync + 'static;
     /// What iterations change.
     type Unknowns: Unknowns;
+
+    /// The parameters that all variational methods have.
+    fn settings(&self) -> Settings;
 
     /// What all iterations of a warp need.
     fn system(&self, linear: &Linear, threads: &Threads) -> Self::System;

@@ -10,8 +10,8 @@ use crate::geometry::{Grid, filter};
 use crate::methods::differential::{Field, Linear, Multiscale, field, relax};
 use crate::params::inner_params;
 use crate::products::{DenseField, Output, Product, ProductKind};
-use crate::run::{Estimator, Explained, Info, Need, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Level, Scene, Step};
+use crate::run::{Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::scene::{Chart, Focus, Level, Scene, Step};
 
 /// How many numbers for each pixel [`Linear`] holds.
 const LINEAR_PARTS: usize = 5;
@@ -253,10 +253,6 @@ impl<M: Model> Estimator for Variational<M> {
     type State = State<M>;
     type Event = Event<M>;
 
-    fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, M::NEED)
-    }
-
     fn start(&self, clip: &Clip, frame: usize) -> Result<State<M>, Error> {
         self.prepare(clip, frame, &Threads::single())
     }
@@ -300,36 +296,8 @@ impl<M: Model> Estimator for Variational<M> {
         ]
     }
 
-    /// The constraints of a warp are made again from the field at which it began.
-    fn at_rest(&self, state: &State<M>) -> State<M> {
-        let constraints = match &state.constraints {
-            Constraints::Made(warp) => Constraints::About(Arc::clone(&warp.linear.start)),
-            constraints => constraints.clone(),
-        };
-        State { constraints, ..state.clone() }
-    }
-
-    fn explained(&self, state: &State<M>, point: [f32; 2]) -> Option<Explained> {
-        state.fixed.frames.given.pixel_at(point).map(|_| Explained::Always)
-    }
-
-    /// What was found on coarser levels is shared by all states of a run.
-    fn state_bytes(&self, state: &State<M>) -> usize {
-        let constraints = match &state.constraints {
-            Constraints::Next => 0,
-            Constraints::About(start) => start.bytes(),
-            Constraints::Made(warp) => size_of_val(warp.linear.start.u.cells()) * (LINEAR_PARTS + M::SYSTEM_PARTS),
-        };
-        size_of::<State<M>>() + size_of_val(&state.notes[..]) + state.unknowns.bytes() + constraints
-    }
-
-    fn memory_bytes(&self, state: &State<M>) -> usize {
-        let frames = &state.fixed.frames;
-        let given = size_of_val(frames.given.pictures[0].cells());
-        let constraints = given * (LINEAR_PARTS + M::SYSTEM_PARTS);
-        let coarser: usize = state.coarser.iter().map(|unknowns| unknowns.bytes()).sum();
-        // What an iteration goes from, and what it comes to.
-        self.state_bytes(state) + frames.bytes() + constraints + coarser + 2 * state.unknowns.bytes()
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
@@ -359,5 +327,45 @@ impl<M: Model> Estimator for Variational<M> {
             self.work(&mut state, count, threads);
         }
         Ok(state)
+    }
+}
+
+impl<M: Model> Footprint<State<M>> for Variational<M> {
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, M::NEED)
+    }
+
+    /// The constraints of a warp are made again from the field at which it began.
+    fn at_rest(&self, state: &State<M>) -> State<M> {
+        let constraints = match &state.constraints {
+            Constraints::Made(warp) => Constraints::About(Arc::clone(&warp.linear.start)),
+            constraints => constraints.clone(),
+        };
+        State { constraints, ..state.clone() }
+    }
+
+    /// What was found on coarser levels is shared by all states of a run.
+    fn state_bytes(&self, state: &State<M>) -> usize {
+        let constraints = match &state.constraints {
+            Constraints::Next => 0,
+            Constraints::About(start) => start.bytes(),
+            Constraints::Made(warp) => size_of_val(warp.linear.start.u.cells()) * (LINEAR_PARTS + M::SYSTEM_PARTS),
+        };
+        size_of::<State<M>>() + size_of_val(&state.notes[..]) + state.unknowns.bytes() + constraints
+    }
+
+    fn memory_bytes(&self, state: &State<M>) -> usize {
+        let frames = &state.fixed.frames;
+        let given = size_of_val(frames.given.pictures[0].cells());
+        let constraints = given * (LINEAR_PARTS + M::SYSTEM_PARTS);
+        let coarser: usize = state.coarser.iter().map(|unknowns| unknowns.bytes()).sum();
+        // What an iteration goes from, and what it comes to.
+        self.state_bytes(state) + frames.bytes() + constraints + coarser + 2 * state.unknowns.bytes()
+    }
+}
+
+impl<M: Model> Pointed<State<M>> for Variational<M> {
+    fn explained(&self, state: &State<M>, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        state.fixed.frames.given.pixel_at(point).map(|_| Explained::Always)
     }
 }

@@ -3,7 +3,7 @@
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
-use crate::paint::{FlowLayer, View};
+use crate::paint::{ColorMap, FlowLayer, Theme, View};
 use crate::ui::app::commands::{Command, Face, Menu};
 
 const fn key(key: Key) -> KeyboardShortcut {
@@ -114,29 +114,11 @@ impl Command {
                 "Dark, light, and projector with large type and thick lines.",
                 const { &[key(Key::T)] },
             ),
-            C::DarkTheme => (Menu::View, Icon::Moon, "Dark theme", "Light on dark, for the desk.", &[]),
-            C::LightTheme => (Menu::View, Icon::Sun, "Light theme", "Dark on light, for print and bright rooms.", &[]),
-            C::ProjectorTheme => (
-                Menu::View,
-                Icon::Projector,
-                "Projector theme",
-                "Large type and thick lines, for the last row; what is not shown to a class is folded away.",
-                &[],
-            ),
-            C::ViridisColors => (
-                Menu::View,
-                Icon::Palette,
-                "Viridis colours",
-                "Costs from violet to yellow, evenly in lightness: they print well and everyone can tell them apart.",
-                &[],
-            ),
-            C::TurboColors => (
-                Menu::View,
-                Icon::Rainbow,
-                "Turbo colours",
-                "Costs from blue over green to red: small differences are seen better.",
-                &[],
-            ),
+            C::DarkTheme => (Menu::View, Icon::Moon, "Dark theme", Theme::Dark.tip(), &[]),
+            C::LightTheme => (Menu::View, Icon::Sun, "Light theme", Theme::Light.tip(), &[]),
+            C::ProjectorTheme => (Menu::View, Icon::Projector, "Projector theme", Theme::Projector.tip(), &[]),
+            C::ViridisColors => (Menu::View, Icon::Palette, "Viridis colours", ColorMap::Viridis.tip(), &[]),
+            C::TurboColors => (Menu::View, Icon::Rainbow, "Turbo colours", ColorMap::Turbo.tip(), &[]),
             C::IntoStage => (
                 Menu::Walk,
                 Icon::LogIn,

@@ -6,7 +6,7 @@ use super::{Event, Klt, Live, State, line};
 use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::features::{
-    Account, Detection,
+    Account,
     affine::{Fit, place},
     follow,
     trails::{self, points},
@@ -52,8 +52,7 @@ impl Klt {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
-            Some(Event::Enough | Event::Responses(_)) => line::COMPUTE_RESPONSES,
-            Some(Event::Peaks(_)) => line::FIND_PEAKS,
+            Some(Event::Enough | Event::Found(_)) => line::DETECT,
             Some(Event::Taken(_)) => line::TAKE_STRONGEST,
             Some(Event::Forward(..)) => line::TRACK,
             Some(Event::Back(_)) => line::TRACK_BACK,
@@ -114,22 +113,21 @@ impl Klt {
                 }
             )),
             Event::Enough => said.text("Features that were lost are not replaced."),
-            Event::Responses(found) => {
-                let largest = found.map.cells().iter().copied().fold(0.0f32, f32::max);
-                said.text(format!(
-                    "There is room for {} features. How much of a corner each pixel of frame {frame} is, its structure tensor \
-                     tells: the largest response is {}.",
+            Event::Found(found) => said
+                .text(format!(
+                    "There is room for {} features. {}: ",
                     self.max_points - state.live.len(),
-                    words::number(largest)
+                    self.detector.estimator().info().name
                 ))
-            }
-            Event::Peaks(found) => said.text(format!(
-                "{} pixels are local maxima and reach {} % of the largest response, {}.",
-                found.peaks.len(),
-                words::number(100.0 * self.quality),
-                words::number(found.limit)
-            )),
-            Event::Taken(found) => said.ink(Role::Result, format!("{} new features", found.kept.len())).text(format!(
+                .ink(Role::Best, words::counted(found.keypoints.points.len(), "keypoint"))
+                .text(format!(
+                    " in frame {frame}{}.",
+                    match found.keypoints.responses.first() {
+                        Some(most) => format!(", the strongest with a response of {}", words::number(*most)),
+                        None => String::new(),
+                    }
+                )),
+            Event::Taken(found) => said.ink(Role::Result, format!("{} new features", found.taken.len())).text(format!(
                 " are taken, the strongest first, each at least {} px from the others{}.",
                 self.min_distance,
                 match state.live.len() {
@@ -194,17 +192,16 @@ impl Klt {
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
         let Some(live) = live(seen) else {
             let found = seen.events.last().and_then(|event| match event {
-                Event::Responses(found) | Event::Peaks(found) | Event::Taken(found) => Some(found),
+                Event::Found(found) | Event::Taken(found) => Some(found),
                 _ => None,
             });
             let mut facts = vec![Fact::new("Tracked", format!("{} features", seen.before.live.len()), None)];
             facts.extend(lost(seen.before).map(|lost| Fact::new("Lost so far", lost, Some(Role::Rejected))));
             // Each number from the step on that finds it.
             let stage = seen.events.len();
-            let sifted = found.filter(|_| stage > 1);
-            facts.extend(sifted.map(|found| Fact::new("Peaks", found.peaks.len().to_string(), None)));
-            let taken = found.filter(|_| stage > 2);
-            facts.extend(taken.map(|found| Fact::new("New", found.kept.len().to_string(), None)));
+            facts.extend(found.map(|found| Fact::new("Keypoints", found.keypoints.points.len().to_string(), None)));
+            let taken = found.filter(|_| stage > 1);
+            facts.extend(taken.map(|found| Fact::new("New", found.taken.len().to_string(), None)));
             let plots = plots(seen.before).into_iter();
             return if seen.events.is_empty() {
                 Vec::new()
@@ -250,18 +247,12 @@ impl Klt {
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let found = seen.events.last().and_then(|event| match event {
-            Event::Responses(found) => Some((found, f32::NEG_INFINITY)),
-            Event::Peaks(found) | Event::Taken(found) => Some((found, found.limit)),
-            _ => None,
-        });
-        if let Some((found, least)) = found {
-            draw_responses(found, least, scene);
-        }
         draw_features(seen, scene);
-        match (seen.events.last(), found) {
-            (Some(Event::Peaks(_)), Some((found, _))) => points(scene, Role::Best, "peak", found.peaks.clone()),
-            (Some(Event::Taken(_)), Some((found, _))) => points(scene, Role::Result, "new feature", found.kept.clone()),
+        match seen.events.last() {
+            Some(Event::Found(found)) => {
+                points(scene, Role::Best, "keypoint", found.keypoints.points.iter().map(|point| point.at).collect());
+            }
+            Some(Event::Taken(found)) => points(scene, Role::Result, "new feature", found.taken.clone()),
             _ => {}
         }
         let Some(account) = self.account(seen) else { return };
@@ -270,7 +261,7 @@ impl Klt {
                 let is_refused = matches!(event, Event::Verdict(feature) if feature.displacement.is_none());
                 draw_view(&account, &fit, is_refused, scene);
             }
-            _ => account.draw([Picture::Current, Picture::Next], scene),
+            _ => account.draw([Picture::CURRENT, Picture::NEXT], scene),
         }
         if let Some(place) = back(seen.events) {
             points(scene, Role::Predicted, "where tracking back leads", vec![place]);
@@ -283,13 +274,6 @@ fn last_forward(events: &[Event]) -> Option<(&super::Pair, &usize)> {
         Event::Forward(pair, level, _) => Some((&**pair, level)),
         _ => None,
     })
-}
-
-fn draw_responses(found: &Detection, least: f32, scene: &mut Scene) {
-    let shown = |response: &f32| if *response >= least { (found.shown)(*response) } else { f32::NAN };
-    let values = found.map.map(shown);
-    scene.mark(Picture::Current, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
-    scene.heat = Some(found.name);
 }
 
 /// The features of the pair: their trails, where those that had their turn have gone, and those that wait.
@@ -324,12 +308,12 @@ fn draw_view(account: &Account, fit: &Fit, is_refused: bool, scene: &mut Scene) 
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
     let [x, y] = account.at;
     let window = Shape::Rect { min: [x - half, y - half], max: [x + half, y + half] };
-    scene.mark(Picture::Current, Role::Reference, window);
+    scene.mark(Picture::CURRENT, Role::Reference, window);
     scene.legend(Role::Reference, "window");
     let to = [0, 1].map(|i| account.at[i] + account.on_picture()[i]);
     let outline = corners.map(|corner| place(to, fit, corner)).to_vec();
     let role = if is_refused { Role::Rejected } else { Role::Best };
-    scene.mark(Picture::Next, role, Shape::Path { points: outline, closed: true });
+    scene.mark(Picture::NEXT, role, Shape::Path { points: outline, closed: true });
     scene.legend(role, "its first view, turned and stretched");
 }
 

@@ -84,7 +84,7 @@ impl BlobTracker {
                        otherwise objects merge or split.");
         };
         match what {
-            What::Looked(all, left_out) => tell::looked((all.len(), "blob"), frame, (*left_out, self.min_score)),
+            What::Looked(all, left_out) => tell::looked((all.len(), "blob"), frame, (*left_out, self.given.min_score)),
             What::Expected(bodies) if bodies.is_empty() => {
                 said.text("There is no object yet whose place could be expected.")
             }
@@ -111,7 +111,7 @@ impl BlobTracker {
             What::Missed(body) => said.ink(Role::Predicted, named(body)).text(format!(
                 " has no blob and coasts for {}. After more than {} it is given up.",
                 count(body.members.iter().map(|member| member.age.missed).max().unwrap_or(0), "frame"),
-                count(self.patience, "frame")
+                count(self.rules.patience, "frame")
             )),
             What::Ended(body) => said.ink(Role::Rejected, named(body)).text(
                 match body.members.iter().all(|member| member.age.life == Life::Tentative) {
@@ -352,7 +352,7 @@ fn draw_work(seen: &Seen<BlobTracker>, scene: &mut Scene) {
     }
     done.into_iter().for_each(|body| draw_body(scene, body, before));
     if !arrows.is_empty() {
-        scene.mark(Picture::Current, Role::Measured, Shape::Arrows(arrows));
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(arrows));
     }
 }
 

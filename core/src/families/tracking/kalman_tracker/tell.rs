@@ -47,7 +47,9 @@ impl KalmanTracker {
                 .text(" in a frame is shared out among them, and each moves to its own.");
         };
         match event {
-            Event::Looked(all, left_out) => tell::looked((all.len(), "detection"), frame, (*left_out, self.min_score)),
+            Event::Looked(all, left_out) => {
+                tell::looked((all.len(), "detection"), frame, (*left_out, self.given.min_score))
+            }
             Event::Predicted(tracks) if tracks.is_empty() => {
                 said.text("There is no object yet whose place could be predicted.")
             }
@@ -96,11 +98,13 @@ impl KalmanTracker {
             Event::Missed(track) => said.ink(Role::Predicted, named(track)).text(format!(
                 " was not seen for {} and coasts: its ellipse grows. After more than {} it is given up.",
                 count(track.age.missed, "frame"),
-                count(self.patience, "frame")
+                count(self.rules.patience, "frame")
             )),
             Event::Ended(track) => said.ink(Role::Rejected, named(track)).text(match track.age.life {
                 Life::Tentative => " was not seen again and is dropped: it was not yet believed in.",
-                _ if track.age.missed < self.patience => " is believed to be far outside the picture and is given up.",
+                _ if track.age.missed < self.rules.patience => {
+                    " is believed to be far outside the picture and is given up."
+                }
                 _ => " was not seen for too long and is given up.",
             }),
             Event::Begun(track) => said
@@ -278,7 +282,7 @@ fn pairs(seen: &Seen<KalmanTracker>, scene: &mut Scene) {
     });
     let arrows: Vec<Arrow> = chosen.collect();
     if !arrows.is_empty() {
-        scene.mark(Picture::Current, Role::Measured, Shape::Arrows(arrows));
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(arrows));
     }
 }
 
@@ -307,7 +311,7 @@ fn draw(scene: &mut Scene, track: &Track, (role, meaning): (Role, &'static str))
     let bounds = track.bounds();
     tell::rect(scene, role, bounds);
     if let Some(shape) = ellipse(track.filter.place(), track.filter.place_covariance(), 0.95) {
-        scene.mark(Picture::Current, role, shape);
+        scene.mark(Picture::CURRENT, role, shape);
     }
     tell::label(scene, role, bounds.min, track.id.to_string());
     scene.legend(role, meaning);

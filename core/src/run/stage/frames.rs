@@ -1,0 +1,86 @@
+//! What a stage makes of the frames of a clip, one after the other.
+
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::super::{AnyEstimator, AnyRun, Progress};
+use super::chosen::FRAMES;
+use crate::base::Error;
+use crate::data::Clip;
+use crate::products::{Followed, ObjectField, ObjectFrame};
+
+/// What a stage makes of the frames of a clip, worked out frame after frame as far as it is asked for: each as it was known
+/// when its turn was over.
+///
+/// It comes to the same however often and in whatever order it is asked, so copies share what was worked out.
+#[derive(Clone)]
+pub struct Frames(Arc<Mutex<Found>>);
+
+struct Found {
+    run: Box<dyn AnyRun>,
+    /// The units of a frame.
+    units: usize,
+    first: usize,
+    frames: Vec<Arc<ObjectFrame>>,
+    followed: Followed,
+    is_over: bool,
+}
+
+impl fmt::Debug for Frames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Frames")
+    }
+}
+
+impl Frames {
+    /// What `estimator` makes of `count` frames at most of a clip from frame `first` on.
+    ///
+    /// # Errors
+    /// If it cannot run there.
+    pub fn begin(estimator: &dyn AnyEstimator, clip: &Clip, (first, count): (usize, usize)) -> Result<Self, Error> {
+        let mut estimator = estimator.boxed_clone();
+        if estimator.specs().iter().any(|spec| spec.name == FRAMES) {
+            estimator.set(FRAMES, &count.to_string())?;
+        }
+        let units = estimator.units_of(clip.size(), 1).unwrap_or(1);
+        let run = estimator.begin(clip, first)?;
+        let followed = run.output().get::<ObjectField>().map_or(Followed::Nobody, |field| field.followed.clone());
+        let found = Found { run, units, first, frames: Vec::new(), followed, is_over: false };
+        Ok(Self(Arc::new(Mutex::new(found))))
+    }
+
+    /// What was found in frame `t`; nothing behind the end of the run.
+    ///
+    /// # Errors
+    /// If a frame up to there cannot be read, or the clip is not wanted any more.
+    pub fn at(&self, t: usize) -> Result<Option<Arc<ObjectFrame>>, Error> {
+        let mut found = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(index) = t.checked_sub(found.first) else { return Ok(None) };
+        while found.frames.len() <= index && !found.is_over {
+            for _ in 0..found.units {
+                found.is_over = found.run.advance()? == Progress::Done;
+                if found.is_over {
+                    break;
+                }
+            }
+            let output = found.run.output();
+            if let Some(field) = output.get::<ObjectField>() {
+                let known = found.frames.len();
+                found.frames.extend(field.frames[known..].iter().cloned());
+                found.followed = field.followed.clone();
+            }
+        }
+        Ok(found.frames.get(index).cloned())
+    }
+
+    /// Whom it follows.
+    pub fn followed(&self) -> Followed {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).followed.clone()
+    }
+
+    /// Memory that it takes, in bytes, with all that its run keeps; its copies share it.
+    pub fn bytes(&self) -> usize {
+        let found = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        found.run.bytes() + size_of_val(&found.frames[..])
+    }
+}

@@ -1,0 +1,140 @@
+//! The kinds of stages: what is asked of each, and what it is asked for.
+
+use super::super::AnyEstimator;
+use super::chosen::FRAMES;
+use super::{Frames, Makes, Stage};
+use crate::base::{Error, Threads};
+use crate::data::{Clip, Flow, Frame};
+use crate::products::{BlockField, DenseField, MaskField, ObjectField, PointField, Product, ProductKind};
+
+/// Makes a dense flow.
+#[derive(Clone, Copy, Debug)]
+pub struct DenseFlow;
+
+impl Makes for DenseFlow {
+    const ASKS: &'static str = "flow";
+    const PRODUCT: &'static ProductKind = DenseField::KIND;
+    const WORDS: &'static str = "a dense flow";
+}
+
+impl Stage<DenseFlow> {
+    /// Where each pixel of frame `t` of a clip goes in frame `t + 1`.
+    ///
+    /// # Errors
+    /// If there is no such pair, it cannot be read, it is not wanted any more, or the stage makes no field as it is set.
+    pub fn flow(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<Flow, Error> {
+        let output = self.estimator.run(clip, t, threads)?;
+        output.flow().filter(|_| output.motion().is_field()).ok_or_else(|| {
+            let id = self.estimator.info().id;
+            Error::new(format!("{id} makes no dense flow as it is set; change its parameters or choose another method"))
+        })
+    }
+
+    /// Where each pixel of the first of two frames of one size goes in the second; frames of `clip`, with which the work is
+    /// cancelled.
+    ///
+    /// # Errors
+    /// If the sizes differ, the frames are too small for the method, or the work was cancelled.
+    pub fn between(&self, clip: &Clip, frames: [&Frame; 2], threads: &Threads) -> Result<Flow, Error> {
+        let grays = frames.map(|frame| Frame::gray(frame.luma().clone()));
+        let pair = Clip::from_frames("a pair of frames", grays.into())?;
+        self.flow(&pair.part_of(clip), 0, threads)
+    }
+}
+
+/// Makes foreground masks, and detects the objects in them.
+#[derive(Clone, Copy, Debug)]
+pub struct Foreground;
+
+impl Makes for Foreground {
+    const ASKS: &'static str = "detections";
+    const DECIDED: &'static [&'static str] = &[FRAMES];
+    const PRODUCT: &'static ProductKind = MaskField::KIND;
+    const WORDS: &'static str = "foreground masks";
+    const DEFAULTS: &'static [(&'static str, &'static str)] = &[("pixels", "foreground")];
+}
+
+/// Makes foreground masks.
+#[derive(Clone, Copy, Debug)]
+pub struct Masks;
+
+impl Makes for Masks {
+    const ASKS: &'static str = "masks";
+    const DECIDED: &'static [&'static str] = &[FRAMES];
+    const PRODUCT: &'static ProductKind = MaskField::KIND;
+    const WORDS: &'static str = "foreground masks";
+}
+
+/// Makes objects that are followed over time.
+#[derive(Clone, Copy, Debug)]
+pub struct Tracks;
+
+impl Makes for Tracks {
+    const ASKS: &'static str = "tracks";
+    const DECIDED: &'static [&'static str] = &[FRAMES];
+    const PRODUCT: &'static ProductKind = ObjectField::KIND;
+    const WORDS: &'static str = "objects followed over time";
+    // As a live camera would have it: what is analysed is what was seen.
+    const DEFAULTS: &'static [(&'static str, &'static str)] = &[("backdate", "off"), ("bridge", "off")];
+}
+
+/// Stages that go through a clip frame after frame.
+pub trait ByFrame: Makes {}
+impl ByFrame for Foreground {}
+impl ByFrame for Masks {}
+impl ByFrame for Tracks {}
+
+impl<M: ByFrame> Stage<M> {
+    /// What it makes of `count` frames at most from frame `first` of a clip on.
+    ///
+    /// # Errors
+    /// If it cannot run there.
+    pub fn frames(&self, clip: &Clip, first: usize, count: usize) -> Result<Frames, Error> {
+        Frames::begin(&*self.estimator, clip, (first, count))
+    }
+}
+
+/// Makes the keypoints of single frames.
+#[derive(Clone, Copy, Debug)]
+pub struct Keypoints;
+
+impl Makes for Keypoints {
+    const ASKS: &'static str = "keypoints";
+    const PRODUCT: &'static ProductKind = PointField::KIND;
+    const WORDS: &'static str = "keypoints of single frames";
+    // Who asks for them chooses among all that there are.
+    const DEFAULTS: &'static [(&'static str, &'static str)] = &[("min-distance", "0"), ("max-points", "100000")];
+
+    fn lacks(estimator: &dyn AnyEstimator) -> Option<&'static str> {
+        (estimator.info().frames > 1).then_some("tracks keypoints through a pair of frames")
+    }
+}
+
+impl Stage<Keypoints> {
+    /// The keypoints of frame `t` of a clip.
+    ///
+    /// # Errors
+    /// If it cannot be read, or the detector refuses it.
+    pub fn points(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<PointField, Error> {
+        let output = self.estimator.run(clip, t, threads)?;
+        output.get().cloned().ok_or_else(|| {
+            let id = self.estimator.info().id;
+            Error::new(format!(
+                "{id} makes no keypoints as it is set; change its parameters or choose another detector"
+            ))
+        })
+    }
+}
+
+/// Makes block vectors by testing candidates.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockVectors;
+
+impl Makes for BlockVectors {
+    const ASKS: &'static str = "block-vectors";
+    const PRODUCT: &'static ProductKind = BlockField::KIND;
+    const WORDS: &'static str = "block vectors";
+    // The parent says what is compared, and refines what is found.
+    const DECIDED: &'static [&'static str] =
+        &["block", "range", "cost", "subpixel", "filter", "lambda", "spacing", "border"];
+}

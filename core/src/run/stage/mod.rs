@@ -1,0 +1,168 @@
+//! Stages: estimators that work inside others, each chosen by what it makes, with its own parameters.
+
+mod chosen;
+mod entries;
+mod frames;
+mod kinds;
+mod open;
+
+use std::fmt;
+use std::marker::PhantomData;
+
+pub use chosen::{estimator_of, value_of};
+pub use entries::{Course, Entries, Entry};
+pub use frames::Frames;
+pub use kinds::{BlockVectors, DenseFlow, Foreground, Keypoints, Masks, Tracks};
+pub use open::{Opened, open, stages};
+
+use super::{AnyEstimator, Need};
+use crate::base::Error;
+use crate::data::Clip;
+use crate::params::{Kind, Parameter, Part, PartKind, StageValue, Value};
+use crate::products::ProductKind;
+use chosen::Chosen;
+
+/// What is asked of the estimators that can be a stage.
+pub trait Makes: Clone + Copy + fmt::Debug + Send + Sync + 'static {
+    /// What is asked for, in one word. Who has a stage of this kind cannot be one: so no estimator is inside itself.
+    const ASKS: &'static str;
+    /// The product that they make above all.
+    const PRODUCT: &'static ProductKind;
+    /// The same in words, with an article.
+    const WORDS: &'static str;
+    /// Values that their parameters have unless set, as far as they have these, where those of an estimator by itself do
+    /// not suit a stage.
+    const DEFAULTS: &'static [(&'static str, &'static str)] = &[];
+
+    /// Parameters that the parent decides: of a stage they are not shown, and cannot be set.
+    const DECIDED: &'static [&'static str] = &[];
+
+    /// Why an estimator that makes that product cannot be one, if it cannot: what it is.
+    fn lacks(_estimator: &dyn AnyEstimator) -> Option<&'static str> {
+        None
+    }
+}
+
+/// An estimator that makes what `M` asks for, as a parameter of another.
+pub struct Stage<M> {
+    estimator: Box<dyn AnyEstimator>,
+    makes: PhantomData<M>,
+}
+
+impl<M> Clone for Stage<M> {
+    fn clone(&self) -> Self {
+        Self { estimator: self.estimator.boxed_clone(), makes: PhantomData }
+    }
+}
+
+impl<M> fmt::Debug for Stage<M> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple(self.estimator.info().id).field(&self.estimator.values()).finish()
+    }
+}
+
+impl<M: Makes> Stage<M> {
+    /// The estimator called `id`, with its default parameters.
+    ///
+    /// # Panics
+    /// If there is none that makes what is asked for: ids are written in declarations.
+    pub fn named(id: &str) -> Self {
+        #[expect(clippy::expect_used, reason = "ids stand in declarations, and a law tries all of them")]
+        let estimator = candidate::<M>(id).expect("a declared stage exists");
+        Self { estimator, makes: PhantomData }
+    }
+
+    /// The same with a parameter set.
+    ///
+    /// # Panics
+    /// If it has no such parameter or value: both are written in declarations.
+    #[must_use]
+    pub fn with(mut self, name: &str, value: &str) -> Self {
+        #[expect(clippy::expect_used, reason = "values stand in declarations, and a law tries all of them")]
+        self.estimator.set(name, value).expect("a declared stage has what is set");
+        self
+    }
+
+    /// The estimator.
+    pub fn estimator(&self) -> &dyn AnyEstimator {
+        &*self.estimator
+    }
+
+    /// Memory that a run of it takes while its parent waits.
+    pub fn need(&self, clip: &Clip) -> Need {
+        let Need { run, .. } = self.estimator.need(clip);
+        Need { run, walk: run }
+    }
+}
+
+/// The estimator called `id` if it makes what `M` asks for.
+fn candidate<M: Makes>(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
+    let entry = Course::entry(id)?;
+    let refused = |why: String| {
+        let ids: Vec<_> = candidates::<M>().map(|estimator| estimator.info().id).collect();
+        Err(Error::new(format!("{id} {why}; choose {}", ids.join(", "))))
+    };
+    if entry.produces.first() != Some(&M::PRODUCT) {
+        let made: Vec<_> = entry.produces.iter().map(|kind| kind.name.to_lowercase()).collect();
+        return refused(format!("makes {}, not {}", made.join(" or "), M::WORDS));
+    }
+    let estimator = (entry.make)();
+    match unsuited::<M>(&*estimator) {
+        Some(why) => refused(why),
+        None => Ok(prepared::<M>(estimator)),
+    }
+}
+
+/// Why an estimator of the right product cannot be a stage of `M`, if it cannot.
+fn unsuited<M: Makes>(estimator: &dyn AnyEstimator) -> Option<String> {
+    let is_circle = |kind: &Kind| matches!(kind, Kind::Stage(kind) if kind.asks == M::ASKS);
+    if estimator.specs().iter().any(|spec| is_circle(&spec.kind)) {
+        return Some(format!("has such a stage itself, and none can be inside itself: {} are wanted here", M::WORDS));
+    }
+    M::lacks(estimator).map(|what| format!("{what}, and {} are wanted here", M::WORDS))
+}
+
+/// An estimator with the values that suit a stage.
+fn prepared<M: Makes>(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
+    for (name, value) in M::DEFAULTS {
+        if estimator.specs().iter().any(|spec| spec.name == *name) {
+            #[expect(clippy::expect_used, reason = "values stand in declarations, and a law tries all of them")]
+            estimator.set(name, value).expect("a declared value is in range");
+        }
+    }
+    estimator
+}
+
+/// The estimators that make what `M` asks for, in the order of the course.
+fn candidates<M: Makes>() -> impl Iterator<Item = Box<dyn AnyEstimator>> {
+    let right = Course::ENTRIES.iter().filter(|entry| entry.produces.first() == Some(&M::PRODUCT));
+    let made = right.map(|entry| (entry.make)()).filter(|estimator| unsuited::<M>(&**estimator).is_none());
+    made.map(prepared::<M>)
+}
+
+fn chosen<M: Makes>(estimator: Box<dyn AnyEstimator>) -> Chosen {
+    Chosen { estimator, decided: M::DECIDED }
+}
+
+impl<M: Makes> Parameter for Stage<M> {
+    type Range = ();
+
+    fn kind((): ()) -> Kind {
+        Kind::Stage(PartKind {
+            asks: M::ASKS,
+            product: M::PRODUCT.id,
+            makes: M::WORDS,
+            all: || candidates::<M>().map(|estimator| Box::new(chosen::<M>(estimator)) as Box<dyn Part>).collect(),
+            refuse: |id| candidate::<M>(id).err().unwrap_or_else(|| Error::new(format!("{id} cannot be chosen here"))),
+        })
+    }
+
+    fn to_value(&self) -> Value {
+        Value::Stage(StageValue::new(Box::new(chosen::<M>(self.estimator.boxed_clone()))))
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        let Value::Stage(value) = value else { return None };
+        Some(Self { estimator: estimator_of(&value)?.boxed_clone(), makes: PhantomData })
+    }
+}

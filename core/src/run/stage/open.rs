@@ -1,0 +1,79 @@
+//! Opening a stage: walking by itself what a parent has at work.
+
+use super::super::{AnyEstimator, Cursor};
+use super::{chosen, estimator_of};
+use crate::base::Error;
+use crate::data::Clip;
+use crate::params::{Kind, Value};
+
+/// A stage that is opened by itself: what it runs, on which frame, and where in that run its parent stands.
+pub struct Opened {
+    /// The estimator that works as the stage.
+    pub estimator: Box<dyn AnyEstimator>,
+    /// The clip that it looks at, where that is not the one that its parent goes through.
+    pub clip: Option<Clip>,
+    /// The frame that its run begins on.
+    pub frame: usize,
+    /// Its place while the parent is at work.
+    pub cursor: Cursor,
+}
+
+/// Opens the stage that is parameter `index` of `parent`, whose run on `clip` began on frame `first` and works on frame `now`.
+///
+/// A stage that goes through the clip begins where its parent began, and stands at the end of the frame at hand; one that looks
+/// at a pair runs on the pair that its parent looks at, from its start. `None` if that parameter is no stage.
+///
+/// # Errors
+/// If a frame cannot be read.
+pub fn open(
+    parent: &dyn AnyEstimator,
+    index: usize,
+    clip: &Clip,
+    (first, now): (usize, usize),
+) -> Result<Option<Opened>, Error> {
+    let Some(mut estimator) = stage_of(parent, index) else { return Ok(None) };
+    let units = estimator.units_of(clip.size(), now.saturating_sub(first) + 1);
+    let view = if units.is_some() { None } else { parent.stage_view(clip, now)? };
+    // What its parent decides is as its parent has it.
+    let given = |name: &str| {
+        let set = view.iter().flat_map(|view| &view.set).find(|(other, _)| *other == name);
+        set.map(|(_, value)| value.clone()).or_else(|| parent.get(name).ok())
+    };
+    for name in decided_by(parent, index) {
+        if let Some(value) = given(name)
+            && let Some(own) = estimator.specs().iter().position(|spec| spec.name == *name)
+        {
+            // A parent that may see more than its stage is cut there.
+            estimator.set_value(own, value).ok();
+        }
+    }
+    Ok(Some(match (units, view) {
+        (Some(units), _) => {
+            let cursor = Cursor { unit: units - 1, event: usize::MAX };
+            Opened { estimator, clip: None, frame: first, cursor }
+        }
+        (None, Some(view)) => Opened { estimator, clip: Some(view.clip), frame: 0, cursor: Cursor::default() },
+        (None, None) => Opened { estimator, clip: None, frame: now, cursor: Cursor::default() },
+    }))
+}
+
+/// The estimator that is parameter `index` of `parent`.
+fn stage_of(parent: &dyn AnyEstimator, index: usize) -> Option<Box<dyn AnyEstimator>> {
+    parent.specs().get(index)?;
+    let Value::Stage(value) = parent.value(index) else { return None };
+    estimator_of(&value).map(AnyEstimator::boxed_clone)
+}
+
+/// The parameters of its stage that a parent decides.
+fn decided_by(parent: &dyn AnyEstimator, index: usize) -> &'static [&'static str] {
+    match parent.value(index) {
+        Value::Stage(value) => chosen::decided(&value),
+        _ => &[],
+    }
+}
+
+/// The stages of `estimator`: the indices of its parameters that are such.
+pub fn stages(estimator: &dyn AnyEstimator) -> Vec<usize> {
+    let specs = estimator.specs().iter().enumerate();
+    specs.filter(|(_, spec)| matches!(spec.kind, Kind::Stage(_))).map(|(index, _)| index).collect()
+}
