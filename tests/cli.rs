@@ -876,3 +876,73 @@ fn what_is_wrong_with_detections_is_told() {
     }
     assert!(!folder.path().join("a.txt").exists());
 }
+
+/// Width and height of a PNG file.
+fn png_size(path: &Path) -> [u32; 2] {
+    let bytes = fs::read(path).expect("a file");
+    [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four bytes")))
+}
+
+#[test]
+fn panes_are_arranged_on_a_sheet_and_its_words_stay_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let panes = "--panes stage,explanation,surface,surface-3d,series,tiles";
+    let line = format!("run {SMALL} --estimator full-search --step 5.40 {panes}");
+    stdout(here, &format!("{line} --overlay sheet.svg"));
+    let svg = fs::read_to_string(here.join("sheet.svg")).unwrap();
+    let words = [
+        "Full search · SAD by displacement",
+        "Full search · Cost by candidate, SAD",
+        "u, px →",
+        "v, px ↓",
+        "best so far",
+        "Best so far",
+        "Frame t = 0",
+        "step 5.40",
+    ];
+    for words in words {
+        assert!(svg.contains(&format!(">{words}</tspan>")), "{words} is missing");
+    }
+    stdout(here, &format!("{line} --overlay sheet.pdf"));
+    let pdf = fs::read(here.join("sheet.pdf")).unwrap();
+    assert!(pdf.starts_with(b"%PDF-") && String::from_utf8_lossy(&pdf).contains("/ToUnicode"));
+    let piped = motionscope(here, &format!("{line} --overlay - --format pdf")).stdout;
+    assert!(piped == pdf, "the same plate gives the same bytes");
+    stdout(here, &format!("{line} --overlay one.png"));
+    stdout(here, &format!("{line} --overlay two.png --scale 2"));
+    let [one, two] = ["one.png", "two.png"].map(|name| png_size(&here.join(name)));
+    assert_eq!(one.map(|side| 2 * side), two);
+    assert!(one[0] >= 1280 && one[1] >= 720, "{one:?}");
+    let export = format!("export {SMALL} --estimator full-search --steps 5.38..5.40 --panes stage,surface");
+    stdout(here, &format!("{export} --out steps --format pdf"));
+    for index in 0..3 {
+        assert!(fs::read(here.join(format!("steps/step_0000{index}.pdf"))).unwrap().starts_with(b"%PDF-"));
+    }
+}
+
+#[test]
+fn a_pane_that_is_not_there_is_told_in_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = format!("run {SMALL} --estimator full-search --overlay a.png --panes");
+    let cases = [
+        (format!("{run} stage,serie"), "there is no pane serie; there are stage, explanation"),
+        (format!("{run} plane"), "full-search never has the pane plane; its panes are stage"),
+        (
+            format!("{run} stage,surface --step 0"),
+            "full-search has nothing for the pane surface at this step: it shows the cost",
+        ),
+        (format!("run {SMALL} --estimator full-search --panes stage"), "give --overlay FILE as well"),
+        (format!("run {SMALL} --estimator full-search --overlay a.txt"), ".png, .svg or .pdf"),
+        (format!("run {SMALL} --estimator full-search --overlay a --format tiff"), "png, svg or pdf, and not tiff"),
+        (
+            format!("export {SMALL} --estimator full-search --steps 5..6 --out b --panes matrices"),
+            "never has the pane matrices",
+        ),
+    ];
+    for (line, words) in cases {
+        let told = refusal(folder.path(), &line);
+        assert!(told.contains(words), "{line}: {told}");
+    }
+    assert!(fs::read_dir(folder.path()).unwrap().next().is_none(), "nothing was written");
+}

@@ -6,13 +6,16 @@ use std::sync::Arc;
 use eframe::egui::accesskit::Role as Node;
 use eframe::egui::epaint::ColorMode;
 use eframe::egui::{
-    Color32, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, Rect, Shape, TouchPhase, Ui, Vec2, vec2,
+    Color32, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, Rect, Shape, TouchPhase, Ui, UiBuilder,
+    Vec2, vec2,
 };
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use motionscope::paint::{ColorMap, Pictures, Theme, View};
+use motionscope::paint::charts;
+use motionscope::paint::{ColorMap, Layer, Pictures, Theme, View};
 use motionscope::ui::charts::{heat_map, series, surface3d, tiles};
-use motionscope::ui::drawing::chart::Subject;
+use motionscope::ui::drawing::chart::{Subject, rect_of};
+use motionscope::ui::drawing::primitives::shapes;
 use motionscope::ui::drawing::style;
 use motionscope::ui::panes::why;
 use motionscope::ui::stage::{self, Zoom};
@@ -337,6 +340,86 @@ fn a_click_on_the_cost_map_tells_the_event_that_tested_it() {
     harness.run();
     assert_eq!(told.get().clicked, surface.events[(2, 1)]);
     assert!(told.get().clicked.is_some());
+}
+
+/// What is painted of `primitives` in a window.
+fn painted(ui: &Ui, primitives: Vec<Layer>) -> Vec<Shape> {
+    let primitives: Vec<_> = primitives.into_iter().flat_map(|layer| layer.primitives).collect();
+    shapes(ui.painter(), &primitives)
+}
+
+#[test]
+fn the_explanation_is_painted_wherever_its_pane_lies() {
+    let fixture = fixture(MIDDLE);
+    let mut state = why::State::default();
+    let pane = Rect::from_min_size(Pos2::new(900.0, 60.0), vec2(300.0, 600.0));
+    let mut harness = harness(vec2(1280.0, 720.0), Theme::Dark, |ui| {
+        ui.scope_builder(UiBuilder::new().max_rect(pane), |ui| {
+            ui.set_clip_rect(pane);
+            let input =
+                why::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Dark };
+            why::show(ui, input, &mut state);
+        });
+    });
+    harness.run();
+    let words = harness.output().shapes.iter().filter_map(|painted| match &painted.shape {
+        Shape::Text(text) if pane.contains(text.pos) => Some(text.galley.text().to_owned()),
+        _ => None,
+    });
+    let words: String = words.collect();
+    for wanted in ["Tested", "Best so far", "for each block B of frame t"] {
+        assert!(words.contains(wanted), "{wanted} is missing in {words}");
+    }
+}
+
+#[test]
+fn the_window_shows_the_primitives_that_are_exported() {
+    let fixture = fixture(MIDDLE);
+    let surface = fixture.surface();
+    let series =
+        fixture.step.readouts.iter().find_map(|r| if let Readout::Series(series) = r { Some(series) } else { None });
+    let series = series.expect("full search has a plot");
+    for theme in Theme::ALL {
+        let subject = fixture.subject(theme);
+        let (mut map, mut plot, mut solid) =
+            (heat_map::State::default(), series::State::default(), surface3d::State::default());
+        for chart in 0..3 {
+            let wanted = Cell::new(Vec::new());
+            let mut harness = harness(vec2(460.0, 360.0), theme, |ui| {
+                let area = rect_of(Rect::from_min_size(ui.cursor().min, ui.available_size()));
+                let style = subject.style(ui.painter());
+                let whose = subject.whose;
+                let layers = match chart {
+                    0 => {
+                        heat_map::show(ui, heat_map::Input { surface, subject }, &mut map);
+                        charts::heat_map::draw(charts::heat_map::HeatMap { surface, whose }, area, style).into_layers()
+                    }
+                    1 => {
+                        let logarithmic = false;
+                        series::show(ui, series::Input { series, subject, logarithmic }, &mut plot);
+                        let data = charts::series::Plotted { series, whose, logarithmic };
+                        charts::series::draw(data, area, style).into_layers()
+                    }
+                    _ => {
+                        surface3d::show(ui, surface3d::Input { surface, subject, gpu: None }, &mut solid);
+                        let data = charts::relief::Relief { surface, whose, orbit: solid.orbit };
+                        charts::relief::draw(data, area, style).into_layers()
+                    }
+                };
+                wanted.set(painted(ui, layers));
+            });
+            harness.run();
+            let shown = &harness.output().shapes;
+            let wanted = wanted.take();
+            assert!(wanted.len() > 20);
+            for shape in wanted {
+                assert!(
+                    shown.iter().any(|painted| painted.shape == shape),
+                    "chart {chart} in {theme:?} lacks {shape:?}"
+                );
+            }
+        }
+    }
 }
 
 #[test]

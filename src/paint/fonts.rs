@@ -46,10 +46,10 @@ impl Face {
         FONTS[self as usize].as_ref()
     }
 
-    /// The face that has `c`: this one, else Mono.
+    /// The face that has `c`: this one, else Mono, else Sans.
     fn with(self, c: char) -> Face {
-        let has = self.font().is_some_and(|font| font.glyph_id(c).0 != 0);
-        if has { self } else { Face::Mono }
+        let has = |face: &Face| face.font().is_some_and(|font| font.glyph_id(c).0 != 0);
+        [self, Face::Mono, Face::Sans].into_iter().find(has).unwrap_or(self)
     }
 }
 
@@ -118,8 +118,9 @@ mod tests {
                 [info.name, info.summary, info.source].into_iter().chain(info.pseudocode.iter().map(|line| line.text));
             let docs = estimator.specs().iter().map(|spec| spec.doc.as_str());
             for c in words.chain(docs).flat_map(str::chars) {
-                let face = Face::Sans.with(c);
-                assert!(face.font().is_some_and(|font| font.glyph_id(c).0 != 0), "{}: {c}", info.id);
+                for face in [Face::Sans, Face::Mono].map(|face| face.with(c)) {
+                    assert!(face.font().is_some_and(|font| font.glyph_id(c).0 != 0), "{}: {c}", info.id);
+                }
             }
         }
     }

@@ -55,7 +55,7 @@ pub struct Pane {
     pub doc: &'static str,
     /// Which steps have something to show in it.
     pub when: &'static str,
-    /// The chart of an estimator that it shows, if it is one.
+    /// The chart that an estimator declares which has something to show in it; any may have where there is none.
     pub chart: Option<Chart>,
     /// Whether a step has something to show in it.
     pub is_told: fn(&Step) -> bool,
@@ -148,13 +148,12 @@ pub const SERIES: Pane = Pane {
     when: "once there are some values",
     chart: Some(Chart::Series),
     is_told: |step| all_series(step).next().is_some(),
-    room: |told, [width, height], style| {
-        letters([width, height / all_series(told.step).count().max(1) as f32], [26.0, 13.0], style)
-    },
+    room: |told, size, style| series_room(all_series(told.step).count(), size, style).1,
     draw: |told, area, style| {
         let all: Vec<&Series> = all_series(told.step).collect();
         let plotted = |series| series::Plotted { series, whose: told.info.name, logarithmic: false };
-        let parts = rows(area, all.len(), style);
+        let columns = series_room(all.len(), area.size(), style).0;
+        let parts = cells(area, (all.len(), columns), style);
         all.into_iter()
             .zip(parts)
             .flat_map(|(series, area)| series::draw(plotted(series), area, style).into_layers())
@@ -206,7 +205,8 @@ pub const HISTOGRAM: Pane = Pane {
     title: "Histogram",
     doc: "how often each displacement was found",
     when: "once the first block is done, or at the end of the run",
-    chart: Some(Chart::Histogram),
+    // At the end of a run, the displacements of pixels are counted as well.
+    chart: None,
     is_told: |step| find(step, a_histogram).is_some(),
     room: |_, size, style| letters(size, [34.0, 18.0], style),
     draw: |told, area, style| {
@@ -288,7 +288,9 @@ impl Selection {
     /// As [`Pane::absent`].
     pub fn check_step(&self, info: &Info, step: &Step) -> Result<(), Error> {
         let absent = self.panes.iter().find(|pane| !(pane.is_told)(step));
-        absent.map_or(Ok(()), |pane| Err(Error::new(pane.absent(info.id))))
+        absent.map_or(Ok(()), |pane| {
+            Err(Error::new(format!("{}; choose another --step, or leave it out of --panes", pane.absent(info.id))))
+        })
     }
 }
 
@@ -308,9 +310,9 @@ impl FromStr for Named {
 }
 
 impl Pane {
-    /// Why a step has nothing to show in it, and what to do.
+    /// Why a step has nothing to show in it, and when one has.
     pub fn absent(&self, whose: &str) -> String {
-        format!("{whose} has no {} at this step: it shows {}, {}", self.id, self.doc, self.when)
+        format!("{whose} has nothing for the pane {} at this step: it shows {}, {}", self.id, self.doc, self.when)
     }
 
     /// Refuses what an estimator of these `charts` never shows.
@@ -394,12 +396,26 @@ fn explanation_room(told: Told<'_>, [width, height]: [f32; 2], style: ChartStyle
     across.min(down)
 }
 
-/// Rows of equal height.
-fn rows(area: Rect, count: usize, style: ChartStyle) -> Vec<Rect> {
-    let gap = 0.6 * style.small();
-    let height = (area.size()[1] - gap * count.saturating_sub(1) as f32) / count.max(1) as f32;
-    let row = |i: usize| Rect::new([area.min[0], area.min[1] + i as f32 * (height + gap)], [area.size()[0], height]);
-    (0..count).map(row).collect()
+/// In how many columns plots have most room, and how much.
+fn series_room(count: usize, [width, height]: [f32; 2], style: ChartStyle) -> (usize, f32) {
+    let count = count.max(1);
+    let rated = (1..=count).map(|columns| {
+        let size = [width / columns as f32, height / count.div_ceil(columns) as f32];
+        (columns, letters(size, [26.0, 13.0], style))
+    });
+    rated.reduce(|best, other| if other.1 > best.1 { other } else { best }).unwrap_or((1, 1.0))
+}
+
+/// Equal parts of a rectangle, row by row.
+fn cells(area: Rect, (count, columns): (usize, usize), style: ChartStyle) -> Vec<Rect> {
+    let (gap, rows) = (0.6 * style.small(), count.div_ceil(columns.max(1)));
+    let share = |i: usize, parts: usize| (area.size()[i] - gap * parts.saturating_sub(1) as f32) / parts.max(1) as f32;
+    let size = [share(0, columns), share(1, rows)];
+    let cell = |i: usize| {
+        let at = [i % columns, i / columns];
+        Rect::new([0, 1].map(|axis| area.min[axis] + at[axis] as f32 * (size[axis] + gap)), size)
+    };
+    (0..count).map(cell).collect()
 }
 
 #[cfg(test)]
@@ -417,7 +433,7 @@ mod tests {
 
     #[test]
     fn every_chart_of_an_estimator_has_a_pane() {
-        for chart in Chart::ALL {
+        for chart in Chart::ALL.iter().filter(|chart| **chart != Chart::Histogram) {
             assert!(PANES.iter().any(|pane| pane.chart == Some(*chart)), "{chart:?}");
         }
     }

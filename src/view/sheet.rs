@@ -45,8 +45,6 @@ pub struct Pictures<'a> {
     pub beside: [f32; 2],
     /// The plate at so many points per pixel of the clip.
     pub plate: &'a dyn Fn(f32) -> Plate,
-    /// Pixels per point.
-    pub scale: u32,
 }
 
 impl Pictures<'_> {
@@ -54,9 +52,8 @@ impl Pictures<'_> {
     fn zoom(&self, size: [f32; 2], around: [f32; 2]) -> f32 {
         let zooms = [0, 1].map(|i| (size[i] - around[i]) / self.extent[i].max(1.0));
         let zoom = zooms[0].min(zooms[1]).max(0.02);
-        let pixels = zoom * self.scale as f32;
-        // Pixels of the clip that become whole pixels of the file are all alike.
-        if pixels >= 2.0 { pixels.floor() / self.scale as f32 } else { zoom }
+        // Pixels that become whole points are all alike, where little room is lost by that.
+        if zoom.floor() >= 0.85 * zoom { zoom.floor() } else { zoom }
     }
 
     /// The part of a rectangle that they cover, as an area.
@@ -108,7 +105,7 @@ impl Shot<'_> {
         let zoom = 0.5 * SIZE[0] / extent[0];
         let above = plate(zoom).size[1] - 2.0 * MARGIN - extent[1] * zoom;
         let beside = [8.0 * (columns - 1) as f32, above];
-        let stage = Pictures { extent, beside, plate: &plate, scale };
+        let stage = Pictures { extent, beside, plate: &plate };
         let style = ChartStyle { theme: look.theme, colors: look.colors, density: scale as f32 };
         arrange(&Contents { told, panes: &panes.panes, caption: self.caption(), style, stage })
     }

@@ -259,8 +259,16 @@ pub fn pseudocode(info: &Info, step: &Step, (shown, width): (std::ops::Range<usi
         _ => Light::Other,
     };
     let mut lines = Block { size: [width, BOX], ..Block::default() };
-    for i in shown {
+    // What is left out before and after is seen to be missing.
+    let left_out = || code_line("…", Light::Other, width, theme);
+    if shown.start > 0 {
+        lines.put_below(left_out(), 0.0);
+    }
+    for i in shown.clone() {
         lines.put_below(code_line(info.pseudocode[i].text, light(i), width, theme), 0.0);
+    }
+    if shown.end < info.pseudocode.len() {
+        lines.put_below(left_out(), 0.0);
     }
     lines.size[1] += BOX;
     let mut canvas = Canvas::default();

@@ -86,7 +86,7 @@ impl<P: Clone, K: PartialEq> Chart<P, K> {
             _ => {
                 let Drawing { place, body, head } = draw(rect_of(area), key.style);
                 // What is scrolled out of sight now may come into it later.
-                let whole = painter.with_clip_rect(Rect::EVERYTHING);
+                let whole = unclipped(painter);
                 let mut maker = Maker::new(&whole, None, std::mem::take(&mut self.kept));
                 let body = body.into_iter().map(|layer| {
                     layer.primitives.iter().for_each(|primitive| maker.add(primitive));
@@ -127,6 +127,13 @@ impl<P: Clone, K: PartialEq> Chart<P, K> {
             painter.add(shape);
         }
     }
+}
+
+/// A painter to whom nothing is out of sight.
+pub fn unclipped(painter: &Painter) -> Painter {
+    let mut whole = painter.clone();
+    whole.set_clip_rect(Rect::EVERYTHING);
+    whole
 }
 
 /// A rectangle of the window as painters have it.

@@ -7,7 +7,7 @@ use motionscope_core::{Info, Step};
 
 use crate::paint::Theme;
 use crate::paint::charts::explanation::{self, Block, Density, Light};
-use crate::ui::drawing::chart::rect_from;
+use crate::ui::drawing::chart::{rect_from, unclipped};
 use crate::ui::drawing::{ink, primitives};
 
 /// What is explained.
@@ -60,7 +60,8 @@ struct Part {
 
 impl Part {
     fn new(painter: &Painter, block: Block) -> Self {
-        let painter = painter.with_clip_rect(Rect::EVERYTHING);
+        // What is scrolled out of sight now may come into it later.
+        let painter = unclipped(painter);
         let lines = block.lines.into_iter().map(|(rect, words)| (rect_from(rect), words)).collect();
         Self { size: block.size.into(), shapes: primitives::shapes(&painter, &block.primitives), lines }
     }
