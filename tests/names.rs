@@ -13,7 +13,7 @@ const DATA: [(&str, &str); 2] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 19] = [
+const OTHERWISE: [(&str, &str, &str); 20] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/list.rs", "frames", "a key of the JSON"),
     ("src/cli/list.rs", "range", "a key of the JSON"),
@@ -33,6 +33,7 @@ const OTHERWISE: [(&str, &str, &str); 19] = [
     ("src/ui/panes/rungs.rs", "run", "the whole run, above all rungs"),
     ("src/ui/panes/rungs.rs", "step", "any rung"),
     ("src/ui/panes/timeline.rs", "step", "any rung"),
+    ("src/view/panes.rs", "stage", "a pane"),
 ];
 
 /// The names that the registry declares.
