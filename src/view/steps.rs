@@ -97,6 +97,7 @@ impl Steps {
     pub fn write(&self, prepared: &Prepared, folder: &Path, progress: Option<&dyn Progress>) -> Result<Written, Error> {
         let Prepared { experiment, clip, .. } = prepared;
         let estimator = &*experiment.estimator;
+        self.panes.check(estimator)?;
         let reverse = Reverse::new(estimator, clip, experiment.frame);
         let mut viewer = Viewer::new(experiment, clip, &self.look, &reverse)?;
         self.begin(&mut *viewer.walk, progress)?;
