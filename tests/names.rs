@@ -14,12 +14,13 @@ const DATA: [(&str, &str); 3] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 19] = [
+const OTHERWISE: [(&str, &str, &str); 20] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/list.rs", "frames", "a key of the JSON"),
     ("src/cli/list.rs", "range", "a key of the JSON"),
     ("src/cli/list.rs", "source", "a key of the JSON"),
     ("src/cli/list.rs", "stage", "a type in the JSON"),
+    ("src/media/sequence.rs", "mask", "the beginning of a file's name"),
     ("src/media/truth/mot.rs", "frame", "a column of the file"),
     ("src/media/truth/mot.rs", "identity", "a column of the file"),
     ("src/media/video/y4m.rs", "alpha", "a plane of the picture"),
@@ -34,6 +35,8 @@ const OTHERWISE: [(&str, &str, &str); 19] = [
     ("src/ui/panes/rungs.rs", "run", "the whole run, above all rungs"),
     ("src/ui/panes/rungs.rs", "step", "any rung"),
     ("src/ui/panes/timeline.rs", "step", "any rung"),
+    ("src/view/panes.rs", "stage", "a pane"),
+    ("src/view/panes.rs", "stage", "a pane"),
 ];
 
 /// The names that the registry declares.

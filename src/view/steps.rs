@@ -92,11 +92,12 @@ impl Steps {
     /// Writes `step_00000.png` … of the run of `prepared` into `folder`, each whole or not at all; gives how many.
     ///
     /// # Errors
-    /// If the run cannot start or breaks off, a pixel that is asked for cannot be explained at the first step, no step has the
-    /// layer that they must have, a file cannot be written, or the work was cancelled.
+    /// If the estimator never has one of the panes, the run cannot start or breaks off, a pixel that is asked for cannot be
+    /// explained at the first step, no step has the layer that they must have, a file cannot be written, or the work was cancelled.
     pub fn write(&self, prepared: &Prepared, folder: &Path, progress: Option<&dyn Progress>) -> Result<Written, Error> {
         let Prepared { experiment, clip, .. } = prepared;
         let estimator = &*experiment.estimator;
+        self.panes.check(estimator)?;
         let reverse = Reverse::new(estimator, clip, experiment.frame);
         let mut viewer = Viewer::new(experiment, clip, &self.look, &reverse)?;
         self.begin(&mut *viewer.walk, progress)?;

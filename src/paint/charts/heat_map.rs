@@ -56,7 +56,7 @@ pub fn head(data: HeatMap<'_>, map: &Map, area: Rect, pointed: Option<[i32; 2]>,
         canvas.fill(swatch, neutral(theme));
         right = swatch.min[0] - small;
     }
-    let (left, text) = (area.min[0], Type::text(theme));
+    let (left, text) = (map.head_left(area, theme), Type::text(theme));
     let told = match pointed {
         Some(at) => told(data.surface, at),
         None => titled(data.whose, &format!("{} by displacement", data.surface.title), (small, right - left)),
@@ -199,6 +199,9 @@ fn color_bar(canvas: &mut Canvas, map: &Map, surface: &Surface, style: ChartStyl
         label(high);
         let clear = |v: &f32| [low, high].iter().all(|end| (axis.place(*v) - axis.place(*end)).abs() > 1.6 * small);
         axis.ticks(2.6 * small, 1e-6).into_iter().filter(clear).for_each(label);
+    }
+    if map.is_tight() {
+        return;
     }
     // The bar is of the same quantity as the map.
     let above = [bar.min[0], map.rect.min[1] - 0.3 * small];

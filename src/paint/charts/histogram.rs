@@ -34,16 +34,17 @@ pub fn draw(data: Counts<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
         newest(&mut canvas, &map, at, style);
     }
     list(&mut canvas, &map, (area, histogram), style);
-    Drawing { place: map, body: canvas.into_layers(), head: head(data, area, None, style) }
+    Drawing { place: map, body: canvas.into_layers(), head: head(data, &map, area, None, style) }
 }
 
 /// What stands above the map: what is counted, or `told` of the bin that is pointed at.
-pub fn head(data: Counts<'_>, area: Rect, told: Option<String>, style: ChartStyle) -> Vec<Primitive> {
-    let (text, width) = (Type::text(style.theme), area.size()[0]);
+pub fn head(data: Counts<'_>, map: &Map, area: Rect, told: Option<String>, style: ChartStyle) -> Vec<Primitive> {
+    let (text, left) = (Type::text(style.theme), map.head_left(area, style.theme));
+    let width = area.max[0] - left;
     let what = || super::titled(data.whose, &summary(data.histogram), (text.size, width));
     let words = shortened(&told.unwrap_or_else(what), text, width);
     let mut canvas = Canvas::default();
-    let at = [area.min[0], area.min[1] + 0.8 * text.size];
+    let at = [left, area.min[1] + 0.8 * text.size];
     canvas.text(at, (Anchor::Start, Level::Middle), &words, text);
     canvas.into_primitives()
 }

@@ -16,7 +16,12 @@ pub struct Map {
     pub small: f32,
     origin: [i32; 2],
     size: [usize; 2],
+    /// Whether the names of the axes share the rows of what stands above and of the numbers below.
+    is_tight: bool,
 }
+
+/// What the axes are called. The first goes to the right, the second down, as in the picture.
+const NAMES: [&str; 2] = ["u, px →", "v, px ↓"];
 
 impl Map {
     /// A map in `area` of `size` displacements from `origin` on, `right` letters free beside it.
@@ -24,15 +29,17 @@ impl Map {
         let small = theme.sizes().small;
         let size = [size.0, size.1];
         // Room for the header and the numbers at the axes.
-        let min = [area.min[0] + 3.8 * small, area.min[1] + 3.2 * small];
-        let max = [area.max[0] - right * small, area.max[1] - 3.2 * small];
+        let is_tight = super::is_tight(area, small);
+        let [above, below] = if is_tight { [1.7, 1.7] } else { [3.2, 3.2] };
+        let min = [area.min[0] + 3.8 * small, area.min[1] + above * small];
+        let max = [area.max[0] - right * small, area.max[1] - below * small];
         let room = [0, 1].map(|i| (max[i] - min[i]).max(8.0));
         let cell = [0, 1].map(|i| room[i] / size[i].max(1) as f32);
         let cell = cell[0].min(cell[1]);
         let extent = size.map(|n| n as f32 * cell);
         // What is not needed is left on both sides.
         let left = (min[0] + (room[0] - extent[0]).max(0.0) / 2.0).round();
-        Self { rect: Rect::new([left, min[1].round()], extent), cell, small, origin, size }
+        Self { rect: Rect::new([left, min[1].round()], extent), cell, small, origin, size, is_tight }
     }
 
     /// The displacement at a place.
@@ -72,10 +79,25 @@ impl Map {
             canvas.across([left - 4.0, left], y, chrome.dim);
             canvas.text([left - 7.0, y], (Anchor::End, Level::Middle), &number(tick), dim);
         }
-        let below = [self.rect.max[0], bottom + 6.0 + 1.25 * small];
-        canvas.text(below, (Anchor::End, Level::Top), "u, px →", text);
+        let [u, v] = NAMES;
+        if self.is_tight {
+            canvas.text([self.rect.max[0] + 0.8 * small, bottom + 6.0], (Anchor::Start, Level::Top), u, text);
+        } else {
+            canvas.text([self.rect.max[0], bottom + 6.0 + 1.25 * small], (Anchor::End, Level::Top), u, text);
+        }
         let above = [left - 7.0, self.rect.min[1] - 0.3 * small];
-        canvas.text(above, (Anchor::Middle, Level::Bottom), "v, px ↓", text);
+        canvas.text(above, (Anchor::Middle, Level::Bottom), v, text);
+    }
+
+    /// Where what stands above the map begins.
+    pub fn head_left(&self, area: Rect, theme: Theme) -> f32 {
+        let half = Type::text(theme).face(Face::Italic).width(NAMES[1]) / 2.0;
+        if self.is_tight { self.rect.min[0] - 7.0 + half + self.small } else { area.min[0] }
+    }
+
+    /// Whether words share rows.
+    pub fn is_tight(&self) -> bool {
+        self.is_tight
     }
 }
 

@@ -64,6 +64,14 @@ impl<P> Drawing<P> {
     }
 }
 
+/// Heights, in letters of small type, below which words share rows so that more is left for what they are about.
+const TIGHT_LETTERS: f32 = 14.0;
+
+/// Whether `area` has so little height for type of this size.
+fn is_tight(area: super::primitive::Rect, small: f32) -> bool {
+    area.size()[1] < TIGHT_LETTERS * small
+}
+
 /// Black or white, whichever is seen better on `color`.
 fn on(color: super::Color) -> super::Color {
     let [r, g, b, _] = color.0;

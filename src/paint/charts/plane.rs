@@ -66,13 +66,17 @@ pub struct Square {
     /// Of u and of v, which runs down as in the picture.
     axes: [Axis; 2],
     window: Window,
+    /// Whether the names of the axes share the rows of what stands above and of the numbers below.
+    is_tight: bool,
 }
 
 impl Square {
     fn new(area: Rect, window: Window, small: f32) -> Self {
         // Room for the title, the numbers at the axes and the names of the points.
-        let min = [area.min[0] + 4.0 * small, area.min[1] + 3.2 * small];
-        let room = [area.max[0] - small - min[0], area.max[1] - 3.2 * small - min[1]];
+        let is_tight = super::is_tight(area, small);
+        let beside = if is_tight { 1.7 } else { 3.2 } * small;
+        let min = [area.min[0] + 4.0 * small, area.min[1] + beside];
+        let room = [area.max[0] - small - min[0], area.max[1] - beside - min[1]];
         let side = (room[0] - NAMES * small).max(0.6 * room[0]).min(room[1]).max(8.0);
         let left = min[0] + ((room[0] - NAMES * small - side) / 2.0).max(0.0);
         let rect = Rect::new([left.round(), min[1].round()], [side; 2]);
@@ -80,7 +84,7 @@ impl Square {
             values: [window.center[i] - window.reach, window.center[i] + window.reach],
             places: [rect.min[i], rect.max[i]],
         };
-        Self { rect, axes: [axis(0), axis(1)], window }
+        Self { rect, axes: [axis(0), axis(1)], window, is_tight }
     }
 
     /// Where a displacement stands.
@@ -97,6 +101,18 @@ impl Square {
     /// How many displacements of 1 lie in a point.
     pub fn per_point(&self) -> f32 {
         2.0 * self.window.reach / self.rect.size()[0]
+    }
+
+    /// Where the name of the second axis begins.
+    fn name_left(&self, name: Type) -> f32 {
+        self.rect.min[0] - 6.0 - 0.5 * name.width("v, px ↓")
+    }
+
+    /// Where what stands above begins.
+    fn head_left(&self, area: Rect, (unit, theme): (&str, Theme)) -> f32 {
+        let name = Type::text(theme).face(Face::Italic);
+        let after = self.name_left(name) + name.width(&format!("v, {unit} ↓")) + 0.8 * name.size;
+        if self.is_tight { after } else { area.min[0] }
     }
 
     /// The part of a line that is seen.
@@ -125,19 +141,26 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let ellipse = plane.ellipse.as_ref().map(|ellipse| spread(&square, ellipse, theme));
     canvas.inside(square.rect, |canvas| canvas.extend(ellipse));
     names(&mut canvas, &square, area, (plane, theme));
-    Drawing { place: square, body: canvas.into_layers(), head: head(data, area, None, style) }
+    Drawing { place: square, body: canvas.into_layers(), head: head(data, &square, area, None, style) }
 }
 
 /// What stands above the plane: what it shows, or the displacement that is pointed at.
-pub fn head(data: Shown<'_>, area: Rect, pointed: Option<[f32; 2]>, style: ChartStyle) -> Vec<Primitive> {
+pub fn head(
+    data: Shown<'_>,
+    square: &Square,
+    area: Rect,
+    pointed: Option<[f32; 2]>,
+    style: ChartStyle,
+) -> Vec<Primitive> {
     let Shown { plane, whose, .. } = data;
-    let (text, width) = (Type::text(style.theme), area.size()[0]);
+    let (text, left) = (Type::text(style.theme), square.head_left(area, (&plane.unit, style.theme)));
+    let width = area.max[0] - left;
     let words = match pointed {
         Some([u, v]) => format!("({}, {}) {}", number(u), number(v), plane.unit),
         None => titled(whose, &format!("{}, displacements in {}", plane.title, plane.unit), (text.size, width)),
     };
     let mut canvas = Canvas::default();
-    let at = [area.min[0], area.min[1] + 0.8 * text.size];
+    let at = [left, area.min[1] + 0.8 * text.size];
     canvas.text(at, (Anchor::Start, Level::Middle), &shortened(&words, text, width), text);
     canvas.into_primitives()
 }
@@ -160,11 +183,14 @@ fn axes(canvas: &mut Canvas, square: &Square, (plane, is_near): (&Plane, bool), 
     }
     let name = Type::text(theme).face(Face::Italic);
     // The first axis goes to the right, the second down, as in the picture.
-    let below = [right, bottom + 4.0 + 1.25 * small];
-    canvas.text(below, (Anchor::End, Level::Top), &format!("u, {} →", plane.unit), name);
-    let words = format!("v, {} ↓", plane.unit);
-    let x = left - 6.0 - 0.5 * name.width("v, px ↓");
-    canvas.text([x, top - 0.5 * small], (Anchor::Start, Level::Bottom), &words, name);
+    let words = format!("u, {} →", plane.unit);
+    if square.is_tight {
+        canvas.text([right + 1.4 * small, bottom + 4.0], (Anchor::Start, Level::Top), &words, name);
+    } else {
+        canvas.text([right, bottom + 4.0 + 1.25 * small], (Anchor::End, Level::Top), &words, name);
+    }
+    let x = square.name_left(name);
+    canvas.text([x, top - 0.4 * small], (Anchor::Start, Level::Bottom), &format!("v, {} ↓", plane.unit), name);
 }
 
 /// Ticks at halves, quarters and so on of what an axis reaches, at least `spacing` points apart: how far a plane reaches

@@ -40,6 +40,8 @@ pub struct Plot {
     small: f32,
     /// Whether the names of the lines have a row of their own below the title.
     is_named_below: bool,
+    /// Whether what runs along x shares the row of its numbers.
+    is_tight: bool,
 }
 
 /// Lays the plot out in `area`.
@@ -107,7 +109,9 @@ fn title(data: Plotted<'_>, area: Rect, small: f32) -> String {
         true => (*title).to_owned(),
         false => format!("{title}, {y_label}"),
     };
-    super::titled(data.whose, &what, (small, area.size()[0]))
+    // Where there is little room, the names of the lines matter more than that of the estimator.
+    let whose = if super::is_tight(area, small) { "" } else { data.whose };
+    super::titled(whose, &what, (small, area.size()[0]))
 }
 
 impl Plot {
@@ -118,10 +122,11 @@ impl Plot {
         // Beside the title there is room for the lines with their values, or they stand below it.
         let names = series.lines.iter().map(|(name, ..)| text.width(name) + (GAP_LETTERS + 3.0) * small).sum::<f32>();
         let title = text.width(&title(data, area, small)) + GAP_LETTERS * small;
-        let is_named_below = title + names > area.size()[0];
+        let is_tight = super::is_tight(area, small);
+        let is_named_below = !is_tight && title + names > area.size()[0];
         let above = if is_named_below { 3.4 } else { 2.2 } * small;
         let min = [area.min[0] + 4.6 * small, area.min[1] + above];
-        let max = [area.max[0] - 2.0 * small, area.max[1] - 3.4 * small];
+        let max = [area.max[0] - 2.0 * small, area.max[1] - if is_tight { 1.9 } else { 3.4 } * small];
         let rect = Rect { min: min.map(f32::round), max: [0, 1].map(|i| max[i].max(min[i] + 8.0).round()) };
         // What was rejected may be anything: it does not set the scale, and stands at its edge where it is beyond.
         let rejected = series.lines.iter().filter(|(_, role, points)| are_marks(series, *role, points));
@@ -144,6 +149,7 @@ impl Plot {
             logarithmic,
             small,
             is_named_below,
+            is_tight,
         }
     }
 
@@ -170,14 +176,17 @@ fn axes(canvas: &mut Canvas, plot: &Plot, (series, area): (&Series, Rect), theme
         canvas.text([left - 7.0, y], (Anchor::End, Level::Middle), &number(tick), dim);
     }
     canvas.across([left, right], bottom, chrome.dim);
+    let below = bottom + 6.0 + if plot.is_tight { 0.0 } else { 1.25 * plot.small };
+    let name = canvas.text([right, below], (Anchor::End, Level::Top), series.x_label, Type::text(theme));
     for tick in plot.x.ticks(5.0 * plot.small, 1.0) {
         let (x, words) = (plot.x.place(tick), number(tick));
         canvas.down(x, [bottom, bottom + 4.0], chrome.dim);
-        let x = x.min(area.max[0] - dim.width(&words) / 2.0);
-        canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &words, dim);
+        let half = dim.width(&words) / 2.0;
+        let x = x.min(area.max[0] - half);
+        if !plot.is_tight || x + half + 0.5 * plot.small < name.min[0] {
+            canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &words, dim);
+        }
     }
-    let below = [right, bottom + 6.0 + 1.25 * plot.small];
-    canvas.text(below, (Anchor::End, Level::Top), series.x_label, Type::text(theme));
 }
 
 /// Where something else is at hand from then on: a line, longer where a whole begins, with its name if there is room for that.

@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
             let stroke = Stroke::new(1.5, ink::color(subject.theme.chrome().text));
             painter.rect_stroke(rect_from(seen(&map, at)).expand(1.0), 0.0, stroke, StrokeKind::Outside);
             let told = Some(told(histogram, at, leads));
-            over(&painter, &head(data, rect_of(area), told, subject.style(&painter)));
+            over(&painter, &head(data, &map, rect_of(area), told, subject.style(&painter)));
         }
         None => state.head(&painter),
     }

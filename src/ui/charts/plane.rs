@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     state.chart.body(&painter);
     let pointed = response.hover_pos().and_then(|at| square.displacement(at.into()));
     match pointed {
-        Some(at) => over(&painter, &head(data, rect_of(area), Some(at), subject.style(&painter))),
+        Some(at) => over(&painter, &head(data, &square, rect_of(area), Some(at), subject.style(&painter))),
         None => state.chart.head(&painter),
     }
 }

@@ -105,12 +105,8 @@ impl<P: Clone, K: PartialEq> Chart<P, K> {
     /// Paints all but the line above.
     pub fn body(&self, painter: &Painter) {
         for (clip, shapes) in self.known.iter().flat_map(|known| &known.body) {
-            match clip {
-                Some(clip) => {
-                    _ = painter.with_clip_rect(clip.intersect(painter.clip_rect())).extend(shapes.iter().cloned())
-                }
-                None => painter.extend(shapes.iter().cloned()),
-            }
+            let seen = clip.map_or(painter.clip_rect(), |clip| clip.intersect(painter.clip_rect()));
+            painter.with_clip_rect(seen).extend(shapes.iter().cloned());
         }
     }
 

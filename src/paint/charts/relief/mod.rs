@@ -58,8 +58,11 @@ pub fn around(data: Relief<'_>, area: Rect, style: ChartStyle) -> Around {
     let Relief { surface, whose, orbit } = data;
     let (theme, small) = (style.theme, style.small());
     let rect = Rect { min: [area.min[0], area.min[1] + 1.4 * small], max: area.max };
-    let screen = Screen::new(rect, &orbit, Room::SURFACE, [4.5 * small, 1.8 * small]);
-    let mut stand = Stand { screen, bench: Bench::new(surface), eye: orbit.eye(), theme, taken: Vec::new() };
+    let is_tight = super::is_tight(area, small);
+    let margin = if is_tight { [3.0, 0.8] } else { [4.5, 1.8] };
+    let screen = Screen::new(rect, &orbit, Room::SURFACE, margin.map(|letters| letters * small));
+    let bench = Bench::new(surface);
+    let mut stand = Stand { screen, bench, eye: orbit.eye(), theme, is_tight, taken: Vec::new() };
     let (mut below, mut above, mut head) = (Canvas::default(), Canvas::default(), Canvas::default());
     stand.ground(&mut below);
     stand.costs(&mut below, surface);
@@ -91,6 +94,8 @@ struct Stand {
     bench: Bench,
     eye: Vec3,
     theme: Theme,
+    /// Whether there is room for few words only.
+    is_tight: bool,
     /// Where numbers stand: where two axes meet, the second would lie on the first.
     taken: Vec<Rect>,
 }
@@ -142,8 +147,9 @@ impl Stand {
         let near_v = half_v.copysign(self.eye.z);
         let small = self.theme.sizes().small;
         // Their names come before the numbers, which give way.
-        self.word(canvas, (Vec3::new(0.0, 0.0, near_v), 2.3), "u, px", Face::Italic);
-        self.word(canvas, (Vec3::new(near_u, 0.0, 0.0), 2.3), "v, px", Face::Italic);
+        let out = if self.is_tight { 0.9 } else { 2.3 };
+        self.word(canvas, (Vec3::new(0.0, 0.0, near_v), out), "u, px", Face::Italic);
+        self.word(canvas, (Vec3::new(near_u, 0.0, 0.0), out), "v, px", Face::Italic);
         for which in 0..2 {
             let axis = self.axis(which);
             let (along, across) = if which == 0 { (half_u, half_v) } else { (half_v, half_u) };
@@ -182,6 +188,9 @@ impl Stand {
                 canvas.across([x - 4.0, x], y, dim.color);
                 self.write(canvas, dim.line([x - 7.0, y], (Anchor::End, Level::Middle), &number(tick)));
             }
+        }
+        if self.is_tight {
+            return;
         }
         let name = [high[0], high[1] - 0.9 * small];
         canvas.text(name, (Anchor::Middle, Level::Bottom), surface.title, Type::text(self.theme));
