@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use common::waves;
-use motionscope_core::params::{Kind, Placed, Spot, Value};
+use motionscope_core::params::{Kind, Placed, Spot, StageValue, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
 use motionscope_core::scene::Sentence;
 use motionscope_core::{
@@ -153,7 +153,8 @@ fn tried(spec: &Spec) -> Vec<Value> {
         Kind::Switch => vec![Value::Switch(false), Value::Switch(true)],
         Kind::Choice(all) => all.iter().map(|choice| Value::Choice(choice.name)).collect(),
         Kind::Stage(kind) => {
-            kind.ids().into_iter().map(|id| Value::Stage(kind.parse(id).expect("one of its own"))).collect()
+            let others = kind.ids().into_iter().map(|id| kind.parse(id).expect("one of its own"));
+            others.chain(chosen_otherwise(&spec.default)).map(Value::Stage).collect()
         }
         Kind::Placed(figure) => {
             let (width, height) = (SIZE.0 as f32, SIZE.1 as f32);
@@ -163,6 +164,19 @@ fn tried(spec: &Spec) -> Vec<Value> {
             vec![Value::Placed(figure.none()), Value::Placed(spots.into_iter().fold(spanned, place))]
         }
     }
+}
+
+/// A stage with one choice after the other among its own parameters.
+fn chosen_otherwise(stage: &Value) -> Vec<StageValue> {
+    let Value::Stage(stage) = stage else { return Vec::new() };
+    let specs = stage.part().specs().iter().enumerate();
+    let choices = specs.filter(|(_, spec)| matches!(spec.kind, Kind::Choice(_)));
+    let one = |(i, value): (usize, Value)| {
+        let mut other = stage.clone();
+        other.part_mut().set_value(i, value).expect("in range");
+        other
+    };
+    choices.flat_map(|(i, spec)| tried(spec).into_iter().map(move |value| (i, value))).map(one).collect()
 }
 
 /// An estimator at its defaults, but small, and with one parameter after the other set to what it is tried with.
