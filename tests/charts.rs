@@ -7,7 +7,7 @@ use eframe::egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use motionscope::ui::app::App;
-use motionscope::ui::commands::Command;
+use motionscope::ui::app::commands::Command;
 use motionscope::ui::model::snapshot::Snapshot;
 use motionscope::ui::{self, Start};
 use motionscope_core::Histogram;
@@ -78,7 +78,7 @@ fn a_click_on_a_bin_goes_to_the_first_block_with_that_displacement() {
     let histogram = window.histogram().expect("the run is over");
     let (at, _) = histogram.fullest()[1];
     let cell = histogram.cell(at).expect("it is shown");
-    let map = window.0.get_by_role_and_label(Role::Image, &ui::histogram::name(&histogram)).rect();
+    let map = window.0.get_by_role_and_label(Role::Image, &ui::charts::histogram::name(&histogram)).rect();
     let side = map.width() / histogram.counts.width() as f32;
     let place = map.min + vec2(cell.0 as f32 + 0.5, cell.1 as f32 + 0.5) * side;
     window.0.hover_at(place);

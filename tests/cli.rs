@@ -6,9 +6,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use motionscope::experiment::source::Source;
 use motionscope::media::{Open, open};
 use motionscope::session::Session;
-use motionscope::source::Source;
 use motionscope_core::{Cursor, Move, estimator};
 use serde_json::Value;
 
@@ -160,14 +160,14 @@ fn a_layer_that_cannot_be_is_refused_with_its_reason() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |line: &str| refusal(folder.path(), &format!("run {SMALL} --overlay a.png {line}"));
     for (line, reason) in [
-        ("--estimator horn-schunck --layer heat", "there are none, wheel"),
+        ("--estimator horn-schunck --layer heat", "layer can be none, wheel"),
         ("--estimator horn-schunck --layer error --step 1.1", "the end of a run"),
         ("--estimator horn-schunck --layer confidence", "tells no confidence"),
         ("--estimator harris --layer wheel", "single points"),
         ("--estimator horn-schunck --arrow-spacing 0", "1 to 256 px"),
-        ("--estimator horn-schunck --layer-opacity 1.5", "from 0 to 1"),
+        ("--estimator horn-schunck --layer-opacity 1.5", "0 to 1 or auto, not 1.5"),
         ("--estimator horn-schunck --arrow-scale 0", "or auto"),
-        ("--estimator horn-schunck --streaks 2", "from 0 to 1"),
+        ("--estimator horn-schunck --streaks 2", "0 to 1 or off, not 2"),
     ] {
         let output = motionscope(folder.path(), &format!("run {SMALL} --overlay a.png {line}"));
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -325,6 +325,61 @@ fn a_session_brings_all_that_the_command_line_needs() {
 }
 
 #[test]
+fn a_session_names_detections_as_the_flag_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let rows: String = (1..=4).map(|t| format!("{t},-1,{},30,12,10,1,-1,-1,-1\n", 20 + 3 * t)).collect();
+    fs::write(here.join("det.txt"), rows).unwrap();
+    let clip = "synth:traffic,width=96,height=72,frames=4";
+    let lesson = |detections: &str| {
+        let text = format!("motionscope = 1\nclip = \"{clip}\"\n{detections}estimator = \"kalman-tracker\"\n");
+        fs::write(here.join("lesson.motionscope"), text).unwrap();
+    };
+    lesson("detections = \"det.txt\"\n");
+    let tracks = |line: &str| {
+        stdout(here, &format!("{line} --tracks tracks.txt --force"));
+        fs::read_to_string(here.join("tracks.txt")).unwrap()
+    };
+    let given = tracks(&format!("run {clip} --estimator kalman-tracker --detections det.txt"));
+    assert_eq!(tracks("run lesson.motionscope"), given);
+    lesson("");
+    assert_eq!(tracks("run lesson.motionscope --detections det.txt"), given);
+    assert_ne!(tracks("run lesson.motionscope"), given, "the detector of the tracker finds others");
+    lesson("detections = \"gone.txt\"\n");
+    let told = refusal(here, "run lesson.motionscope");
+    assert!(told.contains("gone.txt"), "{told}");
+    lesson("detections = 3\n");
+    let told = refusal(here, "run lesson.motionscope");
+    assert!(told.contains("lesson.motionscope: line 3, detections: a text in quotes is needed, not 3"), "{told}");
+    lesson("detections = \"det.txt\"\n");
+    let told = refusal(here, "run lesson.motionscope --tracks det.txt");
+    assert!(told.contains("--tracks") && told.contains("detections"), "{told}");
+}
+
+#[test]
+fn a_switch_of_a_session_can_be_taken_back_by_its_flag() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let text = format!(
+        "motionscope = 1\nclip = \"{SMALL}\"\nestimator = \"full-search\"\nstep = \"3.7\"\n[picture]\nlegend = true\n"
+    );
+    fs::write(here.join("lesson.motionscope"), text).unwrap();
+    let paint = |line: &str| {
+        stdout(here, &format!("run {line} --overlay it.png"));
+        fs::read(here.join("it.png")).unwrap()
+    };
+    let with = paint("lesson.motionscope");
+    assert!(paint("lesson.motionscope --legend") == with);
+    assert!(paint(&format!("{SMALL} --estimator full-search --step 3.7 --legend")) == with);
+    let without = paint("lesson.motionscope --legend=off");
+    assert!(without != with && paint(&format!("{SMALL} --estimator full-search --step 3.7")) == without);
+    let help = stdout(here, "run --help");
+    for entry in ["--view <NAME>", "--layer-opacity <NUMBER>", "--arrow-spacing <PX>", "--legend[=<on|off>]"] {
+        assert!(help.contains(entry), "{entry}: {help}");
+    }
+}
+
+#[test]
 fn the_pixel_that_is_asked_for_is_explained() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
@@ -433,7 +488,7 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (run(SMALL, "--step 13"), "ends at 12"),
         (run(SMALL, "--set block=8.5"), "whole number"),
         (run(SMALL, "--view up"), "side-by-side"),
-        (run(SMALL, "--view blend --blend 1.5"), "from 0 to 1"),
+        (run(SMALL, "--view blend --blend 1.5"), "blend can be 0 to 1, not 1.5"),
         (run(SMALL, "--blend 0.8"), "--view blend"),
         (run(SMALL, "--scale 9"), "1..=8"),
         (run(SMALL, "--threads 0"), "1..=256"),
@@ -451,12 +506,14 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (run(SMALL, "--beside diamond --pace slow"), "block, budget"),
         (run(SMALL, "--beside horn-schunck"), "tests no candidates"),
         (run(SMALL, "--level 1"), "no pyramid"),
-        (run(SMALL, "--level top"), "at-work or a number"),
+        (run(SMALL, "--level top"), "0 to 99 or at-work, not top"),
         (
             format!("run {SMALL} --estimator hierarchical --set levels=2 --level 2 --overlay o.png"),
             "levels 0 to 1, and not 2",
         ),
         (run(SMALL, "--pixel 7"), "X,Y"),
+        (run(SMALL, "--pixel frame:7,9"), "a picture is called t, t+1"),
+        (run(SMALL, "--pixel t+1:7,9"), "explains no pixels of the picture t+1"),
         (run(SMALL, "--step 3.7 --pixel 7,9"), "full-search does not explain pixel (7, 9) by itself at step 3.7"),
         (run(SMALL, "--beside diamond --pixel 7,9"), "by itself"),
         (run(SMALL, "--pixel 64,9"), "no pixel (64, 9): the picture has 64×48 px"),

@@ -8,22 +8,8 @@ use std::path::Path;
 use imports::{Imports, Layers};
 
 /// The folders and files of `src` from the ground up.
-const LAYERS: &Layers = &[
-    &["free_memory", "pixel", "unfinished"],
-    &["media"],
-    &["paint"],
-    &["source"],
-    &["results"],
-    &["comparison"],
-    &["company"],
-    &["tile"],
-    &["motion"],
-    &["shot"],
-    &["session"],
-    &["claims"],
-    &["ui"],
-    &["cli"],
-];
+const LAYERS: &Layers =
+    &[&["media"], &["paint"], &["experiment"], &["view"], &["results"], &["session"], &["ui"], &["cli"]];
 
 /// Those whose files take nothing from each other in a circle.
 const WITHOUT_CIRCLES: &Layers = &[&["cli", "results", "session"]];

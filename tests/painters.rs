@@ -85,7 +85,7 @@ fn specimen() -> ([Arc<Frame>; 2], Scene) {
     for (column, role) in Role::ALL.into_iter().enumerate() {
         let x = column as f32 * CELL + 5.5;
         let mut mark = |row: usize, shape: fn(f32, f32) -> Shape| {
-            scene.mark(Picture::Current, role, shape(x, row as f32 * CELL + 5.5));
+            scene.mark(Picture::CURRENT, role, shape(x, row as f32 * CELL + 5.5));
         };
         mark(0, |x, y| Shape::Rect { min: [x - 4.0, y - 4.0], max: [x + 4.0, y + 4.0] });
         mark(1, |x, y| {
@@ -102,7 +102,7 @@ fn specimen() -> ([Arc<Frame>; 2], Scene) {
         scene.legend(role, role_name(role));
     }
     let values = Grid::from_fn(120, 6, |x, y| if (x + y) % 9 == 0 { f32::NAN } else { x as f32 * 8.5 });
-    scene.mark(Picture::Current, Role::Candidate, Shape::Heat { origin: [6.0, 75.0], values });
+    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [6.0, 75.0], values });
     ([frame.clone(), frame], scene)
 }
 
@@ -143,7 +143,7 @@ fn specimen_plate(theme: Theme) -> Plate {
             arrows: ArrowStyle { lengthen: Lengthen::Times(1.5), ..ArrowStyle::default() },
             ..Style::default()
         },
-        zoom: 4,
+        zoom: 4.0,
         legend: true,
         heat: "SAD".into(),
         caption: Some(caption),
@@ -185,7 +185,7 @@ fn every_shape_in_every_role_looks_as_it_did() {
 fn full_search_in_the_middle_of_a_block_looks_as_it_did() {
     let (frames, scene) = search(MIDDLE);
     let framed = PlateOptions {
-        zoom: 3,
+        zoom: 3.0,
         frame: Some(12),
         legend: true,
         heat: "SAD".into(),
@@ -208,7 +208,7 @@ fn turning() -> (Arc<Frame>, Scene, Arc<Flow>, Scalars) {
     let at = |x: usize, y: usize| [(y as f32 - 59.5) / 20.0, (79.5 - x as f32) / 20.0];
     let values = Grid::from_fn(160, 120, |x, y| if x + y < 40 { Flow::UNKNOWN } else { at(x, y) });
     let mut scene = Scene::default();
-    scene.mark(Picture::Current, Role::Result, Shape::Flow { origin: [0.0; 2], values: values.clone() });
+    scene.mark(Picture::CURRENT, Role::Result, Shape::Flow { origin: [0.0; 2], values: values.clone() });
     scene.legend(Role::Result, "displacements found");
     let off = values.map(|[u, v]| u.hypot(*v) / 4.0);
     let marks = Grid::from_fn(160, 120, |x, y| (100..130).contains(&x) && (20..60).contains(&y));
@@ -225,7 +225,7 @@ fn turning() -> (Arc<Frame>, Scene, Arc<Flow>, Scalars) {
 #[test]
 fn layers_of_motion_look_as_they_did() {
     let (frame, scene, flow, scalars) = turning();
-    let framed = PlateOptions { view: View::Current, zoom: 2, legend: true, ..PlateOptions::default() };
+    let framed = PlateOptions { view: View::Current, zoom: 2.0, legend: true, ..PlateOptions::default() };
     let pictures = Pictures::of([frame.clone(), frame]);
     let wheel = Tint::wheel(std::slice::from_ref(&flow), None).pop().map(Arc::new);
     let plate = Plate::new(&Pictures { layer: wheel, ..pictures.clone() }, &scene, &framed);
@@ -253,7 +253,7 @@ fn a_larger_picture_has_room_for_more_displacements() {
     let starts = (0..12).flat_map(|y| (0..16).map(move |x| [1.5 + 4.0 * x as f32, 1.5 + 4.0 * y as f32]));
     let arrows = starts.map(|from| Arrow { from, to: [from[0] + 2.0, from[1]] }).collect();
     let mut scene = Scene::default();
-    scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
+    scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(arrows));
     scene.legend(Role::Result, "displacement found");
     let pictures = Pictures::of([frame.clone(), frame]);
     let drawn = |scale| {
@@ -328,7 +328,7 @@ fn rendered(svg: &str) -> Rgb {
 #[test]
 fn the_svg_shows_what_the_png_shows() {
     let (frames, scene) = search(MIDDLE);
-    let side_by_side = PlateOptions { zoom: 2, legend: true, ..PlateOptions::default() };
+    let side_by_side = PlateOptions { zoom: 2.0, legend: true, ..PlateOptions::default() };
     let plates = Theme::ALL.map(specimen_plate).into_iter().chain([Plate::new(
         &Pictures::of(frames.clone()),
         &scene,

@@ -17,7 +17,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageEncoder as _, Rgb, RgbImage};
 use motionscope::paint::{Caption, Pictures, Plate, PlateOptions, Theme, View, export_png};
 use motionscope::ui::app::App;
-use motionscope::ui::commands::Command;
+use motionscope::ui::app::commands::Command;
 use motionscope::ui::{self, Start};
 use motionscope_core::{Frame, Grid, scene};
 
@@ -89,7 +89,7 @@ fn picture(scene: &Scene, renderer: WgpuTestRenderer) -> RgbImage {
         app
     });
     settle(&mut harness);
-    while harness.state().settings().theme() != scene.theme {
+    while harness.state().settings().look.theme != scene.theme {
         harness.state_mut().command(Command::NextTheme);
         settle(&mut harness);
     }

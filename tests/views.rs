@@ -10,12 +10,16 @@ use eframe::egui::{
 };
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use motionscope::motion::Offer;
-use motionscope::paint::{ColorMap, Lengthen, Pictures, Theme, View};
+use motionscope::paint::{ColorMap, Pictures, Theme, View};
+use motionscope::ui::charts::{heat_map, series, surface3d, tiles};
+use motionscope::ui::drawing::chart::Subject;
+use motionscope::ui::drawing::style;
+use motionscope::ui::panes::why;
 use motionscope::ui::stage::{self, Zoom};
-use motionscope::ui::{heat_map, series, style, surface3d, tiles, why};
+use motionscope::view::look::Look;
+use motionscope::view::motion::Offer;
 use motionscope_core::block_matching::FullSearch;
-use motionscope_core::scene::{Readout, Surface, Tile};
+use motionscope_core::scene::{Focus, Picture, Readout, Surface, Tile};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Params, Role, Scene, Step, Walk};
 
 /// A walk through a pair that moves by (2, 1), some way into a block.
@@ -23,7 +27,7 @@ struct Fixture {
     walk: Box<dyn Walk>,
     pictures: Pictures,
     scene: Arc<Scene>,
-    step: Step,
+    step: Arc<Step>,
     offer: Offer,
 }
 
@@ -35,7 +39,7 @@ fn fixture(cursor: Cursor) -> Fixture {
     search.set("range", "4").expect("in range");
     let mut walk = AnyEstimator::walk(&search, &clip, 0).expect("the clip suits the search");
     walk.jump(Move::To(cursor));
-    let (scene, step) = (Arc::new(walk.scene(None)), walk.step(None));
+    let (scene, step) = (Arc::new(walk.scene(None)), Arc::new(walk.step(None)));
     let pictures = Pictures::of(clip.pair(0).expect("a pair"));
     Fixture { walk, pictures, scene, step, offer: Offer::default() }
 }
@@ -50,7 +54,7 @@ fn harness<'a>(size: Vec2, theme: Theme, show: impl FnMut(&mut Ui) + 'a) -> Harn
         .with_max_steps(60)
         .with_context_setup(move |ctx| {
             style::install_fonts(ctx);
-            style::apply(ctx, style::Look { theme, zoom: 1.0, reduced_motion: true });
+            style::apply(ctx, style::Interface { theme, zoom: 1.0, reduced_motion: true });
         })
         .build_ui(show)
 }
@@ -62,12 +66,10 @@ impl Fixture {
             frame: 12,
             scene: &self.scene,
             lockstep: None,
-            theme: Theme::Dark,
-            colors: ColorMap::Viridis,
+            is_single: false,
+            look: Look::of_window(),
             heat: "SAD",
             gpu: None,
-            lengthen: Lengthen::Auto,
-            spacing_px: None,
             placing: None,
             offer: &self.offer,
             checking: false,
@@ -89,6 +91,11 @@ impl Fixture {
         pictures.into_iter().chain(charts).chain([told]).collect()
     }
 
+    /// What its charts show.
+    fn subject(&self, theme: Theme) -> Subject<'_> {
+        Subject { step: Some(&self.step), whose: self.walk.info().name, theme, ..fresh() }
+    }
+
     fn surface(&self) -> &Surface {
         let surface = self.step.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface),
@@ -96,6 +103,11 @@ impl Fixture {
         });
         surface.expect("full search has a surface")
     }
+}
+
+/// What is laid out anew in each frame.
+fn fresh() -> Subject<'static> {
+    Subject { step: None, whose: "Full search", theme: Theme::Dark, colors: ColorMap::Viridis }
 }
 
 #[test]
@@ -218,11 +230,12 @@ fn a_click_on_the_stage_tells_the_pixel_and_pointing_reads_it() {
     right.click();
     harness.run();
     // The middle of 64×48 pixels lies between pixels 31 and 32, 23 and 24.
-    let [x, y] = clicked.get().expect("a click on the picture is told");
+    let Focus { on, at: [x, y] } = clicked.get().expect("a click on the picture is told");
+    assert_eq!(on, Picture::NEXT);
     assert!((31.0..=32.0).contains(&x) && (23.0..=24.0).contains(&y), "{x} {y}");
     harness.hover_at(center + vec2(1.0, 1.0));
     harness.run();
-    assert_eq!(hovered.get(), Some([32.0, 24.0]));
+    assert_eq!(hovered.get(), Some(Focus { on: Picture::NEXT, at: [32.0, 24.0] }));
     let [a, b] = [0, 1].map(|i: usize| fixture.pictures.pair[i].luma()[(32, 24)]);
     let told = format!("x 32, y 24, t {a}, t+1 {b}");
     assert!(harness.query_by_label_contains(&told).is_some(), "{told}");
@@ -270,18 +283,19 @@ fn the_wheel_zooms_about_the_pointer_and_a_double_click_keeps_the_place() {
 fn every_view_of_the_pair_is_one_click_away() {
     let fixture = fixture(MIDDLE);
     let mut state = stage::State::default();
-    let view = Cell::new(View::SideBySide);
+    let look = Cell::new(Look::of_window());
+    let view = || look.get().view.unwrap_or_default();
     let mut harness = harness(vec2(1000.0, 500.0), Theme::Dark, |ui| {
-        stage::show(ui, fixture.stage(), &mut state);
-        view.set(state.view);
+        let response = stage::show(ui, stage::Input { look: look.get(), ..fixture.stage() }, &mut state);
+        look.set(response.look);
     });
     for wanted in View::ALL {
-        let before = view.get();
+        let before = view();
         harness.get_by_role_and_label(Node::Button, wanted.name()).click();
         // A blinking stage is never at rest.
         harness.run_steps(3);
         // There is no prediction in the middle of a run.
-        assert_eq!(view.get(), if wanted.is_of_the_end() { before } else { wanted });
+        assert_eq!(view(), if wanted.is_of_the_end() { before } else { wanted });
         let blend = harness.query_by_role_and_label(Node::Slider, "Share of frame t+1 in the blend");
         assert_eq!(blend.is_some(), wanted == View::Blend);
     }
@@ -307,7 +321,7 @@ fn a_click_on_the_cost_map_tells_the_event_that_tested_it() {
     let mut state = heat_map::State::default();
     let told = Cell::new(heat_map::Response::default());
     let mut harness = harness(vec2(460.0, 360.0), Theme::Dark, |ui| {
-        let input = heat_map::Input { surface, colors: ColorMap::Viridis, theme: Theme::Dark };
+        let input = heat_map::Input { surface, subject: fixture.subject(Theme::Dark) };
         let response = heat_map::show(ui, input, &mut state);
         if response.clicked.is_some() {
             told.set(response);
@@ -336,7 +350,7 @@ fn tiles_light_the_same_pixel_and_tell_its_numbers() {
     let mut state = tiles::State::default();
     let hovered = Cell::new(None);
     let mut harness = harness(vec2(1400.0, 420.0), Theme::Projector, |ui| {
-        let input = tiles::Input { tiles: shown, is_centred: false, theme: Theme::Projector };
+        let input = tiles::Input { tiles: shown, is_centred: false, subject: fixture.subject(Theme::Projector) };
         hovered.set(tiles::show(ui, input, &mut state).hovered);
     });
     let tile = harness.get_by_role_and_label(Node::Image, "candidate").rect();
@@ -355,7 +369,7 @@ fn windows_are_seen_whole_and_read_at_a_click() {
     let (shown, size) = ([tile("Window"), tile("Its place"), tile("δI")], vec2(440.0, 240.0));
     let mut state = tiles::State::default();
     let mut harness = harness(size, Theme::Dark, |ui| {
-        tiles::show(ui, tiles::Input { tiles: &shown, is_centred: true, theme: Theme::Dark }, &mut state);
+        tiles::show(ui, tiles::Input { tiles: &shown, is_centred: true, subject: fresh() }, &mut state);
     });
     let rect = |harness: &Harness<'_>, label| harness.get_by_role_and_label(Node::Image, label).rect();
     for label in ["Window", "Its place", "δI"] {
@@ -384,8 +398,7 @@ fn the_surface_turns_without_a_graphics_card() {
     let mut state = surface3d::State::default();
     let orbit = Cell::new(surface3d::Orbit::default());
     let mut harness = harness(vec2(500.0, 400.0), Theme::Dark, |ui| {
-        let input =
-            surface3d::Input { surface: fixture.surface(), colors: ColorMap::Viridis, theme: Theme::Dark, gpu: None };
+        let input = surface3d::Input { surface: fixture.surface(), subject: fixture.subject(Theme::Dark), gpu: None };
         surface3d::show(ui, input, &mut state);
         orbit.set(state.orbit);
     });
@@ -434,7 +447,11 @@ fn marks_lie_in_their_picture_whatever_its_size() {
         for size in [vec2(500.0, 700.0), vec2(900.0, 500.0), vec2(1900.0, 1000.0)] {
             let mut state = stage::State::default();
             let harness = harness(size, theme, |ui| {
-                stage::show(ui, stage::Input { theme, ..fixture.stage() }, &mut state);
+                stage::show(
+                    ui,
+                    stage::Input { look: Look { theme, ..Look::of_window() }, ..fixture.stage() },
+                    &mut state,
+                );
             });
             for (role, pane) in [(Role::Reference, "Stage: Frame t = 12"), (Role::Candidate, "Stage: Frame t+1 = 13")] {
                 let pane = harness.get_by_label(pane).rect();
@@ -465,6 +482,7 @@ struct All {
     stage: stage::State,
     why: why::State,
     map: heat_map::State,
+    plot: series::State,
     tiles: tiles::State,
     solid: surface3d::State,
 }
@@ -472,6 +490,7 @@ struct All {
 impl All {
     fn show(&mut self, ui: &mut Ui, fixture: &Fixture, theme: Theme) {
         let cell = ui.available_size() / vec2(3.0, 2.0);
+        let subject = Subject { colors: ColorMap::Turbo, ..fixture.subject(theme) };
         eframe::egui::Grid::new("all").show(ui, |ui| {
             let part = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
                 ui.allocate_ui(cell, |ui| {
@@ -480,7 +499,11 @@ impl All {
                 });
             };
             part(ui, &mut |ui| {
-                stage::show(ui, stage::Input { theme, ..fixture.stage() }, &mut self.stage);
+                stage::show(
+                    ui,
+                    stage::Input { look: Look { theme, ..Look::of_window() }, ..fixture.stage() },
+                    &mut self.stage,
+                );
             });
             part(ui, &mut |ui| {
                 why::show(
@@ -492,15 +515,14 @@ impl All {
             for readout in &fixture.step.readouts {
                 part(ui, &mut |ui| match readout {
                     Readout::Surface(surface) => {
-                        let colors = ColorMap::Turbo;
-                        heat_map::show(ui, heat_map::Input { surface, colors, theme }, &mut self.map);
-                        surface3d::show(ui, surface3d::Input { surface, colors, theme, gpu: None }, &mut self.solid);
+                        heat_map::show(ui, heat_map::Input { surface, subject }, &mut self.map);
+                        surface3d::show(ui, surface3d::Input { surface, subject, gpu: None }, &mut self.solid);
                     }
                     Readout::Series(lines) => {
-                        series::show(ui, series::Input { series: lines, theme, logarithmic: false });
+                        series::show(ui, series::Input { series: lines, subject, logarithmic: false }, &mut self.plot);
                     }
                     Readout::Tiles(shown) => {
-                        tiles::show(ui, tiles::Input { tiles: shown, is_centred: false, theme }, &mut self.tiles);
+                        tiles::show(ui, tiles::Input { tiles: shown, is_centred: false, subject }, &mut self.tiles);
                     }
                     _ => {}
                 });

@@ -1,11 +1,15 @@
 //! The window driven headlessly: no display, no graphics card, but real keys, clicks and drags.
 
+#[path = "window/every.rs"]
+mod every;
 #[path = "window/files.rs"]
 mod files;
 #[path = "window/levels.rs"]
 mod levels;
 #[path = "window/lockstep.rs"]
 mod lockstep;
+#[path = "window/look.rs"]
+mod look;
 #[path = "window/motion.rs"]
 mod motion;
 #[path = "window/objects.rs"]
@@ -30,19 +34,22 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, Rect, TouchPhase, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use motionscope::experiment::source::Source;
 use motionscope::media::Open;
-use motionscope::motion::Reverse;
 use motionscope::paint::{ColorMap, Lengthen, LevelShown, Theme, View};
 use motionscope::results::EXPORTS;
 use motionscope::session::Session;
-use motionscope::shot::{Format, Look};
-use motionscope::source::Source;
 use motionscope::ui::app::App;
-use motionscope::ui::commands::{Command, Menu, Rungs};
+use motionscope::ui::app::commands::{Command, Menu, Rungs};
+use motionscope::ui::charts::heat_map;
 use motionscope::ui::model::document::Owner;
 use motionscope::ui::model::snapshot::Snapshot;
 use motionscope::ui::model::writer::{Order, What};
-use motionscope::ui::{self, Start, heat_map};
+use motionscope::ui::{self, Start};
+use motionscope::view::look::Look;
+use motionscope::view::motion::Reverse;
+use motionscope::view::panes::Selection;
+use motionscope::view::shot::Format;
 use motionscope_core::scene::Readout;
 use motionscope_core::{Cursor, Value, metrics};
 
@@ -250,14 +257,14 @@ fn another_pair_of_frames_is_run_on() {
     let mut window = Window::usual();
     let (unit, before) = (window.cursor().unit, window.told());
     window.key(Key::Period);
-    assert_eq!((window.shown().subject.frame, window.cursor().unit), (1, unit));
+    assert_eq!((window.shown().subject.experiment.frame, window.cursor().unit), (1, unit));
     let sample = Source::synth("pillar").and_then(|source| source.open(&Open::default())).expect("the sample");
     for (t, frame) in [1, 2].into_iter().zip(&window.shown().pictures.pair) {
         assert!(frame.luma() == sample.frame(t).expect("a frame").luma(), "frame {t} is run on");
     }
     assert!(window.told() != before, "another pair has other costs");
     window.key(Key::Comma);
-    assert_eq!(window.shown().subject.frame, 0);
+    assert_eq!(window.shown().subject.experiment.frame, 0);
     assert!(window.told() == before, "and back is as before");
 }
 
@@ -312,9 +319,9 @@ fn the_next_start_looks_like_the_last() {
 
     let again = Window::remembering(size, Start::default(), Some(memory));
     assert!((place(&again) - moved).abs() < 2.0, "{} {moved}", place(&again));
-    assert_eq!(again.app().settings().theme(), Theme::Light);
-    assert_eq!(again.app().settings().colors(), ColorMap::Turbo);
-    assert_eq!(again.app().settings().lengthen(), Lengthen::Times(4.0));
+    assert_eq!(again.app().settings().look.theme, Theme::Light);
+    assert_eq!(again.app().settings().look.colors, ColorMap::Turbo);
+    assert_eq!(again.app().settings().look.arrow_scale, Lengthen::Times(4.0));
     assert!(again.harness.query_by_label_contains("Legend: ").is_none());
     let title = |window: &Window| window.harness.get_by_label_contains("Stage: ").accesskit_node().label();
     assert!(title(&window).is_some_and(|title| title.contains('|')), "the difference is shown");
@@ -331,7 +338,7 @@ fn colours_and_arrows_are_chosen_in_the_view_menu() {
         window.click_role(Role::MenuItem, text);
     }
     let settings = window.app().settings();
-    assert_eq!((settings.colors(), settings.lengthen()), (ColorMap::Turbo, Lengthen::Times(2.0)));
+    assert_eq!((settings.look.colors, settings.look.arrow_scale), (ColorMap::Turbo, Lengthen::Times(2.0)));
 }
 
 #[test]
@@ -442,7 +449,7 @@ fn every_theme_draws_at_every_size() {
         let mut window = Window::new(size);
         for _ in 0..Theme::ALL.len() {
             window.key(Key::T);
-            let theme = window.app().settings().theme();
+            let theme = window.app().settings().look.theme;
             window.lies_inside(size, &format!("{theme:?}"));
             for command in [Command::Samples, Command::Shortcuts, Command::Open, Command::ExportSteps, Command::About] {
                 window.command(command);
@@ -526,7 +533,7 @@ fn what_is_still_being_written_is_not_cut_short_by_the_next() {
     let folder = tempfile::tempdir().expect("a folder");
     let order = |what, name: &str| {
         let path = folder.path().join(name);
-        Order { what, path, scale: 2, look: Look::default() }
+        Order { what, path, scale: 2, look: Look::default(), panes: Selection::default() }
     };
     let mut window = Window::usual();
     let (from, to) = (Cursor { unit: 0, event: 1 }, Cursor { unit: 0, event: 12 });

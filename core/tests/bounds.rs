@@ -69,6 +69,7 @@ fn corners(kind: &Kind) -> Vec<Value> {
             kind.ids().into_iter().map(|id| Value::Stage(kind.parse(id).expect("one of its own"))).collect()
         }
         Kind::Placed(figure) => vec![Value::Placed(figure.none()), Value::Placed(figure.spanned([8.0; 2], [40.0; 2]))],
+        Kind::Optional { of, word } => [corners(of), vec![Value::Choice(word)]].concat(),
     }
 }
 

@@ -3,6 +3,7 @@
 mod common;
 
 use common::{SIZE, error, flow, linear_motion, set};
+use motionscope_core::scene::Focus;
 use motionscope_core::{Clip, Cursor, DenseField, Grid, Move, scene};
 
 /// The polynomial c + b_x x + b_y y + a_xx x² + a_yy y² + 2 a_xy x y that fits a picture best around a pixel, as plainly as can
@@ -112,7 +113,7 @@ fn farneback_tells_what_it_does() {
     // The last iteration, on the picture itself.
     walk.jump(Move::To(Cursor { unit: 3, event: usize::MAX }));
     let Some(field) = walk.output().get::<DenseField>().cloned() else { panic!("a dense field") };
-    let step = walk.step(Some(focus));
+    let step = walk.step(Some(Focus::current(focus)));
     let found = step.readouts.iter().find_map(|readout| match readout {
         scene::Readout::Plane(plane) => plane.points.iter().find(|(name, ..)| *name == "displacement"),
         _ => None,
@@ -121,7 +122,7 @@ fn farneback_tells_what_it_does() {
     assert!(step.sentence.plain().contains("pixel (40, 30)"), "{}", step.sentence.plain());
     // The first unit of a level shows the polynomials of both frames, and what they leave.
     walk.jump(Move::To(Cursor { unit: 2, event: 1 }));
-    let tiles = walk.step(Some(focus)).readouts.into_iter().find_map(|readout| match readout {
+    let tiles = walk.step(Some(Focus::current(focus))).readouts.into_iter().find_map(|readout| match readout {
         scene::Readout::Tiles(tiles) => Some(tiles),
         _ => None,
     });
@@ -142,7 +143,7 @@ fn farneback_tells_what_it_does() {
     // What a pixel says is two lines, what its window says many.
     for (event, lines) in [(3, 2..=2), (4, 20..=200)] {
         walk.jump(Move::To(Cursor { unit: 2, event }));
-        let count = walk.step(Some(focus)).readouts.iter().find_map(|readout| match readout {
+        let count = walk.step(Some(Focus::current(focus))).readouts.iter().find_map(|readout| match readout {
             scene::Readout::Plane(plane) => Some(plane.lines.len()),
             _ => None,
         });

@@ -3,6 +3,7 @@
 mod common;
 
 use common::{set, waves};
+use motionscope_core::scene::Focus;
 use motionscope_core::{
     Border, Clip, Cursor, DenseField, Feature, Frame, Gray, Grid, Move, PointField, Status, Threads, Way, scene,
 };
@@ -281,7 +282,10 @@ fn an_iteration_is_told_with_its_numbers_and_its_trail() {
     assert_eq!(trail, Some(3), "where it began and two iterations");
     walk.jump(Move::End);
     assert_eq!(walk.output().get::<PointField>().expect("features").points.len(), 5);
-    assert_eq!(walk.unit_at(walk.output().get::<PointField>().expect("features").points[3].at), Some(7));
+    assert_eq!(
+        walk.unit_at(Focus::current(walk.output().get::<PointField>().expect("features").points[3].at)),
+        Some(7)
+    );
 }
 
 #[test]
@@ -359,10 +363,10 @@ fn walking_along_every_pixel_comes_to_what_a_run_comes_to() {
         let run = estimator.run(&clip, 0, &Threads::new(threads).expect("threads")).expect("a run");
         assert_eq!(run, walk.output(), "{threads} threads");
     }
-    assert_eq!(walk.unit_at([20.0, 7.0]), Some(2 * 8 - 1));
+    assert_eq!(walk.unit_at(Focus::current([20.0, 7.0])), Some(2 * 8 - 1));
     // Row 10 on the picture, up to its pixel 4: any pixel above can be explained, none below.
     walk.jump(Move::To(Cursor { unit: 21, event: 5 }));
-    let told = |at| walk.step(Some(at)).sentence.plain();
+    let told = |at| walk.step(Some(Focus::current(at))).sentence.plain();
     assert!(told([33.0, 9.0]).starts_with("Pixel (33, 9)"), "{}", told([33.0, 9.0]));
     assert!(told([2.0, 10.0]).starts_with("Pixel (2, 10)"));
     assert!(told([5.0, 10.0]).starts_with("Pixel (4, 10)") && told([5.0, 30.0]).starts_with("Pixel (4, 10)"));
@@ -385,7 +389,7 @@ fn a_feature_that_is_pointed_at_is_explained_with_its_way_through_the_levels() {
             .next()
             .expect("a stack")
     };
-    let (first, last) = (walk.step(Some(found[0].at)), walk.step(None));
+    let (first, last) = (walk.step(Some(Focus::current(found[0].at))), walk.step(None));
     assert!(first.sentence.plain().starts_with("Point 1 "), "{}", first.sentence.plain());
     assert_eq!(stack(first).floors[0].vector.map(|(vector, _)| Some(vector)), Some(found[0].displacement));
     let stack = stack(last);

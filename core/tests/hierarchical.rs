@@ -5,6 +5,7 @@ mod common;
 use std::collections::BTreeSet;
 
 use common::halved;
+use motionscope_core::scene::Focus;
 use motionscope_core::{
     BlockField, BlockGrid, Border, Clip, Cursor, Frame, Gray, Grid, Move, Threads, Way, estimator, synth,
 };
@@ -230,5 +231,5 @@ fn levels_are_rungs_and_say_where_they_are() {
     let reference = scene.marks.iter().find(|mark| mark.role == motionscope_core::Role::Reference).expect("the block");
     let corners = reference.shape.coordinates();
     assert_eq!((corners[0], corners[2] - corners[0]), (4.0 * (64.0 - 0.5), 64.0));
-    assert_eq!(walk.unit_at([300.0, 230.0]), Some(19));
+    assert_eq!(walk.unit_at(Focus::current([300.0, 230.0])), Some(19));
 }

@@ -3,6 +3,7 @@
 mod common;
 
 use common::{central, equation, fact, flow, linear_motion, numbers, plane, plotted, point, set, told};
+use motionscope_core::scene::Focus;
 use motionscope_core::{Clip, Cursor, DenseField, Flow, Frame, Move, Threads, Way, synth};
 
 /// Horn and Schunck's method as plainly as can be: one level, central differences, Jacobi iterations, all in f64.
@@ -106,7 +107,7 @@ fn the_update_that_is_told_is_the_one_that_is_done() {
         walk.jump(Move::To(Cursor { unit: 6, event: usize::MAX }));
         let focus = [40.0, 30.0];
         let Some(field) = walk.output().get::<DenseField>().cloned() else { panic!("a dense field") };
-        let step = walk.step(Some(focus));
+        let step = walk.step(Some(Focus::current(focus)));
         let [before, mean, after] = ["before", "average", "after"].map(|name| point(&step, name));
         assert_eq!(after, field.flow.at(40, 30).unwrap());
         let [a, b, c] = plane(&step).lines[0].factors;
@@ -123,7 +124,7 @@ fn the_update_that_is_told_is_the_one_that_is_done() {
             assert!((result - f64::from(after[1])).abs() < 2e-3, "{said}");
         }
         walk.jump(Move::Rung(4, Way::Back));
-        assert!(walk.step(Some(focus)).sentence.plain().contains("pixel (40, 30)"));
+        assert!(walk.step(Some(Focus::current(focus))).sentence.plain().contains("pixel (40, 30)"));
     }
 }
 
@@ -135,7 +136,7 @@ fn what_a_later_warp_tells_of_a_pixel_can_be_recomputed() {
         let mut walk = estimator.walk(&clip, 0).unwrap();
         // The first event of an iteration in the middle of the second warp.
         walk.jump(Move::To(Cursor { unit: 40, event: 1 }));
-        let step = walk.step(Some([40.0, 30.0]));
+        let step = walk.step(Some(Focus::current([40.0, 30.0])));
         let [x, y, t] = numbers(&fact(&step, "I_x, I_y, I_t").unwrap())[..] else { panic!("three") };
         let [u, v] = numbers(&fact(&step, "Warp (u₀, v₀)").unwrap())[..] else { panic!("two") };
         assert!(t.abs() < 2.0 && (u - 1.3).abs() < 0.2 && (v + 0.6).abs() < 0.2, "{id}: little is left to find");

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use common::waves;
 use motionscope_core::params::{Kind, Spot, Value};
 use motionscope_core::products::{KINDS, Motion, Reference, Score};
+use motionscope_core::scene::Focus;
 use motionscope_core::stage::value_of;
 use motionscope_core::{
     AnyEstimator, BlockField, Bounds, Clip, Cursor, DenseField, Detection, Error, Explained, Flow, Followed, Frame,
@@ -269,7 +270,9 @@ fn steps_show_the_charts_that_are_declared_and_no_others() {
         let mut shown = std::collections::HashSet::new();
         while !walk.at_end() {
             into(Way::Forward, &mut *walk);
-            shown.extend(walk.step(Some([20.0, 20.0])).readouts.iter().filter_map(|readout| readout.chart()));
+            shown.extend(
+                walk.step(Some(Focus::current([20.0, 20.0]))).readouts.iter().filter_map(|readout| readout.chart()),
+            );
         }
         let declared = estimator.charts();
         let id = estimator.info().id;
@@ -535,7 +538,7 @@ fn every_mark_is_finite_and_every_event_is_told() {
         let info = estimator.info();
         while !walk.at_end() {
             into(Way::Forward, &mut *walk);
-            let step = walk.step(Some([9.0, 9.0]));
+            let step = walk.step(Some(Focus::current([9.0, 9.0])));
             assert!(info.line(step.line).is_some(), "{}: {}", walk.cursor(), step.line);
             assert!(step.sentence.plain().len() > 10, "{}: {}", walk.cursor(), step.sentence.plain());
             assert!(!step.readouts.is_empty());
@@ -553,7 +556,7 @@ fn a_pixel_is_not_explained_before_its_turn() {
     each(|estimator| {
         let id = estimator.info().id;
         let mut walk = estimator.walk(&clip, 0).expect("a run");
-        let point = [9.0, 4.0];
+        let point = Focus::current([9.0, 4.0]);
         let Some(Explained::From(turn)) = walk.explained(point) else { return };
         let told = |walk: &dyn Walk, focus| format!("{:?} {:?}", walk.step(focus), walk.scene(focus));
         walk.jump(Move::To(Cursor { unit: turn.unit, event: turn.event - 3 }));
@@ -648,6 +651,8 @@ fn in_range(kind: &Kind, dice: u64) -> Value {
             let spanned = figure.spanned(at(0), at(17).map(|c| c + 100.0));
             Value::Placed(spots.into_iter().fold(spanned, |placed, spot| placed.with(spot)))
         }
+        Kind::Optional { word, .. } if dice.is_multiple_of(3) => Value::Choice(word),
+        Kind::Optional { of, .. } => in_range(of, dice),
     }
 }
 
@@ -694,7 +699,7 @@ proptest! {
                 Err(error) => prop_assert!(error.to_string().len() > 20),
                 Ok(mut walk) => {
                     walk.jump(Move::To(Cursor { unit: (dice[0] % 50) as usize, event: (dice[1] % 100) as usize }));
-                    walk.step(Some([3.0, 4.0]));
+                    walk.step(Some(Focus::current([3.0, 4.0])));
                     let scene = walk.scene(None);
                     for mark in &scene.marks {
                         let odd = mark.shape.coordinates().into_iter().find(|c| !c.is_finite());
@@ -715,7 +720,7 @@ proptest! {
                         vec![Value::Real(min - beyond as f64), Value::Real(max + beyond as f64), Value::Real(f64::NAN)]
                     }
                     Kind::Switch => vec![Value::Int(1)],
-                    Kind::Choice(_) => vec![Value::Choice("none-of-these")],
+                    Kind::Choice(_) | Kind::Optional { .. } => vec![Value::Choice("none-of-these")],
                     Kind::Stage(kind) => {
                         let wrong = estimators().into_iter().find(|other| !kind.ids().contains(&other.info().id));
                         vec![Value::Int(1), value_of(&*wrong.expect("one that cannot be this stage"))]

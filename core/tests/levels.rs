@@ -67,7 +67,7 @@ fn what_a_mark_encloses_is_what_the_search_compares() {
         let levels = levels(&scene);
         assert_eq!(levels.at_work, level, "unit {unit}");
         let block = scene.marks.iter().find_map(|mark| match mark.shape {
-            Shape::Rect { min, max } if (mark.on, mark.role) == (Picture::Current, Role::Reference) => Some([min, max]),
+            Shape::Rect { min, max } if (mark.on, mark.role) == (Picture::CURRENT, Role::Reference) => Some([min, max]),
             _ => None,
         });
         let [min, max] = block.expect("the block is marked");

@@ -1,5 +1,6 @@
 //! Laws of lockstep: what stands side by side is what each estimator shows alone, and nobody gets more than the others.
 
+use motionscope_core::scene::Focus;
 use motionscope_core::scene::Readout;
 use motionscope_core::{
     AnyEstimator, Beside, BlockField, Clip, Cursor, Frame, Grid, Lockstep, Move, Pace, Scene, Step, Threads, Walk, Way,
@@ -252,10 +253,10 @@ fn a_block_is_reached_over_all_levels() {
 fn a_click_leads_to_the_block_there() {
     for pace in [Pace::Block, Pace::Budget] {
         let walk = lockstep(&["diamond", "full-search"], pace);
-        assert_eq!(walk.unit_at([17.0, 9.0]), Some(6 + 2));
-        assert_eq!(walk.unit_at([99.0, 9.0]), None);
+        assert_eq!(walk.unit_at(Focus::current([17.0, 9.0])), Some(6 + 2));
+        assert_eq!(walk.unit_at(Focus::current([99.0, 9.0])), None);
     }
-    assert_eq!(lockstep(&["hierarchical", "diamond"], Pace::Block).unit_at([17.0, 9.0]), Some(6 + 2));
+    assert_eq!(lockstep(&["hierarchical", "diamond"], Pace::Block).unit_at(Focus::current([17.0, 9.0])), Some(6 + 2));
 }
 
 #[test]

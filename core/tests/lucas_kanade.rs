@@ -3,6 +3,7 @@
 mod common;
 
 use common::{SIZE, fact, linear_motion, numbers, set, tile, told};
+use motionscope_core::scene::Focus;
 use motionscope_core::{Clip, Cursor, DenseField, Frame, Grid, Move, Role, Threads, scene};
 
 /// Lucas and Kanade's method at one pixel, as plainly as can be: central differences, all pixels of the window alike, in f64.
@@ -117,7 +118,7 @@ fn what_left_the_picture_does_not_count() {
     let thin = set("lucas-kanade", &[("window", "3"), ("iterations", "2"), ("smoothing", "0"), ("threshold", "0")]);
     let mut walk = thin.walk(&narrow, 0).unwrap();
     walk.jump(Move::End);
-    let told = (0..40).map(|y| walk.step(Some([4.0, y as f32])).sentence.plain());
+    let told = (0..40).map(|y| walk.step(Some(Focus::current([4.0, y as f32]))).sentence.plain());
     let gone: Vec<_> = told.filter(|said| said.contains("all pixels of the window left the picture")).collect();
     assert!(!gone.is_empty());
 }
@@ -185,7 +186,7 @@ fn a_bar_is_an_edge_a_wall_is_flat_and_both_say_nothing() {
     let mut walk = estimator.walk(&clip, 0).unwrap();
     walk.jump(Move::End);
     for (place, told) in [([48.0, 25.0], "edge"), ([15.0, 25.0], "flat"), ([48.0, 60.0], "corner")] {
-        let facts = walk.step(Some(place)).readouts.into_iter().find_map(|readout| match readout {
+        let facts = walk.step(Some(Focus::current(place))).readouts.into_iter().find_map(|readout| match readout {
             scene::Readout::Facts(facts) => facts.into_iter().find(|fact| fact.label == "Eigenvalues"),
             _ => None,
         });

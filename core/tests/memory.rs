@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicIsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use common::set;
+use motionscope_core::scene::Focus;
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, ClipInfo, Detection, Error, Frame, FrameSource, Grid, Move, Stop, Threads, Way,
     estimators,
@@ -141,7 +142,7 @@ fn a_run_takes_no_more_than_it_said_before() {
             let unit = walk.info().rungs.len() - 2;
             (0..5).for_each(|_| walk.jump(Move::Rung(unit, Way::Back)));
             (0..5).for_each(|_| walk.jump(Move::Rung(unit, Way::Forward)));
-            drop((walk.step(Some([30.0, 40.0])), walk.scene(None), walk.output()));
+            drop((walk.step(Some(Focus::current([30.0, 40.0]))), walk.scene(None), walk.output()));
         });
         if most > need.walk {
             wrong.push(format!("{id} {settings} is walked through with {most} bytes, not {}", need.walk));

@@ -3,6 +3,7 @@
 mod common;
 
 use common::{SIZE, error, fact, flow, linear_motion, moving, set, told, waves};
+use motionscope_core::scene::Focus;
 use motionscope_core::{Clip, Cursor, Flow, Frame, Grid, Move};
 
 /// A shift, a turn by 1.2°, a growth by 2 %, and a shear.
@@ -92,7 +93,7 @@ fn windows_larger_than_the_picture_and_half_known_truth_show_no_nan() {
     walk.jump(Move::End);
     assert!(walk.output().flow().expect("a flow").0.cells().iter().flatten().all(|c| c.is_finite() && c.abs() < 3.0));
     for focus in [[3.0, 4.0], [15.0, 4.0]] {
-        let step = format!("{:?}", walk.step(Some(focus)));
+        let step = format!("{:?}", walk.step(Some(Focus::current(focus))));
         assert!(step.contains("Mean endpoint error") && !step.contains("NaN"), "{step}");
     }
 }
@@ -107,7 +108,7 @@ fn a_pixel_without_a_constraint_is_told_as_such() {
         let estimator = set(id, &[("levels", "1"), ("warps", "2"), ("iterations", "40")]);
         let mut walk = estimator.walk(&clip, 0).unwrap();
         walk.jump(Move::To(Cursor { unit: 50, event }));
-        let step = walk.step(Some([95.0, 40.0]));
+        let step = walk.step(Some(Focus::current([95.0, 40.0])));
         assert!(step.sentence.plain().contains("has left the picture"), "{id}: {}", step.sentence.plain());
         assert_eq!(fact(&step, "I_x, I_y, I_t").as_deref(), Some("none: it left the picture"), "{id}");
     }

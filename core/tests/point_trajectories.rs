@@ -3,6 +3,7 @@
 mod common;
 
 use common::{set, waves};
+use motionscope_core::scene::Focus;
 use motionscope_core::scene::Readout;
 use motionscope_core::{Clip, Frame, Grid, Move, Status, Threads, Track, TrackField, synth};
 
@@ -181,7 +182,7 @@ fn the_point_that_is_pointed_at_is_told_of() {
         .tracks
         .iter()
         .position(|track| track.at(1).is_some_and(|point| distance(point.at, [66.0, 55.0]) < 0.2));
-    let step = walk.step(Some([67.0, 54.0]));
+    let step = walk.step(Some(Focus::current([67.0, 54.0])));
     let sentence = step.sentence.plain();
     let name = format!("Point {} is carried to (6", nearest.expect("one on the grid") + 1);
     assert!(sentence.starts_with(&name) && sentence.contains("apart"), "{sentence}, not {name}");

@@ -7,12 +7,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use common::waves;
-use motionscope_core::params::{Kind, Placed, Spot, StageValue, Value};
+use motionscope_core::params::{Kind, Placed, Spec, Spot, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
+use motionscope_core::scene::Focus;
 use motionscope_core::scene::Sentence;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Flow, Frame, Grid, Info, Move, ObjectBox, Promise, Spec,
-    Step, Truth, Walk, Way, estimators, pseudocode,
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Flow, Frame, Grid, Info, Move, ObjectBox, Promise, Step,
+    Truth, Walk, Way, estimators, pseudocode,
 };
 
 /// The size of a picture of which each part does something else.
@@ -146,15 +147,14 @@ const SMALL: [(&str, &str); 8] = [
 
 /// The values that a parameter is tried with: each choice, a switch both ways, a number at its least and a little beyond, and
 /// things placed on the picture.
-fn tried(spec: &Spec) -> Vec<Value> {
-    match &spec.kind {
+fn tried(kind: &Kind) -> Vec<Value> {
+    match kind {
         Kind::Int { min, max } => vec![Value::Int(*min), Value::Int((*max).min(min + 9))],
         Kind::Real { min, max } => vec![Value::Real(*min), Value::Real(*max)],
         Kind::Switch => vec![Value::Switch(false), Value::Switch(true)],
         Kind::Choice(all) => all.iter().map(|choice| Value::Choice(choice.name)).collect(),
         Kind::Stage(kind) => {
-            let others = kind.ids().into_iter().map(|id| kind.parse(id).expect("one of its own"));
-            others.chain(chosen_otherwise(&spec.default)).map(Value::Stage).collect()
+            kind.ids().into_iter().map(|id| Value::Stage(kind.parse(id).expect("one of its own"))).collect()
         }
         Kind::Placed(figure) => {
             let (width, height) = (SIZE.0 as f32, SIZE.1 as f32);
@@ -163,20 +163,21 @@ fn tried(spec: &Spec) -> Vec<Value> {
             let place = |placed: Placed, (frame, at)| placed.with(Spot { frame, at });
             vec![Value::Placed(figure.none()), Value::Placed(spots.into_iter().fold(spanned, place))]
         }
+        Kind::Optional { of, word } => [tried(of), vec![Value::Choice(word)]].concat(),
     }
 }
 
 /// A stage with one choice after the other among its own parameters.
-fn chosen_otherwise(stage: &Value) -> Vec<StageValue> {
+fn chosen_otherwise(stage: &Value) -> Vec<Value> {
     let Value::Stage(stage) = stage else { return Vec::new() };
     let specs = stage.part().specs().iter().enumerate();
     let choices = specs.filter(|(_, spec)| matches!(spec.kind, Kind::Choice(_)));
     let one = |(i, value): (usize, Value)| {
         let mut other = stage.clone();
         other.part_mut().set_value(i, value).expect("in range");
-        other
+        Value::Stage(other)
     };
-    choices.flat_map(|(i, spec)| tried(spec).into_iter().map(move |value| (i, value))).map(one).collect()
+    choices.flat_map(|(i, spec)| tried(&spec.kind).into_iter().map(move |value| (i, value))).map(one).collect()
 }
 
 /// An estimator at its defaults, but small, and with one parameter after the other set to what it is tried with.
@@ -192,7 +193,8 @@ fn settings(estimator: &dyn AnyEstimator) -> Vec<Box<dyn AnyEstimator>> {
         other.set_value(i, value).expect("in range");
         other
     };
-    let values = small.specs().iter().enumerate().flat_map(|(i, spec)| tried(spec).into_iter().map(move |v| (i, v)));
+    let of_one = |spec: &Spec| [tried(&spec.kind), chosen_otherwise(&spec.default)].concat();
+    let values = small.specs().iter().enumerate().flat_map(|(i, spec)| of_one(spec).into_iter().map(move |v| (i, v)));
     let changed: Vec<_> = values.filter(|(i, value)| small.value(*i) != *value).map(one).collect();
     [small].into_iter().chain(changed).collect()
 }
@@ -250,6 +252,7 @@ impl Seen {
             self.see(info, &walk.step(None));
             let Cursor { unit, event } = walk.cursor();
             let pixel = [(7 * unit + event) % SIZE.0, (11 * unit + 5 * event) % SIZE.1].map(|c| c as f32);
+            let pixel = Focus::current(pixel);
             if event % 3 == 1 && walk.explained(pixel).is_some_and(|explained| explained.at(walk.cursor())) {
                 self.see(info, &walk.step(Some(pixel)));
             }

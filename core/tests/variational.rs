@@ -5,6 +5,7 @@ mod common;
 use std::sync::Arc;
 
 use common::{SIZE, central, error, flow, plane, plotted, set, waves};
+use motionscope_core::scene::Focus;
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Flow, Frame, Grid, Move, Step, Truth, scene};
 
 /// Waves of which pixel (x, y) of frame t + 1 shows what lay at `before(x, y)` in frame t, and noise of so many gray levels.
@@ -237,7 +238,7 @@ fn tv_l1_keeps_a_border_of_motion_sharp() {
 fn step(estimator: &dyn AnyEstimator, clip: &Clip, cursor: Cursor, focus: [f32; 2]) -> Step {
     let mut walk = estimator.walk(clip, 0).expect("a walk");
     walk.jump(Move::To(cursor));
-    walk.step(Some(focus))
+    walk.step(Some(Focus::current(focus)))
 }
 
 #[test]
@@ -339,8 +340,8 @@ fn every_level_shows_what_was_found_where_the_pixel_lies() {
         for cursor in [119, 179, 119].map(|unit| Cursor { unit, event: usize::MAX }) {
             walk.jump(Move::To(cursor));
             let (level, focus) = (if cursor.unit == 119 { 1 } else { 0 }, [41.0, 30.0]);
-            assert_eq!(walk.scene(Some(focus)).levels.expect("a pyramid").at_work, level);
-            let step = walk.step(Some(focus));
+            assert_eq!(walk.scene(Some(Focus::current(focus))).levels.expect("a pyramid").at_work, level);
+            let step = walk.step(Some(Focus::current(focus)));
             let stack = step.readouts.iter().find_map(|readout| match readout {
                 scene::Readout::Stack(stack) => Some(stack),
                 _ => None,

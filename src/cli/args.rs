@@ -6,10 +6,12 @@ use std::path::PathBuf;
 use clap::{Args as Group, Parser, Subcommand};
 use motionscope_core::{Cursor, Pace, Threads};
 
-use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
-use crate::pixel::Pixel;
+use super::look::LookFlags;
+use crate::experiment::pixel::Pixel;
 use crate::results::Asked;
 use crate::session;
+use crate::view::panes::Named;
+use crate::view::shot::Format;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -193,49 +195,24 @@ pub struct TaskArgs {
 
 /// How a picture looks.
 #[derive(Group)]
-pub struct LookArgs {
+pub struct PictureArgs {
     /// Pixels of the picture for each pixel of the clip.
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub scale: u32,
-    /// current, next, side-by-side, difference, blend or blink, at the end of a run also prediction or residual; as suits the step unless given.
-    #[arg(long, value_parser = view)]
-    pub view: Option<View>,
-    /// The level of a pyramid that is shown: at-work, or a number, 0 for the picture itself; the one at work unless given.
-    #[arg(long, value_name = "LEVEL", value_parser = level)]
-    pub level: Option<LevelShown>,
-    /// The share of frame t+1 in a blend, from 0 to 1; half unless given.
-    #[arg(long, value_name = "SHARE", value_parser = share)]
-    pub blend: Option<Share>,
-    /// dark, light or projector.
-    #[arg(long, value_parser = theme)]
-    pub theme: Option<Theme>,
-    /// viridis or turbo.
-    #[arg(long, value_parser = colors)]
-    pub colors: Option<ColorMap>,
-    /// The colours that tell of the motion of every pixel: wheel, magnitude, error, confidence, consistency or none; as suits the estimator unless given.
-    #[arg(long, value_parser = layer)]
-    pub layer: Option<FlowLayer>,
-    /// How far these hide the picture, from 0 to 1; as suits the layer unless given.
-    #[arg(long, value_name = "SHARE", value_parser = opacity)]
-    pub layer_opacity: Option<Opacity>,
-    /// From one arrow to the next in px of the clip; as many as there is room for unless given.
-    #[arg(long, value_name = "PX", value_parser = spacing)]
-    pub arrow_spacing: Option<u16>,
-    /// How many times their length displacements are drawn, or auto, as it is unless given.
-    #[arg(long, value_name = "X", value_parser = lengthen)]
-    pub arrow_scale: Option<Lengthen>,
-    /// Streaklines in the place of arrows, at this moment of a particle's life, from 0 to 1.
-    #[arg(long, value_name = "MOMENT", value_parser = phase)]
-    pub streaks: Option<Phase>,
+    #[command(flatten)]
+    pub look: LookFlags,
     /// The pixel that is explained, from 0, in the place of the one at work, by estimators that explain single pixels.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pub pixel: Option<Pixel>,
-    /// What the marks mean, below the picture.
-    #[arg(long)]
-    pub legend: bool,
-    /// Estimator, parameters and what happened, around the picture.
-    #[arg(long)]
-    pub caption: bool,
+}
+
+/// What stands on a picture.
+#[derive(Group)]
+pub struct SheetArgs {
+    /// Panes that are arranged on one sheet, the stage largest, with commas between them: stage, explanation, surface,
+    /// surface-3d, plane, series, tiles, matrices, histogram, errors or pyramid; --scale is then pixels per point of the sheet.
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',', num_args = 1, value_parser = pane)]
+    pub panes: Vec<Named>,
 }
 
 #[derive(Group)]
@@ -243,7 +220,9 @@ pub struct RunArgs {
     #[command(flatten)]
     pub task: TaskArgs,
     #[command(flatten)]
-    pub look: LookArgs,
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub sheet: SheetArgs,
     /// The step that the overlay shows: UNIT.EVENT as in 35.412, UNIT for its end, or 0 for the start; the end of the run unless given.
     #[arg(long, value_name = "CURSOR", value_parser = cursor)]
     pub step: Option<Cursor>,
@@ -253,9 +232,12 @@ pub struct RunArgs {
     /// Threads to run on; all cores unless given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=Threads::MAX as i64))]
     pub threads: Option<u32>,
-    /// Writes the picture of the step, .png or .svg; `-` is a PNG on standard output.
+    /// Writes the picture of the step, .png, .svg or .pdf; `-` is standard output, a PNG unless --format says otherwise.
     #[arg(long, value_name = "FILE")]
     pub overlay: Option<PathBuf>,
+    /// What the overlay is written as, png, svg or pdf; as its ending says unless given.
+    #[arg(long, value_parser = format, requires = "overlay")]
+    pub format: Option<Format>,
     #[command(flatten)]
     pub results: Asked,
     /// Writes results even over files that the run reads, or among the frames.
@@ -271,7 +253,9 @@ pub struct ExportArgs {
     #[command(flatten)]
     pub task: TaskArgs,
     #[command(flatten)]
-    pub look: LookArgs,
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub sheet: SheetArgs,
     /// First and last step, both written.
     #[arg(long, value_name = "A..B", value_parser = steps)]
     pub steps: (Cursor, Cursor),
@@ -284,56 +268,23 @@ pub struct ExportArgs {
     /// The rung whose stops are written, by the estimator's own name, e.g. block; every event unless given.
     #[arg(long, value_name = "RUNG")]
     pub every: Option<String>,
-    /// png or svg.
-    #[arg(long, default_value = "png", value_parser = ["png", "svg"])]
-    pub format: String,
+    /// png, svg or pdf.
+    #[arg(long, default_value = "png", value_parser = format)]
+    pub format: Format,
 }
 
 // What clap calls may fail with any error; the sentence is what counts.
-
-fn view(id: &str) -> Result<View, String> {
-    session::view(id).map_err(|error| error.to_string())
-}
-
-fn share(text: &str) -> Result<Share, String> {
-    Share::new(text.parse().unwrap_or(f32::NAN)).map_err(|error| error.to_string())
-}
-
-fn level(text: &str) -> Result<LevelShown, String> {
-    text.parse().map_err(|error: motionscope_core::Error| error.to_string())
-}
-
-fn layer(id: &str) -> Result<FlowLayer, String> {
-    id.parse().map_err(|error: motionscope_core::Error| error.to_string())
-}
-
-fn opacity(text: &str) -> Result<Opacity, String> {
-    Opacity::new(text.parse().unwrap_or(f32::NAN)).map_err(|error| error.to_string())
-}
-
-fn spacing(text: &str) -> Result<u16, String> {
-    let told = |_| format!("arrows have a distance in whole px, as in 16, and not {text}");
-    session::spacing_px(text.parse().map_err(told)?).map_err(|error| error.to_string())
-}
-
-fn lengthen(text: &str) -> Result<Lengthen, String> {
-    session::lengthen(text).map_err(|error| error.to_string())
-}
-
-fn phase(text: &str) -> Result<Phase, String> {
-    Phase::new(text.parse().unwrap_or(f32::NAN)).map_err(|error| error.to_string())
-}
 
 fn pixel(text: &str) -> Result<Pixel, String> {
     text.parse().map_err(|error: motionscope_core::Error| error.to_string())
 }
 
-fn theme(id: &str) -> Result<Theme, String> {
-    session::theme(id).map_err(|error| error.to_string())
+fn pane(id: &str) -> Result<Named, String> {
+    id.parse().map_err(|error: motionscope_core::Error| error.to_string())
 }
 
-fn colors(id: &str) -> Result<ColorMap, String> {
-    session::colors(id).map_err(|error| error.to_string())
+fn format(ending: &str) -> Result<Format, String> {
+    ending.parse().map_err(|error: motionscope_core::Error| error.to_string())
 }
 
 fn pace(id: &str) -> Result<Pace, String> {

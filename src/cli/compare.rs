@@ -7,20 +7,21 @@ use motionscope_core::{Clip, Error, Stop, Threads};
 use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
 use super::say;
-use crate::claims;
-use crate::comparison::{self, Arena, Row};
-use crate::media::Open;
+use crate::experiment::claims;
+use crate::experiment::comparison::{self, Arena, Round, Row};
+use crate::experiment::source::Source;
 use crate::media::export::{self, Inputs, Target, What};
+use crate::media::{Given, Open};
 use crate::session::{Named, Session};
-use crate::source::Source;
 
 /// Compares what `args` name.
 ///
 /// # Errors
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn compare(args: &CompareArgs) -> Result<(), Error> {
-    let Named { source, truth, session } = Named::find(&args.clip, args.truth.clone())?;
-    let frame = args.frame.or(session.map(|session| session.frame)).unwrap_or(0);
+    let given = Given { truth: args.truth.clone(), detections: None };
+    let Named { source, given, session } = Named::find(&args.clip, given)?;
+    let frame = args.frame.or(session.map(|session| session.experiment.frame)).unwrap_or(0);
     if args.course {
         return course(args, &source, frame);
     }
@@ -28,11 +29,11 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     let threads = Threads::new(args.threads as usize)?;
     args.csv.as_deref().filter(|path| *path != Path::new("-")).map_or(Ok(()), check_folder)?;
     let mut rows = Vec::new();
-    let given = Open { truth, ..Open::default() };
-    for (source, contenders) in comparison::rounds(&source, &estimators, args.sweep.as_deref())? {
+    let given = Open::from(given);
+    for Round { source, contenders } in comparison::rounds(&source, &estimators, args.sweep.as_deref())? {
         let clip = source.open(&given)?;
         if rows.is_empty() {
-            refuse_losses(|| inputs(args, &source, &clip, &given), &places(args), args.force)?;
+            refuse_losses(&inputs(args, &source, &clip, &given), &places(args), args.force)?;
             tell_truth(&clip);
         }
         let arena = Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat };

@@ -5,31 +5,35 @@ use motionscope_core::{Error, Info};
 use super::args::ExportArgs;
 use super::outputs::refuse_losses;
 use super::say;
-use super::task::Task;
+use super::task;
 use crate::media::export::Target;
-use crate::shot::{self, Format, Steps};
+use crate::view::panes::Selection;
+use crate::view::steps::{self, Steps};
 
 /// Writes what `args` ask for; each file whole or not at all.
 ///
 /// # Errors
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn export(args: &ExportArgs) -> Result<(), Error> {
-    let task = Task::open(&args.task)?;
-    let info = task.company.info(&*task.estimator);
+    let session = task::session(&args.task, &args.picture)?;
+    let (look, pixel) = (task::look(&session), task::pixel(session.position, &args.picture));
+    let prepared = task::prepare(&args.task, session.experiment)?;
+    let info = prepared.experiment.info();
     let rung = args.every.as_deref().map(|name| rung(info, name)).transpose()?;
     let steps = Steps {
         from: args.steps.0,
         to: args.steps.1,
         rung: rung.unwrap_or(info.rungs.len() - 1),
-        format: if args.format == "svg" { Format::Svg } else { Format::Png },
-        scale: args.look.scale,
-        look: task.look(&args.look)?,
-        pixel: task.pixel(&args.look),
-        must_have_layer: args.look.layer.is_some(),
+        format: args.format,
+        scale: args.picture.scale,
+        look,
+        panes: Selection::of(&args.sheet.panes),
+        pixel,
+        must_have_layer: args.picture.look.0.has("layer"),
     };
-    let out = [("out", Target::Numbered(&args.out, shot::STEP))];
-    refuse_losses(|| task.inputs(), &out, args.force)?;
-    let written = steps.write((&*task.estimator, &task.company), &task.clip, task.frame, &args.out, None)?;
+    let out = [("out", Target::Numbered(&args.out, steps::STEP))];
+    refuse_losses(&prepared.inputs, &out, args.force)?;
+    let written = steps.write(&prepared, &args.out, None)?;
     say(&format!("{} in {}{}", written.pictures(), args.out.display(), written.without()))
 }
 

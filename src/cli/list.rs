@@ -71,21 +71,29 @@ fn spec(spec: &Spec) -> serde_json::Value {
     told.insert("doc".into(), json!(spec.doc));
     told.insert("unit".into(), json!(spec.unit));
     told.insert("default".into(), value(spec.default.clone()));
-    let (kind, range) = match &spec.kind {
+    let (of, word) = match &spec.kind {
+        Kind::Optional { of, word } => (&**of, Some(*word)),
+        of => (of, None),
+    };
+    let (kind, range) = match of {
         Kind::Int { min, max } => ("int", json!([min, max])),
         Kind::Real { min, max } => ("real", json!([min, max])),
         Kind::Switch => ("switch", json!([false, true])),
         Kind::Choice(all) => ("choice", all.iter().map(|choice| choice.name).collect()),
         Kind::Placed(figure) => (figure.name(), json!(spec.allowed())),
         Kind::Stage(kind) => ("stage", json!(kind.ids())),
+        Kind::Optional { .. } => ("optional", json!(spec.allowed())),
     };
     told.insert("type".into(), json!(kind));
-    let name = match &spec.kind {
+    let name = match of {
         Kind::Int { .. } | Kind::Real { .. } => "range",
         Kind::Switch | Kind::Choice(_) | Kind::Stage(_) => "choices",
-        Kind::Placed(_) => "form",
+        Kind::Placed(_) | Kind::Optional { .. } => "form",
     };
     told.insert(name.into(), range);
+    if let Some(word) = word {
+        told.insert("or".into(), json!(word));
+    }
     if let Kind::Stage(kind) = &spec.kind {
         told.insert("product".into(), json!(kind.product));
     }

@@ -3,7 +3,9 @@
 mod args;
 mod compare;
 mod export;
+mod free_memory;
 mod list;
+mod look;
 mod outputs;
 mod report;
 mod run;
@@ -18,9 +20,9 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use motionscope_core::Error;
 
-use crate::media::{self, Info};
+use crate::experiment::source::Source;
+use crate::media::{self, Given, Info, Open};
 use crate::session::Named;
-use crate::source::Source;
 use crate::ui;
 use args::{Args, Command};
 
@@ -30,7 +32,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(args) => args,
         Err(error) => return usage(&error),
     };
-    motionscope_core::memory::measure_with(crate::free_memory::free_bytes);
+    motionscope_core::memory::measure_with(free_memory::free_bytes);
     match run(args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -61,9 +63,8 @@ fn run(args: Args) -> Result<(), Error> {
         None => window(args.clip),
         Some(Command::List { json }) => say(&if json { list::json() } else { list::text() }),
         Some(Command::Info { clip, json, count, truth }) => {
-            let named = Named::find(&clip, truth)?;
-            let info =
-                Info::of(&named.source.open(&media::Open { count, truth: named.truth, ..media::Open::default() })?);
+            let Named { source, given, .. } = Named::find(&clip, Given { truth, detections: None })?;
+            let info = Info::of(&source.open(&Open { count, given, ..Open::default() })?);
             say(&if json { report::to_json(&info)? } else { info.to_string() })
         }
         Some(Command::Synth { name, out, set, list }) => match (name, out) {
@@ -83,7 +84,7 @@ fn window(clip: Option<OsString>) -> Result<(), Error> {
 fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {
     let mut source = Source::parse(format!("synth:{}", name.trim_start_matches("synth:")))?;
     settings.iter().try_for_each(|setting| source.set(setting))?;
-    let clip = source.open(&media::Open::default())?;
+    let clip = source.open(&Open::default())?;
     media::export::clip(&clip, out, None)?;
     let frames = clip.info().frames.unwrap_or_default();
     say(&format!("{}: {frames} frames and their truth in {}", clip.info().name, out.display()))

@@ -14,13 +14,10 @@ pub type Place<'a> = (&'static str, Target<'a>);
 ///
 /// # Errors
 /// One sentence that names the flag and the file.
-pub fn refuse_losses(inputs: impl FnOnce() -> Inputs, places: &[Place<'_>], force: bool) -> Result<(), Error> {
-    if places.is_empty() {
-        return Ok(());
-    }
+pub fn refuse_losses(inputs: &Inputs, places: &[Place<'_>], force: bool) -> Result<(), Error> {
     let targets: Vec<_> = places.iter().map(|(_, target)| *target).collect();
-    let inputs = if force { Inputs::default() } else { inputs() };
-    check(&inputs, &targets).map_err(|clash| {
+    let inputs = if force { &Inputs::default() } else { inputs };
+    check(inputs, &targets).map_err(|clash| {
         let (flag, target) = places[clash.at];
         let (path, why, other) = (target.path().display(), clash.why, target.other());
         Error::new(match clash.also {

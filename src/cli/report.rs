@@ -9,8 +9,8 @@ use serde::{Serialize, Serializer};
 use serde_json::Map;
 
 use super::list::value;
-use super::task::Task;
-use crate::motion::Check;
+use crate::experiment::Prepared;
+use crate::view::motion::Check;
 
 /// One run in numbers.
 #[derive(Serialize)]
@@ -118,9 +118,9 @@ pub struct Timing {
 }
 
 impl Report {
-    /// What `task` led to, in numbers.
+    /// What the run of `prepared` led to, in numbers.
     pub fn new(
-        task: &Task,
+        Prepared { experiment, clip, .. }: &Prepared,
         output: &Output,
         Findings { assessment: metrics, check, live }: Findings,
         extent: Extent,
@@ -132,16 +132,16 @@ impl Report {
         let middle = times.len() / 2;
         let median = if times.len() % 2 == 1 { ms(times[middle]) } else { ms(times[middle - 1] + times[middle]) / 2.0 };
         Self {
-            clip: task.name.clone(),
-            estimator: task.estimator.info().id,
-            params: task.estimator.all_values().into_iter().map(|(name, v)| (name, value(v))).collect(),
-            frame: task.frame,
-            last_frame: output.last_frame().unwrap_or(task.frame + 1),
+            clip: experiment.source.to_string(),
+            estimator: experiment.estimator.info().id,
+            params: experiment.estimator.all_values().into_iter().map(|(name, v)| (name, value(v))).collect(),
+            frame: experiment.frame,
+            last_frame: output.last_frame().unwrap_or(experiment.frame + 1),
             units: extent.units,
             events: extent.events,
             threads,
             ms: Milliseconds { median, min: times.first().copied().map_or(0.0, ms) },
-            truth_files: task.clip.truth().map(|truth| truth.names()).unwrap_or_default(),
+            truth_files: clip.truth().map(|truth| truth.names()).unwrap_or_default(),
             metrics,
             consistency: check.map(Checked::of),
             live,

@@ -1,21 +1,25 @@
 //! `motionscope run`: one run, its numbers, and what it leaves behind.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::{Consistency, Error, Levels, Move, Output, Threads};
+use motionscope_core::{AnyEstimator, Consistency, Error, Levels, Move, Output, Threads};
 
 use super::args::RunArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
 use super::report::{Findings, Report, Timing, to_json};
 use super::say;
-use super::task::Task;
+use super::task;
+use crate::experiment::{Position, Prepared};
 use crate::media::export::{self, Target};
-use crate::motion::{Check, Reverse};
 use crate::paint::{FlowLayer, LevelShown};
 use crate::results::{self, Export};
-use crate::shot::{self, Format, Still};
+use crate::view::look::Look;
+use crate::view::moment::Viewer;
+use crate::view::motion::{Check, Reverse};
+use crate::view::panes::Selection;
+use crate::view::shot::{Format, Shot};
 
 /// Runs what `args` ask for. Files are made in full before the first is written.
 ///
@@ -23,36 +27,43 @@ use crate::shot::{self, Format, Still};
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn run(args: &RunArgs) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
-    let task = Task::open(&args.task)?;
-    refuse_losses(|| task.inputs(), &places(args), args.force)?;
-    outputs.check(&task)?;
+    let session = task::session(&args.task, &args.picture)?;
+    let overlay = Overlay { args, look: task::look(&session), position: session.position };
+    let prepared = task::prepare(&args.task, session.experiment)?;
+    refuse_losses(&prepared.inputs, &places(args), args.force)?;
+    let Prepared { experiment, clip, .. } = &prepared;
+    let (estimator, frame) = (&*experiment.estimator, experiment.frame);
+    outputs.check(estimator)?;
     if !args.task.beside.is_empty() && outputs.overlay.is_none() {
         return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
     }
-    if args.look.pixel.is_some() && outputs.overlay.is_none() {
+    if !args.sheet.panes.is_empty() && outputs.overlay.is_none() {
+        return Err(Error::new("--panes is for the picture; give --overlay FILE as well"));
+    }
+    if args.picture.pixel.is_some() && outputs.overlay.is_none() {
         return Err(Error::new("--pixel is for the picture; give --overlay FILE as well"));
     }
     let threads = args.threads.map_or_else(Threads::all, |n| Threads::new(n as usize))?;
     // Decoded here, so that the time is of the estimation alone.
-    task.clip.pair_or_last(task.frame)?;
-    let (output, times) = timed(&task, &threads, args.repeat)?;
-    let extent = task.estimator.extent(&task.clip, task.frame)?;
-    if let Some(step) = args.step.filter(|step| task.company.is_empty() && step.unit >= extent.units) {
+    clip.pair_or_last(frame)?;
+    let (output, times) = timed(&prepared, &threads, args.repeat)?;
+    let extent = estimator.extent(clip, frame)?;
+    if let Some(step) = args.step.filter(|step| experiment.company.is_empty() && step.unit >= extent.units) {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
-    let assessment = output.assess(&Reference { clip: &task.clip, frame: task.frame })?;
+    let assessment = output.assess(&Reference { clip, frame })?;
     match &assessment.truth_error {
-        Some(error) if task.truth_by_hand => return Err(error.clone()),
+        Some(error) if experiment.given.truth.is_some() => return Err(error.clone()),
         Some(error) => eprintln!("warning: {error}"),
         None => {}
     }
-    let reverse = Reverse::new(&*task.estimator, &task.clip, task.frame);
-    let check = check(&task, args, &output, &reverse)?;
-    let live = live(&task, &threads)?;
+    let reverse = Reverse::new(estimator, clip, frame);
+    let check = check(&prepared, args, &output, &reverse)?;
+    let live = live(&prepared, &threads)?;
     let timing = Timing { threads: threads.count(), times };
-    let report = Report::new(&task, &output, Findings { assessment, check, live }, extent, timing);
-    let picture =
-        outputs.overlay.map(|(path, format)| Ok((path, overlay(&task, args, format, &reverse)?))).transpose()?;
+    let report = Report::new(&prepared, &output, Findings { assessment, check, live }, extent, timing);
+    let paint = |(path, format)| Ok((path, overlay.paint(&prepared, format, &reverse)?));
+    let picture = outputs.overlay.map(paint).transpose()?;
     let encode = |(export, path, format): &(&'static Export, &PathBuf, &results::Format)| {
         let made = (format.encode)(&output)?;
         if let Some(lost) = &made.lost {
@@ -103,23 +114,31 @@ impl<'a> Outputs<'a> {
         files.iter().try_for_each(|path| check_folder(path))?;
         let formats = asked.iter().map(|(export, path)| Ok((*export, path, export.format(path)?)));
         Ok(Self {
-            overlay: args.overlay.as_ref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?,
+            overlay: args.overlay.as_ref().map(|path| Ok((path, Self::format(args, path)?))).transpose()?,
             results: formats.collect::<Result<_, Error>>()?,
             is_piped: pipes > 0,
         })
     }
 
-    /// Refuses what the estimator of `task` does not make.
-    fn check(&self, task: &Task) -> Result<(), Error> {
-        let estimator = &task.estimator;
+    /// What the overlay is written as.
+    fn format(args: &RunArgs, path: &Path) -> Result<Format, Error> {
+        args.format.map_or_else(|| Format::of(path), Ok)
+    }
+
+    /// Refuses what `estimator` does not make.
+    fn check(&self, estimator: &dyn AnyEstimator) -> Result<(), Error> {
         self.results.iter().try_for_each(|(export, ..)| export.check(estimator.info().id, estimator.produces()))
     }
 }
 
-fn timed(task: &Task, threads: &Threads, repeat: u32) -> Result<(Output, Vec<std::time::Duration>), Error> {
+fn timed(
+    Prepared { experiment, clip, .. }: &Prepared,
+    threads: &Threads,
+    repeat: u32,
+) -> Result<(Output, Vec<Duration>), Error> {
     let run = || {
         let start = Instant::now();
-        let output = task.estimator.run(&task.clip, task.frame, threads)?;
+        let output = experiment.estimator.run(clip, experiment.frame, threads)?;
         Ok((output, start.elapsed()))
     };
     let (output, first) = run()?;
@@ -128,48 +147,74 @@ fn timed(task: &Task, threads: &Threads, repeat: u32) -> Result<(Output, Vec<std
 }
 
 /// What the same estimator comes to without hindsight, where it looks back in time as it is set and is scored.
-fn live(task: &Task, threads: &Threads) -> Result<Option<Assessment>, Error> {
-    let Some(causal) = task.estimator.causal().filter(|_| task.clip.truth().is_some()) else { return Ok(None) };
-    let output = causal.run(&task.clip, task.frame, threads)?;
-    let assessment = output.assess(&Reference { clip: &task.clip, frame: task.frame })?;
+fn live(Prepared { experiment, clip, .. }: &Prepared, threads: &Threads) -> Result<Option<Assessment>, Error> {
+    let Some(causal) = experiment.estimator.causal().filter(|_| clip.truth().is_some()) else { return Ok(None) };
+    let output = causal.run(clip, experiment.frame, threads)?;
+    let assessment = output.assess(&Reference { clip, frame: experiment.frame })?;
     Ok(Some(assessment).filter(|assessment| !assessment.headline.is_empty()))
 }
 
-/// The check with the reverse pair, if it is asked for of a flow that has one.
-fn check(task: &Task, args: &RunArgs, output: &Output, reverse: &Reverse<'_>) -> Result<Option<Check>, Error> {
-    let is_checked = args.look.layer == Some(FlowLayer::Consistency) && task.estimator.info().frames == 2;
-    let Some(flow) = output.flow().filter(|_| is_checked && output.motion().is_field()) else { return Ok(None) };
-    let consistency = Consistency::of(&flow, reverse.flow()?)?;
-    Check::of(&consistency, &task.clip, task.frame).map(Some)
+/// What `args` ask for themselves of how the picture looks: what a session asks for may be missing at some steps.
+fn asked(args: &RunArgs) -> Look {
+    args.picture.look.0.over(Look::default())
 }
 
-fn overlay(task: &Task, args: &RunArgs, format: Format, reverse: &Reverse<'_>) -> Result<Vec<u8>, Error> {
-    let mut walk = task.company.walk(&*task.estimator, &task.clip, task.frame)?;
-    let step = args.step.or(task.cursor);
-    walk.jump(step.map_or(Move::End, Move::To));
-    if let Some(failure) = walk.failure() {
-        return Err(failure.clone());
+/// The check with the reverse pair, if it is asked for of a flow that has one.
+fn check(
+    Prepared { experiment, clip, .. }: &Prepared,
+    args: &RunArgs,
+    output: &Output,
+    reverse: &Reverse<'_>,
+) -> Result<Option<Check>, Error> {
+    let is_checked = asked(args).layer == Some(FlowLayer::Consistency) && experiment.estimator.info().frames == 2;
+    let Some(flow) = output.flow().filter(|_| is_checked && output.motion().is_field()) else { return Ok(None) };
+    let consistency = Consistency::of(&flow, reverse.flow()?)?;
+    Check::of(&consistency, clip, experiment.frame).map(Some)
+}
+
+/// The picture of a step that is asked for.
+struct Overlay<'a> {
+    args: &'a RunArgs,
+    look: Look,
+    /// Where a session stands.
+    position: Position,
+}
+
+impl Overlay<'_> {
+    fn paint(&self, prepared: &Prepared, format: Format, reverse: &Reverse<'_>) -> Result<Vec<u8>, Error> {
+        let Self { args, look, position } = self;
+        let RunArgs { picture, step, .. } = args;
+        let Prepared { experiment, clip, .. } = prepared;
+        let mut viewer = Viewer::new(experiment, clip, look, reverse)?;
+        let step = step.or(position.cursor);
+        let walk = &mut *viewer.walk;
+        walk.jump(step.map_or(Move::End, Move::To));
+        if let Some(failure) = walk.failure() {
+            return Err(failure.clone());
+        }
+        if let Some(step) = step.filter(|step| step.unit > walk.cursor().unit) {
+            return Err(Error::new(format!("there is no step {step}: the run ends at {}", walk.cursor())));
+        }
+        if let Some(view) = look.view.filter(|view| view.is_of_the_end() && !walk.at_end()) {
+            let view = view.id();
+            return Err(Error::new(format!(
+                "the {view} is made at the end of the run; leave --step away or choose another --view"
+            )));
+        }
+        let focus = task::pixel(*position, picture).map_or(Ok(None), |pixel| pixel.here(walk, clip))?;
+        let moment = viewer.moment(focus)?;
+        let asked = asked(args);
+        if let Some((layer, why)) = asked.layer.and_then(|layer| Some((layer, moment.offer.why_not(layer)?))) {
+            return Err(Error::new(format!("there is no layer {} here: {why}; choose another --layer", layer.id())));
+        }
+        if let LevelShown::Number(level) = asked.level {
+            check_level(level, moment.levels(), experiment.estimator.info().id)?;
+        }
+        let panes = Selection::of(&args.sheet.panes);
+        panes.check(&*experiment.estimator)?;
+        panes.check_step(experiment.estimator.info(), &moment.step)?;
+        Shot { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }.encode(format, picture.scale)
     }
-    if let Some(step) = step.filter(|step| step.unit > walk.cursor().unit) {
-        return Err(Error::new(format!("there is no step {step}: the run ends at {}", walk.cursor())));
-    }
-    let look = task.look(&args.look)?;
-    if let Some(view) = look.view.filter(|view| view.is_of_the_end() && !walk.at_end()) {
-        let view = view.id();
-        return Err(Error::new(format!(
-            "the {view} is made at the end of the run; leave --step away or choose another --view"
-        )));
-    }
-    let pair = shot::pair(&task.clip, walk.at_frame())?;
-    let focus = task.pixel(&args.look).map_or(Ok(None), |pixel| pixel.here(&*walk, &task.clip))?;
-    let still = Still::of((&*walk, focus), (&task.clip, &pair), &look.want(), reverse)?;
-    if let Some((layer, why)) = args.look.layer.and_then(|layer| Some((layer, still.offer().why_not(layer)?))) {
-        return Err(Error::new(format!("there is no layer {} here: {why}; choose another --layer", layer.id())));
-    }
-    if let Some(LevelShown::Number(level)) = args.look.level {
-        check_level(level, still.levels(), task.estimator.info().id)?;
-    }
-    still.moment(&*task.estimator).encode(&look, format, args.look.scale)
 }
 
 /// Refuses a level that there is not.

@@ -18,6 +18,7 @@ mod sequence;
 mod sniff;
 mod stills;
 mod truth;
+pub mod unfinished;
 mod video;
 
 use std::io;
@@ -41,6 +42,23 @@ pub trait Progress: Send + Sync {
     fn cancelled(&self) -> bool;
 }
 
+/// What is given for a clip by hand, in the place of what lies beside it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Given {
+    /// Its truth.
+    pub truth: Option<PathBuf>,
+    /// What was detected in it, as MOTChallenge rows.
+    pub detections: Option<PathBuf>,
+}
+
+impl Given {
+    /// The same, with what `later` gives in the place of it.
+    #[must_use]
+    pub fn then(self, later: Self) -> Self {
+        Self { truth: later.truth.or(self.truth), detections: later.detections.or(self.detections) }
+    }
+}
+
 /// How to open a clip.
 #[derive(Clone)]
 pub struct Open {
@@ -50,17 +68,21 @@ pub struct Open {
     pub count: bool,
     /// Whether the ffmpeg of this computer may be asked for what cannot be decoded here.
     pub ffmpeg: bool,
-    /// Truth given by hand; otherwise it is looked for beside the clip.
-    pub truth: Option<PathBuf>,
-    /// What someone detected in it, as MOTChallenge rows.
-    pub detections: Option<PathBuf>,
+    /// What is given for it by hand.
+    pub given: Given,
     /// Where long work tells how far it is.
     pub progress: Option<Arc<dyn Progress>>,
 }
 
 impl Default for Open {
     fn default() -> Self {
-        Self { cache_bytes: 512 << 20, count: false, ffmpeg: true, truth: None, detections: None, progress: None }
+        Self { cache_bytes: 512 << 20, count: false, ffmpeg: true, given: Given::default(), progress: None }
+    }
+}
+
+impl From<Given> for Open {
+    fn from(given: Given) -> Self {
+        Self { given, ..Self::default() }
     }
 }
 
@@ -155,7 +177,7 @@ fn open_clip(path: &Path, options: &Open) -> Result<Clip, Error> {
     if detections::is(path) {
         let clip = detections::open(path)?;
         let subject = truth::Subject::new(path, clip.info(), &[]);
-        let found = match &options.truth {
+        let found = match &options.given.truth {
             Some(given) => truth::Found { truth: Some(truth::open(given, &subject)?), warnings: Vec::new() },
             None => truth::beside(&subject),
         };
@@ -182,7 +204,7 @@ fn open_clip(path: &Path, options: &Open) -> Result<Clip, Error> {
         Some(truth) => clip.with_truth(truth),
         None => clip,
     };
-    if options.detections.is_none() && path != Path::new("-") {
+    if options.given.detections.is_none() && path != Path::new("-") {
         return Ok(with_detections_beside(clip, path));
     }
     with_detections(clip, options)
@@ -223,14 +245,14 @@ pub fn inputs(path: Option<&Path>, clip: &Clip, options: &Open) -> Inputs {
     let pictures = path.filter(|_| clip.info().container == stills::CONTAINER).map(Sequence::find);
     let pictures = pictures.and_then(Result::ok).map(|found| found.files).unwrap_or_default();
     let subject = truth::Subject::new(path.unwrap_or(Path::new(&clip.info().name)), clip.info(), &pictures);
-    let truth = match &options.truth {
+    let truth = match &options.given.truth {
         Some(given) => truth::Lying::given(given, &subject),
         None if path.is_some() => truth::Lying::beside(&subject),
         None => truth::Lying::default(),
     };
     truth.into_files().for_each(|file| inputs.add(What::Truth, file));
     let beside = || path.filter(|path| path.is_dir()).and_then(detections::beside);
-    options.detections.clone().or_else(beside).into_iter().for_each(|file| inputs.add(What::Detections, file));
+    options.given.detections.clone().or_else(beside).into_iter().for_each(|file| inputs.add(What::Detections, file));
     match path {
         Some(path) if clip.is_blank() => inputs.add(What::Detections, path),
         Some(path) if pictures.is_empty() => inputs.add(What::Clip, path),
@@ -258,7 +280,7 @@ pub fn is_truth(path: &Path) -> bool {
 /// # Errors
 /// One sentence if they cannot be read.
 pub fn with_detections(clip: Clip, options: &Open) -> Result<Clip, Error> {
-    match &options.detections {
+    match &options.given.detections {
         Some(path) => Ok(clip.with_detections(detections::read(path)?)),
         None => Ok(clip),
     }
@@ -293,7 +315,7 @@ fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
 
 fn find_truth(path: &Path, options: &Open, source: &mut Source) -> Result<Option<Arc<dyn Truth>>, Error> {
     let subject = truth::Subject::new(path, &source.info, &source.files);
-    if let Some(given) = &options.truth {
+    if let Some(given) = &options.given.truth {
         return truth::open(given, &subject).map(Some);
     }
     // What was not asked for must not stand in the way of the clip.

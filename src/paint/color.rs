@@ -15,6 +15,11 @@ impl Color {
         Self([(rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8, 255])
     }
 
+    /// An opaque gray.
+    pub const fn gray(v: u8) -> Self {
+        Self([v, v, v, 255])
+    }
+
     /// The same colour with this alpha, 0 clear to 255 opaque.
     #[must_use]
     pub const fn alpha(self, alpha: u8) -> Self {

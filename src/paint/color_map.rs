@@ -16,6 +16,24 @@ impl ColorMap {
     /// Every colour map.
     pub const ALL: [ColorMap; 2] = [ColorMap::Viridis, ColorMap::Turbo];
 
+    /// Stable name, for sessions and the command line.
+    pub fn id(self) -> &'static str {
+        match self {
+            ColorMap::Viridis => "viridis",
+            ColorMap::Turbo => "turbo",
+        }
+    }
+
+    /// What it is for, in one sentence.
+    pub fn tip(self) -> &'static str {
+        match self {
+            ColorMap::Viridis => {
+                "Costs from violet to yellow, evenly in lightness: they print well and everyone can tell them apart."
+            }
+            ColorMap::Turbo => "Costs from blue over green to red: small differences are seen better.",
+        }
+    }
+
     /// Name as shown.
     pub fn name(self) -> &'static str {
         match self {

@@ -58,6 +58,8 @@ impl Face {
 pub(crate) struct Placed {
     pub face: Face,
     pub glyph: GlyphId,
+    /// The character that it stands for.
+    pub c: char,
     /// Left edge, from the start of the line, in points.
     pub x: f32,
     /// Size of an em's unit in points.
@@ -76,7 +78,7 @@ pub(crate) fn place(text: &str, face: Face, size: f32) -> (Vec<Placed>, f32) {
         if let Some((_, last)) = before.replace((face, glyph)).filter(|(last, _)| *last == face) {
             x += font.kern_unscaled(last, glyph) * unit;
         }
-        line.push(Placed { face, glyph, x, unit });
+        line.push(Placed { face, glyph, c, x, unit });
         x += font.h_advance_unscaled(glyph) * unit;
     }
     (line, x)

@@ -285,16 +285,6 @@ fn mark(pixels: &mut Grid<[u8; 4]>, marks: &Grid<bool>, opacity: Opacity) {
     }
 }
 
-impl std::str::FromStr for FlowLayer {
-    type Err = Error;
-
-    fn from_str(id: &str) -> Result<Self, Error> {
-        let ids = || Self::ALL.map(Self::id).join(", ");
-        let told = || Error::new(format!("there is no flow layer {id}; there are {}", ids()));
-        Self::ALL.into_iter().find(|layer| layer.id() == id).ok_or_else(told)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -363,14 +353,5 @@ mod tests {
             assert_eq!(alphas(Tint::wheel(std::slice::from_ref(&flow), opacity)), known);
         }
         assert!(Opacity::new(1.1).is_err() && Opacity::new(f32::NAN).is_err());
-    }
-
-    #[test]
-    fn layers_are_found_by_their_names() {
-        for layer in FlowLayer::ALL {
-            assert_eq!(layer.id().parse(), Ok(layer));
-        }
-        let told = "heat".parse::<FlowLayer>().expect_err("there is none").to_string();
-        assert!(told.contains("none, wheel, magnitude, error, confidence, consistency"), "{told}");
     }
 }

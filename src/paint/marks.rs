@@ -509,7 +509,7 @@ mod tests {
             scene::Arrow { from, to: [from[0] + motion, 0.0] }
         });
         let mut scene = Scene::default();
-        scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows.collect()));
+        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(arrows.collect()));
         scene
     }
 
@@ -528,8 +528,8 @@ mod tests {
         let factor = |range: i32, motion: f32| {
             let side = (16 + 2 * range) as usize;
             let mut scene = field(16.0, motion);
-            scene.mark(Picture::Current, Role::Reference, Shape::pixels(100, 100, 16, 16));
-            scene.mark(Picture::Next, Role::Window, Shape::pixels(100 - range, 100 - range, side, side));
+            scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(100, 100, 16, 16));
+            scene.mark(Picture::NEXT, Role::Window, Shape::pixels(100 - range, 100 - range, side, side));
             Look::new(&scene, Style::default()).lengthen
         };
         assert_eq!([factor(50, 1.0), factor(50, 40.0), factor(7, 1.0), factor(4, 4.0)], [1.0, 1.0, 2.0, 4.0]);
@@ -550,8 +550,8 @@ mod tests {
     #[test]
     fn a_candidate_is_drawn_over_the_best() {
         let mut scene = Scene::default();
-        scene.mark(Picture::Next, Role::Candidate, Shape::pixels(4, 8, 16, 16));
-        scene.mark(Picture::Next, Role::Best, Shape::pixels(4, 8, 16, 16));
+        scene.mark(Picture::NEXT, Role::Candidate, Shape::pixels(4, 8, 16, 16));
+        scene.mark(Picture::NEXT, Role::Best, Shape::pixels(4, 8, 16, 16));
         let look = Look::new(&scene, Style::default());
         let primitives = resolve(&scene.marks, &look, Placement::new([0.0; 2], 2.0));
         let Some(Primitive::Polyline { stroke, .. }) = primitives.last() else { panic!("{primitives:?}") };
@@ -561,8 +561,8 @@ mod tests {
     #[test]
     fn heat_hides_no_mark_that_lies_over_it() {
         let mut scene = Scene::default();
-        scene.mark(Picture::Next, Role::Candidate, Shape::Heat { origin: [0.0; 2], values: Grid::new(9, 9, 3.0) });
-        scene.mark(Picture::Next, Role::Best, Shape::pixels(4, 8, 16, 16));
+        scene.mark(Picture::NEXT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values: Grid::new(9, 9, 3.0) });
+        scene.mark(Picture::NEXT, Role::Best, Shape::pixels(4, 8, 16, 16));
         let look = Look::new(&scene, Style::default());
         let primitives = resolve(&scene.marks, &look, Placement::new([0.0; 2], 2.0));
         let heat = primitives.iter().position(|primitive| matches!(primitive, Primitive::Image { .. }));
@@ -573,7 +573,7 @@ mod tests {
     fn dense() -> Scene {
         let values = Grid::from_fn(360, 180, |x, _| if x < 10 { [f32::NAN; 2] } else { [2.5, 0.0] });
         let mut scene = Scene::default();
-        scene.mark(Picture::Current, Role::Result, Shape::Flow { origin: [0.0; 2], values });
+        scene.mark(Picture::CURRENT, Role::Result, Shape::Flow { origin: [0.0; 2], values });
         scene
     }
 
@@ -642,8 +642,8 @@ mod tests {
     fn only_displacements_are_lengthened() {
         let arrow = scene::Arrow { from: [0.0, 0.0], to: [10.0, 0.0] };
         let mut scene = Scene::default();
-        scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow]));
-        scene.mark(Picture::Next, Role::Result, Shape::Arrows(vec![arrow]));
+        scene.mark(Picture::NEXT, Role::Best, Shape::Arrows(vec![arrow]));
+        scene.mark(Picture::NEXT, Role::Result, Shape::Arrows(vec![arrow]));
         let look = Look { lengthen: 2.0, ..Look::new(&scene, Style::default()) };
         let tips: Vec<_> = resolve(&scene.marks, &look, Placement::new([0.0; 2], 3.0))
             .into_iter()
@@ -658,7 +658,7 @@ mod tests {
     #[test]
     fn a_frame_lies_outside_the_pixels_that_it_frames() {
         let mut scene = Scene::default();
-        scene.mark(Picture::Current, Role::Reference, Shape::pixels(4, 8, 16, 16));
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(4, 8, 16, 16));
         let look = Look::new(&scene, Style::default());
         let primitives = resolve(&scene.marks, &look, Placement::new([100.0, 0.0], 2.0));
         let Some(Primitive::Polyline { points, stroke, closed: true }) = primitives.last() else {
@@ -671,8 +671,8 @@ mod tests {
     #[test]
     fn what_is_not_finite_is_not_drawn() {
         let mut scene = Scene::default();
-        scene.mark(Picture::Current, Role::Truth, Shape::Points(vec![[f32::NAN, 1.0]]));
-        scene.mark(Picture::Current, Role::Truth, Shape::Heat { origin: [0.0; 2], values: Grid::new(2, 2, f32::NAN) });
+        scene.mark(Picture::CURRENT, Role::Truth, Shape::Points(vec![[f32::NAN, 1.0]]));
+        scene.mark(Picture::CURRENT, Role::Truth, Shape::Heat { origin: [0.0; 2], values: Grid::new(2, 2, f32::NAN) });
         let look = Look::new(
             &scene,
             Style {

@@ -1,9 +1,11 @@
 //! One scene, painters that agree: what is exported is what was shown.
 //!
 //! [`resolve`] turns a scene's marks into [`Primitive`]s in points: filled polygons, strokes, circles, arrows,
-//! words and pictures. Every painter walks that one list: the window's stage, [`export_png`] and [`export_svg`].
+//! words and pictures. Every painter walks that one list: the window's stage, [`export_png`], [`export_svg`] and
+//! [`export_pdf`].
 //! A [`Plate`] is what one exported picture consists of. Nothing here needs a window or a GPU.
 
+pub mod charts;
 mod color;
 mod color_map;
 mod flow_color;
@@ -13,10 +15,12 @@ pub mod legend;
 mod marks;
 mod number;
 mod panel;
+mod pdf;
 mod plate;
 mod png;
 pub mod primitive;
 mod raster;
+mod reduced;
 mod svg;
 mod theme;
 mod wrap;
@@ -29,9 +33,11 @@ pub use layer::{FlowLayer, Opacity, Scalars, Tint, TintKey};
 pub use marks::{ArrowStyle, Lengthen, Look, Placement, Style, ellipse, is_lengthened, resolve, streaks};
 pub use number::{grouped, number};
 pub use panel::{LevelShown, Panel, Phase, Pictures, Share, Shown, View};
-pub use plate::{Caption, Layer, Part, Plate, PlateOptions};
+pub use pdf::export_pdf;
+pub use plate::{Caption, Layer, Part, Plate, PlateOptions, heading, paragraph};
 pub use png::export_png;
 pub use primitive::Primitive;
+pub use reduced::reduced;
 pub use svg::export_svg;
 pub use theme::{Chrome, Ink, PointShape, Theme, TypeSizes};
 pub use wrap::{brevity, inked, wrap};

@@ -1,13 +1,14 @@
 //! The pictures that are looked at: a frame, or what becomes of two.
 
-use std::fmt;
-use std::str::FromStr;
 use std::sync::Arc;
 
 use motionscope_core::scene::Picture;
 use motionscope_core::{Error, Frame, Grid, Levels, Streaks};
 
 use super::{FlowLayer, Tint};
+
+/// As many pictures stand side by side at most.
+const MOST_BESIDE: usize = 4;
 
 /// What can be looked at: the frames, and what a run has made of them.
 #[derive(Clone, Debug)]
@@ -24,12 +25,32 @@ pub struct Pictures {
     pub awaited: Option<FlowLayer>,
     /// Particles carried along by the motion, where they are wanted.
     pub streaks: Option<Arc<Streaks>>,
+    /// The pictures that stand side by side, up to four, where those are not frames t and t + 1.
+    pub beside: Vec<(Picture, Arc<Frame>)>,
 }
 
 impl Pictures {
     /// Two frames of which nothing has been made yet.
     pub fn of(pair: [Arc<Frame>; 2]) -> Self {
-        Self { pair, names: [const { None }; 2], prediction: None, layer: None, awaited: None, streaks: None }
+        Self {
+            pair,
+            names: [const { None }; 2],
+            prediction: None,
+            layer: None,
+            awaited: None,
+            streaks: None,
+            beside: Vec::new(),
+        }
+    }
+
+    /// The pixels of `picture`; of one that is not there, those of frame t.
+    pub fn frame_of(&self, picture: Picture) -> &Arc<Frame> {
+        let [t, next] = &self.pair;
+        match picture {
+            Picture::CURRENT => t,
+            Picture::NEXT => next,
+            other => self.beside.iter().find(|(picture, _)| *picture == other).map_or(t, |(_, frame)| frame),
+        }
     }
 
     /// What `view` shows where the step works on `levels` of a pyramid: the frames of the level that is `shown`, each of its
@@ -60,27 +81,6 @@ impl LevelShown {
         match self {
             Self::AtWork => levels.at_work,
             Self::Number(level) => level.min(levels.all.len() - 1),
-        }
-    }
-}
-
-impl fmt::Display for LevelShown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::AtWork => f.write_str("at-work"),
-            Self::Number(level) => level.fmt(f),
-        }
-    }
-}
-
-impl FromStr for LevelShown {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self, Error> {
-        let told = || Error::new(format!("a level is at-work or a number, 0 for the picture itself, and not {text}"));
-        match text {
-            "at-work" => Ok(Self::AtWork),
-            _ => text.parse().map(Self::Number).map_err(|_| told()),
         }
     }
 }
@@ -233,16 +233,19 @@ impl View {
         }
     }
 
-    /// The panels of a still picture, left to right.
-    pub fn panels(self) -> &'static [Panel] {
+    /// The panels of a still picture of `pictures`, left to right.
+    pub fn panels(self, pictures: &Pictures) -> Vec<Panel> {
         match self {
-            View::Current => &[Panel::Current],
-            View::Next => &[Panel::Next],
-            View::SideBySide | View::Blink => &[Panel::Current, Panel::Next],
-            View::Difference => &[Panel::Difference],
-            View::Blend => &[Panel::Blend],
-            View::Prediction => &[Panel::Prediction],
-            View::Residual => &[Panel::Residual],
+            View::Current => vec![Panel::CURRENT],
+            View::Next => vec![Panel::NEXT],
+            View::SideBySide | View::Blink if pictures.beside.is_empty() => vec![Panel::CURRENT, Panel::NEXT],
+            View::SideBySide | View::Blink => {
+                pictures.beside.iter().map(|(picture, _)| Panel::Of(*picture)).take(MOST_BESIDE).collect()
+            }
+            View::Difference => vec![Panel::Difference],
+            View::Blend => vec![Panel::Blend],
+            View::Prediction => vec![Panel::Prediction],
+            View::Residual => vec![Panel::Residual],
         }
     }
 
@@ -260,10 +263,8 @@ impl View {
 /// One picture on the stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Panel {
-    /// Frame t.
-    Current,
-    /// Frame t + 1.
-    Next,
+    /// A picture by its name: a frame, or what it is compared with.
+    Of(Picture),
     /// |frame t+1 − frame t| in gray, brightened so that it can be seen.
     Difference,
     /// One frame over the other.
@@ -275,19 +276,28 @@ pub enum Panel {
 }
 
 impl Panel {
+    /// Frame t.
+    pub const CURRENT: Self = Self::Of(Picture::CURRENT);
+    /// Frame t + 1.
+    pub const NEXT: Self = Self::Of(Picture::NEXT);
+
+    /// The picture whose pixels these are: what is made of two lies where frame t does.
+    pub fn picture(self) -> Picture {
+        if let Panel::Of(picture) = self { picture } else { Picture::CURRENT }
+    }
+
     /// Whether marks on `picture` are shown here.
     pub fn shows(self, picture: Picture) -> bool {
         match self {
-            Panel::Current => picture == Picture::Current,
-            Panel::Next => picture == Picture::Next,
-            Panel::Difference | Panel::Blend => true,
-            Panel::Prediction | Panel::Residual => picture == Picture::Current,
+            Panel::Of(own) => picture == own,
+            Panel::Difference | Panel::Blend => [Picture::CURRENT, Picture::NEXT].contains(&picture),
+            Panel::Prediction | Panel::Residual => picture == Picture::CURRENT,
         }
     }
 
     /// Whether the colours that tell of motion lie over it: what is made of two frames has to be seen itself.
     pub fn is_tinted(self) -> bool {
-        self == Panel::Current
+        self == Panel::CURRENT
     }
 
     /// The two frames that it is made of: the one shown, and the one that it is compared or mixed with.
@@ -295,8 +305,8 @@ impl Panel {
         let [t, next] = &pictures.pair;
         let prediction = pictures.prediction.as_ref().unwrap_or(t);
         match self {
-            Panel::Current | Panel::Difference | Panel::Blend => [t, next],
-            Panel::Next => [next, t],
+            Panel::Of(picture) => [pictures.frame_of(picture), t],
+            Panel::Difference | Panel::Blend => [t, next],
             Panel::Prediction => [prediction, t],
             Panel::Residual => [t, prediction],
         }
@@ -306,7 +316,7 @@ impl Panel {
     pub fn pixels(self, pictures: &Pictures, share: Share) -> (Grid<[u8; 4]>, u16) {
         let [frame, other] = self.frames(pictures);
         match self {
-            Panel::Current | Panel::Next | Panel::Prediction => (colors(frame), 1),
+            Panel::Of(_) | Panel::Prediction => (colors(frame), 1),
             Panel::Difference | Panel::Residual => difference([frame, other]),
             Panel::Blend => {
                 let (a, b) = (colors(frame), colors(other));
@@ -341,8 +351,11 @@ impl Shown {
         let both = if names[0] == names[1] { name(0) } else { String::new() };
         let gain = if self.gain > 1 { format!(" × {}", self.gain) } else { String::new() };
         match self.panel {
-            Panel::Current => format!("Frame t{}{}", number(&t), name(0)),
-            Panel::Next => format!("Frame t+1{}{}", number(&next), name(1)),
+            Panel::Of(Picture::NEXT) => format!("{}{}", Picture::NEXT.title(frame), name(1)),
+            Panel::Of(picture) => {
+                let file = if picture == Picture::CURRENT { name(0) } else { String::new() };
+                format!("{}{file}", picture.title(frame))
+            }
             Panel::Difference => format!("|frame {next} − frame {t}|{gain}{both}"),
             Panel::Blend if self.share == Share::default() => format!("Mean of frames {t} and {next}{both}"),
             Panel::Blend => {
@@ -422,8 +435,8 @@ mod tests {
         let names = [Some("a_12.png".to_owned()), Some("a_13.png".to_owned())];
         let title = |panel, share, frame| Shown { panel, share, gain: 8 }.title(frame, &names);
         let half = Share::default();
-        assert_eq!(title(Panel::Current, half, Some(12)), "Frame t = 12 · a_12.png");
-        assert_eq!(title(Panel::Next, half, Some(12)), "Frame t+1 = 13 · a_13.png");
+        assert_eq!(title(Panel::CURRENT, half, Some(12)), "Frame t = 12 · a_12.png");
+        assert_eq!(title(Panel::NEXT, half, Some(12)), "Frame t+1 = 13 · a_13.png");
         assert_eq!(title(Panel::Prediction, half, None), "Prediction of frame t · a_12.png");
         assert_eq!(title(Panel::Difference, half, Some(12)), "|frame 13 − frame 12| × 8");
         assert_eq!(title(Panel::Blend, half, None), "Mean of frames t and t+1");
@@ -431,6 +444,21 @@ mod tests {
         let level = ["level 2, 80×60 px"; 2].map(|name| Some(name.to_owned()));
         let shown = Shown { panel: Panel::Difference, share: half, gain: 8 };
         assert_eq!(shown.title(Some(12), &level), "|frame 13 − frame 12| × 8 · level 2, 80×60 px");
+    }
+
+    #[test]
+    fn pictures_beside_each_other_go_by_their_names() {
+        let pictures = Pictures {
+            beside: vec![(Picture::PREVIOUS, frame(|_| 5)), (Picture::CURRENT, frame(|_| 1))],
+            ..Pictures::of([frame(|_| 1), frame(|_| 2)])
+        };
+        let panels = View::SideBySide.panels(&pictures);
+        assert_eq!(panels, [Panel::Of(Picture::PREVIOUS), Panel::CURRENT]);
+        assert_eq!(panels[0].pixels(&pictures, Share::default()).0[(0, 0)][0], 5);
+        assert!(panels[0].shows(Picture::PREVIOUS) && !panels[0].shows(Picture::CURRENT));
+        let shown = Shown { panel: panels[0], share: Share::default(), gain: 1 };
+        assert_eq!(shown.title(Some(12), &[const { None }; 2]), "Frame t−1 = 11");
+        assert_eq!(View::Next.panels(&pictures), [Panel::NEXT]);
     }
 
     #[test]
@@ -447,9 +475,10 @@ mod tests {
 
     #[test]
     fn every_mark_is_seen_in_every_view_of_both() {
+        let pictures = Pictures::of([frame(|_| 1), frame(|_| 2)]);
         for view in [View::SideBySide, View::Difference, View::Blend, View::Blink] {
-            for picture in [Picture::Current, Picture::Next] {
-                assert_eq!(view.panels().iter().filter(|panel| panel.shows(picture)).count(), 1, "{view:?}");
+            for picture in [Picture::CURRENT, Picture::NEXT] {
+                assert_eq!(view.panels(&pictures).iter().filter(|panel| panel.shows(picture)).count(), 1, "{view:?}");
             }
         }
     }

@@ -6,10 +6,11 @@ use motionscope_core::scene::{Mark, Picture, Sentence, Shape};
 use motionscope_core::{Grid, Scene};
 
 use super::legend::{self, Bar, line_height};
-use super::primitive::{Anchor, Line, Primitive, Rect, Run, Stroke};
+use super::primitive::{Anchor, Line, Point, Primitive, Rect, Run, Stroke};
+use super::reduced::reduced;
 use super::wrap::{brevity, inked, wrap};
 use super::{
-    Color, Face, FlowLayer, Look, Panel, Pictures, Placement, Share, Shown, Style, TypeSizes, View, fonts, marks,
+    Color, Face, FlowLayer, Look, Panel, Pictures, Placement, Share, Shown, Style, Theme, TypeSizes, View, fonts, marks,
 };
 
 /// Space around everything.
@@ -32,14 +33,16 @@ pub struct PlateOptions {
     pub style: Style,
     /// The moment at which streaklines are seen, a share of a particle's life.
     pub phase: f32,
-    /// Points per pixel of the clip, a whole number; 0 counts as 1. Lines and words do not grow with it.
-    pub zoom: u16,
+    /// Points per pixel of the clip; 0 counts as 1. Lines and words do not grow with it.
+    pub zoom: f32,
     /// Pixels per point that it will be painted with, at which marks find room; 0 counts as 1.
     pub scale: u32,
     /// Number of frame t, for the titles.
     pub frame: Option<usize>,
     /// Whether what the marks mean stands below.
     pub legend: bool,
+    /// Whether titles stand above the pictures, even where nothing else stands around them.
+    pub titles: bool,
     /// What heat shows, for the legend: `SAD`.
     pub heat: String,
     /// Words above and below the pictures.
@@ -80,6 +83,15 @@ pub struct Layer {
     pub primitives: Vec<Primitive>,
 }
 
+impl Layer {
+    /// The same elsewhere.
+    #[must_use]
+    pub fn moved(self, by: Point) -> Self {
+        let primitives = self.primitives.into_iter().map(|primitive| primitive.moved(by)).collect();
+        Self { clip: self.clip.map(|clip| clip.moved(by)), primitives }
+    }
+}
+
 /// Everything of one exported picture, laid out in points.
 ///
 /// Without legend and caption it is the panels alone: one panel has exactly the clip's pixels, times the zoom.
@@ -107,7 +119,7 @@ impl Plate {
     pub fn of(parts: &[Part<'_>], scene: &Scene, options: &PlateOptions) -> Self {
         let look = Look::new(scene, options.style);
         let look = Look { density: options.scale.max(1) as f32, ..look };
-        let is_framed = options.legend || options.caption.is_some() || parts.len() > 1;
+        let is_framed = options.legend || options.titles || options.caption.is_some() || parts.len() > 1;
         let mut layout = Layout {
             options,
             look,
@@ -139,7 +151,7 @@ impl Plate {
 
 fn description(options: &PlateOptions, parts: &[Part<'_>]) -> String {
     let Some(Part { pictures, .. }) = parts.first() else { return String::new() };
-    let shown = options.view.panels().iter().map(|&panel| Shown { panel, share: options.share, gain: 1 });
+    let shown = options.view.panels(pictures).into_iter().map(|panel| Shown { panel, share: options.share, gain: 1 });
     let titles: Vec<_> = shown.map(|shown| shown.title(options.frame, &pictures.names)).collect();
     let told = parts.iter().filter_map(|part| part.heading).map(|(name, _, words)| {
         let words = words.first().map_or_else(String::new, Sentence::plain);
@@ -171,15 +183,26 @@ struct Layout<'a> {
 }
 
 impl Layout<'_> {
+    /// Points per pixel of the clip.
+    fn zoom(&self) -> f32 {
+        if self.options.zoom > 0.0 { self.options.zoom } else { 1.0 }
+    }
+
     fn lay_out(&mut self, parts: &[Part<'_>], scene: &Scene, is_framed: bool) {
-        let zoom = f32::from(self.options.zoom.max(1));
-        let panels = self.options.view.panels();
+        let zoom = self.zoom();
+        let panels_of = |part: &Part<'_>| self.options.view.panels(&part.pictures);
+        let in_a_row = parts.first().map_or(1, |part| panels_of(part).len());
         let pictures: Vec<_> = parts
             .iter()
-            .flat_map(|part| panels.iter().map(move |panel| (part, *panel)))
+            .flat_map(|part| panels_of(part).into_iter().map(move |panel| (part, panel)))
             .map(|(part, panel)| (part, panel, panel.pixels(&part.pictures, self.options.share)))
             .collect();
-        let columns = if parts.len() == 4 { 2 * panels.len() } else { pictures.len() }.max(1);
+        // Four stand in a square.
+        let columns = match (parts.len(), in_a_row) {
+            (1, 4) => 2,
+            (4, _) => 2 * in_a_row,
+            _ => pictures.len().max(1),
+        };
         let widths = pictures.iter().take(columns).map(|(.., (pixels, _))| pixels.width() as f32 * zoom);
         let total = widths.sum::<f32>() + GAP * (columns - 1) as f32;
         self.width = if is_framed { on_grid(total.max(LEAST_WIDTH * self.sizes.body)) } else { total };
@@ -221,7 +244,8 @@ impl Layout<'_> {
 
     /// What stands above a picture that begins at `x`; without the name of its file where that is too long.
     fn title(&mut self, shown: Shown, names: &[Option<String>; 2], (x, width): (f32, f32)) {
-        let room = if shown.panel == Panel::Current { width } else { self.margin + self.width - x };
+        let has_next_to_it = matches!(shown.panel, Panel::Of(picture) if picture != Picture::NEXT);
+        let room = if has_next_to_it { width } else { self.margin + self.width - x };
         let titles = [names, &[const { None }; 2]].map(|names| shown.title(self.options.frame, names));
         let [whole, short] = &titles;
         let title = if fonts::width(whole, Face::Sans, self.sizes.small) <= room { whole } else { short };
@@ -246,10 +270,16 @@ impl Layout<'_> {
     fn panel(&mut self, at: (Panel, Placement), rect: Rect, pixels: Arc<Grid<[u8; 4]>>, part: &Part<'_>) {
         let (panel, placement) = at;
         let Pictures { layer, streaks, .. } = &part.pictures;
-        let mut primitives = vec![Primitive::Image { pixels, rect }];
-        let of_frame_t = panel.shows(Picture::Current);
+        // What is smaller than on the sheet's own pixels is reduced, so that none of it is skipped.
+        let factor = (1.0 / (placement.zoom * self.look.density)).floor().max(1.0) as usize;
+        let fine = |pixels: &Arc<Grid<[u8; 4]>>| match factor {
+            1 => pixels.clone(),
+            factor => Arc::new(reduced(pixels, factor).into_owned()),
+        };
+        let mut primitives = vec![Primitive::Image { pixels: fine(&pixels), rect }];
+        let of_frame_t = panel.shows(Picture::CURRENT);
         if let Some(layer) = layer.as_ref().filter(|_| panel.is_tinted()) {
-            primitives.push(Primitive::Image { pixels: layer.pixels.clone(), rect });
+            primitives.push(Primitive::Image { pixels: fine(&layer.pixels), rect });
         }
         primitives.extend(marks::resolve(shown(panel, part.scene), &self.look, placement));
         if let Some(streaks) = streaks.as_ref().filter(|_| of_frame_t) {
@@ -265,32 +295,17 @@ impl Layout<'_> {
         self.panels.push(at);
     }
 
-    /// Title and, if it fits on the line, the place in the run; the parameters below.
     fn header(&mut self, caption: &Caption) {
-        let chrome = self.options.style.theme.chrome();
-        let (heading, small) = (self.sizes.heading, self.sizes.small);
-        let title = fonts::width(&caption.title, Face::Bold, heading);
-        let place = fonts::width(&caption.place, Face::Sans, small);
-        let fits = title + 2.0 * GAP + place <= self.width;
-        if fits && !caption.place.is_empty() {
-            let runs = vec![Run::new(&caption.place, chrome.dim)];
-            let at = [self.margin + self.width, baseline(self.y, heading)];
-            self.words.push(Primitive::Text(Line { at, anchor: Anchor::End, size: small, runs, halo: None }));
-        }
-        self.line(vec![Run::new(&caption.title, chrome.text).face(Face::Bold)], heading, self.margin);
-        let mut below = caption.details.clone();
-        if !fits {
-            below = format!("{below} · {}", caption.place);
-        }
-        self.paragraph(&[Run::new(below, chrome.dim)], small);
-        self.y += GAP;
+        let place = ([self.margin, self.y], self.width);
+        let (primitives, height) = heading(caption, place, self.options.style.theme);
+        self.words.extend(primitives);
+        self.y += height;
     }
 
     fn legend(&mut self, parts: &[Part<'_>], scene: &Scene) {
-        let panels = self.options.view.panels();
+        let panels: Vec<_> = parts.iter().flat_map(|part| self.options.view.panels(&part.pictures)).collect();
         let marks = scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
-        let mut entries =
-            legend::entries(&scene.legend, marks.clone(), &self.look, f32::from(self.options.zoom.max(1)));
+        let mut entries = legend::entries(&scene.legend, marks.clone(), &self.look, self.zoom());
         let heat = self.look.heat.filter(|_| has_heat(marks));
         let heat = heat.map(|range| Bar::heat(&self.options.heat, range, self.look.colors));
         // Several have one scale.
@@ -323,6 +338,47 @@ impl Layout<'_> {
         self.words.push(Primitive::Text(Line { at, anchor: Anchor::Start, size, runs, halo: None }));
         self.y += line_height(size);
     }
+}
+
+/// Title and, if it fits on the line, the place in the run, and the parameters below, from a place on in so much width; gives
+/// their height as well.
+pub fn heading(caption: &Caption, ([x, y], width): (Point, f32), theme: Theme) -> (Vec<Primitive>, f32) {
+    let (chrome, TypeSizes { heading, small, .. }) = (theme.chrome(), theme.sizes());
+    let mut primitives = Vec::new();
+    // On the line of a type whose size comes third.
+    let mut line = |[x, y, of]: [f32; 3], anchor: Anchor, size: f32, runs: Vec<Run>| {
+        let at = [x, baseline(y, of)];
+        primitives.push(Primitive::Text(Line { at, anchor, size, runs, halo: None }));
+    };
+    let title = fonts::width(&caption.title, Face::Bold, heading);
+    let place = fonts::width(&caption.place, Face::Sans, small);
+    let fits = title + 2.0 * GAP + place <= width;
+    if fits && !caption.place.is_empty() {
+        line([x + width, y, heading], Anchor::End, small, vec![Run::new(&caption.place, chrome.dim)]);
+    }
+    line([x, y, heading], Anchor::Start, heading, vec![Run::new(&caption.title, chrome.text).face(Face::Bold)]);
+    let mut down = y + line_height(heading);
+    let mut below = caption.details.clone();
+    if !fits {
+        below = format!("{below} · {}", caption.place);
+    }
+    for runs in wrap(&[Run::new(below, chrome.dim)], small, width) {
+        line([x, down, small], Anchor::Start, small, runs);
+        down += line_height(small);
+    }
+    (primitives, down + GAP - y)
+}
+
+/// A sentence in lines of so many points, from the origin on, and their height.
+pub fn paragraph(sentence: &Sentence, width: f32, theme: Theme) -> (Vec<Primitive>, f32) {
+    let size = theme.sizes().body;
+    let lines = wrap(&inked(sentence, theme), size, width).into_iter().enumerate().map(|(i, runs)| {
+        let at = [0.0, baseline(i as f32 * line_height(size), size)];
+        Primitive::Text(Line { at, anchor: Anchor::Start, size, runs, halo: None })
+    });
+    let lines: Vec<_> = lines.collect();
+    let height = lines.len() as f32 * line_height(size);
+    (lines, height)
 }
 
 /// The next multiple of 4 points.

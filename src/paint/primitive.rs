@@ -25,6 +25,17 @@ impl Rect {
         Self { min, max: [min[0] + size[0], min[1] + size[1]] }
     }
 
+    /// The rectangle with these two corners, upper left and lower right.
+    pub fn between(min: Point, max: Point) -> Self {
+        Self { min, max }
+    }
+
+    /// The same rectangle elsewhere.
+    #[must_use]
+    pub fn moved(&self, by: Point) -> Self {
+        Self { min: [0, 1].map(|i| self.min[i] + by[i]), max: [0, 1].map(|i| self.max[i] + by[i]) }
+    }
+
     /// Width and height.
     pub fn size(&self) -> [f32; 2] {
         [self.max[0] - self.min[0], self.max[1] - self.min[1]]
@@ -68,12 +79,14 @@ pub struct Run {
     pub color: Color,
     /// Their face.
     pub face: Face,
+    /// Color of a line below them, if there is one.
+    pub underline: Option<Color>,
 }
 
 impl Run {
     /// Words in Inter.
     pub fn new(text: impl Into<String>, color: Color) -> Self {
-        Self { text: text.into(), color, face: Face::Sans }
+        Self { text: text.into(), color, face: Face::Sans, underline: None }
     }
 
     /// The same words in `face`.
@@ -82,7 +95,17 @@ impl Run {
         self.face = face;
         self
     }
+
+    /// The same words over a line.
+    #[must_use]
+    pub fn underlined(mut self, color: Color) -> Self {
+        self.underline = Some(color);
+        self
+    }
 }
+
+/// Thickness of the line below words.
+const UNDERLINE_PT: f32 = 2.0;
 
 /// Which part of a line of text lies at its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,6 +137,19 @@ impl Line {
     /// Width in the program's own type.
     pub fn width(&self) -> f32 {
         self.runs.iter().map(|run| fonts::width(&run.text, run.face, self.size)).sum()
+    }
+
+    /// The lines below words, where there are some.
+    pub fn underlines(&self) -> impl Iterator<Item = Primitive> + '_ {
+        let ([mut x, y], down) = (self.start(), 0.16 * self.size);
+        self.runs.iter().filter_map(move |run| {
+            let from = x;
+            x += fonts::width(&run.text, run.face, self.size);
+            let spaces = fonts::width(&run.text[run.text.trim_end().len()..], run.face, self.size);
+            let stroke = Stroke { width: UNDERLINE_PT, color: run.underline?, dash: &[] };
+            let points = vec![[from, y + down], [x - spaces, y + down]];
+            Some(Primitive::Polyline { points, closed: false, stroke })
+        })
     }
 
     /// Left end of the baseline.
@@ -342,6 +378,28 @@ pub enum Primitive {
 }
 
 impl Primitive {
+    /// The same elsewhere.
+    #[must_use]
+    pub fn moved(self, by: Point) -> Self {
+        let to = |point: Point| [point[0] + by[0], point[1] + by[1]];
+        match self {
+            Primitive::Polygon { points, color } => {
+                Primitive::Polygon { points: points.into_iter().map(to).collect(), color }
+            }
+            Primitive::Polyline { points, closed, stroke } => {
+                Primitive::Polyline { points: points.into_iter().map(to).collect(), closed, stroke }
+            }
+            Primitive::Disc { center, radius, color } => Primitive::Disc { center: to(center), radius, color },
+            Primitive::Arrows(arrows) => Primitive::Arrows(Arrows { origin: to(arrows.origin), ..arrows }),
+            Primitive::Trails(Trails { lines, pen }) => {
+                let line = |(points, strength): (Vec<Point>, f32)| (points.into_iter().map(to).collect(), strength);
+                Primitive::Trails(Trails { lines: lines.into_iter().map(line).collect(), pen })
+            }
+            Primitive::Text(line) => Primitive::Text(Line { at: to(line.at), ..line }),
+            Primitive::Image { pixels, rect } => Primitive::Image { pixels, rect: rect.moved(by) },
+        }
+    }
+
     /// A rectangle that holds everything that is painted.
     pub fn bounds(&self) -> Rect {
         match self {

@@ -156,6 +156,7 @@ impl Canvas {
         for (path, color) in glyphs {
             self.fill(path, color);
         }
+        line.underlines().for_each(|underline| self.paint(&underline));
     }
 
     fn image(&mut self, pixels: &motionscope_core::Grid<[u8; 4]>, rect: Rect) {

@@ -65,7 +65,10 @@ fn draw(group: &mut Group, primitive: &Primitive) -> Result<(), Error> {
                 silhouette(group, &arrow, 0.0, arrow.pen.color);
             }
         }
-        Primitive::Text(line) => group.append(text(line)),
+        Primitive::Text(line) => {
+            group.append(text(line));
+            line.underlines().try_for_each(|underline| draw(group, &underline))?;
+        }
         Primitive::Image { pixels, rect } => group.append(image(pixels, *rect)?),
     }
     Ok(())

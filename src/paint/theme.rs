@@ -106,12 +106,32 @@ impl Theme {
     /// Every theme.
     pub const ALL: [Theme; 3] = [Theme::Dark, Theme::Light, Theme::Projector];
 
+    /// Stable name, for sessions and the command line.
+    pub fn id(self) -> &'static str {
+        match self {
+            Theme::Dark => "dark",
+            Theme::Light => "light",
+            Theme::Projector => "projector",
+        }
+    }
+
     /// Name as shown.
     pub fn name(self) -> &'static str {
         match self {
             Theme::Dark => "Dark",
             Theme::Light => "Light",
             Theme::Projector => "Projector",
+        }
+    }
+
+    /// What it is for, in one sentence.
+    pub fn tip(self) -> &'static str {
+        match self {
+            Theme::Dark => "Light on dark, for the desk.",
+            Theme::Light => "Dark on light, for print and bright rooms.",
+            Theme::Projector => {
+                "Large type and thick lines, for the last row; what is not shown to a class is folded away."
+            }
         }
     }
 

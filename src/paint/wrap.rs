@@ -45,7 +45,9 @@ fn joined(line: Vec<Run>) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for run in line {
         match runs.last_mut() {
-            Some(last) if (last.color, last.face) == (run.color, run.face) => last.text.push_str(&run.text),
+            Some(last) if (last.color, last.face, last.underline) == (run.color, run.face, run.underline) => {
+                last.text.push_str(&run.text)
+            }
             _ => runs.push(run),
         }
     }

@@ -5,10 +5,12 @@ use std::path::Path;
 use motionscope_core::{AnyEstimator, Error, Pace, estimator};
 
 use super::toml_text::{Entry, Section};
-use super::{Session, Sight, VERSION, Wanted, colors, pace, spacing_px, stretch, theme, view};
-use crate::company::Company;
-use crate::paint::{Lengthen, LevelShown, Opacity, Phase, Share};
-use crate::source::Source;
+use super::{Session, Sight, VERSION, key, pace};
+use crate::experiment::company::Company;
+use crate::experiment::source::Source;
+use crate::experiment::{Experiment, Position};
+use crate::media::Given;
+use crate::view::look::{Changes, Look};
 
 /// The session in `text`, whose paths are told from `folder`.
 ///
@@ -26,24 +28,27 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
         return Err(Error::new(told));
     }
     let source = top.need("clip")?.parsed(|clip| Source::parse(clip))?.map_path(|path| folder.join(path));
-    let truth = top.take("truth").map(|truth| truth.text().map(|path| folder.join(path))).transpose()?;
+    let mut path = |key| top.take(key).map(|entry| entry.text().map(|path| folder.join(path))).transpose();
+    let given = Given { truth: path("truth")?, detections: path("detections")? };
     let mut leader = top.need("estimator")?.parsed(estimator)?;
     for (name, value) in section(&mut top, "set")?.all() {
         leader.set(&name, &value.plain()?).map_err(|why| value.wrong(why))?;
     }
     let pace = top.take("pace").map_or(Ok(Pace::Block), |entry| entry.parsed(pace))?;
     let company = company(&mut top, &mut *leader, pace)?;
-    let session = Session {
+    let experiment = Experiment {
         source,
-        truth,
+        given,
         estimator: leader,
         company,
         frame: top.take("frame").map_or(Ok(0), |frame| frame.count())?,
+    };
+    let position = Position {
         cursor: top.take("step").map(|step| step.parsed(str::parse)).transpose()?,
         pixel: top.take("pixel").map(|pixel| pixel.parsed(str::parse)).transpose()?,
-        look: look(section(&mut top, "picture")?)?,
-        sight: sight(&mut top)?,
     };
+    let look = look(section(&mut top, "picture")?)?;
+    let session = Session { experiment, position, look, sight: sight(&mut top)? };
     top.end()?;
     Ok(session)
 }
@@ -78,46 +83,16 @@ fn company(top: &mut Section<'_>, leader: &mut dyn AnyEstimator, pace: Pace) -> 
     Ok(company)
 }
 
-fn look(mut picture: Section<'_>) -> Result<Wanted, Error> {
-    let look = Wanted {
-        view: picture.take("view").map(|entry| entry.parsed(view)).transpose()?,
-        level: picture.take("level").map(|entry| level(&entry)).transpose()?,
-        share: picture.take("blend").map(|entry| number(&entry, Share::new)).transpose()?,
-        theme: picture.take("theme").map(|entry| entry.parsed(theme)).transpose()?,
-        colors: picture.take("colors").map(|entry| entry.parsed(colors)).transpose()?,
-        layer: picture.take("layer").map(|entry| entry.parsed(str::parse)).transpose()?,
-        opacity: picture.take("layer-opacity").map(|entry| number(&entry, Opacity::new)).transpose()?,
-        lengthen: picture.take("arrows").map(|entry| arrows(&entry)).transpose()?,
-        spacing_px: picture.take("arrow-spacing").map(|entry| spacing(&entry)).transpose()?,
-        streaks: picture.take("streaks").map(|entry| number(&entry, Phase::new)).transpose()?,
-        legend: picture.take("legend").map(|entry| entry.switch()).transpose()?,
-        caption: picture.take("caption").map(|entry| entry.switch()).transpose()?,
-    };
+/// The entries of a look that `picture` sets.
+fn look(mut picture: Section<'_>) -> Result<Changes, Error> {
+    let mut look = Changes::default();
+    for (index, spec) in Look::entries().iter().enumerate() {
+        if let Some(entry) = picture.take(key(&spec.name)) {
+            look.set(index, &entry.value_of(&spec.kind)?).map_err(|why| entry.wrong(why))?;
+        }
+    }
     picture.end()?;
     Ok(look)
-}
-
-fn number<T>(entry: &Entry<'_>, make: impl FnOnce(f32) -> Result<T, Error>) -> Result<T, Error> {
-    make(entry.number()?).map_err(|why| entry.wrong(why))
-}
-
-fn spacing(entry: &Entry<'_>) -> Result<u16, Error> {
-    spacing_px(entry.whole()?).map_err(|why| entry.wrong(why))
-}
-
-/// A level of a pyramid by its number, or `at-work`.
-fn level(entry: &Entry<'_>) -> Result<LevelShown, Error> {
-    entry.plain()?.parse().map_err(|why: Error| entry.wrong(why))
-}
-
-/// How many times their length displacements are drawn, or `auto`.
-fn arrows(entry: &Entry<'_>) -> Result<Lengthen, Error> {
-    let lengthen = match entry.number_or_text()? {
-        Ok(factor) => stretch(Some(factor)),
-        Err("auto") => Ok(Lengthen::Auto),
-        Err(_) => stretch(None),
-    };
-    lengthen.map_err(|why| entry.wrong(why))
 }
 
 fn sight(top: &mut Section<'_>) -> Result<Option<Sight>, Error> {

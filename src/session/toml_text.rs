@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use motionscope_core::Error;
+use motionscope_core::params::Kind;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -197,6 +198,25 @@ impl<'a> Entry<'a> {
             DeValue::Float(number) => Ok(number.as_str().to_owned()),
             _ => Err(self.is_no("a single value")),
         }
+    }
+
+    /// What a parameter of this kind may be, as a person would type it on the command line.
+    ///
+    /// # Errors
+    /// If it is something else.
+    pub fn value_of(&self, kind: &Kind) -> Result<String, Error> {
+        match kind {
+            Kind::Int { .. } => drop(self.whole()?),
+            Kind::Real { .. } => drop(self.number()?),
+            Kind::Switch => drop(self.switch()?),
+            Kind::Choice(_) | Kind::Placed(_) | Kind::Stage(_) => drop(self.text()?),
+            Kind::Optional { of, .. } => match &**of {
+                Kind::Int { .. } | Kind::Real { .. } => drop(self.number_or_text()?),
+                _ if self.value.as_str().is_some() => {}
+                of => drop(self.value_of(of)?),
+            },
+        }
+        self.plain()
     }
 
     /// A section with keys of its own.

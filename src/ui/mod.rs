@@ -1,46 +1,19 @@
 //! The window: a stage, the numbers behind it, and a ladder to walk on.
 
-pub mod action;
-mod acts;
 pub mod app;
-mod arrows;
-pub mod axis;
-pub mod clip_card;
-pub mod commands;
+pub mod charts;
 pub mod dialogs;
-pub mod distribution;
-mod files;
-pub mod heat_map;
-pub mod histogram;
-pub mod ink;
-pub mod keys;
-pub mod layout;
-mod map;
-pub mod math;
-pub mod matrices;
+pub mod drawing;
 pub mod model;
 pub mod panes;
-pub mod parameters;
 pub mod parts;
-pub mod plane;
-pub mod plots;
-pub mod primitives;
-pub mod rungs;
-pub mod series;
-pub mod stack3d;
 pub mod stage;
-pub mod status;
-pub mod style;
-pub mod surface3d;
-pub mod tiles;
-pub mod timeline;
-pub mod topbar;
-pub mod transport;
-pub mod why;
 
 use std::ffi::OsString;
 
 use motionscope_core::{Error, synth};
+
+use crate::experiment::first;
 
 /// What the window opens with.
 #[derive(Clone, Debug, Default)]
@@ -48,9 +21,6 @@ pub struct Start {
     /// A clip, a session or `synth:` and a scene; a bundled sample if there is none.
     pub open: Option<OsString>,
 }
-
-/// The sample of the first start.
-const FIRST_SAMPLE: &str = "pillar";
 
 /// Opens the window and returns when it is closed.
 ///
@@ -75,7 +45,7 @@ pub fn run(start: Start) -> Result<(), Error> {
 
 /// Opens what the window is to show first.
 pub fn begin(app: &mut app::App, start: Start) {
-    match (start.open, synth::scene(FIRST_SAMPLE)) {
+    match (start.open, synth::scene(first::SAMPLE)) {
         (Some(name), _) => app.open(&name),
         (None, Ok(sample)) => app.open_sample(sample),
         (None, Err(_)) => {}
@@ -84,7 +54,9 @@ pub fn begin(app: &mut app::App, start: Start) {
 
 /// Why no window could be opened, and what to do.
 fn explain(error: &eframe::Error) -> Error {
-    let instead = "pictures need no window: try `motionscope run CLIP --estimator full-search --overlay FILE.png`";
+    let example = first::EXAMPLE;
+    let instead =
+        format!("pictures need no window: try `motionscope run CLIP --estimator {example} --overlay FILE.png`");
     Error::new(match error {
         eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => format!(
             "no window can be opened here; start Motionscope on a desktop, or set DISPLAY or WAYLAND_DISPLAY to one; \

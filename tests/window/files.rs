@@ -141,7 +141,13 @@ fn what_the_clip_is_read_from_is_not_written_over() {
         refused(&mut window, Command::ExportPicture, &link, "would replace lesson.motionscope, the session");
     }
     // The writer itself refuses as well, whoever asks it.
-    let order = Order { what: What::Result(EXPORTS[0]), path: flow.clone(), scale: 1, look: Look::default() };
+    let order = Order {
+        what: What::Result(EXPORTS[0]),
+        path: flow.clone(),
+        scale: 1,
+        look: Look::default(),
+        panes: Selection::default(),
+    };
     window.harness.state_mut().write(order);
     window.settle();
     assert!(window.app().message().is_some_and(|message| message.contains("would replace the truth of the clip")));
@@ -212,9 +218,9 @@ fn a_session_reopens_exactly() {
     again.press(Modifiers::COMMAND, Key::S);
     write_to(&mut again, &theirs);
     let theirs = Session::load(&theirs).expect("a session");
-    assert_eq!((theirs.look, theirs.sight, theirs.cursor), (mine.look, mine.sight, mine.cursor));
+    assert!(theirs == mine, "the session that is saved again is the same");
     assert!(mine.sight.is_some_and(|sight| stage.is_positive() && sight.zoom > 1.0));
-    assert_eq!(again.app().settings().theme(), window.app().settings().theme());
+    assert_eq!(again.app().settings().look.theme, window.app().settings().look.theme);
     assert_eq!(again.app().settings().recent.len(), 1);
 }
 
@@ -231,10 +237,10 @@ fn a_session_keeps_truth_and_look_and_the_command_line_paints_the_same() {
     window.press(Modifiers::COMMAND, Key::S);
     write_to(&mut window, &second);
     let (before, after) = (Session::load(&first).expect("read"), Session::load(&second).expect("written"));
-    assert_eq!(after.look, before.look);
-    let truth = after.truth.and_then(|truth| truth.canonicalize().ok());
+    assert_eq!(after.look.over(Look::default()), before.look.over(Look::default()));
+    let truth = after.experiment.given.truth.and_then(|truth| truth.canonicalize().ok());
     assert_eq!(truth, folder.path().join("truth.flo").canonicalize().ok());
-    assert_eq!((after.cursor, after.frame), (before.cursor, before.frame));
+    assert_eq!((after.position, after.experiment.frame), (before.position, before.experiment.frame));
 
     window.command(Command::ExportPicture);
     let (mine, theirs) = (folder.path().join("window.png"), folder.path().join("line.png"));
@@ -276,10 +282,10 @@ fn a_session_leaves_alone_what_it_does_not_name() {
     window.harness.state_mut().open(file.as_os_str());
     window.settle();
     let settings = window.app().settings();
-    assert_eq!((settings.theme(), settings.colors()), (Theme::Light, ColorMap::Turbo));
-    assert_eq!(settings.lengthen(), Lengthen::Times(2.0));
+    assert_eq!((settings.look.theme, settings.look.colors), (Theme::Light, ColorMap::Turbo));
+    assert_eq!(settings.look.arrow_scale, Lengthen::Times(2.0));
     assert!(window.harness.query_by_label_contains("Stage: Frames").is_some() || window.shown().at_end);
-    assert_eq!(window.shown().subject.frame, 1);
+    assert_eq!(window.shown().subject.experiment.frame, 1);
     let message = window.app().message().unwrap_or_default();
     assert!(message.contains("frame 9") && message.contains("frame 1"), "{message}");
 }
@@ -377,10 +383,45 @@ fn detections_open_with_a_tracker_and_truth_beside_the_clip_that_is_open() {
     window.harness.state_mut().open(&truth);
     window.settle();
     window.key(Key::End);
-    assert_eq!(window.app().document().truth(), Some(truth.as_path()));
+    assert_eq!(window.app().document().experiment().given.truth.as_ref(), Some(&truth));
     assert!(is_scored(&window), "tracks are scored");
     let recent = &window.app().settings().recent;
     assert!(!recent.contains(&truth), "a truth is no clip");
+}
+
+#[test]
+fn a_session_keeps_detections_given_by_hand() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [first, second] = ["first.motionscope", "second.motionscope"].map(|name| folder.path().join(name));
+    let rows: String = (1..=4).map(|t| format!("{t},-1,{},30,12,10,1,-1,-1,-1\n", 20 + 3 * t)).collect();
+    fs::write(folder.path().join("det.txt"), rows).expect("the detections");
+    let clip = "synth:traffic,width=96,height=72,frames=4";
+    let text = format!(
+        "motionscope = 1\nclip = \"{clip}\"\ndetections = \"det.txt\"\nestimator = \"kalman-tracker\"\nstep = \"3\"\n"
+    );
+    fs::write(&first, text).expect("the session");
+    let mut window = Window::with(vec2(1400.0, 2600.0), Start { open: Some(first.clone().into()) });
+    let detected = |window: &Window, t| {
+        let clip = &window.shown().subject.clip;
+        clip.detections(t).map(|found| found.iter().map(|one| one.bounds.min[0]).collect::<Vec<_>>())
+    };
+    let before = detected(&window, 2);
+    assert!(before.as_ref().is_some_and(|found| found.len() == 1), "{before:?}");
+    // They stay when the clip is made anew.
+    window.harness.get_by_role_and_label(Role::Slider, "Noise").set_value_accesskit(3.0);
+    window.settle();
+    assert_eq!(detected(&window, 2), before);
+    window.press(Modifiers::COMMAND, Key::S);
+    write_to(&mut window, &second);
+    let given = Session::load(&second).expect("a session").experiment.given;
+    assert_eq!(given.detections, Some(folder.path().join("det.txt")));
+    assert!(fs::read_to_string(&second).expect("text").contains("\ndetections = \"det.txt\"\n"));
+    // Nothing is written over them.
+    window.command(Command::ExportResult);
+    let det = folder.path().join("det.txt");
+    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&det.display().to_string());
+    window.settle();
+    assert!(window.harness.query_by_label_contains("would replace the detections").is_some());
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! The levels of a pyramid in the window.
 
 use super::*;
-use motionscope::shot::{self, Still};
+use motionscope::view::moment::Viewer;
+use motionscope::view::panes::Selection;
+use motionscope::view::shot::Shot;
 use motionscope_core::Levels;
 
 /// A window on a hierarchical search, on its first candidates.
@@ -73,21 +75,25 @@ fn a_session_keeps_the_level_and_a_picture_is_what_is_shown() {
     let look = Look { level: LevelShown::Number(1), view: Some(View::Next), ..Look::default() };
     for (name, what) in [("one.motionscope", What::Session), ("one.png", What::Picture)] {
         let path = folder.path().join(name);
-        window.harness.state_mut().write(Order { what, path, scale: 1, look });
+        window.harness.state_mut().write(Order { what, path, scale: 1, look, panes: Selection::default() });
         window.settle();
     }
     let shown = window.shown();
-    let (clip, estimator) = (&shown.subject.clip, &*shown.subject.estimator);
-    let mut walk = estimator.walk(clip, 0).unwrap();
-    walk.jump(motionscope_core::Move::To(window.cursor()));
+    let (clip, estimator) = (&shown.subject.clip, &*shown.subject.experiment.estimator);
     let reverse = Reverse::new(estimator, clip, 0);
-    let still = Still::of((&*walk, None), (clip, &shot::pair(clip, 0).unwrap()), &look.want(), &reverse).unwrap();
-    let drawn = still.moment(estimator).encode(&look, Format::Png, 1).unwrap();
+    let mut viewer = Viewer::new(&shown.subject.experiment, clip, &look, &reverse).unwrap();
+    viewer.walk.jump(motionscope_core::Move::To(window.cursor()));
+    let moment = viewer.moment(None).unwrap();
+    let drawn =
+        Shot { moment: &moment, estimator, look: &look, panes: &Selection::default() }.encode(Format::Png, 1).unwrap();
     assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
     let session = Session::load(&folder.path().join("one.motionscope")).unwrap();
-    assert_eq!(session.look.level, Some(LevelShown::Number(1)));
+    assert_eq!(session.look.over(Look::default()).level, LevelShown::Number(1));
     let at_work = Look { level: LevelShown::AtWork, ..look };
-    assert!(still.moment(estimator).encode(&at_work, Format::Png, 1).unwrap() != drawn, "level 2 is at work");
+    let at_work = Shot { moment: &moment, estimator, look: &at_work, panes: &Selection::default() }
+        .encode(Format::Png, 1)
+        .unwrap();
+    assert!(at_work != drawn, "level 2 is at work");
 }
 
 /// The picture of the pyramid, and what it is called.

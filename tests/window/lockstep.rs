@@ -1,7 +1,9 @@
 //! Estimators in lockstep in the window.
 
 use super::*;
-use motionscope::shot::{self, Still};
+use motionscope::view::moment::Viewer;
+use motionscope::view::panes::Selection;
+use motionscope::view::shot::Shot;
 use motionscope_core::Pace;
 
 fn names(window: &Window) -> Vec<&'static str> {
@@ -116,7 +118,7 @@ fn nothing_of_it_is_cut_off_at_any_size() {
         (vec2(1920.0, 1080.0), Theme::Projector),
     ] {
         let mut window = Window::new(size);
-        while window.app().settings().theme() != theme {
+        while window.app().settings().look.theme != theme {
             window.command(Command::NextTheme);
         }
         four(&mut window);
@@ -140,17 +142,17 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     let look = Look { view: None, ..Look::default() };
     for (name, what) in [("one.motionscope", What::Session), ("one.png", What::Picture)] {
         let path = folder.path().join(name);
-        window.harness.state_mut().write(Order { what, path, scale: 1, look });
+        window.harness.state_mut().write(Order { what, path, scale: 1, look, panes: Selection::default() });
         window.settle();
     }
     let shown = window.shown();
-    let (clip, estimator) = (&shown.subject.clip, &*shown.subject.estimator);
-    let mut walk = shown.subject.company.walk(estimator, clip, shown.subject.frame).unwrap();
-    walk.jump(motionscope_core::Move::To(here));
-    let pair = shot::pair(clip, shown.subject.frame).unwrap();
-    let reverse = Reverse::new(estimator, clip, shown.subject.frame);
-    let still = Still::of((&*walk, None), (clip, &pair), &look.want(), &reverse).unwrap();
-    let drawn = still.moment(estimator).encode(&look, Format::Png, 1).unwrap();
+    let (clip, estimator) = (&shown.subject.clip, &*shown.subject.experiment.estimator);
+    let reverse = Reverse::new(estimator, clip, shown.subject.experiment.frame);
+    let mut viewer = Viewer::new(&shown.subject.experiment, clip, &look, &reverse).unwrap();
+    viewer.walk.jump(motionscope_core::Move::To(here));
+    let moment = viewer.moment(None).unwrap();
+    let drawn =
+        Shot { moment: &moment, estimator, look: &look, panes: &Selection::default() }.encode(Format::Png, 1).unwrap();
     assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
     let path: OsString = folder.path().join("one.motionscope").into();
     let again = Window::with(vec2(1440.0, 900.0), Start { open: Some(path) });

@@ -90,7 +90,7 @@ fn blocks_have_colours_where_they_are_wanted() {
     assert!(window.shown().tiles.iter().all(|tile| tile.layer.is_some()), "each of several has its own");
     let keys: Vec<_> = window.shown().tiles.iter().filter_map(|tile| tile.layer.as_ref()).map(|t| &t.key).collect();
     assert!(keys.windows(2).all(|pair| pair[0] == pair[1]), "on one scale");
-    assert!(!Command::ConsistencyLayer.enabled(&motionscope::ui::commands::Now {
+    assert!(!Command::ConsistencyLayer.enabled(&motionscope::ui::app::commands::Now {
         has_run: true,
         offer: window.shown().offer,
         ..Default::default()
@@ -124,16 +124,23 @@ fn what_is_chosen_is_kept_in_a_session() {
     window.command(Command::MagnitudeLayer);
     let path = folder.path().join("two.motionscope");
     let look = Look::default();
-    window.harness.state_mut().write(Order { what: What::Session, path: path.clone(), scale: 1, look });
+    window.harness.state_mut().write(Order {
+        what: What::Session,
+        path: path.clone(),
+        scale: 1,
+        look,
+        panes: Selection::default(),
+    });
     window.settle();
     let session = Session::load(&path).unwrap();
-    assert_eq!((session.look.layer, session.look.spacing_px), (Some(FlowLayer::Magnitude), None));
+    let look = session.look.over(Look::default());
+    assert_eq!((look.layer, look.arrow_spacing), (Some(FlowLayer::Magnitude), None));
     let again = Window::with(vec2(1440.0, 900.0), Start { open: Some(path.clone().into()) });
     assert_eq!(kind(&again), FlowLayer::Magnitude);
     // Colours are as opaque as a session says.
     let alpha = |window: &Window| tint(window).map(|tint| tint.pixels[(30, 30)][3]);
     assert!(alpha(&again).is_some_and(|alpha| alpha < 255), "the picture is seen through the colours");
-    let text = std::fs::read_to_string(&path).unwrap().replace("[picture]", "[picture]\nlayer-opacity = 1.0");
+    let text = std::fs::read_to_string(&path).unwrap().replace("layer-opacity = \"auto\"", "layer-opacity = 1.0");
     std::fs::write(&path, text).unwrap();
     let opaque = Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) });
     assert_eq!((kind(&opaque), alpha(&opaque)), (FlowLayer::Magnitude, Some(255)));

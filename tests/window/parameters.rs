@@ -5,11 +5,11 @@ use super::*;
 #[test]
 fn a_parameter_changes_the_run_and_undo_brings_it_back() {
     let mut window = Window::usual();
-    let (before, place) = (window.told(), window.shown().reference().expect("a block"));
+    let (before, place) = (window.told(), window.shown().reference().expect("a block").at);
     window.harness.get_by_role_and_label(Role::Slider, "Block").set_value_accesskit(24.0);
     window.settle();
     assert_eq!(window.value("block"), Value::Int(24));
-    let there = window.shown().reference().expect("a block");
+    let there = window.shown().reference().expect("a block").at;
     assert!((0..2).all(|i| (there[i] - place[i]).abs() <= 20.0), "it stays where it was: {place:?} {there:?}");
     window.click("Reset block");
     assert_eq!(window.value("block"), Value::Int(16));

@@ -3,6 +3,7 @@
 use super::files::{command_line, paint, write_to};
 use super::*;
 use motionscope::ui::model::snapshot::Pointed;
+use motionscope::view::panes::Selection;
 
 /// A window on an estimator at a step, with further lines of its session.
 fn window(estimator: &str, step: &str, clip: &str) -> Window {
@@ -18,13 +19,50 @@ fn pointed(window: &Window) -> Option<Pointed> {
 }
 
 /// The place of the stage's first picture at these shares of its size.
-fn on_stage(window: &Window, [x, y]: [f32; 2]) -> Pos2 {
-    let stage = window
-        .harness
-        .get_all_by_role(Role::Image)
-        .find(|node| node.accesskit_node().label().is_some_and(|label| label.starts_with("Stage: Frame t =")));
-    let rect = stage.expect("frame t is shown").rect();
+fn on_stage(window: &Window, share: [f32; 2]) -> Pos2 {
+    on_picture(window, "Frame t =", share)
+}
+
+/// The place of the stage's picture whose title begins so, at these shares of its size.
+fn on_picture(window: &Window, title: &str, [x, y]: [f32; 2]) -> Pos2 {
+    let begins = |label: String| label.starts_with(&format!("Stage: {title}"));
+    let mut pictures = window.harness.get_all_by_role(Role::Image);
+    let stage = pictures.find(|node| node.accesskit_node().label().is_some_and(begins));
+    let rect = stage.unwrap_or_else(|| panic!("{title} is not shown")).rect();
     rect.min + rect.size() * vec2(x, y)
+}
+
+#[test]
+fn a_click_on_the_other_frame_is_none_on_frame_t() {
+    let mut window = window("normal-flow", "150.20", "synth:pillar");
+    let before = window.told();
+    let next = on_picture(&window, "Frame t+1", [0.5, 0.3]);
+    window.harness.hover_at(next);
+    window.settle();
+    assert!(window.told() == before, "the pixel of frame t at the same place is not explained");
+    window.click_at(next);
+    assert_eq!(pointed(&window), None);
+    let message = window.app().message().unwrap_or_default();
+    assert!(message.starts_with("Frame t+1 has no pixels") && message.ends_with("click on frame t."), "{message}");
+}
+
+#[test]
+fn what_a_frame_is_compared_with_stands_beside_it() {
+    for (estimator, title) in [("frame-difference", "Frame t−1 = 2"), ("running-average", "Reference")] {
+        let mut window = objects::window(estimator, "3.2");
+        window.key(Key::Num1);
+        let other = on_picture(&window, title, [0.5, 0.5]);
+        assert!(on_stage(&window, [0.5, 0.5]).x != other.x, "{estimator}: both are seen");
+        let folder = tempfile::tempdir().expect("a folder");
+        let [mine, line, session] = ["mine.png", "line.png", "one.motionscope"].map(|name| folder.path().join(name));
+        window.command(Command::ExportPicture);
+        window.click_role(Role::Button, "1×");
+        write_to(&mut window, &mine);
+        window.command(Command::SaveSession);
+        write_to(&mut window, &session);
+        paint(&session, 1, &line);
+        assert!(fs::read(&mine).expect("a picture") == fs::read(&line).expect("a picture"), "{estimator}");
+    }
 }
 
 fn status(window: &Window) -> String {
@@ -68,7 +106,7 @@ fn a_pixel_whose_turn_has_not_come_is_told_when_it_is_clicked_only() {
     assert_eq!(pointed(&window), None);
     assert!(window.told() == before, "nothing of what comes is told");
     window.click_at(low);
-    let at = pointed(&window).expect("the run has gone there").at;
+    let at = pointed(&window).expect("the run has gone there").at.at;
     let Cursor { unit, event } = window.cursor();
     assert_eq!([(event - 1) as f32, unit as f32], at);
 }
@@ -121,7 +159,9 @@ fn a_pixel_that_is_held_stays_held_in_a_session() {
 
         // The same session with none.
         let free = folder.path().join("free.motionscope");
-        Session { pixel: None, ..Session::load(&file).expect("a session") }.save(&free).expect("it is written");
+        let mut session = Session::load(&file).expect("a session");
+        session.position.pixel = None;
+        session.save(&free).expect("it is written");
         paint(&free, 1, &other);
         assert!(fs::read(&mine).expect("a picture") != fs::read(&other).expect("a picture"), "the pixel is not seen");
         again.harness.state_mut().open(&free);
@@ -139,7 +179,7 @@ fn steps_are_written_about_the_pixel_that_is_held() {
     let look = Session::load(&file).expect("a session").look.over(Look::default());
     let (from, to) = (Cursor { unit: 1, event: 1 }, Cursor { unit: 3, event: 1 });
     let what = What::Steps { from, to, rung: window.shown().info.rungs.len() - 1, format: Format::Png };
-    window.harness.state_mut().write(Order { what, path: mine.clone(), scale: 1, look });
+    window.harness.state_mut().write(Order { what, path: mine.clone(), scale: 1, look, panes: Selection::default() });
     window.settle();
     let words = ["motionscope", "export", "LESSON", "--steps", "2.1..4.1", "--out", "LINES"].map(|word| match word {
         "LESSON" => file.as_os_str(),

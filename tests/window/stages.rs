@@ -32,6 +32,34 @@ fn a_stage_is_walked_by_itself_on_the_same_frame_and_left_again() {
 }
 
 #[test]
+fn another_clip_is_opened_outside_of_the_stage_and_says_so() {
+    let mut window = tracker();
+    window.command(Command::IntoStage);
+    window.harness.get_by_role_and_label(Role::Slider, "Min area").set_value_accesskit(77.0);
+    window.settle();
+    window.harness.state_mut().open("synth:traffic,width=96,height=72,frames=4");
+    window.settle();
+    let document = window.app().document();
+    assert_eq!((document.estimator().info().id, document.parents().len()), ("kalman-tracker", 0));
+    assert_eq!(document.estimator().get("detector.min-area"), Ok(Value::Int(77)), "what was set in the stage is kept");
+    let message = window.app().message().unwrap_or_default();
+    assert!(message.contains("out of the stage") && message.contains("Kalman tracker"), "{message}");
+    assert_eq!(window.shown().pictures.pair[0].size(), (96, 72));
+}
+
+#[test]
+fn a_slider_of_the_clip_that_moves_in_a_stage_counts_for_its_parent() {
+    let mut window = tracker();
+    window.command(Command::IntoStage);
+    window.harness.get_by_role_and_label(Role::Slider, "Noise").set_value_accesskit(3.0);
+    window.settle();
+    window.command(Command::OutOfStage);
+    let source = window.app().document().source().map(ToString::to_string).unwrap_or_default();
+    assert!(source.contains("noise=3,"), "{source}");
+    assert_eq!(window.shown().subject.experiment.source.to_string(), source);
+}
+
+#[test]
 fn what_is_changed_in_a_stage_is_its_parents() {
     let mut window = tracker();
     window.command(Command::IntoStage);

@@ -291,6 +291,12 @@ impl Clip {
         self
     }
 
+    /// The same clip with the detections of `other` in the place of its own.
+    pub fn with_detections_of(mut self, other: &Clip) -> Self {
+        self.detections.clone_from(&other.detections);
+        self
+    }
+
     /// The same clip with other facts told about it.
     pub fn with_info(mut self, info: ClipInfo) -> Self {
         self.info = Arc::new(info);

@@ -71,6 +71,77 @@ pub enum Kind {
     Placed(Figure),
     /// Something with parameters of its own.
     Stage(PartKind),
+    /// What `of` says, or a word that leaves it open.
+    Optional {
+        /// What it may be where it is set.
+        of: Box<Kind>,
+        /// What stands for none of it: `auto`.
+        word: &'static str,
+    },
+}
+
+impl Kind {
+    /// What may be given, in words, with `unit` behind numbers.
+    fn allowed(&self, unit: &str) -> String {
+        match self {
+            Kind::Int { min, max } => format!("{min} to {max}{unit}"),
+            Kind::Real { min, max } => format!("{min} to {max}{unit}"),
+            Kind::Switch => "on or off".into(),
+            Kind::Placed(figure) => figure.allowed().into(),
+            Kind::Stage(kind) => one_of(&kind.ids()),
+            Kind::Choice(all) => one_of(&names(all)),
+            Kind::Optional { of, word } => match &**of {
+                Kind::Choice(all) => one_of(&[names(all), vec![word]].concat()),
+                of => format!("{} or {word}", of.allowed(unit)),
+            },
+        }
+    }
+
+    /// Whether `value` is one of them.
+    fn fits(&self, value: &Value) -> bool {
+        match (self, value) {
+            (Kind::Int { min, max }, Value::Int(v)) => (*min..=*max).contains(v),
+            (Kind::Real { min, max }, Value::Real(v)) => (*min..=*max).contains(v),
+            (Kind::Switch, Value::Switch(_)) => true,
+            (Kind::Choice(all), Value::Choice(v)) => all.iter().any(|c| c.name == *v),
+            (Kind::Placed(figure), Value::Placed(v)) => v.figure() == *figure && v.is_sound(),
+            (Kind::Stage(kind), Value::Stage(v)) => kind.ids().contains(&v.id()),
+            (Kind::Optional { word, .. }, Value::Choice(v)) if v == word => true,
+            (Kind::Optional { of, .. }, value) => of.fits(value),
+            _ => false,
+        }
+    }
+
+    /// The value that `text` is, if it is one; whether that fits is not looked at.
+    fn read(&self, text: &str) -> Option<Value> {
+        match self {
+            Kind::Int { .. } => text.parse().ok().map(Value::Int),
+            Kind::Real { .. } => text.parse().ok().map(Value::Real),
+            Kind::Switch => match text {
+                "on" | "true" | "yes" | "1" => Some(Value::Switch(true)),
+                "off" | "false" | "no" | "0" => Some(Value::Switch(false)),
+                _ => None,
+            },
+            Kind::Choice(all) => all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name)),
+            Kind::Placed(figure) => figure.parse(text).map(Value::Placed),
+            Kind::Stage(kind) => kind.parse(text).map(Value::Stage).ok(),
+            Kind::Optional { word, .. } if text == *word => Some(Value::Choice(word)),
+            Kind::Optional { of, .. } => of.read(text),
+        }
+    }
+
+    /// Whether it is a whole number, where it is set.
+    fn is_whole(&self) -> bool {
+        match self {
+            Kind::Optional { of, .. } => of.is_whole(),
+            kind => matches!(kind, Kind::Int { .. }),
+        }
+    }
+}
+
+/// The names of choices.
+fn names(all: &[Choice]) -> Vec<&'static str> {
+    all.iter().map(|choice| choice.name).collect()
 }
 
 /// One of a few named values of a parameter.
@@ -114,14 +185,7 @@ impl Spec {
     /// What may be given, in words: `4 to 64 px`, `on or off`, `sad, ssd or mse`.
     pub fn allowed(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
-        match &self.kind {
-            Kind::Int { min, max } => format!("{min} to {max}{unit}"),
-            Kind::Real { min, max } => format!("{min} to {max}{unit}"),
-            Kind::Switch => "on or off".into(),
-            Kind::Placed(figure) => figure.allowed().into(),
-            Kind::Stage(kind) => one_of(&kind.ids()),
-            Kind::Choice(all) => one_of(&all.iter().map(|c| c.name).collect::<Vec<_>>()),
-        }
+        self.kind.allowed(&unit)
     }
 
     /// Checks that `value` is allowed.
@@ -129,16 +193,7 @@ impl Spec {
     /// # Errors
     /// A sentence that names the range.
     pub fn check(&self, value: Value) -> Result<Value, Error> {
-        let fits = match (&self.kind, &value) {
-            (Kind::Int { min, max }, Value::Int(v)) => (*min..=*max).contains(v),
-            (Kind::Real { min, max }, Value::Real(v)) => (*min..=*max).contains(v),
-            (Kind::Switch, Value::Switch(_)) => true,
-            (Kind::Choice(all), Value::Choice(v)) => all.iter().any(|c| c.name == *v),
-            (Kind::Placed(figure), Value::Placed(v)) => v.figure() == *figure && v.is_sound(),
-            (Kind::Stage(kind), Value::Stage(v)) => kind.ids().contains(&v.id()),
-            _ => false,
-        };
-        if fits { Ok(value) } else { Err(self.refusal(&value.to_string())) }
+        if self.kind.fits(&value) { Ok(value) } else { Err(self.refusal(&value.to_string())) }
     }
 
     /// Reads a value as a person types it: `16`, `0.5`, `on`, `sad`.
@@ -148,20 +203,12 @@ impl Spec {
     pub fn parse(&self, text: &str) -> Result<Value, Error> {
         let text = text.trim();
         let value = match &self.kind {
-            Kind::Int { .. } => text.parse().ok().map(Value::Int),
-            Kind::Real { .. } => text.parse().ok().map(Value::Real),
-            Kind::Switch => match text {
-                "on" | "true" | "yes" | "1" => Some(Value::Switch(true)),
-                "off" | "false" | "no" | "0" => Some(Value::Switch(false)),
-                _ => None,
-            },
-            Kind::Choice(all) => all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name)),
-            Kind::Placed(figure) => figure.parse(text).map(Value::Placed),
             // The one that is declared comes as it is declared.
             Kind::Stage(_) if matches!(&self.default, Value::Stage(usual) if usual.id() == text) => {
                 Some(self.default.clone())
             }
             Kind::Stage(kind) => return kind.parse(text).map(Value::Stage).map_err(|error| self.stage_refusal(error)),
+            kind => kind.read(text),
         };
         value.ok_or_else(|| self.refusal(text)).and_then(|value| self.check(value))
     }
@@ -171,7 +218,7 @@ impl Spec {
     }
 
     fn refusal(&self, given: &str) -> Error {
-        if matches!(self.kind, Kind::Int { .. }) && given.parse::<f64>().is_ok_and(|v| v.fract() != 0.0) {
+        if self.kind.is_whole() && given.parse::<f64>().is_ok_and(|v| v.fract() != 0.0) {
             return Error::new(format!("{} can be a whole number, {}, not {given}", self.name, self.allowed()));
         }
         Error::new(format!("{} can be {}, not {given}", self.name, self.allowed()))
@@ -299,6 +346,8 @@ pub fn no_such_parameter() -> ! {
 pub trait Parameter: Sized {
     /// The smallest and largest value allowed where the type alone does not say.
     type Range;
+    /// What stands for none, where an [`Option`] of it is a parameter.
+    const NONE: &'static str = "auto";
     /// What the parameter may be.
     fn kind(range: Self::Range) -> Kind;
     /// As a value.
@@ -323,7 +372,7 @@ macro_rules! whole_number {
         }
     )*};
 }
-whole_number!(usize, u32, i32);
+whole_number!(usize, u32, u16, i32);
 
 impl Parameter for f32 {
     type Range = std::ops::RangeInclusive<f32>;
@@ -353,6 +402,20 @@ impl Parameter for bool {
     }
     fn from_value(value: Value) -> Option<Self> {
         if let Value::Switch(v) = value { Some(v) } else { None }
+    }
+}
+
+/// What may be left open: a word stands for `None`.
+impl<T: Parameter> Parameter for Option<T> {
+    type Range = T::Range;
+    fn kind(range: Self::Range) -> Kind {
+        Kind::Optional { of: Box::new(T::kind(range)), word: T::NONE }
+    }
+    fn to_value(&self) -> Value {
+        self.as_ref().map_or(Value::Choice(T::NONE), T::to_value)
+    }
+    fn from_value(value: Value) -> Option<Self> {
+        if value == Value::Choice(T::NONE) { Some(None) } else { T::from_value(value).map(Some) }
     }
 }
 
@@ -584,6 +647,10 @@ mod tests {
             switch: bool = false;
             /// A choice.
             pace: Pace = Pace::Fast;
+            /// A whole number that may be left open.
+            room: Option<u16> = None, 1..=256, "px";
+            /// A choice that may be left open.
+            gait: Option<Pace> = Some(Pace::Slow);
         }
     }
 
@@ -594,20 +661,26 @@ mod tests {
         assert_eq!(spec.doc, "A whole number, told on two lines.");
         assert_eq!((spec.allowed(), &spec.default), ("4 to 64 px".into(), &Value::Int(16)));
         assert_eq!(All::default().specs()[1].default, Value::Real(0.1));
-        assert_eq!(All::default().specs()[3].allowed(), "slow or fast");
+        let allowed = [3, 4, 5].map(|index| All::default().specs()[index].allowed());
+        assert_eq!(allowed, ["slow or fast", "1 to 256 px or auto", "slow, fast or auto"]);
     }
 
     #[test]
     fn setting_reads_back_and_refusing_changes_nothing() {
         let mut all = All::default();
-        for (name, text) in [("whole-px", "64"), ("real", "0.25"), ("switch", "on"), ("pace", "slow")] {
+        let open = [("room", "7"), ("room", "auto"), ("gait", "fast"), ("gait", "auto")];
+        for (name, text) in
+            [("whole-px", "64"), ("real", "0.25"), ("switch", "on"), ("pace", "slow")].into_iter().chain(open)
+        {
             all.set(name, text).unwrap();
             assert_eq!(all.get(name).unwrap().to_string(), text);
         }
+        assert_eq!((all.room, all.gait), (None, None));
         assert_eq!((Pace::Slow.label(), Pace::Fast.label()), ("Slow", "Fast"));
         let refused =
             [("whole-px", "65"), ("whole-px", "x"), ("real", "NaN"), ("switch", "2"), ("pace", "Slow"), ("gone", "1")];
-        for (name, text) in refused {
+        let open = [("room", "0"), ("room", "1.5"), ("room", "none"), ("gait", "on")];
+        for (name, text) in refused.into_iter().chain(open) {
             let before = all.values();
             assert!(all.set(name, text).is_err(), "{name}={text}");
             assert_eq!(all.values(), before);

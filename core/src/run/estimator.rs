@@ -8,7 +8,7 @@ use crate::data::Clip;
 use crate::params::Params;
 use crate::products::{Output, ProductKind};
 use crate::pseudocode;
-use crate::scene::{Chart, Line, Name, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Line, Name, Picture, Role, Scene, Step};
 
 /// What there is to say about an estimator before it runs.
 #[derive(Debug, PartialEq, Eq)]
@@ -96,8 +96,16 @@ pub struct Seen<'a, E: Estimator> {
     pub after: Option<&'a E::State>,
     /// The unit's events up to the cursor; empty only at the very start of a run.
     pub events: &'a [E::Event],
-    /// The pixel that the person points at. It changes what is explained, never what is computed.
-    pub focus: Option<[f32; 2]>,
+    /// The pixel that the person points at, on a picture that the estimator takes ([`Pointed::takes`]). It changes what is
+    /// explained, never what is computed.
+    pub focus: Option<Focus>,
+}
+
+impl<E: Estimator> Seen<'_, E> {
+    /// The point of frame t that the person points at, in px.
+    pub fn point(&self) -> Option<[f32; 2]> {
+        self.focus.filter(|focus| focus.on == Picture::CURRENT).map(|focus| focus.at)
+    }
 }
 
 /// A motion estimator: parameters, a state, and one unit of work at a time.

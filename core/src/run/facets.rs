@@ -3,6 +3,7 @@
 use super::{Cursor, Need};
 use crate::data::Clip;
 use crate::params::Value;
+use crate::scene::{Focus, Picture};
 
 /// The memory that an estimator takes, whose states are `S`.
 pub trait Footprint<S: Clone> {
@@ -69,14 +70,19 @@ pub struct StageView {
 
 /// An estimator that has something to show where a person points, and has states `S`.
 pub trait Pointed<S> {
-    /// The unit whose result lies at `point` in frame t, for a click on the stage.
-    fn unit_at(&self, _state: &S, _point: [f32; 2]) -> Option<usize> {
+    /// Whether pixels of `picture` can be pointed at: a click on frame t + 1 is not one on frame t.
+    fn takes(&self, picture: Picture) -> bool {
+        picture == Picture::CURRENT
+    }
+
+    /// The unit whose result lies at `focus`, for a click on the stage.
+    fn unit_at(&self, _state: &S, _focus: Focus) -> Option<usize> {
         None
     }
 
-    /// From when on the pixel at `point` of frame t can be explained by itself; `None` where the unit that lies there is what
+    /// From when on the pixel at `focus` can be explained by itself; `None` where the unit that lies there is what
     /// is explained, or nothing lies there. Before that nobody sees what a pixel will come to by pointing at it.
-    fn explained(&self, _state: &S, _point: [f32; 2]) -> Option<Explained> {
+    fn explained(&self, _state: &S, _focus: Focus) -> Option<Explained> {
         None
     }
 }

@@ -11,7 +11,7 @@ use crate::base::{Error, Threads};
 use crate::choices;
 use crate::data::Clip;
 use crate::products::{BlockField, BlockGrid, Output};
-use crate::scene::{Readout, Role, Scene, Step};
+use crate::scene::{Focus, Readout, Role, Scene, Step};
 
 choices! {
     /// What estimators that go in lockstep have in common at every step.
@@ -268,7 +268,7 @@ impl Lockstep {
 
     /// What member `index` tells. A click on its readouts leads to a candidate of the block at hand; where the budget
     /// counts, only the leader has one.
-    fn told(&self, index: usize, focus: Option<[f32; 2]>) -> Step {
+    fn told(&self, index: usize, focus: Option<Focus>) -> Step {
         let member = &self.members[index];
         let mut step = member.walk.step(focus);
         let leads = self.pace == Pace::Block || index == 0;
@@ -396,18 +396,18 @@ impl Walk for Lockstep {
         members.map(|member| (member.candidates() + 1, Role::Result)).collect()
     }
 
-    fn unit_at(&self, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, focus: Focus) -> Option<usize> {
         match self.pace {
-            Pace::Block => self.blocks.at(point),
-            Pace::Budget => self.members[0].walk.unit_at(point),
+            Pace::Block => self.blocks.at(focus.at),
+            Pace::Budget => self.members[0].walk.unit_at(focus),
         }
     }
 
-    fn step(&self, focus: Option<[f32; 2]>) -> Step {
+    fn step(&self, focus: Option<Focus>) -> Step {
         self.told(0, focus)
     }
 
-    fn scene(&self, focus: Option<[f32; 2]>) -> Scene {
+    fn scene(&self, focus: Option<Focus>) -> Scene {
         self.members[0].walk.scene(focus)
     }
 
@@ -430,7 +430,7 @@ impl Walk for Lockstep {
         }
     }
 
-    fn beside(&self, focus: Option<[f32; 2]>) -> Vec<Beside> {
+    fn beside(&self, focus: Option<Focus>) -> Vec<Beside> {
         let of = |(index, member): (usize, &Member)| Beside {
             info: member.walk.info(),
             cursor: member.walk.cursor(),

@@ -6,7 +6,7 @@ use super::{Cursor, Estimator, Explained, Info, Move, Progress, Rung, Seen, Walk
 use crate::base::{Error, Stop};
 use crate::data::Clip;
 use crate::products::Output;
-use crate::scene::{Role, Scene, Step};
+use crate::scene::{Focus, Picture, Role, Scene, Step};
 
 /// A unit that was run before our eyes.
 struct Unit<E: Estimator> {
@@ -178,13 +178,15 @@ impl<E: Estimator> Timeline<E> {
         self.checkpoints.bytes
     }
 
-    fn seen_so_far(&self, focus: Option<[f32; 2]>) -> Seen<'_, E> {
+    fn seen_so_far(&self, focus: Option<Focus>) -> Seen<'_, E> {
         Seen {
             before: &self.unit.before,
             after: self.unit_is_over().then_some(&self.unit.after),
             events: &self.unit.events[..self.seen],
             // A pixel whose turn has not come is not told.
-            focus: focus.filter(|point| self.explained(*point).is_none_or(|explained| explained.at(self.cursor()))),
+            focus: focus.filter(|focus| {
+                self.takes(focus.on) && self.explained(*focus).is_none_or(|explained| explained.at(self.cursor()))
+            }),
         }
     }
 
@@ -382,19 +384,25 @@ impl<E: Estimator> Walk for Timeline<E> {
         roles.enumerate().filter_map(|(i, role)| role.map(|role| (i + 1, role))).collect()
     }
 
-    fn unit_at(&self, point: [f32; 2]) -> Option<usize> {
-        self.estimator.pointed()?.unit_at(&self.unit.before, point)
+    fn takes(&self, picture: Picture) -> bool {
+        self.estimator.pointed().map_or(picture == Picture::CURRENT, |pointed| pointed.takes(picture))
     }
 
-    fn explained(&self, point: [f32; 2]) -> Option<Explained> {
-        self.estimator.pointed()?.explained(&self.unit.before, point)
+    fn unit_at(&self, focus: Focus) -> Option<usize> {
+        let pointed = self.estimator.pointed().filter(|pointed| pointed.takes(focus.on))?;
+        pointed.unit_at(&self.unit.before, focus)
     }
 
-    fn step(&self, focus: Option<[f32; 2]>) -> Step {
+    fn explained(&self, focus: Focus) -> Option<Explained> {
+        let pointed = self.estimator.pointed().filter(|pointed| pointed.takes(focus.on))?;
+        pointed.explained(&self.unit.before, focus)
+    }
+
+    fn step(&self, focus: Option<Focus>) -> Step {
         self.estimator.step(&self.seen_so_far(focus))
     }
 
-    fn scene(&self, focus: Option<[f32; 2]>) -> Scene {
+    fn scene(&self, focus: Option<Focus>) -> Scene {
         let mut scene = Scene::default();
         self.estimator.draw(&self.seen_so_far(focus), &mut scene);
         scene

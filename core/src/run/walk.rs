@@ -3,7 +3,7 @@
 use super::{Cursor, Explained, Info, Rung};
 use crate::base::Error;
 use crate::products::Output;
-use crate::scene::{Role, Scene, Step};
+use crate::scene::{Focus, Picture, Role, Scene, Step};
 
 /// A direction in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,16 +63,20 @@ pub trait Walk: Send {
     fn failure(&self) -> Option<&Error>;
     /// Events of the unit at hand worth a mark: how many were seen by then, and their role.
     fn landmarks(&self) -> Vec<(usize, Role)>;
-    /// The unit whose result lies at `point` in frame t.
-    fn unit_at(&self, point: [f32; 2]) -> Option<usize>;
-    /// From when on the pixel at `point` of frame t can be explained by itself, if it can.
-    fn explained(&self, _point: [f32; 2]) -> Option<Explained> {
+    /// The unit whose result lies at `focus`.
+    fn unit_at(&self, focus: Focus) -> Option<usize>;
+    /// From when on the pixel at `focus` can be explained by itself, if it can.
+    fn explained(&self, _focus: Focus) -> Option<Explained> {
         None
     }
+    /// Whether pixels of `picture` can be pointed at.
+    fn takes(&self, picture: Picture) -> bool {
+        picture == Picture::CURRENT
+    }
     /// What the cursor tells; `focus` is the pixel that the person points at.
-    fn step(&self, focus: Option<[f32; 2]>) -> Step;
+    fn step(&self, focus: Option<Focus>) -> Step;
     /// What the cursor shows.
-    fn scene(&self, focus: Option<[f32; 2]>) -> Scene;
+    fn scene(&self, focus: Option<Focus>) -> Scene;
     /// What the run amounts to at the cursor: all units whose events were all seen.
     fn output(&self) -> Output;
     /// Events of the unit at hand at which a candidate was tested: how many were seen by then.
@@ -83,7 +87,7 @@ pub trait Walk: Send {
     fn way_to(&self, block: usize) -> Vec<usize>;
 
     /// The runs that stand side by side, the first leading; none where there is but one.
-    fn beside(&self, _focus: Option<[f32; 2]>) -> Vec<Beside> {
+    fn beside(&self, _focus: Option<Focus>) -> Vec<Beside> {
         Vec::new()
     }
 

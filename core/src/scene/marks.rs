@@ -2,18 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{Levels, Role};
+use super::{Canvas, Levels, Picture, Role};
 use crate::data::Mask;
 use crate::geometry::Grid;
-
-/// Which picture of the pair a mark lies on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Picture {
-    /// Frame t.
-    Current,
-    /// Frame t + 1.
-    Next,
-}
 
 /// A mark's geometry in image pixels: x right, y down, pixel centres at integers.
 #[derive(Clone, Debug, PartialEq)]
@@ -209,6 +200,8 @@ pub struct Scene {
     pub legend: Vec<(Role, &'static str)>,
     /// The pyramid on which the step works, where there is one: its pictures can stand below the marks.
     pub levels: Option<Levels>,
+    /// The pictures that the step is about, up to four, where those are not frames t and t + 1.
+    pub pictures: Vec<Canvas>,
     /// What the values of a heat are called, where no surface says so: `λ`.
     pub heat: Option<&'static str>,
 }
@@ -219,6 +212,7 @@ impl Scene {
         let same = |(a, b): (&Mark, &Mark)| a.on == b.on && a.role == b.role && a.of == b.of && a.shape.same(&b.shape);
         self.legend == other.legend
             && self.levels == other.levels
+            && self.pictures == other.pictures
             && self.heat == other.heat
             && self.marks.len() == other.marks.len()
             && self.marks.iter().zip(&other.marks).all(same)

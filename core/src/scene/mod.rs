@@ -4,6 +4,7 @@
 
 mod levels;
 mod marks;
+mod picture;
 pub mod pseudocode;
 mod readouts;
 mod role;
@@ -11,7 +12,8 @@ mod sentence;
 mod step;
 
 pub use levels::{Floor, Level, Levels, Stack};
-pub use marks::{Arrow, Mark, Picture, Scene, Shape, arrow_spacing};
+pub use marks::{Arrow, Mark, Scene, Shape, arrow_spacing};
+pub use picture::{Canvas, Focus, Picture, PictureRole, Pixels, Viewpoint};
 pub use pseudocode::{Line, Name};
 pub use readouts::{
     Chart, Constraint, Distribution, Fact, Matrix, Plane, Readout, Section, Series, Spread, Surface, Tile,

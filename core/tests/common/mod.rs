@@ -1,6 +1,7 @@
 //! What several tests share.
 #![allow(dead_code, reason = "each test uses its part of it")]
 
+use motionscope_core::scene::Focus;
 use motionscope_core::{
     AnyEstimator, Border, Clip, Cursor, Flow, Frame, Gray, Grid, Move, Threads, estimator, metrics, scene,
 };
@@ -91,7 +92,7 @@ pub fn error(found: &Flow, truth: &Flow, margin: usize) -> f64 {
 pub fn told(estimator: &dyn AnyEstimator, clip: &Clip, unit: usize, place: [f32; 2]) -> scene::Step {
     let mut walk = estimator.walk(clip, 0).expect("a walk");
     walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
-    walk.step(Some(place))
+    walk.step(Some(Focus::current(place)))
 }
 
 /// A row of the table of facts of a step.

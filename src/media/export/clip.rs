@@ -11,7 +11,7 @@ use super::{Pixels, flo, make_folder, mot, png, save};
 use crate::media::Progress;
 use crate::media::names::file_name;
 use crate::media::sequence::{Sequence, number};
-use crate::unfinished;
+use crate::media::unfinished;
 
 /// Writes `clip` into `folder`: `frame_0000.png` …, and what is known about it as `flow/frame_0000.flo` …,
 /// `occ/frame_0000.png` … and `gt.txt`, so that opening the folder finds all of it again. A clip that was written there

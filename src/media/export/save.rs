@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use motionscope_core::Error;
 
-use crate::unfinished;
+use crate::media::unfinished;
 
 /// Writes `bytes` to the file at `path`, whole or not at all; `-` is the standard output.
 ///

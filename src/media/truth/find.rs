@@ -279,7 +279,7 @@ mod tests {
 
     use super::*;
     use crate::media::export::{self, Pixels};
-    use crate::media::{self, Open};
+    use crate::media::{self, Given, Open};
 
     fn flow(u: f32) -> Flow {
         Flow(Grid::new(4, 3, [u, 0.5]))
@@ -415,7 +415,7 @@ mod tests {
         assert_eq!(u(&clip, 1), Some(5.0));
         assert_eq!(clip.truth().unwrap().names(), ["flow/frame_0007.flo and 1 more"]);
         // A person may mean it.
-        let options = Open { truth: Some(at("flow/frame_0009.png")), ..Open::default() };
+        let options = Open::from(Given { truth: Some(at("flow/frame_0009.png")), detections: None });
         let clip = media::open(folder.path(), &options).unwrap();
         assert_eq!((u(&clip, 2), clip.truth().unwrap().names()), (Some(9.0), vec!["frame_0009.png".to_owned()]));
     }
@@ -452,7 +452,7 @@ mod tests {
         for (name, why) in
             [("flow/flow07.flo", "5×3"), ("gt.txt", "line 1"), ("frame07.png", "16-bit"), ("gone", "no such")]
         {
-            let options = Open { truth: Some(folder.path().join(name)), ..Open::default() };
+            let options = Open::from(Given { truth: Some(folder.path().join(name)), detections: None });
             let told = media::open(folder.path(), &options).unwrap_err().to_string();
             assert!(told.contains(name) && told.contains(why), "{told}");
         }
@@ -466,7 +466,7 @@ mod tests {
         put(folder.path(), "made/my.flo", export::flo(&flow(1.0)));
         put(folder.path(), "made/my08.flo", export::flo(&flow(2.0)));
         let by_hand = |name: &str| {
-            let options = Open { truth: Some(folder.path().join(name)), ..Open::default() };
+            let options = Open::from(Given { truth: Some(folder.path().join(name)), detections: None });
             let clip = media::open(folder.path(), &options).unwrap();
             (u(&clip, 0), u(&clip, 1))
         };

@@ -5,51 +5,41 @@ use std::sync::Arc;
 use eframe::egui::{self, Align, Button, ComboBox, Grid, Label, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
 use motionscope_core::compare::changed_alike;
 use motionscope_core::scene::Series;
-use motionscope_core::{Error, Role, Threads, estimators, lockstep};
+use motionscope_core::{AnyEstimator, Error, Role, Threads, estimators, lockstep};
 
-use crate::claims::{self, Claim};
-use crate::company::Company;
-use crate::comparison::{self, Arena, Column, Row};
-use crate::paint::Theme;
-use crate::ui::action::{Action, Actions};
-use crate::ui::commands::Command;
+use crate::experiment::claims::{self, Claim};
+use crate::experiment::company::Company;
+use crate::experiment::comparison::{self, Arena, Column, Row};
+use crate::experiment::source::Source;
+use crate::experiment::sweeps::{self, Sweep};
+use crate::paint::{ColorMap, Theme};
+use crate::ui::app::action::{Action, Actions};
+use crate::ui::app::commands::Command;
+use crate::ui::charts::series;
+use crate::ui::drawing::chart::Subject;
+use crate::ui::drawing::style;
 use crate::ui::model::background::Background;
 use crate::ui::model::comparing::{Comparing, Plan};
 use crate::ui::model::document::Document;
 use crate::ui::parts::widgets;
-use crate::ui::{series, style};
 
 /// As many are compared at once: a table that a class can read.
 const MOST: usize = *lockstep::MEMBERS.end();
 /// The colours of the plot's lines.
 const ROLES: [Role; MOST] = [Role::Reference, Role::Result, Role::Predicted, Role::Candidate];
 
-/// What can be swept: its name for a person, how it is written, and what stands along the plot.
-const SWEEPS: [(&str, Option<&str>, &str); 10] = [
-    ("nothing", None, ""),
-    ("the range: 4 to 64 px", Some("range=4,8,16,32,64"), "range in px"),
-    ("the block: 4 to 32 px", Some("block=4,8,16,32"), "block in px"),
-    ("the window: 5 to 31 px", Some("window=5,9,15,21,31"), "window in px"),
-    ("smoothness: α from 1 to 100", Some("alpha=1,3,10,30,100"), "α"),
-    ("levels: 2 to 5", Some("levels=2,3,4,5"), "levels"),
-    ("iterations: 1 to 20", Some("iterations=1,2,5,10,20"), "iterations"),
-    ("the motion: speed ×0.5 to ×4", Some("speed=0.5,1,2,3,4"), "speed, times the usual"),
-    ("noise: 0 to 40 gray levels", Some("noise=0,5,10,20,40"), "noise in gray levels"),
-    ("the light: gain 0.8 to 1.2", Some("gain=0.8,0.9,1,1.1,1.2"), "gain"),
-];
 /// From so many times the smallest value on, a plot goes by powers of ten.
 const WIDE: f64 = 30.0;
-/// Sweeps from here on change the clip, so it must be synthetic.
-const FIRST_OF_CLIP: usize = 7;
-
 /// The comparison while it is open.
 pub struct State {
     chosen: Vec<&'static str>,
-    sweep: usize,
+    sweep: Option<Sweep>,
     /// The column that is plotted.
     plotted: usize,
+    /// The plot as it is shown.
+    plot: series::State,
     /// What is compared now: the estimators and the sweep.
-    begun: Option<(Vec<&'static str>, usize)>,
+    begun: Option<(Vec<&'static str>, Option<Sweep>)>,
     comparing: Option<Comparing>,
     /// Why nothing can be compared so.
     refused: Option<Error>,
@@ -74,7 +64,17 @@ impl State {
         }
         // In the order of the course.
         chosen.sort_by_key(|id| all.iter().position(|other| other == id));
-        Self { chosen, sweep: 0, plotted: 0, begun: None, comparing: None, refused: None, course: None, laid_out: 0 }
+        Self {
+            chosen,
+            sweep: None,
+            plotted: 0,
+            plot: series::State::default(),
+            begun: None,
+            comparing: None,
+            refused: None,
+            course: None,
+            laid_out: 0,
+        }
     }
 
     /// Whether nothing is being worked on.
@@ -218,18 +218,26 @@ fn choice(ui: &mut Ui, state: &mut State) {
 /// What is swept, and how far the comparison has come.
 fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     let label = ui.label("Sweep");
-    let synthetic = document.sample().is_some();
-    let combo = ComboBox::from_id_salt("sweep").selected_text(SWEEPS[state.sweep].0).width(0.0);
+    let chosen = chosen(state);
+    let of_clip = match document.source() {
+        Some(Source::Synth { difficulty, .. }) => sweeps::of_sliders(difficulty),
+        _ => Vec::new(),
+    };
+    let title = |sweep: &Option<Sweep>| sweep.as_ref().map_or("nothing".to_owned(), |sweep| sweep.title.clone());
+    let all = [("of the estimators", sweeps::of_estimators(&chosen)), ("of the clip", of_clip)];
+    if state.sweep.as_ref().is_some_and(|sweep| all.iter().all(|(_, some)| !some.contains(sweep))) {
+        state.sweep = None;
+    }
+    let combo = ComboBox::from_id_salt("sweep").selected_text(title(&state.sweep)).width(0.0);
     let shown = combo.show_ui(ui, |ui| {
-        for (i, (name, ..)) in SWEEPS.iter().enumerate() {
-            let (enabled, why) = match i {
-                0 => (true, ""),
-                FIRST_OF_CLIP.. => (synthetic, "This changes the clip: open one of the samples."),
-                _ => (can_be_swept(i, &state.chosen), "None of the chosen estimators has all of these values."),
-            };
-            ui.add_enabled_ui(enabled, |ui| {
-                ui.selectable_value(&mut state.sweep, i, *name).on_disabled_hover_text(why);
-            });
+        ui.selectable_value(&mut state.sweep, None, title(&None));
+        for (of, some) in all.into_iter().filter(|(_, some)| !some.is_empty()) {
+            ui.label(RichText::new(of).small().weak());
+            for sweep in some {
+                let sweep = Some(sweep);
+                let label = title(&sweep);
+                ui.selectable_value(&mut state.sweep, sweep, label);
+            }
         }
     });
     shown.response.labelled_by(label.id);
@@ -243,11 +251,9 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     }
 }
 
-/// Whether one of `chosen` has the parameter of sweep `index`, and all its values.
-fn can_be_swept(index: usize, chosen: &[&str]) -> bool {
-    let Some((name, values)) = SWEEPS[index].1.and_then(|sweep| sweep.split_once('=')) else { return true };
-    let mut has = estimators().into_iter().filter(|e| chosen.contains(&e.info().id) && e.get(name).is_ok()).peekable();
-    has.peek().is_some() && has.all(|mut estimator| values.split(',').all(|value| estimator.set(name, value).is_ok()))
+/// The estimators that are chosen, with their default parameters.
+fn chosen(state: &State) -> Vec<Box<dyn AnyEstimator>> {
+    estimators().into_iter().filter(|estimator| state.chosen.contains(&estimator.info().id)).collect()
 }
 
 /// The way to seeing them step by step; gives whether it is taken.
@@ -267,7 +273,7 @@ fn step_by_step(ui: &mut Ui, state: &State, actions: &mut Actions) -> bool {
 
 /// Compares anew where something else is chosen.
 fn start(ui: &Ui, state: &mut State, document: &Document) {
-    let wanted = (state.chosen.clone(), state.sweep);
+    let wanted = (state.chosen.clone(), state.sweep.clone());
     if state.begun.as_ref() != Some(&wanted) {
         state.begun = Some(wanted);
         let ctx = ui.ctx().clone();
@@ -280,11 +286,15 @@ fn start(ui: &Ui, state: &mut State, document: &Document) {
 
 /// The chosen estimators with what was changed of the one that is open, where they have the same.
 fn plan(state: &State, document: &Document) -> Result<Option<Plan>, Error> {
-    let Some((clip, source)) = document.clip().cloned().zip(document.source()) else { return Ok(None) };
-    let all = estimators().into_iter().filter(|estimator| state.chosen.contains(&estimator.info().id));
-    let alike = all.map(|estimator| changed_alike(document.estimator(), estimator)).collect::<Vec<_>>();
-    let rounds = comparison::rounds(&source, &alike, SWEEPS[state.sweep].1)?;
-    Ok(Some(Plan { clip, source, frame: document.frame(), rounds }))
+    let Some(prepared) = document.prepared() else { return Ok(None) };
+    let alike =
+        chosen(state).into_iter().map(|estimator| changed_alike(document.estimator(), estimator)).collect::<Vec<_>>();
+    let rounds = comparison::rounds(
+        &prepared.experiment.source,
+        &alike,
+        state.sweep.as_ref().map(|sweep| sweep.setting.as_str()),
+    )?;
+    Ok(Some(Plan { prepared, rounds }))
 }
 
 /// The table and the plot; gives whether a block is to be visited.
@@ -301,10 +311,12 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
     if rows.iter().any(|row| row.swept.is_some()) {
         let columns = comparison::all_columns();
         let plotted = columns.get(state.plotted).unwrap_or(&columns[0]);
-        let series = plot(&rows, plotted, SWEEPS[state.sweep].2);
+        let series = plot(&rows, plotted, state.sweep.as_ref().map_or("", |sweep| sweep.axis));
         let size = TextStyle::Body.resolve(ui.style()).size;
         ui.allocate_ui(vec2(ui.available_width().min(64.0 * size), 15.0 * size), |ui| {
-            series::show(ui, series::Input { series: &series, theme, logarithmic: is_wide(&series) });
+            let subject = Subject { step: None, whose: "", theme, colors: ColorMap::default() };
+            let input = series::Input { series: &series, subject, logarithmic: is_wide(&series) };
+            series::show(ui, input, &mut state.plot);
         });
         ui.add_space(4.0);
     }

@@ -9,9 +9,9 @@ use eframe::egui::{
 use motionscope_core::synth::{SCENES, Sample};
 
 use crate::paint::Theme;
-use crate::ui::action::{Action, Actions};
+use crate::ui::app::action::{Action, Actions};
+use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
-use crate::ui::style;
 
 /// Width and height of a sample's picture in pixels.
 const PICTURE_PX: (usize, usize) = (240, 180);

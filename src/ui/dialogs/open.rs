@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, RichText, TextEdit, TextStyle, Ui, vec2};
 use lucide_icons::Icon;
 
-use crate::source::Source;
-use crate::ui::action::{Action, Actions, Browse};
-use crate::ui::commands::Command;
+use crate::experiment::source::Source;
+use crate::ui::app::action::{Action, Actions, Browse};
+use crate::ui::app::commands::Command;
 use crate::ui::parts::widgets;
 
 /// The dialog while it is open.

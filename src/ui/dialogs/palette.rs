@@ -11,10 +11,10 @@ use motionscope_core::{estimators, synth};
 
 use super::fuzzy;
 use crate::paint::Theme;
-use crate::ui::action::Action;
-use crate::ui::commands::{Command, Now, Rungs};
+use crate::ui::app::action::Action;
+use crate::ui::app::commands::{Command, Now, Rungs};
+use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
-use crate::ui::style;
 
 /// The palette while it is open.
 #[derive(Default)]

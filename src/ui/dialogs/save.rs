@@ -4,17 +4,22 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
-use motionscope_core::{Cursor, ProductKind};
+use motionscope_core::{Cursor, Params, ProductKind, Value};
 
 use crate::media::export::Inputs;
 use crate::results::{self, Export};
-use crate::shot::{Format, Look, Steps};
-use crate::ui::action::{Action, Actions, Browse};
-use crate::ui::commands::Rungs;
+use crate::ui::app::action::{Action, Actions, Browse};
+use crate::ui::app::commands::Rungs;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{self, Order, What};
 use crate::ui::parts::widgets;
+use crate::view::look::Look;
+use crate::view::panes::{Angles, PANES, Pane, STAGE, Selection};
+use crate::view::shot::Format;
+use crate::view::steps::Steps;
 
+/// The entry of a look that a sheet does not have.
+const CAPTION: &str = "caption";
 /// Scales that can be chosen.
 const SCALES: [u32; 4] = [1, 2, 4, 8];
 
@@ -46,7 +51,11 @@ impl Kind {
         let choice = |ending, doc| Choice { label: label(ending), ending, doc, export: None };
         match self {
             Kind::Picture | Kind::Steps => {
-                vec![choice("png", "PNG, pixels"), choice("svg", "SVG, lines that stay sharp")]
+                vec![
+                    choice("png", "PNG, pixels"),
+                    choice("svg", "SVG, lines that stay sharp"),
+                    choice("pdf", "PDF, a page with lines and words that stay sharp"),
+                ]
             }
             Kind::Session => vec![choice("motionscope", "Session")],
             Kind::Result => {
@@ -81,6 +90,15 @@ fn label(ending: &str) -> String {
     if ending == "flo" { ".flo".to_owned() } else { ending.to_uppercase() }
 }
 
+/// How the window looks at what is written.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// How pictures look.
+    pub look: Look,
+    /// From where the things in space are looked at.
+    pub angles: Angles,
+}
+
 /// The dialog while it is open.
 pub struct State {
     kind: Kind,
@@ -89,8 +107,13 @@ pub struct State {
     choices: Vec<Choice>,
     chosen: usize,
     scale: u32,
-    legend: bool,
-    caption: bool,
+    /// How pictures will look: as they do in the window unless something else is chosen here.
+    look: Look,
+    /// The panes that the estimator may have, and which of them are written.
+    panes: Vec<(&'static Pane, bool)>,
+    angles: Angles,
+    /// Those in which the step has nothing to show.
+    absent: Vec<&'static str>,
     from: String,
     to: String,
     rung: usize,
@@ -111,8 +134,12 @@ struct Found {
 
 impl State {
     /// The dialog for `kind`, with a name that says what it is, in `folder`.
-    pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, look: Look) -> Self {
-        let choices = kind.choices(shown.subject.estimator.produces());
+    pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, Seen { look, angles }: Seen) -> Self {
+        let estimator = &shown.subject.experiment.estimator;
+        let offered = PANES.into_iter().filter(|pane| pane.check(estimator.info(), estimator.charts()).is_ok());
+        let step = shown.tiles.first().map_or(&shown.step, |tile| &tile.step);
+        let absent = PANES.into_iter().filter(|pane| !(pane.is_told)(step)).map(|pane| pane.id).collect();
+        let choices = kind.choices(estimator.produces());
         let from = Cursor { unit: shown.cursor.unit, event: 1 };
         // Before the first step the steps of the first unit are meant.
         let to = if shown.cursor < from { Cursor { event: usize::MAX, ..from } } else { shown.cursor };
@@ -122,8 +149,10 @@ impl State {
             choices,
             chosen: 0,
             scale: 2,
-            legend: look.legend,
-            caption: look.caption,
+            look,
+            panes: offered.map(|pane| (pane, *pane == STAGE)).collect(),
+            angles,
+            absent,
             from: from.to_string(),
             to: to.to_string(),
             rung: Rungs::new(shown.info.rungs).event(),
@@ -148,7 +177,8 @@ impl State {
             (_, Some(export)) => export.explained,
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
-            _ => "What the stage shows, whole, with the same colours and lines.",
+            _ if self.selection().panes.is_empty() => "What the stage shows, whole, with the same colours and lines.",
+            _ => "The panes that are chosen, arranged on one sheet, the stage largest.",
         }
     }
 
@@ -201,11 +231,18 @@ impl State {
     }
 
     fn format(&self) -> Format {
-        if self.ending() == "svg" { Format::Svg } else { Format::Png }
+        self.ending().parse().unwrap_or(Format::Png)
+    }
+
+    /// The panes that are written; none for the stage alone.
+    fn selection(&self) -> Selection {
+        let chosen: Vec<_> = self.panes.iter().filter(|(_, is_chosen)| *is_chosen).map(|(pane, _)| *pane).collect();
+        let panes = if chosen.iter().all(|pane| **pane == STAGE) { Vec::new() } else { chosen };
+        Selection { panes, angles: self.angles }
     }
 
     /// What the dialog asks for, or what is wrong with it.
-    fn order(&self, look: Look) -> Result<Order, String> {
+    fn order(&self) -> Result<Order, String> {
         let path = self.target().ok_or("Type where to write it.")?;
         let what = match self.kind {
             Kind::Picture => What::Picture,
@@ -220,8 +257,7 @@ impl State {
                 What::Steps { from, to, rung: self.rung, format: self.format() }
             }
         };
-        let look = Look { legend: self.legend, caption: self.caption, ..look };
-        Ok(Order { what, path, scale: self.scale, look })
+        Ok(Order { what, path, scale: self.scale, look: self.look, panes: self.selection() })
     }
 
     /// What writes a result to `path`: what was chosen, unless the ending that was typed is that of another.
@@ -248,7 +284,7 @@ impl State {
 }
 
 /// Shows the dialog; gives whether it is still open.
-pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, look: Look, actions: &mut Actions) -> bool {
+pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, actions: &mut Actions) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let mut done = false;
     let modal = widgets::modal(ctx, "save", vec2(40.0 * size, 30.0 * size)).show(ctx, |ui| {
@@ -260,7 +296,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, look: Look, ac
         ui.add_space(4.0);
         let entered = path_row(ui, state, actions);
         ui.add_space(12.0);
-        done = buttons(ui, state, look, entered, actions);
+        done = buttons(ui, state, entered, actions);
     });
     !(modal.should_close() || done)
 }
@@ -312,10 +348,39 @@ fn options(ui: &mut Ui, state: &mut State, rungs: Rungs) {
             }
         });
     }
+    panes(ui, state);
+    let is_sheet = !state.selection().panes.is_empty();
     line(ui, "With", |ui| {
-        ui.checkbox(&mut state.legend, "Legend").on_hover_text("What the marks mean, below the pictures.");
-        ui.add_space(8.0);
-        ui.checkbox(&mut state.caption, "Caption").on_hover_text("Estimator, parameters and the sentence of the step.");
+        for (index, spec) in Look::entries().iter().enumerate() {
+            if let Value::Switch(mut on) = state.look.value(index) {
+                // A sheet has a heading anyway.
+                let matters = !(is_sheet && spec.name == CAPTION);
+                let switch = egui::Checkbox::new(&mut on, &spec.label);
+                let response = ui.add_enabled(matters, switch).on_hover_text(&spec.doc);
+                if response.changed() {
+                    state.look.set_value(index, Value::Switch(on)).unwrap_or_default();
+                }
+                ui.add_space(8.0);
+            }
+        }
+    });
+}
+
+/// What stands beside the stage.
+fn panes(ui: &mut Ui, state: &mut State) {
+    let is_picture = state.kind == Kind::Picture;
+    line(ui, "Panes", |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = vec2(4.0, 2.0);
+            for (pane, is_chosen) in &mut state.panes {
+                let is_there = !is_picture || !state.absent.contains(&pane.id);
+                let label = ui.add_enabled(is_there, Button::selectable(*is_chosen, pane.title));
+                let tip = format!("Shows {}, {}.", pane.doc, pane.when);
+                if label.on_hover_text(&tip).on_disabled_hover_text(tip).clicked() {
+                    *is_chosen = !*is_chosen;
+                }
+            }
+        });
     });
 }
 
@@ -356,8 +421,8 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     entered
 }
 
-fn buttons(ui: &mut Ui, state: &mut State, look: Look, entered: bool, actions: &mut Actions) -> bool {
-    let (mut order, mut replaces) = (state.order(look), false);
+fn buttons(ui: &mut Ui, state: &mut State, entered: bool, actions: &mut Actions) -> bool {
+    let (mut order, mut replaces) = (state.order(), false);
     if let Ok(wanted) = &order {
         let Found { is_there, refused } = state.find(wanted);
         replaces = is_there;

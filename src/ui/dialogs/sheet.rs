@@ -4,9 +4,9 @@ use eframe::egui::style::ScrollStyle;
 use eframe::egui::{self, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use crate::paint::Theme;
-use crate::ui::commands::{Command, Menu, Rungs, key_text};
+use crate::ui::app::commands::{Command, Menu, Rungs, key_text};
+use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
-use crate::ui::style;
 
 /// Shows the shortcut sheet; gives whether it is still open.
 pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {

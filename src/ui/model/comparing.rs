@@ -2,23 +2,19 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use motionscope_core::{Clip, Error, Stop, Threads};
+use motionscope_core::{Error, Stop, Threads};
 
 use super::background::Background;
-use crate::comparison::{Arena, Contender, Row};
+use crate::experiment::Prepared;
+use crate::experiment::comparison::{Arena, Round, Row};
 use crate::media::{Open, Progress};
-use crate::source::Source;
 
 /// What is compared, and where.
 pub struct Plan {
-    /// The clip that is open.
-    pub clip: Clip,
-    /// Where it comes from.
-    pub source: Source,
-    /// Frame t.
-    pub frame: usize,
+    /// The clip that is open, what is given for it, and frame t.
+    pub prepared: Prepared,
     /// Each clip with what runs on it.
-    pub rounds: Vec<(Source, Vec<Contender>)>,
+    pub rounds: Vec<Round>,
 }
 
 /// A comparison at work, or done.
@@ -32,7 +28,7 @@ pub struct Comparing {
 impl Comparing {
     /// Begins; `changed` is called from another thread whenever there is a row more.
     pub fn new(plan: Plan, changed: impl Fn() + Send + Sync + 'static) -> Self {
-        let total = plan.rounds.iter().map(|(_, contenders)| contenders.len()).sum();
+        let total = plan.rounds.iter().map(|round| round.contenders.len()).sum();
         let rows = Arc::<Mutex<Vec<_>>>::default();
         let done = Arc::clone(&rows);
         let work = Background::new("compare", changed, move |desk| {
@@ -65,12 +61,16 @@ impl Comparing {
 fn compare(plan: &Plan, add: impl Fn(Row), stop: &Stop) -> Result<(), Error> {
     // Times are told for one thread, as the command line does unless told otherwise.
     let threads = Threads::single();
-    for (source, contenders) in &plan.rounds {
-        let clip = if *source == plan.source { plan.clip.clone() } else { source.open(&Open::default())? };
+    let Prepared { experiment, clip: open, .. } = &plan.prepared;
+    for Round { source, contenders } in &plan.rounds {
+        let clip = match *source == experiment.source {
+            true => open.clone(),
+            false => source.open(&Open::from(experiment.given.clone()))?,
+        };
         let clip = clip.until(stop.clone());
         for contender in contenders {
             stop.check()?;
-            add(Row::of(contender, &Arena { clip: &clip, frame: plan.frame, threads: &threads, repeat: 3 })?);
+            add(Row::of(contender, &Arena { clip: &clip, frame: experiment.frame, threads: &threads, repeat: 3 })?);
         }
     }
     Ok(())

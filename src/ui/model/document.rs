@@ -1,6 +1,6 @@
 //! What is open and how it is set: the clip, the estimator, the frame, and the past of all parameters.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use motionscope_core::stage::{self, Opened};
@@ -8,88 +8,73 @@ use motionscope_core::synth::{self, Difficulty, Sample};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Params, Value, estimators};
 
 use super::history::History;
-use super::snapshot::{Job, Place, Snapshot, Subject};
-use crate::company::Company;
+use super::snapshot::{Job, Place, Snapshot};
+use crate::experiment::company::Company;
+use crate::experiment::source::Source;
+use crate::experiment::{Experiment, Prepared, is_same};
+use crate::media::Given;
 use crate::media::export::Inputs;
-use crate::source::Source;
 
-/// Where a clip comes from.
-enum Origin {
-    /// A file or folder.
-    File(PathBuf),
-    /// A scene that is made on the fly.
-    Sample(&'static Sample),
-}
-
-/// Everything that undo takes back.
-pub struct Setup {
-    /// The estimator with its parameters.
-    pub estimator: Box<dyn AnyEstimator>,
-    /// Who goes in lockstep with it.
-    pub company: Company,
-    /// What makes the clip hard, if it is synthetic.
-    pub difficulty: Option<Difficulty>,
-    /// The estimators of which it is a stage, one of the other, while that is walked by itself: the outermost first.
+/// Everything that undo takes back: an experiment, and those that wait while one of their stages is run by itself.
+#[derive(Clone)]
+pub struct Nested {
+    /// What is run.
+    pub experiment: Experiment,
+    /// The experiments of whose estimators it is a stage, one of the other: the outermost first.
     pub parents: Vec<Parent>,
-    /// The frame that the stage at work runs on, where it is one.
-    pub stage_frame: Option<usize>,
     /// The clip that it looks at, where that is not the one that is open.
-    pub stage_clip: Option<Clip>,
+    pub clip: Option<Clip>,
 }
 
-/// An estimator that waits while one of its stages is walked by itself.
+impl PartialEq for Nested {
+    fn eq(&self, other: &Self) -> bool {
+        // The clip of a stage follows from the others.
+        let Self { experiment, parents, clip: _ } = self;
+        *experiment == other.experiment && *parents == other.parents
+    }
+}
+
+/// An experiment that waits while a stage of its estimator is run by itself.
+#[derive(Clone)]
 pub struct Parent {
-    estimator: Box<dyn AnyEstimator>,
-    company: Company,
+    experiment: Experiment,
     /// The parameter that the stage is.
     index: usize,
-    /// The frame that its run begins on, and where that stands.
-    frame: usize,
+    /// Where its run stands.
     cursor: Cursor,
     /// The clip that it looks at, where that is not the one that is open.
     clip: Option<Clip>,
 }
 
-impl Clone for Parent {
-    fn clone(&self) -> Self {
-        let Self { estimator, company, index, frame, cursor, clip } = self;
-        let (estimator, company, clip) = (estimator.boxed_clone(), company.clone(), clip.clone());
-        Self { estimator, company, index: *index, frame: *frame, cursor: *cursor, clip }
-    }
-}
-
 impl PartialEq for Parent {
     fn eq(&self, other: &Self) -> bool {
-        let Self { estimator, company, index, frame, cursor, .. } = self;
-        is_same(&**estimator, &*other.estimator)
-            && *company == other.company
-            && (*index, *frame, *cursor) == (other.index, other.frame, other.cursor)
+        let Self { experiment, index, cursor, clip: _ } = self;
+        *experiment == other.experiment && (*index, *cursor) == (other.index, other.cursor)
     }
 }
 
-/// Whether both are the same estimator with the same parameters.
-fn is_same(a: &dyn AnyEstimator, b: &dyn AnyEstimator) -> bool {
-    a.info().id == b.info().id && a.values() == b.values()
-}
-
-impl Clone for Setup {
-    fn clone(&self) -> Self {
-        let Self { estimator, company, difficulty, parents, stage_frame, stage_clip } = self;
-        let (company, difficulty, parents) = (company.clone(), difficulty.clone(), parents.clone());
-        let (estimator, stage_clip) = (estimator.boxed_clone(), stage_clip.clone());
-        Self { estimator, company, difficulty, parents, stage_frame: *stage_frame, stage_clip }
+impl Nested {
+    /// An experiment that is a stage of no other.
+    fn alone(experiment: Experiment) -> Self {
+        Self { experiment, parents: Vec::new(), clip: None }
     }
-}
 
-impl PartialEq for Setup {
-    fn eq(&self, other: &Self) -> bool {
-        // The clip of a stage follows from the others.
-        let Self { estimator, company, difficulty, parents, stage_frame, .. } = self;
-        is_same(&**estimator, &*other.estimator)
-            && *company == other.company
-            && *difficulty == other.difficulty
-            && *parents == other.parents
-            && *stage_frame == other.stage_frame
+    /// Goes back to the parent of the stage at work, which has become what it is now; gives where the parent stands. `open` is
+    /// the clip that is open.
+    fn leave(&mut self, open: &Clip) -> Option<Cursor> {
+        let Parent { mut experiment, index, cursor, clip } = self.parents.pop()?;
+        // How many frames it goes through is its parent's to say.
+        let (looked_at, frames) = (clip.as_ref().unwrap_or(open), (experiment.frame, experiment.frame));
+        let opened = stage::open(&*experiment.estimator, index, looked_at, frames).ok().flatten();
+        let is_as_it_was = opened.is_some_and(|opened| is_same(&*opened.estimator, &*self.experiment.estimator));
+        if !is_as_it_was {
+            // What was opened as this stage can be one.
+            experiment.estimator.set_value(index, stage::value_of(&*self.experiment.estimator)).ok()?;
+        }
+        // The sliders of the clip are the same for all.
+        experiment.source = self.experiment.source.clone();
+        (self.experiment, self.clip) = (experiment, clip);
+        Some(cursor)
     }
 }
 
@@ -104,11 +89,9 @@ pub enum Owner {
 
 /// What is open and how it is set.
 pub struct Document {
-    clip: Option<(Clip, Origin)>,
-    setup: History<Setup>,
-    frame: usize,
-    /// Truth given by hand.
-    truth: Option<PathBuf>,
+    /// The clip of the experiment, if it is open.
+    clip: Option<Clip>,
+    setup: History<Nested>,
     /// All files that the clip is read from.
     inputs: Arc<Inputs>,
     /// The sliders that the clip was made with, if it is synthetic.
@@ -116,26 +99,16 @@ pub struct Document {
     /// Why the clip could not be made with these sliders.
     refused: Option<Error>,
     /// What was run last, and where that run is to stand.
-    run: Option<Arc<Subject>>,
+    run: Option<Arc<Prepared>>,
     place: Place,
 }
 
 impl Default for Document {
     fn default() -> Self {
-        let estimator = estimators().swap_remove(0);
-        let setup = History::new(Setup {
-            estimator,
-            company: Company::default(),
-            difficulty: None,
-            parents: Vec::new(),
-            stage_frame: None,
-            stage_clip: None,
-        });
+        let experiment = Experiment::first(Source::File(PathBuf::new()));
         Self {
             clip: None,
-            setup,
-            frame: 0,
-            truth: None,
+            setup: History::new(Nested::alone(experiment)),
             inputs: Arc::default(),
             made: None,
             refused: None,
@@ -148,55 +121,49 @@ impl Default for Document {
 impl Document {
     /// The clip, if one is open.
     pub fn clip(&self) -> Option<&Clip> {
-        let (clip, _) = self.clip.as_ref()?;
-        Some(self.setup.now().stage_clip.as_ref().unwrap_or(clip))
+        Some(self.setup.now().clip.as_ref().unwrap_or(self.clip.as_ref()?))
+    }
+
+    /// What is run, if a clip is open.
+    pub fn experiment(&self) -> &Experiment {
+        &self.setup.now().experiment
     }
 
     /// The synthetic scene, if the clip is one.
     pub fn sample(&self) -> Option<&'static Sample> {
-        match self.clip {
-            Some((_, Origin::Sample(sample))) => Some(sample),
-            _ => None,
+        match self.source()? {
+            Source::Synth { id, .. } => synth::scene(id).ok(),
+            Source::File(_) => None,
         }
     }
 
     /// Where the clip comes from, with its sliders if it is synthetic.
-    pub fn source(&self) -> Option<Source> {
-        match &self.clip.as_ref()?.1 {
-            Origin::File(path) => Some(Source::File(path.clone())),
-            Origin::Sample(sample) => {
-                let difficulty = self.setup.now().difficulty.clone().unwrap_or_else(|| sample.difficulty());
-                Some(Source::Synth { id: sample.id, difficulty })
-            }
-        }
-    }
-
-    /// The estimator and the difficulty.
-    pub fn setup(&self) -> &Setup {
-        self.setup.now()
+    pub fn source(&self) -> Option<&Source> {
+        self.clip.as_ref().map(|_| &self.experiment().source)
     }
 
     /// The estimator with its parameters.
     pub fn estimator(&self) -> &dyn AnyEstimator {
-        self.setup.now().estimator.as_ref()
+        &*self.experiment().estimator
     }
 
     /// Who goes in lockstep with it.
     pub fn company(&self) -> &Company {
-        &self.setup.now().company
+        &self.experiment().company
     }
 
     /// The parameters of one owner, if it has any.
     pub fn params(&self, owner: Owner) -> Option<&dyn Params> {
-        match owner {
-            Owner::Estimator => Some(self.estimator()),
-            Owner::Difficulty => self.setup.now().difficulty.as_ref().map(|d| d as &dyn Params),
+        match (owner, self.source()) {
+            (Owner::Estimator, _) => Some(self.estimator()),
+            (Owner::Difficulty, Some(Source::Synth { difficulty, .. })) => Some(difficulty),
+            (Owner::Difficulty, _) => None,
         }
     }
 
     /// The first frame of the pair that is run on.
     pub fn frame(&self) -> usize {
-        self.frame
+        self.experiment().frame
     }
 
     /// The last frame that a run can start on, if the clip's length is known.
@@ -210,32 +177,29 @@ impl Document {
         self.refused.as_ref()
     }
 
-    /// Truth that was given by hand.
-    pub fn truth(&self) -> Option<&Path> {
-        self.truth.as_deref()
+    /// Opens a clip with what was given for it; the estimator keeps its parameters. Out of a stage it comes back to the outermost
+    /// estimator; gives that if it does.
+    pub fn open(&mut self, clip: Clip, source: Source, given: Given) -> Option<&'static Info> {
+        let mut next = self.setup.now().clone();
+        let left = !next.parents.is_empty();
+        if let Some(before) = &self.clip {
+            while next.leave(before).is_some() {}
+        }
+        next.experiment = Experiment { source, given, frame: 0, ..next.experiment };
+        self.clip = Some(clip);
+        self.refused = None;
+        self.inputs = Arc::default();
+        self.setup = History::new(Nested::alone(next.experiment));
+        self.made = self.difficulty().cloned();
+        left.then(|| self.estimator().info())
     }
 
-    /// Opens a clip with the truth that was given for it; the estimator keeps its parameters.
-    pub fn open(&mut self, clip: Clip, source: Source, truth: Option<PathBuf>) {
-        let (origin, difficulty) = match source {
-            Source::File(path) => (Origin::File(path), None),
-            Source::Synth { id, difficulty } => match synth::scene(id) {
-                Ok(sample) => (Origin::Sample(sample), Some(difficulty)),
-                Err(_) => (Origin::File(id.into()), None),
-            },
-        };
-        self.clip = Some((clip, origin));
-        self.frame = 0;
-        (self.truth, self.refused) = (truth, None);
-        self.inputs = Arc::default();
-        self.made = difficulty.clone();
-        self.setup = History::new(Setup {
-            difficulty,
-            parents: Vec::new(),
-            stage_frame: None,
-            stage_clip: None,
-            ..self.setup.now().clone()
-        });
+    /// The sliders of the clip, if it is synthetic.
+    fn difficulty(&self) -> Option<&Difficulty> {
+        match self.source()? {
+            Source::Synth { difficulty, .. } => Some(difficulty),
+            Source::File(_) => None,
+        }
     }
 
     /// Notes the files that the clip is read from, so that nothing is written over them.
@@ -243,99 +207,64 @@ impl Document {
         self.inputs = Arc::new(inputs);
     }
 
-    /// Takes an estimator with its parameters, its company and a frame, as a session has them: without a past.
-    pub fn restore(&mut self, estimator: Box<dyn AnyEstimator>, company: Company, frame: usize) {
-        let difficulty = self.setup.now().difficulty.clone();
-        self.setup = History::new(Setup {
-            estimator,
-            company,
-            difficulty,
-            parents: Vec::new(),
-            stage_frame: None,
-            stage_clip: None,
-        });
+    /// Takes what `experiment` runs on the clip that is open, as a session has it: without a past.
+    pub fn restore(&mut self, experiment: Experiment) {
+        let Experiment { source, given, .. } = self.experiment().clone();
+        let frame = experiment.frame;
+        let experiment = Experiment { source, given, ..experiment };
+        self.setup = History::new(Nested::alone(experiment));
         self.go_to_frame(frame);
     }
 
     /// Takes another estimator with its default parameters; undo brings the old one back.
     pub fn choose(&mut self, estimator: Box<dyn AnyEstimator>) {
         let mut next = self.setup.now().clone();
-        let before = std::mem::replace(&mut next.estimator, estimator);
-        next.company.relieve(&*before, &*next.estimator);
-        next.parents.clear();
-        (next.stage_frame, next.stage_clip) = (None, None);
-        self.setup.settle();
-        self.setup.change("estimator", next);
-        self.setup.settle();
-        self.go_to_frame(self.frame);
+        let before = std::mem::replace(&mut next.experiment.estimator, estimator);
+        next.experiment.company.relieve(&*before, &*next.experiment.estimator);
+        self.take("estimator", Nested::alone(next.experiment));
+        self.go_to_frame(self.frame());
     }
 
     /// Has `estimator` go in lockstep with `company` from now on, or alone; undo brings back what was before.
     pub fn keep_company(&mut self, estimator: Box<dyn AnyEstimator>, company: Company) {
-        let next = Setup {
-            estimator,
-            company,
-            parents: Vec::new(),
-            stage_frame: None,
-            stage_clip: None,
-            ..self.setup.now().clone()
-        };
+        let experiment = Experiment { estimator, company, ..self.experiment().clone() };
+        self.take("company", Nested::alone(experiment));
+    }
+
+    /// Makes a change that is none of a gesture.
+    fn take(&mut self, key: &str, next: Nested) {
         self.setup.settle();
-        self.setup.change("company", next);
+        self.setup.change(key, next);
         self.setup.settle();
     }
 
     /// The estimators of which the one at work is a stage, the outermost first.
     pub fn parents(&self) -> impl ExactSizeIterator<Item = &'static Info> {
-        self.setup.now().parents.iter().map(|parent| parent.estimator.info())
+        self.setup.now().parents.iter().map(|parent| parent.experiment.estimator.info())
     }
 
     /// Walks the stage that is parameter `index` of the estimator by itself, where `shown` stands; gives where that is in the
     /// run of the stage.
     pub fn enter(&mut self, index: usize, shown: &Snapshot) -> Option<Place> {
-        let now = self.setup.now();
-        let opened = stage::open(&*now.estimator, index, self.clip()?, (self.frame, shown.frame));
+        let Nested { experiment: now, mut parents, clip } = self.setup.now().clone();
+        let opened = stage::open(&*now.estimator, index, self.clip()?, (now.frame, shown.frame));
         let Opened { estimator, clip: own_clip, frame, cursor } = opened.ok().flatten()?;
         // A parent may stand at the last frame, of which there is no pair.
         let frames = own_clip.as_ref().unwrap_or(self.clip()?).info().frames;
         let frame = frame.min(frames.map_or(usize::MAX, |frames| frames.saturating_sub(estimator.info().frames)));
-        let stage_frame = Some(frame);
-        let stage_clip = own_clip.or_else(|| now.stage_clip.clone());
-        let mut next = Setup { estimator, company: Company::default(), stage_frame, stage_clip, ..now.clone() };
-        next.parents.push(Parent {
-            estimator: now.estimator.boxed_clone(),
-            company: now.company.clone(),
-            index,
-            frame: self.frame,
-            cursor: shown.leader(),
-            clip: now.stage_clip.clone(),
-        });
-        self.setup.settle();
-        self.setup.change("stage", next);
-        self.setup.settle();
-        self.frame = frame;
-        Some(Place { cursor, ..Place::default() })
+        let experiment = Experiment { estimator, company: Company::default(), frame, ..now.clone() };
+        let own_clip = own_clip.or_else(|| clip.clone());
+        parents.push(Parent { experiment: now, index, cursor: shown.leader(), clip });
+        self.take("stage", Nested { experiment, parents, clip: own_clip });
+        Some(Place::at(cursor))
     }
 
     /// Goes back to the estimator of which the one at work is a stage, which has become what it is now; gives where that stands.
     pub fn leave(&mut self) -> Option<Place> {
         let mut next = self.setup.now().clone();
-        let Parent { mut estimator, company, index, frame, cursor, clip } = next.parents.pop()?;
-        // How many frames it goes through is its parent's to say.
-        let looked_at = clip.as_ref().or(self.clip.as_ref().map(|(clip, _)| clip))?;
-        let opened = stage::open(&*estimator, index, looked_at, (frame, frame)).ok().flatten();
-        let is_as_it_was = opened.is_some_and(|opened| is_same(&*opened.estimator, &*next.estimator));
-        if !is_as_it_was {
-            // What was opened as this stage can be one.
-            estimator.set_value(index, stage::value_of(&*next.estimator)).ok()?;
-        }
-        (next.estimator, next.company, next.stage_clip) = (estimator, company, clip);
-        next.stage_frame = (!next.parents.is_empty()).then_some(frame);
-        self.setup.settle();
-        self.setup.change("stage", next);
-        self.setup.settle();
-        self.frame = frame;
-        Some(Place { cursor, ..Place::default() })
+        let cursor = next.leave(self.clip.as_ref()?)?;
+        self.take("stage", next);
+        Some(Place::at(cursor))
     }
 
     /// Sets one parameter; the changes of one drag count as one.
@@ -344,13 +273,14 @@ impl Document {
     /// A sentence with the range if the value is not allowed; then nothing changes.
     pub fn set(&mut self, owner: Owner, index: usize, value: Value) -> Result<(), Error> {
         let mut next = self.setup.now().clone();
-        match (owner, &mut next.difficulty) {
+        let Experiment { estimator, company, source, .. } = &mut next.experiment;
+        match (owner, source) {
             (Owner::Estimator, _) => {
-                next.estimator.set_value(index, value)?;
-                next.company.follow(&*next.estimator);
+                estimator.set_value(index, value)?;
+                company.follow(&**estimator);
             }
-            (Owner::Difficulty, Some(difficulty)) => difficulty.set_value(index, value)?,
-            (Owner::Difficulty, None) => {}
+            (Owner::Difficulty, Source::Synth { difficulty, .. }) => difficulty.set_value(index, value)?,
+            (Owner::Difficulty, Source::File(_)) => {}
         }
         self.setup.change(&format!("{owner:?} {index}"), next);
         self.remake();
@@ -365,19 +295,21 @@ impl Document {
     /// Sets every parameter of `owner` as it was at first.
     pub fn reset(&mut self, owner: Owner) {
         let mut next = self.setup.now().clone();
-        match owner {
-            Owner::Estimator => {
-                let id = next.estimator.info().id;
+        let Experiment { estimator, company, source, .. } = &mut next.experiment;
+        match (owner, source) {
+            (Owner::Estimator, _) => {
+                let id = estimator.info().id;
                 if let Some(fresh) = estimators().into_iter().find(|e| e.info().id == id) {
-                    next.estimator = fresh;
-                    next.company.follow(&*next.estimator);
+                    *estimator = fresh;
+                    company.follow(&**estimator);
                 }
             }
-            Owner::Difficulty => next.difficulty = self.sample().map(Sample::difficulty),
+            (Owner::Difficulty, Source::Synth { id, difficulty }) => {
+                synth::scene(id).into_iter().for_each(|scene| *difficulty = scene.difficulty());
+            }
+            (Owner::Difficulty, Source::File(_)) => {}
         }
-        self.setup.settle();
-        self.setup.change("reset", next);
-        self.setup.settle();
+        self.take("reset", next);
         self.remake();
     }
 
@@ -397,34 +329,23 @@ impl Document {
 
     /// Takes the last change back; gives whether there was one.
     pub fn undo(&mut self) -> bool {
-        let outer = self.outer_frame();
-        let done = self.setup.undo();
-        self.frame_of_stage(outer);
-        self.remake();
-        // What looks at one frame may have stood at the last.
-        self.go_to_frame(self.frame);
-        done
+        self.travel(History::undo)
     }
 
     /// Makes the change again that was taken back; gives whether there was one.
     pub fn redo(&mut self) -> bool {
-        let outer = self.outer_frame();
-        let done = self.setup.redo();
-        self.frame_of_stage(outer);
+        self.travel(History::redo)
+    }
+
+    /// Goes to another place of the past. The frame stays, which is no change of what is set, unless a stage is entered or left.
+    fn travel(&mut self, to: impl FnOnce(&mut History<Nested>) -> bool) -> bool {
+        let (depth, frame) = (self.setup.now().parents.len(), self.frame());
+        let done = to(&mut self.setup);
+        let frame = if self.setup.now().parents.len() == depth { frame } else { self.frame() };
         self.remake();
         // What looks at one frame may have stood at the last.
-        self.go_to_frame(self.frame);
+        self.go_to_frame(frame);
         done
-    }
-
-    /// The frame that the outermost estimator runs on, while one of its stages is walked by itself.
-    fn outer_frame(&self) -> Option<usize> {
-        self.setup.now().parents.first().map(|parent| parent.frame)
-    }
-
-    /// Goes to the frame of the stage that is at work now, or from a stage, `outer` being that of its parent, back to this one.
-    fn frame_of_stage(&mut self, outer: Option<usize>) {
-        self.frame = self.setup.now().stage_frame.or(outer).unwrap_or(self.frame);
     }
 
     /// Whether there is a change to take back.
@@ -440,20 +361,18 @@ impl Document {
     /// Runs on another pair of frames, as far as the clip goes; gives whether that is another one.
     pub fn go_to_frame(&mut self, frame: usize) -> bool {
         let frame = frame.min(self.last_frame().unwrap_or(usize::MAX));
-        std::mem::replace(&mut self.frame, frame) != frame
+        std::mem::replace(&mut self.setup.now_mut().experiment.frame, frame) != frame
+    }
+
+    /// What is set now, with the clip that is open.
+    pub fn prepared(&self) -> Option<Prepared> {
+        let (experiment, clip) = (self.experiment().clone(), self.clip()?.clone());
+        Some(Prepared { experiment, clip, inputs: Arc::clone(&self.inputs) })
     }
 
     /// The run of what is set now, from `place` on.
     pub fn job_at(&mut self, place: Place) -> Option<Job> {
-        let subject = Arc::new(Subject {
-            clip: self.clip()?.clone(),
-            source: self.source()?,
-            truth: self.truth.clone(),
-            inputs: Arc::clone(&self.inputs),
-            estimator: self.estimator().boxed_clone(),
-            company: self.company().clone(),
-            frame: self.frame,
-        });
+        let subject = Arc::new(self.prepared()?);
         (self.run, self.place) = (Some(Arc::clone(&subject)), place);
         Some(Job { subject, place })
     }
@@ -461,7 +380,7 @@ impl Document {
     /// The run of what is set now, from where the last one stands: as `shown` shows it, or on its way there.
     pub fn job(&mut self, shown: Option<&Snapshot>) -> Option<Job> {
         let place = shown.filter(|shown| self.is_run(shown)).map_or(self.place, |shown| {
-            let (before, now) = (&shown.subject.company, self.company());
+            let (before, now) = (&shown.subject.experiment.company, self.company());
             match (before.is_empty(), now.is_empty()) {
                 (false, true) => Place::alone(shown),
                 (true, false) => Place::in_lockstep(shown, now.pace),
@@ -479,34 +398,41 @@ impl Document {
 
     /// Whether `shown` is of this clip, if maybe with other parameters.
     pub fn is_of_clip(&self, shown: &Snapshot) -> bool {
-        match (&shown.subject.source, self.source()) {
-            (Source::Synth { id, .. }, Some(Source::Synth { id: now, .. })) => *id == now,
-            (source, now) => now.as_ref() == Some(source),
+        match (&shown.subject.experiment.source, self.source()) {
+            (Source::Synth { id, .. }, Some(Source::Synth { id: now, .. })) => id == now,
+            (source, now) => now == Some(source),
         }
     }
 
-    /// Makes a synthetic clip again after its sliders moved. The truth that was given for it is read only once.
+    /// Makes a synthetic clip again after its sliders moved. What was given for it by hand is read only once.
     fn remake(&mut self) {
-        let (Some(sample), Some(difficulty)) = (self.sample(), self.setup.now().difficulty.clone()) else { return };
-        let Some((clip, _)) = &mut self.clip else { return };
+        let (Some(sample), Some(difficulty)) = (self.sample(), self.difficulty().cloned()) else { return };
+        let Some(clip) = &mut self.clip else { return };
         if self.made.as_ref() == Some(&difficulty) {
             self.refused = None;
             return;
         }
-        let given = self.truth.is_some().then(|| clip.truth().cloned()).flatten();
+        let Given { truth, detections } = &self.setup.now().experiment.given;
+        let given = truth.is_some().then(|| clip.truth().cloned()).flatten();
         match synth::make(sample.id, &difficulty) {
             Ok(made) if given.is_some() && made.size() != clip.size() => {
                 let (width, height) = clip.size();
                 let error = format!("the truth given for this clip is for {width}×{height} px; set that size again");
                 self.refused = Some(Error::new(error));
             }
-            Ok(made) => {
-                *clip = given.map_or_else(|| made.clone(), |truth| made.clone().with_truth(truth));
+            Ok(mut made) => {
+                if let Some(truth) = given {
+                    made = made.with_truth(truth);
+                }
+                if detections.is_some() {
+                    made = made.with_detections_of(clip);
+                }
+                *clip = made;
                 (self.refused, self.made) = (None, Some(difficulty));
             }
             Err(error) => self.refused = Some(error),
         }
-        self.go_to_frame(self.frame);
+        self.go_to_frame(self.frame());
     }
 }
 
@@ -518,7 +444,7 @@ mod tests {
     fn document() -> Document {
         let mut document = Document::default();
         let source = Source::synth(synth::SCENES[0].id).unwrap();
-        document.open(source.open(&Open::default()).unwrap(), source, None);
+        document.open(source.open(&Open::default()).unwrap(), source, Given::default());
         document
     }
 

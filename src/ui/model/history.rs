@@ -23,6 +23,11 @@ impl<T: Clone + PartialEq> History<T> {
         &self.now
     }
 
+    /// The value, to be changed in a way that is no change to take back.
+    pub fn now_mut(&mut self) -> &mut T {
+        &mut self.now
+    }
+
     /// Changes the value; changes with the same `key` are one until [`History::settle`].
     pub fn change(&mut self, key: &str, next: T) {
         if next == self.now {

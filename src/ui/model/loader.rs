@@ -1,16 +1,16 @@
 //! Opens a clip or a session on a thread of its own, with progress and cancel.
 
 use std::ffi::{OsStr, OsString};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use motionscope_core::{Clip, Error};
 
 use super::background::Background;
+use crate::experiment::source::Source;
 use crate::media::export::{Inputs, What};
-use crate::media::{self, Open, Progress};
+use crate::media::{self, Given, Open, Progress};
 use crate::session::{Named, Session};
-use crate::source::Source;
 
 /// A clip that was opened.
 pub struct Opened {
@@ -18,12 +18,20 @@ pub struct Opened {
     pub clip: Clip,
     /// Where it comes from.
     pub source: Source,
-    /// The truth that was given for it, if one was.
-    pub truth: Option<PathBuf>,
+    /// What was given for it by hand.
+    pub given: Given,
     /// The session that named it, if one did.
     pub session: Option<Session>,
     /// All files that it is read from.
     pub inputs: Inputs,
+}
+
+/// The clip that is open while another name is.
+pub struct Beside {
+    /// Where it comes from.
+    pub source: Source,
+    /// What was given for it by hand.
+    pub given: Given,
 }
 
 /// A clip that is being opened.
@@ -35,9 +43,9 @@ pub struct Loading {
 }
 
 impl Loading {
-    /// Begins to open `name`: a clip or a session, or what is true of the clip from `beside`, which is opened with it once more.
+    /// Begins to open `name`: a clip or a session, or what is true of the clip that is open, `beside`, which is opened with it once more.
     /// `changed` is called from another thread whenever there is news.
-    pub fn new(name: OsString, beside: Option<Source>, changed: impl Fn() + Send + Sync + 'static) -> Self {
+    pub fn new(name: OsString, beside: Option<Beside>, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let wanted = name.clone();
         let work = Background::new("open the clip", changed, move |desk| {
             open(&wanted, beside, Arc::clone(desk) as Arc<dyn Progress>)
@@ -46,19 +54,21 @@ impl Loading {
     }
 }
 
-fn open(name: &OsStr, beside: Option<Source>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
+fn open(name: &OsStr, beside: Option<Beside>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
     let named = match beside.filter(|_| media::is_truth(Path::new(name))) {
-        Some(source) => Named { source, truth: Some(name.into()), session: None },
-        None => Named::find(name, None)?,
+        Some(Beside { source, given }) => {
+            Named { source, given: Given { truth: Some(name.into()), ..given }, session: None }
+        }
+        None => Named::find(name, Given::default())?,
     };
-    let Named { source, truth, session } = named;
-    let options = Open { progress: Some(progress), truth: truth.clone(), ..Open::default() };
+    let Named { source, given, session } = named;
+    let options = Open { progress: Some(progress), ..Open::from(given.clone()) };
     let clip = source.open(&options)?;
     let mut inputs = source.inputs(&clip, &options);
     if session.is_some() {
         inputs.add(What::Session, name);
     }
-    Ok(Opened { clip, source, truth, session, inputs })
+    Ok(Opened { clip, source, given, session, inputs })
 }
 
 #[cfg(test)]

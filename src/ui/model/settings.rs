@@ -6,9 +6,10 @@ use egui_tiles::Tree;
 use serde::{Deserialize, Serialize};
 
 use super::player::Player;
-use crate::paint::{ColorMap, Lengthen, Theme};
-use crate::ui::layout::{self, Folded, Pane, Tight};
-use crate::ui::style::{Look, ZOOM};
+use crate::paint::View;
+use crate::ui::drawing::style::{Interface, ZOOM};
+use crate::ui::panes::layout::{self, Folded, Pane, Tight};
+use crate::view::look::Look;
 
 /// Clips that are remembered.
 const RECENT: usize = 12;
@@ -22,14 +23,8 @@ const TIGHT: Folded = Folded { parameters: true, why: false, charts: true, lectu
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// Name of the theme.
-    theme: String,
-    /// Name of the colours of heat.
-    colors: String,
-    /// How many times their length displacements are drawn, unless as it fits.
-    arrows: Option<f32>,
-    /// Whether pictures are written with a caption.
-    pub caption: bool,
+    /// How pictures look, on the stage and written.
+    pub look: Look,
     /// Interface scale: what fits one screen would be all wrong on the next.
     #[serde(skip)]
     zoom: f32,
@@ -55,10 +50,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            theme: Theme::default().name().into(),
-            colors: ColorMap::default().name().into(),
-            arrows: None,
-            caption: false,
+            look: Look::of_window(),
             zoom: 1.0,
             reduced_motion: false,
             folded: Folded::default(),
@@ -87,43 +79,11 @@ impl Settings {
         eframe::set_value(storage, KEY, self);
     }
 
-    /// The theme.
-    pub fn theme(&self) -> Theme {
-        Theme::ALL.into_iter().find(|theme| theme.name() == self.theme).unwrap_or_default()
-    }
-
-    /// Takes another theme.
-    pub fn set_theme(&mut self, theme: Theme) {
-        self.theme = theme.name().into();
-    }
-
-    /// The colours of heat.
-    pub fn colors(&self) -> ColorMap {
-        ColorMap::ALL.into_iter().find(|colors| colors.name() == self.colors).unwrap_or_default()
-    }
-
-    /// Takes other colours of heat.
-    pub fn set_colors(&mut self, colors: ColorMap) {
-        self.colors = colors.name().into();
-    }
-
-    /// How long displacements are drawn.
-    pub fn lengthen(&self) -> Lengthen {
-        self.arrows.map_or(Lengthen::Auto, Lengthen::Times)
-    }
-
-    /// Draws displacements as long as this from now on.
-    pub fn set_lengthen(&mut self, lengthen: Lengthen) {
-        self.arrows = match lengthen {
-            Lengthen::Auto => None,
-            Lengthen::Times(factor) => Some(factor),
-        };
-    }
-
-    /// The theme after this one.
-    pub fn next_theme(&self) -> Theme {
-        let at = Theme::ALL.iter().position(|theme| *theme == self.theme()).unwrap_or(0);
-        Theme::ALL[(at + 1) % Theme::ALL.len()]
+    /// Both frames, where what a run has made of them was seen: another clip is not at its end yet.
+    pub fn leave_end(&mut self) {
+        if self.look.view.is_some_and(View::is_of_the_end) {
+            self.look.view = Some(View::default());
+        }
     }
 
     /// What is folded away with this much room.
@@ -171,8 +131,8 @@ impl Settings {
     }
 
     /// How large and how lively the window is.
-    pub fn look(&self) -> Look {
-        Look { theme: self.theme(), zoom: self.zoom, reduced_motion: self.reduced_motion }
+    pub fn interface(&self) -> Interface {
+        Interface { theme: self.look.theme, zoom: self.zoom, reduced_motion: self.reduced_motion }
     }
 
     /// Puts a clip at the front of those that were open lately, unless its name is no Unicode: what is remembered is text.
@@ -195,14 +155,14 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paint::{ColorMap, Lengthen, Theme};
 
     #[test]
     fn what_is_remembered_comes_back() {
         let mut settings = Settings::default();
-        settings.set_theme(Theme::Projector);
+        settings.look = Look { theme: Theme::Projector, colors: ColorMap::Turbo, ..settings.look };
+        settings.look.arrow_scale = Lengthen::Times(4.0);
         settings.set_zoom(99.0);
-        settings.set_colors(ColorMap::Turbo);
-        settings.set_lengthen(Lengthen::Times(4.0));
         settings.remember(Path::new("/a.mp4"));
         settings.remember(Path::new("/b.mp4"));
         #[cfg(unix)]
@@ -211,15 +171,15 @@ mod tests {
         let text = serde_json::to_string(&settings).unwrap();
         let back: Settings = serde_json::from_str(&text).unwrap();
         assert_eq!((settings.zoom(), back.zoom()), (ZOOM.1, 1.0), "the next screen may be another");
-        assert_eq!(back.theme(), Theme::Projector);
-        assert_eq!((back.colors(), back.lengthen()), (ColorMap::Turbo, Lengthen::Times(4.0)));
+        assert_eq!(back.look, settings.look);
         assert_eq!(back.recent, [PathBuf::from("/a.mp4"), PathBuf::from("/b.mp4")]);
-        assert_eq!(back.next_theme(), Theme::Dark);
     }
 
     #[test]
     fn an_older_file_still_opens() {
-        let old: Settings = serde_json::from_str("{\"theme\":\"Sepia\"}").unwrap();
-        assert_eq!(old.theme(), Theme::Dark);
+        for text in ["{\"theme\":\"Sepia\"}", "{\"look\":{\"theme\":\"sepia\"}}"] {
+            let old: Settings = serde_json::from_str(text).unwrap();
+            assert_eq!(old.look, Look::of_window());
+        }
     }
 }

@@ -1,35 +1,14 @@
 //! What a run is a run of, where to go in it, and everything there is to see at one place of it.
 
-use std::path::PathBuf;
+use std::ops::Deref;
 use std::sync::Arc;
 
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Pace, Role, Rung, Scene, Step};
+use motionscope_core::scene::{Focus, Picture, Shape};
+use motionscope_core::{Cursor, Error, Info, Pace, Role, Rung};
 
-use crate::company::Company;
-use crate::media::export::Inputs;
-use crate::motion::Offer;
-use crate::paint::Pictures;
-use crate::pixel::Pixel;
-use crate::source::Source;
-use crate::tile::Tile;
-
-/// What is run. A run never changes it: whoever has a picture of the run knows what it is a picture of.
-pub struct Subject {
-    /// The clip.
-    pub clip: Clip,
-    /// Where the clip comes from.
-    pub source: Source,
-    /// Truth that was given for it by hand.
-    pub truth: Option<PathBuf>,
-    /// All files that it is read from.
-    pub inputs: Arc<Inputs>,
-    /// The estimator with its parameters.
-    pub estimator: Box<dyn AnyEstimator>,
-    /// Who goes in lockstep with it.
-    pub company: Company,
-    /// The frame that the run starts on.
-    pub frame: usize,
-}
+use crate::experiment::Prepared;
+use crate::experiment::pixel::Pixel;
+use crate::view::moment::Moment;
 
 /// Which pixel is held where a run begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,7 +26,7 @@ pub struct Place {
     /// Where to go.
     pub cursor: Cursor,
     /// The pixel whose unit is meant, if that is known better than its number.
-    pub near: Option<[f32; 2]>,
+    pub near: Option<Focus>,
     /// The pixel that is held there.
     pub hold: Hold,
 }
@@ -100,7 +79,7 @@ impl Place {
 /// What to walk through, and where to begin.
 pub struct Job {
     /// What is run.
-    pub subject: Arc<Subject>,
+    pub subject: Arc<Prepared>,
     /// Where to go at once.
     pub place: Place,
 }
@@ -108,65 +87,65 @@ pub struct Job {
 /// A pixel that is explained in place of the one at work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pointed {
-    /// The pixel of frame t.
-    pub at: [f32; 2],
+    /// The pixel.
+    pub at: Focus,
     /// Whether it was clicked, and stays explained when the pointer leaves it.
     pub is_held: bool,
 }
 
-/// Everything there is to see at one cursor.
+/// Everything there is to see at one cursor: a moment of the run, which it is read like, and what the window has around it.
 #[derive(Clone)]
 pub struct Snapshot {
     /// What is run.
-    pub subject: Arc<Subject>,
+    pub subject: Arc<Prepared>,
     /// What there is to say about the estimator.
     pub info: &'static Info,
-    /// Frame t of the pair at hand.
-    pub frame: usize,
-    /// Frames t and t + 1, and at the end what the run has made of them.
-    pub pictures: Pictures,
-    /// Which layers tell of motion.
-    pub offer: Offer,
-    /// Where the run stands.
-    pub cursor: Cursor,
+    /// What the run shows.
+    pub moment: Moment,
     /// Events of the unit at hand.
     pub events: usize,
     /// Units of the run, if that is known by now.
     pub units: Option<usize>,
-    /// Whether this is the end of the run.
-    pub at_end: bool,
     /// Where the unit stands on each rung but the innermost.
     pub place: Vec<Rung>,
     /// Events worth a mark, and their role.
     pub landmarks: Vec<(usize, Role)>,
     /// What ended the run early, if anything did.
     pub failure: Option<Error>,
-    /// What the cursor tells.
-    pub step: Arc<Step>,
-    /// What the cursor shows.
-    pub scene: Arc<Scene>,
     /// The pixel that is explained, where that is not the one at work.
     pub pointed: Option<Pointed>,
+    /// The pictures of the step whose pixels can be pointed at.
+    pub clickable: Vec<Picture>,
     /// Candidates of the unit that were tested.
     pub tested: usize,
-    /// Each of those that go in lockstep; none where there is but one.
-    pub tiles: Vec<Tile>,
     /// Where the run is on its way to, while it is shown how far it has come.
     pub bound_for: Option<Cursor>,
 }
 
+impl Deref for Snapshot {
+    type Target = Moment;
+
+    fn deref(&self) -> &Moment {
+        &self.moment
+    }
+}
+
 impl Snapshot {
-    /// The centre of what is being matched, in image pixels of frame t; of several in lockstep, by the first.
-    pub fn reference(&self) -> Option<[f32; 2]> {
-        use motionscope_core::scene::{Picture, Shape};
+    /// The centre of what is being matched in frame t; of several in lockstep, by the first.
+    pub fn reference(&self) -> Option<Focus> {
         let scene = self.tiles.first().map_or(&self.scene, |tile| &tile.scene);
         let mut marks = scene.marks.iter().rev();
         marks.find_map(|mark| match (mark.on, mark.role, &mark.shape) {
-            (Picture::Current, Role::Reference, Shape::Rect { min, max }) => {
-                Some([(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0])
+            (Picture::CURRENT, Role::Reference, Shape::Rect { min, max }) => {
+                Some(Focus::current([(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0]))
             }
             _ => None,
         })
+    }
+
+    /// Where to click in the place of `picture`, whose pixels cannot be pointed at.
+    pub fn elsewhere(&self, picture: Picture) -> Option<Picture> {
+        if self.clickable.contains(&picture) { None } else { self.clickable.first().copied() }
     }
 
     /// The pixel that was clicked and is explained.

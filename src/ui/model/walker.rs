@@ -7,6 +7,7 @@ mod way;
 
 use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::VecDeque;
+use std::convert::Infallible;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
@@ -14,19 +15,19 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::scene::{Fact, Readout};
-use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Histogram, Move, Output, Scene, Step, Stop, Walk};
+use motionscope_core::scene::{Focus, Picture};
+use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Move, Output, Stop, Walk};
+use way::Way;
 
 use super::preview::{preview, stopped};
-use super::snapshot::{Hold, Job, Place, Pointed, Snapshot, Subject};
-use crate::motion::{Motion, Offer, Site, Want, backward};
+use super::snapshot::{Hold, Job, Place, Pointed, Snapshot};
+use crate::experiment::pixel::{Pixel, is_explained, walks_pixels};
+use crate::experiment::{Experiment, Prepared};
 use crate::paint::{FlowLayer, Pictures};
-use crate::pixel::{Pixel, is_explained, walks_pixels};
-use crate::shot::{LastPair, pictures};
-use crate::tile::{self, Ending, add_assessment, add_facts, endings, tiles};
-use crate::ui::action::Side;
-use way::Way;
+use crate::ui::app::action::Side;
+use crate::view::look::Look;
+use crate::view::moment::{End, LastPair, Moment, Standing};
+use crate::view::motion::{Motion, Offer, Site, backward};
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
 const PATIENCE: Duration = Duration::from_millis(60);
@@ -76,12 +77,12 @@ pub enum Phase {
     Measuring,
 }
 
-type Visit = Box<dyn FnOnce(&Arc<Subject>, &dyn Walk) + Send>;
+type Visit = Box<dyn FnOnce(&Arc<Prepared>, &dyn Walk) + Send>;
 
 enum Request {
     Go(Move),
     /// To the end or the start of the unit whose result lies at a pixel, or to that pixel itself.
-    GoAt([f32; 2], Side),
+    GoAt(Focus, Side),
     /// No pixel is held any longer.
     Release,
     /// To where the run stands, whatever it was on its way to.
@@ -96,18 +97,18 @@ struct Desk {
     /// What was run when the work was left behind: it is taken up where it was when somebody wants to go on.
     dormant: Option<Job>,
     /// What is run, or about to be.
-    subject: Option<Arc<Subject>>,
+    subject: Option<Arc<Prepared>>,
     /// When the work at hand was to stop, or another job was laid on the desk.
     unwanted: Option<Instant>,
     /// A job is on the desk or in hand: small moves wait until it stands at its place.
     starting: bool,
     requests: VecDeque<Request>,
-    focus: Option<[f32; 2]>,
-    want: Want,
+    focus: Option<Focus>,
+    look: Look,
     /// Another pixel is to be explained, or something else of motion is to be seen.
     focus_moved: bool,
     /// The flow of the reverse pair of a run, when it has come.
-    backward: Option<(Arc<Subject>, Result<Flow, Error>)>,
+    backward: Option<(Arc<Prepared>, Result<Flow, Error>)>,
     /// Ends the run of the reverse pair at its next chance.
     stop_check: Stop,
     since: Option<Instant>,
@@ -173,7 +174,7 @@ impl Walker {
             desk.starting = true;
             desk.dormant = None;
             desk.unwanted = desk.unwanted.or(desk.since.map(|_| Instant::now()));
-            let is_other = |subject: &Arc<Subject>| !std::ptr::eq(subject.clip.info(), job.subject.clip.info());
+            let is_other = |subject: &Arc<Prepared>| !std::ptr::eq(subject.clip.info(), job.subject.clip.info());
             if desk.subject.as_ref().is_none_or(is_other) {
                 // What was wrong with another clip is no news of this one.
                 (desk.view.refused, desk.view.coming) = (None, None);
@@ -217,7 +218,7 @@ impl Walker {
             let job = |subject| Job { place: shown.as_deref().map_or(Place::default(), place), subject };
             (desk.dormant, desk.starting) = (subject.clone().map(job), false);
         }
-        (desk.focus, desk.want, desk.subject) = (old_desk.focus, old_desk.want, subject);
+        (desk.focus, desk.look, desk.subject) = (old_desk.focus, old_desk.look, subject);
         let refused = (shown.is_none() && desk.job.is_none()).then(|| {
             Error::new(
                 "the run was stopped before its frames were there; change a parameter or the frame to start it again",
@@ -249,10 +250,10 @@ impl Walker {
 
     /// Goes to the end or the start of the unit whose result lies at pixel `point` of frame t. Where single pixels are
     /// explained, that one is from now on, until the run moves on to others; if its turn has not come, the run goes there.
-    pub fn go_at(&self, point: [f32; 2], side: Side) {
+    pub fn go_at(&self, focus: Focus, side: Side) {
         self.ask(true, |desk| {
             desk.take_up();
-            desk.requests.push_back(Request::GoAt(point, side));
+            desk.requests.push_back(Request::GoAt(focus, side));
         });
     }
 
@@ -270,7 +271,7 @@ impl Walker {
     }
 
     /// Explains the pixel `focus` from now on.
-    pub fn focus(&self, focus: Option<[f32; 2]>) {
+    pub fn focus(&self, focus: Option<Focus>) {
         if self.shared.desk().focus != focus {
             self.ask(false, |desk| {
                 desk.focus = focus;
@@ -284,18 +285,18 @@ impl Walker {
         self.ask(false, |desk| desk.requests.push_back(Request::Release));
     }
 
-    /// Shows `want` of motion from now on.
-    pub fn want(&self, want: Want) {
-        if self.shared.desk().want != want {
+    /// Shows of motion what `look` does from now on.
+    pub fn look(&self, look: &Look) {
+        if !self.shared.desk().look.shows_same_motion(look) {
             self.ask(false, |desk| {
-                desk.want = want;
+                desk.look = *look;
                 desk.focus_moved = true;
             });
         }
     }
 
     /// Has `visit` look at the run, on the walker's thread, after what was asked for before.
-    pub fn visit(&self, visit: impl FnOnce(&Arc<Subject>, &dyn Walk) + Send + 'static) {
+    pub fn visit(&self, visit: impl FnOnce(&Arc<Prepared>, &dyn Walk) + Send + 'static) {
         self.ask(false, |desk| {
             desk.take_up();
             desk.requests.push_back(Request::Visit(Box::new(visit)));
@@ -401,47 +402,44 @@ impl Desk {
     }
 }
 
-/// What is seen of motion depends on: where the run stands, what is wanted, and whether the reverse pair is known.
-type MotionKey = (Cursor, Want, bool);
+/// What was seen of motion, and what that depends on.
+struct SeenMotion {
+    cursor: Cursor,
+    look: Look,
+    /// Whether the reverse pair is known.
+    is_checked: bool,
+    motion: Motion,
+}
 
 /// A run at work.
 struct Run {
-    subject: Arc<Subject>,
+    subject: Arc<Prepared>,
     walk: Box<dyn Walk>,
     clip: Clip,
     pairs: LastPair,
     pair: Pictures,
     /// What the whole run amounts to, once its end was reached.
-    end: OnceCell<End>,
+    end: OnceCell<Option<End>>,
     /// The flow of the reverse pair, once it was asked for.
     backward: Option<Result<Flow, Error>>,
-    /// What was seen of motion last, where, and whether the reverse pair was known.
-    motion: RefCell<Option<(MotionKey, Motion)>>,
+    /// What was seen of motion last.
+    motion: RefCell<Option<SeenMotion>>,
     /// What takes long to work out at the end is not shown yet.
     is_brief: Cell<bool>,
-}
-
-/// What the end of a run shows beside its last step.
-struct End {
-    pictures: Pictures,
-    assessment: Option<Assessment>,
-    /// How many pixels of a dense field have each displacement.
-    histogram: Option<Histogram>,
-    beside: Vec<Ending>,
 }
 
 enum Task {
     Start(Job),
     Request(Request),
     Focus,
-    Backward(Arc<Subject>, Result<Flow, Error>),
+    Backward(Arc<Prepared>, Result<Flow, Error>),
 }
 
 struct Worker<'a> {
     shared: &'a Arc<Shared>,
     run: Option<Run>,
     /// The pixel that was clicked.
-    held: Option<[f32; 2]>,
+    held: Option<Focus>,
 }
 
 impl<'a> Worker<'a> {
@@ -516,7 +514,7 @@ impl<'a> Worker<'a> {
                 self.held = self.held.filter(|at| !walks_pixels(&*run.walk, *at));
                 self.go(to);
             }
-            Task::Request(Request::GoAt(point, side)) => self.go_at(point, side),
+            Task::Request(Request::GoAt(focus, side)) => self.go_at(focus, side),
             Task::Request(Request::Release) => {
                 if self.held.take().is_some() {
                     self.publish();
@@ -547,9 +545,9 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Has the reverse pair of `run` run on a thread of its own if `want` wants it; one at a time.
-    fn check(&self, run: &Run, want: &Want, offer: &Offer) {
-        let is_wanted = offer.layer(want.layer) == FlowLayer::Consistency && run.backward.is_none();
+    /// Has the reverse pair of `run` run on a thread of its own if `look` shows the check with it; one at a time.
+    fn check(&self, run: &Run, look: &Look, offer: &Offer) {
+        let is_wanted = offer.layer(look.layer) == FlowLayer::Consistency && run.backward.is_none();
         let stop = Stop::default();
         {
             let mut desk = self.shared.desk();
@@ -560,7 +558,8 @@ impl<'a> Worker<'a> {
         }
         let (subject, clip, shared) = (Arc::clone(&run.subject), run.clip.clone().until(stop), Arc::clone(self.shared));
         let work = move || {
-            let work = AssertUnwindSafe(|| backward(&*subject.estimator, &clip, subject.frame));
+            let Experiment { estimator, frame, .. } = &subject.experiment;
+            let work = AssertUnwindSafe(|| backward(&**estimator, &clip, *frame));
             let flow = catch_unwind(work).unwrap_or_else(|panic| Err(panicked(panic.as_ref())));
             shared.desk().backward = Some((subject, flow));
             shared.wake.notify_one();
@@ -572,7 +571,7 @@ impl<'a> Worker<'a> {
 
     /// Has a check that failed, or was given up, be tried anew when it is chosen the next time.
     fn forget_failed_check(&mut self) {
-        let is_wanted = self.shared.desk().want.layer == Some(FlowLayer::Consistency);
+        let is_wanted = self.shared.desk().look.layer == Some(FlowLayer::Consistency);
         if let Some(run) = self.run.as_mut().filter(|run| !is_wanted && matches!(run.backward, Some(Err(_)))) {
             run.backward = None;
         }
@@ -584,15 +583,15 @@ impl<'a> Worker<'a> {
         let other = self.run.take().is_some_and(|run| run.clip.info().name != subject.clip.info().name);
         self.held = match place.hold {
             Hold::Kept => self.held.filter(|_| !other),
-            Hold::Set(pixel) => pixel.map(Pixel::point),
+            Hold::Set(pixel) => pixel.map(Pixel::focus),
         };
         let clip = subject.clip.clone().until(self.shared.stop.clone());
         self.announce(&subject, &clip)?;
         let mut pairs = LastPair::default();
-        let walk = subject.company.walk(&*subject.estimator, &clip, subject.frame)?;
+        let walk = subject.experiment.walk(&clip)?;
         let pair = pairs.of(&*walk, &clip)?.clone();
         let Place { mut cursor, near, .. } = place;
-        if let Some(unit) = near.and_then(|point| walk.unit_at(point)) {
+        if let Some(unit) = near.and_then(|focus| walk.unit_at(focus)) {
             cursor.unit = unit;
         }
         let (end, motion, is_brief) = (OnceCell::new(), RefCell::default(), Cell::new(false));
@@ -601,7 +600,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Has what is known of a run at hand before it has anything to show.
-    fn announce(&self, subject: &Arc<Subject>, clip: &Clip) -> Result<(), Error> {
+    fn announce(&self, subject: &Arc<Prepared>, clip: &Clip) -> Result<(), Error> {
         self.shared.desk().view.phase = Phase::Starting;
         let coming = Arc::new(preview(subject, clip)?);
         self.shared.desk().view.coming = Some(coming);
@@ -614,13 +613,13 @@ impl<'a> Worker<'a> {
         }
     }
 
-    fn go_at(&mut self, point: [f32; 2], side: Side) {
+    fn go_at(&mut self, focus: Focus, side: Side) {
         let Some(run) = &self.run else { return };
         // Where nothing is found at that pixel, the move that this one replaced has ended where the run stands.
         let here = run.walk.cursor();
-        let to = match (run.walk.explained(point), run.walk.unit_at(point)) {
+        let to = match (run.walk.explained(focus), run.walk.unit_at(focus)) {
             (Some(explained), _) => {
-                self.held = Some(point);
+                self.held = Some(focus);
                 if let Explained::From(turn) = explained { turn.max(here) } else { here }
             }
             (None, Some(unit)) if side == Side::Start => Cursor { unit, event: usize::from(unit > 0) },
@@ -631,7 +630,7 @@ impl<'a> Worker<'a> {
     }
 
     /// The pixel that was clicked, where it can be explained.
-    fn held(&self) -> Option<[f32; 2]> {
+    fn held(&self) -> Option<Focus> {
         self.held.filter(|at| self.run.as_ref().is_some_and(|run| is_explained(&*run.walk, *at)))
     }
 
@@ -709,10 +708,10 @@ impl<'a> Worker<'a> {
     /// Shows where the run stands, if it is on its way to `bound_for`.
     fn show(&self, bound_for: Option<Cursor>) {
         let Some(run) = &self.run else { return };
-        let (focus, want) = {
+        let (focus, look) = {
             let mut desk = self.shared.desk();
             desk.focus_moved = false;
-            (desk.focus, desk.want)
+            (desk.focus, desk.look)
         };
         let held = self.held();
         let pointed =
@@ -720,18 +719,19 @@ impl<'a> Worker<'a> {
         if run.walk.at_end() && !run.is_brief.get() {
             self.shared.desk().view.phase = Phase::Measuring;
         }
-        let mut shown = Snapshot { pointed, bound_for, ..run.snapshot(held.or(focus), want) };
+        let mut shown = Snapshot { pointed, bound_for, ..run.snapshot(held.or(focus), &look) };
         let before = self.shared.desk().view.shown.clone();
         // What looks the same is the same, so that nobody paints it anew.
         if let Some(before) = before {
-            let tiles = shown.tiles.iter_mut().zip(&before.tiles).map(|(now, then)| (&mut now.scene, &then.scene));
-            for (now, then) in [(&mut shown.scene, &before.scene)].into_iter().chain(tiles) {
+            let Moment { scene, tiles, .. } = &mut shown.moment;
+            let tiles = tiles.iter_mut().zip(&before.tiles).map(|(now, then)| (&mut now.scene, &then.scene));
+            for (now, then) in [(scene, &before.scene)].into_iter().chain(tiles) {
                 if then.same(now) {
                     *now = Arc::clone(then);
                 }
             }
         }
-        self.check(run, &want, &shown.offer);
+        self.check(run, &look, &shown.offer);
         let mut desk = self.shared.desk();
         desk.view.shown = Some(Arc::new(shown));
         desk.view.coming = None;
@@ -752,72 +752,46 @@ impl Run {
         Ok(())
     }
 
-    fn snapshot(&self, focus: Option<[f32; 2]>, want: Want) -> Snapshot {
-        let walk = &self.walk;
-        let mut tiles = tiles(&**walk, focus, self.end().map_or(&[], |end| &end.beside));
-        let (mut pictures, scene) = (self.pictures(), tile::scene(&**walk, focus, &tiles));
-        let motion = self.motion(&scene, want);
-        motion.put(&mut pictures, &mut tiles);
+    fn snapshot(&self, focus: Option<Focus>, look: &Look) -> Snapshot {
+        let (walk, clip) = (&*self.walk, &self.clip);
+        let beside = look.shows_beside(self.subject.experiment.estimator.is_of_single_frames());
+        let standing = Standing { walk, clip, pair: &self.pair, focus, end: self.end(), beside };
+        let Ok(moment) = Moment::of(standing, |site| Ok::<_, Infallible>(self.motion(site, look)));
+        let own = moment.scene.pictures.iter().map(|canvas| canvas.picture);
+        let clickable = [Picture::CURRENT, Picture::NEXT].into_iter().chain(own).filter(|picture| walk.takes(*picture));
+        let clickable = clickable.collect();
         Snapshot {
             subject: Arc::clone(&self.subject),
             info: walk.info(),
-            frame: walk.at_frame(),
-            pictures,
-            offer: motion.offer,
-            cursor: walk.cursor(),
+            moment,
             events: walk.events(),
             units: walk.units(),
-            at_end: walk.at_end(),
             place: walk.place(),
             landmarks: walk.landmarks(),
             failure: walk.failure().cloned(),
-            step: Arc::new(self.step(focus, &motion)),
-            scene: Arc::new(scene),
             pointed: None,
+            clickable,
             bound_for: None,
             tested: walk.evaluations().partition_point(|event| *event <= walk.cursor().event),
-            tiles,
         }
     }
 
-    /// What `want` wants to see of motion; the pixel that is explained makes no difference.
-    fn motion(&self, scene: &Scene, want: Want) -> Motion {
-        let key = (self.walk.cursor(), want, self.backward.is_some());
-        if let Some((known, motion)) = &*self.motion.borrow()
-            && *known == key
+    /// What `look` shows of motion; the pixel that is explained makes no difference.
+    fn motion(&self, site: Site<'_>, look: &Look) -> Motion {
+        let (cursor, is_checked) = (self.walk.cursor(), self.backward.is_some());
+        if let Some(seen) = &*self.motion.borrow()
+            && (seen.cursor, seen.is_checked) == (cursor, is_checked)
+            && seen.look.shows_same_motion(look)
         {
-            return motion.clone();
+            return seen.motion.clone();
         }
-        let site = Site { walk: &*self.walk, clip: &self.clip, scene };
         let backward = || Ok(self.backward.as_ref().and_then(|flow| flow.as_ref().ok()));
         // A truth that cannot be read is told beside the other figures; then there are no colours.
-        let none = || Motion::of(site, &Want { layer: Some(FlowLayer::None), ..want }, backward).unwrap_or_default();
-        let motion = Motion::of(site, &want, backward).unwrap_or_else(|_| none());
-        *self.motion.borrow_mut() = Some((key, motion.clone()));
+        let none = || Motion::of(site, &Look { layer: Some(FlowLayer::None), ..*look }, backward).unwrap_or_default();
+        let mut motion = Motion::of(site, look, backward).unwrap_or_else(|_| none());
+        motion.unchecked = self.backward.as_ref().and_then(|flow| flow.as_ref().err().cloned());
+        *self.motion.borrow_mut() = Some(SeenMotion { cursor, look: *look, is_checked, motion: motion.clone() });
         motion
-    }
-
-    /// What the cursor tells; at the end, also how good the estimate is.
-    fn step(&self, focus: Option<[f32; 2]>, motion: &Motion) -> Step {
-        let mut step = self.walk.step(focus);
-        if let Some(end) = self.end() {
-            if let Some(assessment) = &end.assessment {
-                add_assessment(&mut step, assessment);
-            }
-            match (motion.check, &self.backward) {
-                (Some(check), _) => add_facts(&mut step, check.facts()),
-                (None, Some(Err(error))) => {
-                    add_facts(&mut step, vec![Fact { label: "Reverse pair", value: error.to_string(), role: None }]);
-                }
-                _ => {}
-            }
-            step.readouts.extend(end.histogram.clone().map(Readout::Histogram));
-        }
-        step
-    }
-
-    fn pictures(&self) -> Pictures {
-        self.end().map_or_else(|| self.pair.clone(), |end| end.pictures.clone())
     }
 
     /// What the end of the run shows, if that is where it stands.
@@ -825,16 +799,7 @@ impl Run {
         if !self.walk.at_end() || self.is_brief.get() && self.end.get().is_none() {
             return None;
         }
-        Some(self.end.get_or_init(|| {
-            let output = self.walk.output();
-            let reference = Reference { clip: &self.clip, frame: self.walk.frame() };
-            End {
-                histogram: output.histogram(),
-                pictures: pictures(&*self.walk, &self.pair),
-                assessment: output.assess(&reference).ok(),
-                beside: endings(&*self.walk, &self.clip, &self.pair),
-            }
-        }))
+        self.end.get_or_init(|| End::of(&*self.walk, &self.clip, &self.pair)).as_ref()
     }
 }
 

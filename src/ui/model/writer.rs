@@ -7,12 +7,15 @@ use std::time::Duration;
 use motionscope_core::{Cursor, Error, Output};
 
 use super::background::Background;
-use super::snapshot::{Snapshot, Subject};
+use super::snapshot::Snapshot;
+use crate::experiment::pixel::Chosen;
 use crate::media::Progress;
 use crate::media::export::{self, Inputs, Target};
-use crate::pixel::Chosen;
 use crate::results::Export;
-use crate::shot::{Format, Look, Moment, STEP, Steps};
+use crate::view::look::Look;
+use crate::view::panes::Selection;
+use crate::view::shot::{Format, Shot};
+use crate::view::steps::{STEP, Steps};
 
 /// How often writing that waits for the run asks whether it was cancelled.
 const POLL: Duration = Duration::from_millis(50);
@@ -50,6 +53,8 @@ pub struct Order {
     pub scale: u32,
     /// How it looks.
     pub look: Look,
+    /// The panes on pictures; none for the stage alone.
+    pub panes: Selection,
 }
 
 impl What {
@@ -101,20 +106,12 @@ impl Writing {
 /// Writes the picture of a step; says what was written.
 ///
 /// # Errors
-/// If the ending is neither `.png` nor `.svg`, the picture is too large, or the file cannot be written.
+/// If the ending is none of `.png`, `.svg` and `.pdf`, the picture is too large, or the file cannot be written.
 pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     let format = Format::of(&order.path)?;
-    let moment = Moment {
-        estimator: shown.subject.estimator.as_ref(),
-        frame: shown.frame,
-        cursor: shown.cursor,
-        at_end: shown.at_end,
-        step: &shown.step,
-        scene: &shown.scene,
-        pictures: &shown.pictures,
-        tiles: &shown.tiles,
-    };
-    export::save_result(&order.path, &moment.encode(&order.look, format, order.scale)?)?;
+    let estimator = &*shown.subject.experiment.estimator;
+    let shot = Shot { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes };
+    export::save_result(&order.path, &shot.encode(format, order.scale)?)?;
     Ok(format!("Wrote {}.", order.path.display()))
 }
 
@@ -125,9 +122,9 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
 pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
     let What::Steps { from, to, rung, format } = order.what else { return picture(order, shown) };
     let pixel = shown.held().map(Chosen::Held);
-    let steps = Steps { from, to, rung, format, scale: order.scale, look: order.look, pixel, must_have_layer: false };
-    let Subject { clip, estimator, company, frame, .. } = &*shown.subject;
-    let written = steps.write((estimator.as_ref(), company), clip, *frame, &order.path, Some(progress))?;
+    let (panes, scale) = (order.panes.clone(), order.scale);
+    let steps = Steps { from, to, rung, format, scale, look: order.look, panes, pixel, must_have_layer: false };
+    let written = steps.write(&shown.subject, &order.path, Some(progress))?;
     Ok(format!("Wrote {} into {}{}.", written.pictures(), order.path.display(), written.without()))
 }
 

@@ -4,7 +4,7 @@ use eframe::egui::accesskit::{Action, ActionData};
 use eframe::egui::{self, Key, Modifiers, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 use crate::paint::Theme;
-use crate::ui::style;
+use crate::ui::drawing::style;
 
 /// What a slider sets.
 pub struct Slider<'a> {

@@ -5,7 +5,7 @@ use lucide_icons::Icon;
 
 use super::widgets;
 use crate::paint::Theme;
-use crate::ui::style;
+use crate::ui::drawing::style;
 
 /// How long a message stays, in seconds; errors stay longer.
 const STAY_SECS: f64 = 6.0;

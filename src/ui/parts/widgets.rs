@@ -7,7 +7,7 @@ use eframe::egui::{
 use lucide_icons::Icon;
 
 use crate::paint::Theme;
-use crate::ui::style;
+use crate::ui::drawing::style;
 
 /// An icon as text, a little larger than the type around it.
 pub fn icon(ui: &Ui, icon: Icon) -> RichText {

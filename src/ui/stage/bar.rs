@@ -1,13 +1,16 @@
 //! Around the pictures: what to look at, what the marks mean, and the numbers of the pixel pointed at.
 
+use std::sync::Arc;
+
 use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
-use motionscope_core::scene::Shape;
+use motionscope_core::scene::{Picture, Shape};
 use motionscope_core::{Frame, Role};
 
 use super::{Input, Response, State, motion, pixels};
 use crate::paint::legend::{self, Entry, Sample};
-use crate::paint::{Face, FlowLayer, Look, Primitive, Theme, View, grouped, number};
-use crate::ui::{ink, primitives};
+use crate::paint::{Face, FlowLayer, Look as SceneLook, Primitive, Share, Theme, View, grouped, number};
+use crate::ui::drawing::{ink, primitives};
+use crate::view::look::Look;
 
 /// The most room that the legend needed, so that the pictures do not jump from step to step.
 #[derive(Clone, Copy, Default)]
@@ -20,12 +23,14 @@ pub struct Height {
 /// The line above the pictures.
 pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
     ui.horizontal(|ui| {
-        let right = right_width(ui, input.theme);
-        choice(ui, ui.available_width() - right, input, state);
-        if state.view == View::Blend {
-            let slider = Slider::new(&mut state.blend, 0.0..=1.0).step_by(0.01).show_value(false);
+        let right = right_width(ui, input.theme());
+        choice(ui, ui.available_width() - right, input, &mut response.look);
+        if response.look.view == Some(View::Blend) {
+            let mut share = response.look.blend.get();
+            let slider = Slider::new(&mut share, 0.0..=1.0).step_by(0.01).show_value(false);
             let name = "Share of frame t+1 in the blend";
             ui.add(slider).on_hover_text(name).accessible_name(name);
+            response.look.blend = Share::new(share).unwrap_or_default();
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| right_side(ui, input, state, response));
     });
@@ -38,8 +43,8 @@ fn right_width(ui: &Ui, theme: Theme) -> f32 {
 }
 
 /// The views in a row, or in a list where there is no room for a row; those of the end only where it is reached.
-fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, state: &mut State) {
-    let (now, at_end) = (super::view(input, state), input.pictures.prediction.is_some());
+fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, look: &mut Look) {
+    let (now, at_end) = (super::view(input), input.pictures.prediction.is_some());
     // Each of several estimators has one picture.
     let can_be =
         |view: View| (at_end || !view.is_of_the_end()) && (view != View::SideBySide || input.lockstep.is_none());
@@ -48,7 +53,7 @@ fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, state: &mut State) {
     let width = |view: &View| {
         ui.painter().layout_no_wrap(short(*view).into(), font.clone(), egui::Color32::PLACEHOLDER).size().x + padding
     };
-    let slider = if state.view == View::Blend { ui.spacing().slider_width + 8.0 } else { 0.0 };
+    let slider = if look.view == Some(View::Blend) { ui.spacing().slider_width + 8.0 } else { 0.0 };
     if View::ALL.iter().map(width).sum::<f32>() + slider <= room {
         ui.scope(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
@@ -59,7 +64,7 @@ fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, state: &mut State) {
                 let selected = now == view;
                 response.widget_info(|| WidgetInfo::selected(egui::Role::Button, enabled, selected, view.name()));
                 if response.on_hover_text(view.tip()).on_disabled_hover_text(view.tip()).clicked() {
-                    state.view = view;
+                    look.view = Some(view);
                 }
             }
         });
@@ -71,7 +76,7 @@ fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, state: &mut State) {
             ui.add_enabled_ui(can_be(view), |ui| {
                 let response = ui.selectable_label(now == view, view.name());
                 if response.on_hover_text(view.tip()).on_disabled_hover_text(view.tip()).clicked() {
-                    state.view = view;
+                    look.view = Some(view);
                 }
             });
         }
@@ -90,9 +95,10 @@ fn short(view: View) -> &'static str {
 }
 
 fn right_side(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
-    let legend = ui.selectable_label(state.legend, "Legend").on_hover_text("What the marks mean.");
+    let is_shown = response.look.legend;
+    let legend = ui.selectable_label(is_shown, "Legend").on_hover_text("What the marks mean.");
     if legend.clicked() {
-        state.legend = !state.legend;
+        response.look.legend = !is_shown;
     }
     motion::button(ui, input, state, response);
     let pixels_per_point = ui.pixels_per_point();
@@ -110,21 +116,21 @@ fn right_side(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut 
 /// Height of what is under the pictures.
 pub fn height_below(ui: &Ui, input: &Input<'_>, state: &mut State) -> f32 {
     let spacing = ui.spacing().item_spacing.y;
-    let mut height = line_height(input.theme) + spacing;
-    if state.legend {
+    let mut height = line_height(input.theme()) + spacing;
+    if input.look.legend {
         let width = ui.available_width();
         let look = state.marks.look(input);
         let now = legend_items(input, &look, ui, state).layout(width).1;
         let lines = legend_lines(input, ui, width).max(now);
         let known = &mut state.legend_height;
-        if known.width != width || known.theme != input.theme {
-            *known = Height { width, theme: input.theme, lines: USUAL_LINES };
+        if known.width != width || known.theme != input.theme() {
+            *known = Height { width, theme: input.theme(), lines: USUAL_LINES };
         }
         // What is dragged must not slip away under the mouse, nor where it is dropped.
         if state.grip.is_none() && !ui.input(|i| i.pointer.any_down()) {
             known.lines = known.lines.max(lines);
         }
-        height += known.lines as f32 * line_height(input.theme) + spacing;
+        height += known.lines as f32 * line_height(input.theme()) + spacing;
     }
     height
 }
@@ -136,15 +142,15 @@ pub fn line_height(theme: Theme) -> f32 {
 
 /// The legend and the line of numbers.
 pub fn below(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
-    if state.legend {
+    if input.look.legend {
         let look = state.marks.look(input);
-        let height = state.legend_height.lines as f32 * line_height(input.theme);
+        let height = state.legend_height.lines as f32 * line_height(input.theme());
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
         let items = legend_items(input, &look, ui, state);
         ink::name(&response, || format!("Legend: {}", items.plain()));
         items.paint(ui, rect);
     }
-    readout(ui, input, state.hovered);
+    readout(ui, input, state);
 }
 
 /// What stands in the legend, and how wide each item is.
@@ -161,16 +167,16 @@ const GAP: f32 = 8.0;
 
 /// How many lines everything that the legend may ever tell here needs.
 fn legend_lines(input: &Input<'_>, ui: &Ui, width: f32) -> usize {
-    let width_of = |text: &str| text_width(ui, text, input.theme);
+    let width_of = |text: &str| text_width(ui, text, input.theme());
     let entry = |&(role, meaning): &(Role, &'static str)| {
         let entry = Entry { role, sample: Sample::Frame, meaning: meaning.into() };
         (entry, ink::SWATCH.x + GAP + width_of(meaning))
     };
     let widest = grouped(888_888);
-    let heat = legend::Bar { ends: [format!("{} {widest}", input.heat), widest], colors: input.colors };
+    let heat = legend::Bar { ends: [format!("{} {widest}", input.heat), widest], colors: input.look.colors };
     let entries = input.scene.legend.iter().map(entry).collect();
     let bars = vec![(heat.clone(), bar_width(&heat, width_of))];
-    Items { entries, bars, theme: input.theme }.layout(width).1
+    Items { entries, bars, theme: input.theme() }.layout(width).1
 }
 
 fn bar_width(bar: &legend::Bar, width_of: impl Fn(&str) -> f32) -> f32 {
@@ -179,13 +185,13 @@ fn bar_width(bar: &legend::Bar, width_of: impl Fn(&str) -> f32) -> f32 {
 }
 
 /// What is drawn in the pictures that are shown.
-fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items {
-    let panels = super::view(input, state).panels();
+fn legend_items(input: &Input<'_>, look: &SceneLook, ui: &Ui, state: &State) -> Items {
+    let panels = super::view(input).panels(input.pictures);
     let shown = input.scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
     let zoom = state.shown.map_or(1.0, |lens| lens.scale);
     let has_numbers = state.shown.is_some_and(|lens| pixels::has_numbers(&lens));
     let has_heat = !has_numbers && shown.clone().any(|mark| matches!(mark.shape, Shape::Heat { .. }));
-    let width = |text: &str| text_width(ui, text, input.theme);
+    let width = |text: &str| text_width(ui, text, input.theme());
     let tiles = input.lockstep.map_or(&[][..], |all| all.tiles);
     // Several have one scale.
     let layer = input.pictures.layer.as_ref().or_else(|| tiles.iter().find_map(|tile| tile.layer.as_ref()));
@@ -202,7 +208,7 @@ fn legend_items(input: &Input<'_>, look: &Look, ui: &Ui, state: &State) -> Items
         let width = bar_width(&bar, width);
         (bar, width)
     });
-    Items { entries: entries.collect(), bars: bars.collect(), theme: input.theme }
+    Items { entries: entries.collect(), bars: bars.collect(), theme: input.theme() }
 }
 
 fn text_width(ui: &Ui, text: &str, theme: Theme) -> f32 {
@@ -280,15 +286,15 @@ const HINTS_OF_SEVERAL: [&str; 3] = [
 ];
 
 /// The pixel pointed at, in numbers; what one can do, where none is.
-fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
-    let height = line_height(input.theme);
+fn readout(ui: &mut Ui, input: &Input<'_>, state: &State) {
+    let height = line_height(input.theme());
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
-    let chrome = input.theme.chrome();
+    let chrome = input.theme().chrome();
     let (text, dim) = (ink::color(chrome.text), ink::color(chrome.dim));
-    let size = input.theme.sizes().small;
+    let size = input.theme().sizes().small;
     let font = ink::font(Face::Sans, size);
     let painter = ui.painter_at(rect);
-    let Some(pixel) = hovered else {
+    let Some(hovered) = state.hovered else {
         let width = |hint: &str| painter.layout_no_wrap(hint.into(), font.clone(), dim).size().x;
         let hints = if input.lockstep.is_some() { HINTS_OF_SEVERAL } else { HINTS };
         let hint = hints.into_iter().find(|hint| width(hint) <= rect.width()).unwrap_or(hints[hints.len() - 1]);
@@ -296,11 +302,11 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
         ink::line(&painter, rect.left_center(), (hint, font, dim), rect.width());
         return;
     };
-    let columns = columns(&input.pictures.pair, pixel);
+    let columns = columns(&compared(input, hovered.on), hovered.pixel);
     ink::name(&response, || columns.iter().map(|c| format!("{} {}", c.label, c.value)).collect::<Vec<_>>().join(", "));
     let mut at = rect.left_center();
     for column in &columns {
-        let label = painter.layout_no_wrap(column.label.into(), font.clone(), dim);
+        let label = painter.layout_no_wrap(column.label.clone(), font.clone(), dim);
         let value = painter.layout_no_wrap(column.value.clone(), font.clone(), text);
         let room = value.size().x.max(column.digits * 0.65 * size);
         let right = at.x + label.size().x + 0.5 * size + room;
@@ -319,27 +325,40 @@ fn readout(ui: &mut Ui, input: &Input<'_>, hovered: Option<[usize; 2]>) {
 }
 
 struct Column {
-    label: &'static str,
+    label: String,
     value: String,
     /// Room for this many digits, so that nothing jumps.
     digits: f32,
     color: Option<[u8; 3]>,
 }
 
-fn columns(pair: &[std::sync::Arc<Frame>; 2], pixel: [usize; 2]) -> Vec<Column> {
+/// The pictures whose pixels lie where those of `on` do: those that are seen, or frames t and t + 1.
+fn compared(input: &Input<'_>, on: Picture) -> Vec<(Picture, Arc<Frame>)> {
+    let pictures = input.pictures;
+    let panels = super::view(input).panels(pictures);
+    let seen: Vec<_> = panels.iter().map(|panel| panel.picture()).filter(|other| other.is_aligned_with(on)).collect();
+    let pair = [Picture::CURRENT, Picture::NEXT];
+    let all = if seen.len() < 2 && pair.contains(&on) { pair.to_vec() } else { seen };
+    all.into_iter().map(|picture| (picture, Arc::clone(pictures.frame_of(picture)))).collect()
+}
+
+fn columns(pictures: &[(Picture, Arc<Frame>)], pixel: [usize; 2]) -> Vec<Column> {
     let [x, y] = pixel;
-    let column = |label, value: String, digits| Column { label, value, digits, color: None };
-    let grays = [0, 1].map(|i| pixels::gray_at(pair[i].luma(), pixel));
+    let column =
+        |label: &str, value: String, digits| Column { label: label.replace('-', "−"), value, digits, color: None };
     let mut columns = vec![column("x", x.to_string(), 4.0), column("y", y.to_string(), 4.0)];
-    for (label, gray, frame) in [("t", &grays[0], &pair[0]), ("t+1", &grays[1], &pair[1])] {
-        columns.push(Column { color: pixels::rgb_at(frame, pixel), ..column(label, gray.clone(), 3.0) });
+    let mut grays = Vec::new();
+    for (picture, frame) in pictures {
+        let gray = pixels::gray_at(frame.luma(), pixel);
+        grays.extend(gray.parse::<i32>());
+        columns.push(Column { color: pixels::rgb_at(frame, pixel), ..column(&picture.to_string(), gray, 3.0) });
     }
-    if let [Ok(a), Ok(b)] = grays.map(|gray| gray.parse::<i32>()) {
+    if let [a, b] = grays[..] {
         columns.push(column("change", number((b - a) as f32), 4.0));
     }
-    for (label, frame) in [("RGB t", &pair[0]), ("RGB t+1", &pair[1])] {
+    for (picture, frame) in pictures {
         if let Some([r, g, b]) = pixels::rgb_at(frame, pixel) {
-            columns.push(column(label, format!("{r} {g} {b}"), 10.0));
+            columns.push(column(&format!("RGB {picture}"), format!("{r} {g} {b}"), 10.0));
         }
     }
     columns
@@ -355,8 +374,10 @@ mod tests {
     fn a_pixel_is_told_in_both_frames() {
         let gray = Arc::new(Frame::gray(Grid::from_fn(4, 4, |x, y| (10 * y + x) as u8)));
         let rgb = Arc::new(Frame::rgb(Grid::new(4, 4, [30, 30, 30])));
-        let told: Vec<_> =
-            columns(&[gray, rgb], [3, 2]).into_iter().map(|c| format!("{} {}", c.label, c.value)).collect();
+        let told: Vec<_> = columns(&[(Picture::CURRENT, gray), (Picture::NEXT, rgb)], [3, 2])
+            .into_iter()
+            .map(|c| format!("{} {}", c.label, c.value))
+            .collect();
         assert_eq!(told, ["x 3", "y 2", "t 23", "t+1 30", "change 7", "RGB t+1 30 30 30"]);
     }
 }

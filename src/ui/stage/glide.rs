@@ -97,8 +97,8 @@ mod tests {
 
     fn scene(x: i32) -> Arc<Scene> {
         let mut scene = Scene::default();
-        scene.mark(Picture::Current, Role::Reference, Shape::pixels(8, 8, 4, 4));
-        scene.mark(Picture::Next, Role::Candidate, Shape::pixels(x, 0, 4, 4));
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(8, 8, 4, 4));
+        scene.mark(Picture::NEXT, Role::Candidate, Shape::pixels(x, 0, 4, 4));
         Arc::new(scene)
     }
 

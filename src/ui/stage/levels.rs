@@ -4,7 +4,7 @@ use eframe::egui::{self, Ui, WidgetInfo};
 
 use super::Input;
 use crate::paint::LevelShown;
-use crate::tile;
+use crate::view::tile;
 
 /// The levels in a row, where the step works on a pyramid.
 pub fn tools(ui: &mut Ui, input: &Input<'_>, shown: &mut LevelShown) {

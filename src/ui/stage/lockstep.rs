@@ -7,9 +7,9 @@ use motionscope_core::scene::Sentence;
 
 use super::{Input, Lens, Response, bar};
 use crate::paint::{Face, Theme, brevity};
-use crate::tile::Tile;
-use crate::ui::commands::Command;
-use crate::ui::ink;
+use crate::ui::app::commands::Command;
+use crate::ui::drawing::ink;
+use crate::view::tile::Tile;
 
 /// Between two tiles, in points.
 const GAP: f32 = 12.0;
@@ -75,7 +75,7 @@ pub fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec
 /// explained.
 pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: &mut Response) {
     let Some((tile, lockstep)) = input.lockstep.and_then(|all| Some((all.tiles.get(index)?, all))) else { return };
-    let theme = input.theme;
+    let theme = input.theme();
     let (chrome, sizes) = (theme.chrome(), theme.sizes());
     let height = header(theme);
     let picture = lens.picture_rect().intersect(lens.pane);

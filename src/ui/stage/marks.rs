@@ -8,7 +8,7 @@ use motionscope_core::scene::Mark;
 
 use super::{Input, Lens, pixels};
 use crate::paint::{Look, Panel, Placement, Style, primitive, resolve};
-use crate::ui::primitives::{Kept, Maker};
+use crate::ui::drawing::primitives::{Kept, Maker};
 
 /// The shapes that were shown last, by panel.
 #[derive(Clone, Default)]
@@ -40,7 +40,7 @@ struct Slot {
 impl Marks {
     /// How the scene looks: the same for the marks and for the legend.
     pub fn look(&mut self, input: &Input<'_>) -> Look {
-        let style = input.style();
+        let style = input.look.style(input.pictures);
         match &self.look {
             Some((scene, known, look)) if Arc::ptr_eq(scene, input.scene) && *known == style => *look,
             _ => {

@@ -19,23 +19,18 @@ use std::sync::Arc;
 use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use motionscope_core::params::Placed;
-use motionscope_core::scene::Picture;
+use motionscope_core::scene::{Focus, Picture};
 use motionscope_core::{Pace, Scene};
-use serde::{Deserialize, Serialize};
 
 pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;
-pub(crate) use pictures::image_of;
-pub(crate) use pixels::on_gray;
 pub use placing::{Gesture, Placing};
 
-use super::{ink, primitives};
-use crate::motion::Offer;
-use crate::paint::{
-    self, ArrowStyle, ColorMap, Face, FlowLayer, Lengthen, LevelShown, Opacity, Panel, Placement, Share, Shown, Style,
-    Theme, View,
-};
-use crate::tile::Tile;
+use crate::paint::{self, Face, Panel, Placement, Shown, Theme, View};
+use crate::ui::drawing::{ink, primitives};
+use crate::view::look::Look;
+use crate::view::motion::Offer;
+use crate::view::tile::Tile;
 use glide::Glide;
 use marks::Marks;
 use pictures::Pictures;
@@ -62,16 +57,12 @@ pub struct Input<'a> {
     pub scene: &'a Arc<Scene>,
     /// Several estimators, if there are.
     pub lockstep: Option<Lockstep<'a>>,
-    /// The look.
-    pub theme: Theme,
-    /// Colours for heat.
-    pub colors: ColorMap,
+    /// Whether one of them says all, where a look leaves the view open.
+    pub is_single: bool,
+    /// How they look.
+    pub look: Look,
     /// What the colours of heat stand for, for the legend: `SAD`.
     pub heat: &'a str,
-    /// How long displacements are drawn.
-    pub lengthen: Lengthen,
-    /// From one displacement to the next in px, if that is chosen.
-    pub spacing_px: Option<u16>,
     /// Which layers tell of motion.
     pub offer: &'a Offer,
     /// Whether the reverse pair is being run.
@@ -87,82 +78,29 @@ pub struct Input<'a> {
 }
 
 impl Input<'_> {
-    fn style(&self) -> Style {
-        let Self { theme, colors, lengthen, spacing_px, pictures, .. } = *self;
-        let streak_frames = pictures.streaks.as_ref().map(|streaks| streaks.life_frames());
-        Style { theme, colors, arrows: ArrowStyle { lengthen, spacing_px, streak_frames } }
+    fn theme(&self) -> Theme {
+        self.look.theme
     }
 }
 
-/// How the stage is looked at.
-#[derive(Clone, Serialize, Deserialize)]
-#[serde(default)]
+/// What the stage remembers.
+#[derive(Clone, Default)]
 pub struct State {
-    /// Which pictures are seen.
-    #[serde(with = "view_id")]
-    pub view: View,
-    /// Which level of a pyramid is seen, where the step works on one.
-    #[serde(skip)]
-    pub level: LevelShown,
-    /// The layer of colours that tells of motion; `None` for what suits the estimator.
-    #[serde(with = "layer_id")]
-    pub layer: Option<FlowLayer>,
-    /// How opaque that is, from 0 to 1; `None` for what suits it.
-    pub opacity: Option<f32>,
-    /// Whether particles are carried along in the place of arrows.
-    pub streaks: bool,
-    /// From one arrow to the next in px; `None` for as many as there is room for.
-    pub spacing_px: Option<u16>,
-    /// Share of frame t + 1 in a blend, 0 to 1.
-    pub blend: f32,
     /// Where and how closely one looks.
-    #[serde(skip)]
     pub zoom: Zoom,
-    /// Whether the legend is unfolded.
-    pub legend: bool,
     /// The parameter of the estimator that is being placed on the picture.
-    #[serde(skip)]
     pub placing: Option<usize>,
-    #[serde(skip)]
     grip: Option<placing::Grip>,
-    #[serde(skip)]
     pictures: Pictures,
-    #[serde(skip)]
     marks: Marks,
     /// One for each estimator.
-    #[serde(skip)]
     glides: Vec<Glide>,
-    #[serde(skip)]
     legend_height: bar::Height,
-    #[serde(skip)]
-    hovered: Option<[usize; 2]>,
+    hovered: Option<Hovered>,
+    /// How closely one looks at pictures whose pixels are not those of frame t.
+    zooms: Vec<(Picture, Zoom)>,
     /// The pane that was shown last, for zooming without a pointer.
-    #[serde(skip)]
     shown: Option<Lens>,
-}
-
-impl Default for State {
-    fn default() -> Self {
-        Self {
-            view: View::default(),
-            level: LevelShown::default(),
-            layer: None,
-            opacity: None,
-            streaks: false,
-            spacing_px: None,
-            blend: 0.5,
-            zoom: Zoom::Fit,
-            legend: true,
-            placing: None,
-            grip: None,
-            pictures: Pictures::default(),
-            marks: Marks::default(),
-            glides: Vec::new(),
-            legend_height: bar::Height::default(),
-            hovered: None,
-            shown: None,
-        }
-    }
 }
 
 impl State {
@@ -177,49 +115,67 @@ impl State {
     pub fn magnify(&mut self, factor: f32, at_hand: Option<[f32; 2]>) {
         if let Some(lens) = self.shown {
             let held =
-                self.hovered.map(to_point).or(at_hand).filter(|&point| lens.pane.contains(lens.to_screen(point)));
+                self.hovered.map(Hovered::point).or(at_hand).filter(|&point| lens.pane.contains(lens.to_screen(point)));
             self.zoom = lens.zoomed(held.map_or(lens.pane.center(), |point| lens.to_screen(point)), factor);
-        }
-    }
-
-    /// The share of frame t + 1 in a blend.
-    pub fn share(&self) -> Share {
-        Share::new(self.blend).unwrap_or_default()
-    }
-
-    /// How opaque the layer of colours is, if that is chosen.
-    pub fn opacity(&self) -> Option<Opacity> {
-        self.opacity.and_then(|opacity| Opacity::new(opacity).ok())
-    }
-
-    /// Both frames, where what a run has made of them was seen: another clip is not at its end yet.
-    pub fn leave_end(&mut self) {
-        if self.view.is_of_the_end() {
-            self.view = View::default();
         }
     }
 
     /// The whole picture.
     pub fn fit(&mut self) {
         self.zoom = Zoom::Fit;
+        self.zooms.clear();
+    }
+
+    /// How closely one looks at `picture`: all whose pixels are those of frame t are looked at alike.
+    fn zoom_of(&self, picture: Picture) -> Zoom {
+        if picture.is_aligned_with(Picture::CURRENT) {
+            return self.zoom;
+        }
+        self.zooms.iter().find(|(other, _)| other.is_aligned_with(picture)).map_or(Zoom::Fit, |(_, zoom)| *zoom)
+    }
+
+    fn set_zoom(&mut self, picture: Picture, zoom: Zoom) {
+        if picture.is_aligned_with(Picture::CURRENT) {
+            self.zoom = zoom;
+            return;
+        }
+        self.zooms.retain(|(other, _)| !other.is_aligned_with(picture));
+        self.zooms.push((picture, zoom));
+    }
+}
+
+/// The pixel under the pointer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Hovered {
+    on: Picture,
+    pixel: [usize; 2],
+}
+
+impl Hovered {
+    fn point(self) -> [f32; 2] {
+        self.pixel.map(|c| c as f32)
+    }
+
+    fn focus(self) -> Focus {
+        Focus { on: self.on, at: self.point() }
     }
 }
 
 /// What the person did on the stage.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// The image point that was clicked.
-    pub clicked: Option<[f32; 2]>,
-    /// The image pixel under the pointer.
-    pub hovered: Option<[f32; 2]>,
+    /// The pixel that was clicked.
+    pub clicked: Option<Focus>,
+    /// The pixel under the pointer.
+    pub hovered: Option<Focus>,
     /// The estimator that is to be explained.
     pub explained: Option<usize>,
     /// What estimators in lockstep are to have in common.
     pub paced: Option<Pace>,
     /// Whether the first of them is to go on alone.
     pub left: bool,
-    /// How long displacements are to be drawn.
-    pub lengthened: Option<Lengthen>,
+    /// How the pictures are to look.
+    pub look: Look,
     /// What was placed on the picture.
     pub placed: Option<Placed>,
     /// What became of placing it.
@@ -229,15 +185,16 @@ pub struct Response {
 /// Shows the stage in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
-    let mut response = Response::default();
+    let mut response = Response { look: input.look, ..Response::default() };
     bar::tools(ui, &input, state, &mut response);
     if let Some(lockstep) = &input.lockstep {
         lockstep::tools(ui, lockstep, &mut response);
     }
-    levels::tools(ui, &input, &mut state.level);
+    levels::tools(ui, &input, &mut response.look.level);
     placing::tools(ui, &input, &mut response);
+    let input = Input { look: response.look, ..input };
     // Each of several estimators has its own level.
-    let on_level = input.pictures.on_level(input.scene.levels.as_ref(), state.level, view(&input, state));
+    let on_level = input.pictures.on_level(input.scene.levels.as_ref(), input.look.level, view(&input));
     let input = Input { pictures: &on_level, ..input };
     let below = bar::height_below(ui, &input, state);
     let room = vec2(ui.available_width(), (ui.available_height() - below).max(40.0));
@@ -248,12 +205,13 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
 }
 
 /// The pictures on the stage just now.
-fn panels(view: View, time: f64) -> &'static [Panel] {
-    match view {
-        View::Blink if (time / BLINK_SECS) as i64 % 2 == 0 => &[Panel::Current],
-        View::Blink => &[Panel::Next],
-        _ => view.panels(),
+fn panels(view: View, pictures: &paint::Pictures, time: f64) -> Vec<Panel> {
+    let all = view.panels(pictures);
+    if view != View::Blink {
+        return all;
     }
+    let turn = (time / BLINK_SECS) as usize % all.len().max(1);
+    all.into_iter().skip(turn).take(1).collect()
 }
 
 /// What one picture on the stage shows.
@@ -268,34 +226,34 @@ struct Spot<'a> {
 
 /// Every picture in its place.
 fn spots<'a>(area: Rect, panels: &[Panel], input: &Input<'a>, state: &State) -> Vec<Spot<'a>> {
-    let zoom = state.zoom;
     let size = input.pictures.pair[0].size();
     let Some(Lockstep { tiles, .. }) = input.lockstep else {
-        let panes = split(area, panels.len(), size, bar::line_height(input.theme));
+        let panes = split(area, panels.len(), size, bar::line_height(input.theme()));
         let spot = |(panel, pane): (&Panel, Rect)| Spot {
             member: 0,
             panel: *panel,
-            lens: Lens::new(pane, size, zoom),
+            lens: Lens::new(pane, panel.frames(input.pictures)[0].size(), state.zoom_of(panel.picture())),
             scene: input.scene,
             pictures: input.pictures.clone(),
         };
         return panels.iter().zip(panes).map(spot).collect();
     };
-    let view = view(input, state);
-    let panes = lockstep::split(area, tiles.len(), size, lockstep::header(input.theme));
+    let view = view(input);
+    let panes = lockstep::split(area, tiles.len(), size, lockstep::header(input.theme()));
     let spot = |(member, (tile, pane)): (usize, (&'a Tile, Rect))| Spot {
         member,
-        panel: panels.first().copied().unwrap_or(Panel::Next),
-        lens: Lens::new(pane, size, zoom),
+        panel: panels.first().copied().unwrap_or(Panel::NEXT),
+        lens: Lens::new(pane, size, state.zoom),
         scene: &tile.scene,
-        pictures: tile.pictures(input.pictures, state.level, view),
+        pictures: tile.pictures(input.pictures, input.look.level, view),
     };
     tiles.iter().zip(panes).enumerate().map(spot).collect()
 }
 
 /// The view that the pictures have: each of several estimators has only one.
-fn view(input: &Input<'_>, state: &State) -> View {
-    let view = state.view.or_current(input.pictures);
+fn view(input: &Input<'_>) -> View {
+    let fitting = if input.is_single { View::Current } else { View::SideBySide };
+    let view = input.look.view.unwrap_or(fitting).or_current(input.pictures);
     match input.lockstep {
         Some(_) if view != View::Blink => view.alone(input.pictures.prediction.is_some()),
         _ => view,
@@ -304,14 +262,14 @@ fn view(input: &Input<'_>, state: &State) -> View {
 
 fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response: &mut Response) {
     let time = ui.input(|i| i.time);
-    if state.view == View::Blink {
+    if input.look.view == Some(View::Blink) {
         let rest = BLINK_SECS - time.rem_euclid(BLINK_SECS);
         ui.ctx().request_repaint_after_secs(rest as f32 + 0.005);
     }
-    let panels = panels(view(input, state), time);
-    ui.painter().rect_filled(area, 0.0, ink::color(input.theme.chrome().background));
+    let panels = panels(view(input), input.pictures, time);
+    ui.painter().rect_filled(area, 0.0, ink::color(input.theme().chrome().background));
     let mut hovered = None;
-    let spots = spots(area, panels, input, state);
+    let spots = spots(area, &panels, input, state);
     state.glides.resize_with(spots.last().map_or(1, |spot| spot.member + 1), Glide::default);
     for spot in &spots {
         state.glides[spot.member].follow(spot.scene, input.animate, time);
@@ -322,7 +280,8 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     if input.flows && spots.iter().any(moves) {
         ui.ctx().request_repaint_after_secs(FLOW_SECS);
     }
-    let shown = spots.last().map(|spot| spot.lens);
+    let aligned = |spot: &&Spot<'_>| spot.panel.picture().is_aligned_with(Picture::CURRENT);
+    let shown = spots.iter().rev().find(aligned).or(spots.last()).map(|spot| spot.lens);
     if state.shown != shown {
         // The scale is told above the pictures, which were placed only now.
         state.shown = shown;
@@ -336,26 +295,29 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
         let cursor = if sensed.dragged() { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
         let sensed = sensed.on_hover_and_drag_cursor(cursor);
         sensed.widget_info(|| {
-            let shown = Shown { panel: *panel, share: state.share(), gain: 1 };
+            let shown = Shown { panel: *panel, share: input.look.blend, gain: 1 };
             let title = shown.title(Some(input.frame), &pictures.names);
             let of = input.lockstep.and_then(|all| all.tiles.get(*member));
             let of = of.map_or_else(String::new, |tile| format!(", {}", tile.info.name));
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}{of}"))
         });
-        let placing = input.placing.filter(|_| panel.shows(Picture::Current));
-        let is_gripped = placing.is_some_and(|placing| placing::act(ui, &sensed, (lens, placing), state, response));
+        let placing = input.placing.and_then(|placing| placing.on(panel.picture()));
+        let is_gripped =
+            placing.as_ref().is_some_and(|placing| placing::act(ui, &sensed, (lens, placing), state, response));
         if let Some(zoom) = looked(ui, &sensed, lens).filter(|_| !is_gripped) {
-            state.zoom = zoom;
+            state.set_zoom(panel.picture(), zoom);
             ui.ctx().request_repaint();
         }
         if let Some(at) = sensed.hover_pos() {
-            hovered = lens.pixel_at(at);
+            hovered = lens.pixel_at(at).map(|pixel| Hovered { on: panel.picture(), pixel });
         }
         match input.lockstep {
             // The first click on another estimator is for its explanation; nothing moves under it.
             Some(all) if sensed.clicked() && all.explained != *member => response.explained = Some(*member),
             _ if placing.is_none() && sensed.clicked() => {
-                response.clicked = sensed.interact_pointer_pos().and_then(|at| lens.pixel_at(at)).map(to_point);
+                let clicked = sensed.interact_pointer_pos().and_then(|at| lens.pixel_at(at));
+                let clicked = clicked.map(|pixel| Hovered { on: panel.picture(), pixel });
+                response.clicked = clicked.map(Hovered::focus);
             }
             _ => {}
         }
@@ -364,20 +326,16 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     for spot in &spots {
         paint(ui, spot, input, state);
     }
-    response.hovered = hovered.map(to_point);
+    response.hovered = hovered.map(Hovered::focus);
 }
 
 /// Whether particles move on a picture.
 fn moves(spot: &Spot<'_>) -> bool {
-    spot.panel.shows(Picture::Current) && spot.pictures.streaks.as_ref().is_some_and(|streaks| !streaks.is_empty())
-}
-
-fn to_point(pixel: [usize; 2]) -> [f32; 2] {
-    pixel.map(|c| c as f32)
+    spot.panel.shows(Picture::CURRENT) && spot.pictures.streaks.as_ref().is_some_and(|streaks| !streaks.is_empty())
 }
 
 /// Divides `area` among `count` pictures of `size` with a `header` above each: side by side, or stacked where that
-/// shows them much larger.
+/// shows them much larger; four also in a square.
 fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec<Rect> {
     let head = vec2(0.0, header);
     let fit = |pane: Vec2| ((pane - head) / vec2(size.0 as f32, size.1 as f32)).min_elem();
@@ -390,6 +348,14 @@ fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec<Rec
     } else {
         (beside, vec2(beside.x + GAP, 0.0))
     };
+    if count == 4 {
+        let half = (area.size() - Vec2::splat(GAP)) / 2.0;
+        if fit(half) > fit(pane) {
+            let picture = (half - head).max(Vec2::splat(1.0));
+            let corner = |i: usize| vec2((i % 2) as f32 * (half.x + GAP), (i / 2) as f32 * (half.y + GAP));
+            return (0..count).map(|i| Rect::from_min_size(area.min + head + corner(i), picture)).collect();
+        }
+    }
     let picture = (pane - head).max(Vec2::splat(1.0));
     (0..count).map(|i| Rect::from_min_size(area.min + head + step * i as f32, picture)).collect()
 }
@@ -408,10 +374,10 @@ fn looked(ui: &Ui, sensed: &egui::Response, lens: &Lens) -> Option<Zoom> {
 fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     let Spot { member, panel, ref lens, scene, ref pictures } = *spot;
     let painter = ui.painter_at(lens.pane);
-    let share = state.share();
+    let share = input.look.blend;
     let gain = state.pictures.paint(&painter, panel, share, lens, pictures);
     let shown = Shown { panel, share, gain };
-    let of_frame_t = panel.shows(Picture::Current);
+    let of_frame_t = panel.shows(Picture::CURRENT);
     // Where numbers stand in the pixels, a layer of colours would hide them.
     if let Some(layer) = pictures.layer.as_ref().filter(|_| panel.is_tinted() && !pixels::has_numbers(lens)) {
         state.pictures.colors(&painter, layer, lens);
@@ -426,14 +392,14 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     if let Some(streaks) = pictures.streaks.as_ref().filter(|_| of_frame_t) {
         let phase = if input.flows { (time / LIFE_SECS).rem_euclid(1.0) as f32 } else { 0.0 };
         let place = Placement::new(lens.picture_rect().min.into(), lens.scale);
-        let trails = paint::streaks(&streaks.at(phase), input.theme, place);
+        let trails = paint::streaks(&streaks.at(phase), input.theme(), place);
         marks.extend(primitives::shapes(&marks, &[trails]));
     }
-    if let Some(pixel) = state.hovered {
-        pixels::cross_hair(&painter, lens, pixel);
+    if let Some(hovered) = state.hovered.filter(|hovered| hovered.on.is_aligned_with(panel.picture())) {
+        pixels::cross_hair(&painter, lens, hovered.pixel);
     }
     if let Some(placing) = input.placing.filter(|_| of_frame_t) {
-        placing::paint(&painter, lens, placing, input.theme);
+        placing::paint(&painter, lens, placing, input.theme());
     }
     if input.lockstep.is_none() {
         caption(ui.painter(), shown, lens, input);
@@ -442,7 +408,7 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
 
 /// The name of a picture, above it; without that of its file where there is no room.
 fn caption(painter: &egui::Painter, shown: Shown, lens: &Lens, input: &Input<'_>) {
-    let theme = input.theme;
+    let theme = input.theme();
     let font = ink::font(Face::Sans, theme.sizes().small);
     let corner = lens.picture_rect().min.max(lens.pane.min).min(lens.pane.center());
     let at = pos2(corner.x, corner.y - bar::line_height(theme) / 2.0);
@@ -454,44 +420,11 @@ fn caption(painter: &egui::Painter, shown: Shown, lens: &Lens, input: &Input<'_>
     painter.galley(at - vec2(0.0, title.size().y / 2.0), title, dim);
 }
 
-mod view_id {
-    //! A view by its stable name.
-
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    use crate::paint::View;
-
-    pub fn serialize<S: Serializer>(view: &View, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(view.id())
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<View, D::Error> {
-        let id = String::deserialize(from)?;
-        Ok(View::ALL.into_iter().find(|view| view.id() == id).unwrap_or_default())
-    }
-}
-
-mod layer_id {
-    //! A layer by its stable name.
-
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    use crate::paint::FlowLayer;
-
-    pub fn serialize<S: Serializer>(layer: &Option<FlowLayer>, to: S) -> Result<S::Ok, S::Error> {
-        layer.map(FlowLayer::id).serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<FlowLayer>, D::Error> {
-        let id = Option::<String>::deserialize(from)?;
-        Ok(id.and_then(|id| id.parse().ok()))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use eframe::egui::Pos2;
+    use motionscope_core::scene::PictureRole;
 
     #[test]
     fn two_pictures_share_the_stage_without_overlap() {
@@ -507,13 +440,25 @@ mod tests {
     }
 
     #[test]
-    fn the_view_is_remembered_by_name() {
-        let state = State { view: View::Blend, blend: 0.25, ..State::default() };
-        let text = serde_json::to_string(&state).expect("a state can be written");
-        assert!(text.contains("\"blend\""), "{text}");
-        let back: State = serde_json::from_str(&text).expect("and read");
-        assert_eq!((back.view, back.blend, back.zoom), (View::Blend, 0.25, Zoom::Fit));
-        let old: State = serde_json::from_str("{\"view\":\"gone\"}").expect("an unknown view is no error");
-        assert_eq!(old.view, View::default());
+    fn up_to_four_pictures_lie_in_the_stage_apart() {
+        for (area, count) in [(vec2(900.0, 700.0), 3), (vec2(900.0, 700.0), 4), (vec2(1600.0, 200.0), 4)] {
+            let area = Rect::from_min_size(pos2(10.0, 20.0), area);
+            let panes = split(area, count, (320, 240), 20.0);
+            assert!(panes.len() == count && panes.iter().all(|pane| area.contains_rect(*pane)), "{panes:?}");
+            let apart = |(i, a): (usize, &Rect)| panes.iter().skip(i + 1).all(|b| !a.intersects(*b));
+            assert!(panes.iter().enumerate().all(apart), "{panes:?}");
+        }
+    }
+
+    #[test]
+    fn pictures_of_other_pixels_are_zoomed_by_themselves() {
+        let (mut state, near) = (State::default(), Zoom::At { center: [3.0, 4.0], scale: 9.0 });
+        let template = Picture { role: PictureRole::Template, ..Picture::CURRENT };
+        state.set_zoom(Picture::REFERENCE, near);
+        assert_eq!([Picture::CURRENT, Picture::NEXT, template].map(|p| state.zoom_of(p)), [near, near, Zoom::Fit]);
+        state.set_zoom(template, Zoom::At { center: [1.0, 1.0], scale: 2.0 });
+        assert_eq!(state.zoom_of(Picture::CURRENT), near);
+        state.fit();
+        assert_eq!([Picture::NEXT, template].map(|p| state.zoom_of(p)), [Zoom::Fit; 2]);
     }
 }

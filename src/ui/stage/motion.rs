@@ -1,24 +1,23 @@
 //! What is seen of motion: the colours over the picture, and arrows or streaklines.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{
     self, Align, Button, Layout, Popup, PopupCloseBehavior, RichText, Slider, SliderClamping, Ui, WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::scene;
+use motionscope_core::params::Kind;
+use motionscope_core::{Params, Spec, Value, scene};
 
 use super::{Input, Response, State};
-use crate::paint::{Face, FlowLayer, Lengthen, Tint, TintKey, legend, number};
-use crate::session::SPACING_PX;
-use crate::ui::commands::Command;
+use crate::paint::{Face, FlowLayer, Tint, TintKey, legend, number};
+use crate::ui::app::commands::Command;
+use crate::ui::drawing::{ink, primitives};
 use crate::ui::parts::widgets;
-use crate::ui::{ink, primitives};
+use crate::view::look::Look;
 
 /// Diameter of the wheel among the choices, in points.
 const WHEEL: f32 = 88.0;
-/// Distances of arrows in px that the slider reaches.
-const SLIDER_PX: std::ops::RangeInclusive<u16> = 1..=128;
-/// Factors that the slider of the arrows' length reaches.
-const SLIDER_TIMES: std::ops::RangeInclusive<f32> = 0.25..=16.0;
 
 /// The button that unfolds the choices.
 pub fn button(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
@@ -31,13 +30,13 @@ pub fn button(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut 
     let tip = Command::NextLayer.with_key("What is seen of motion: colours, arrows and streaklines.");
     let opener = opener.on_hover_text(tip);
     let popup = Popup::menu(&opener).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    popup.show(|ui| choices(ui, input, state, response));
+    popup.show(|ui| choices(ui, input, state, &mut response.look));
 }
 
-fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
-    ui.set_width(19.0 * input.theme.sizes().body);
+fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
+    ui.set_width(19.0 * input.theme().sizes().body);
     ui.label(RichText::new("Colours over the picture").small().weak());
-    let now = input.offer.chosen(state.layer);
+    let now = input.offer.chosen(look.layer);
     for layer in FlowLayer::ALL {
         let why = input.offer.why_never(layer);
         let item = ui.add_enabled(why.is_none(), Button::selectable(now == layer, layer.name()).min_size(wide(ui)));
@@ -51,11 +50,14 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Res
             None => layer.tip().into(),
         };
         if item.on_hover_text(&told).on_disabled_hover_text(&told).clicked() {
-            state.layer = Some(layer);
+            look.layer = Some(layer);
         }
     }
     if now != FlowLayer::None {
-        opacity(ui, now, state);
+        let percent =
+            Shown { factor: 100.0, suffix: " %", name: "Opacity of the colours in %", ..Shown::new("Opacity") };
+        let usual = f64::from(now.usual_opacity().get());
+        slider(ui, Entry { name: "layer-opacity", usual, reach: 0.0..=1.0, shown: percent }, look);
     }
     ui.separator();
     ui.horizontal(|ui| {
@@ -69,15 +71,19 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Res
             ),
         ] {
             let can_be = !streaks || input.offer.has_field();
-            let shown = ui.add_enabled(can_be, Button::selectable(state.streaks == streaks, name));
+            let shown = ui.add_enabled(can_be, Button::selectable(look.streaks.is_some() == streaks, name));
             if shown.on_hover_text(&tip).on_disabled_hover_text("Only single points are known to move here.").clicked()
             {
-                state.streaks = streaks;
+                look.streaks = streaks.then(|| look.streaks.unwrap_or_default());
             }
         }
     });
-    spacing(ui, input, state);
-    length(ui, input, state, response);
+    let px = Shown { suffix: " px", name: "Spacing in px", is_logarithmic: true, ..Shown::new("Spacing") };
+    let usual = scene::arrow_spacing(input.pictures.pair[0].size()) as f64;
+    slider(ui, Entry { name: "arrow-spacing", usual, reach: 1.0..=128.0, shown: px }, look);
+    let times = Shown { suffix: " ×", is_logarithmic: true, decimals: 2, ..Shown::new("Length of arrows") };
+    let usual = f64::from(state.marks.look(input).lengthen);
+    slider(ui, Entry { name: "arrow-scale", usual, reach: 0.25..=16.0, shown: times }, look);
     if let Some(Tint { key: TintKey::Wheel(longest), .. }) = input.pictures.layer.as_deref() {
         ui.separator();
         wheel(ui, input, *longest);
@@ -88,83 +94,81 @@ fn wide(ui: &Ui) -> egui::Vec2 {
     vec2(ui.available_width(), 0.0)
 }
 
+/// An entry of the look that may be left open.
+struct Entry {
+    name: &'static str,
+    /// What it comes to where it is left open.
+    usual: f64,
+    /// What the slider reaches; more may be typed.
+    reach: RangeInclusive<f64>,
+    shown: Shown,
+}
+
+/// How the slider of an entry looks.
+struct Shown {
+    label: &'static str,
+    /// Its name for a screen reader.
+    name: &'static str,
+    /// What the number is multiplied by to be shown.
+    factor: f64,
+    suffix: &'static str,
+    decimals: usize,
+    is_logarithmic: bool,
+}
+
+impl Shown {
+    fn new(label: &'static str) -> Self {
+        Self { label, name: label, factor: 1.0, suffix: "", decimals: 0, is_logarithmic: false }
+    }
+}
+
 /// A slider under its name, with the way back to what is chosen by itself.
-fn slider(ui: &mut Ui, name: &str, (is_auto, tip): (bool, &str), add: impl FnOnce(&mut Ui) -> egui::Response) -> bool {
-    let mut to_auto = false;
+fn slider(ui: &mut Ui, entry: Entry, look: &mut Look) {
+    let Entry { name, usual, reach, shown } = entry;
+    let Some((spec, Kind::Optional { of, word })) = spec(name).map(|spec| (spec, &spec.kind)) else { return };
+    let now = match look.get(name) {
+        Ok(Value::Real(value)) => Some(value),
+        Ok(Value::Int(value)) => Some(value as f64),
+        _ => None,
+    };
     ui.horizontal(|ui| {
-        ui.label(RichText::new(name).small().weak()).on_hover_text(tip);
+        ui.label(RichText::new(shown.label).small().weak()).on_hover_text(&spec.doc);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let auto = ui.selectable_label(is_auto, "auto").on_hover_text(format!("{tip} As it suits the picture."));
-            auto.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_auto, format!("{name} auto")));
-            to_auto = auto.clicked();
+            let auto = ui.selectable_label(now.is_none(), *word).on_hover_text(&spec.doc);
+            let label = || format!("{} {word}", shown.label);
+            auto.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, now.is_none(), label()));
+            if auto.clicked() {
+                look.set(name, word).unwrap_or_default();
+            }
         });
     });
     let width = ui.available_width() - ui.spacing().interact_size.x - 3.0 * ui.spacing().item_spacing.x;
     ui.spacing_mut().slider_width = width;
-    add(ui).on_hover_text(tip);
-    to_auto
-}
-
-fn opacity(ui: &mut Ui, layer: FlowLayer, state: &mut State) {
-    let tip = "How far the colours hide the picture under them: at 100 % they stand alone.";
-    let mut percent = 100.0 * state.opacity.unwrap_or(layer.usual_opacity().get());
-    let mut moved = false;
-    let to_auto = slider(ui, "Opacity", (state.opacity.is_none(), tip), |ui| {
-        let slider = Slider::new(&mut percent, 0.0..=100.0).step_by(1.0).max_decimals(0).suffix(" %");
-        let response = ui.add(slider).accessible_name("Opacity of the colours in %");
-        moved = response.changed();
-        response
-    });
-    if moved {
-        state.opacity = Some(percent / 100.0);
-    }
-    if to_auto {
-        state.opacity = None;
+    let mut value = now.unwrap_or(usual) * shown.factor;
+    let range = reach.start() * shown.factor..=reach.end() * shown.factor;
+    let slider = Slider::new(&mut value, range).logarithmic(shown.is_logarithmic).suffix(shown.suffix);
+    let slider = slider.max_decimals(shown.decimals).clamping(SliderClamping::Never);
+    let slider = if shown.is_logarithmic { slider } else { slider.step_by(1.0) };
+    if ui.add(slider).accessible_name(shown.name).on_hover_text(&spec.doc).changed() {
+        let value = value / shown.factor;
+        let wanted = match **of {
+            Kind::Int { min, max } => Value::Int((value.round() as i64).clamp(min, max)),
+            Kind::Real { min, max } => Value::Real(value.clamp(min, max)),
+            _ => return,
+        };
+        look.set(name, &wanted.to_string()).unwrap_or_default();
     }
 }
 
-fn spacing(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
-    let tip = "From one arrow, or one particle, to the next, in px of the picture.";
-    let usual = scene::arrow_spacing(input.pictures.pair[0].size()) as u16;
-    let mut px = state.spacing_px.unwrap_or(usual);
-    let mut moved = false;
-    let to_auto = slider(ui, "Spacing", (state.spacing_px.is_none(), tip), |ui| {
-        let slider = Slider::new(&mut px, SLIDER_PX).logarithmic(true).suffix(" px").clamping(SliderClamping::Never);
-        let response = ui.add(slider).accessible_name("Spacing in px");
-        moved = response.changed();
-        response
-    });
-    if moved {
-        state.spacing_px = Some(px.clamp(*SPACING_PX.start(), *SPACING_PX.end()));
-    }
-    if to_auto {
-        state.spacing_px = None;
-    }
-}
-
-fn length(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
-    let tip = "How many times their length displacements are drawn; the legend says so.";
-    let is_auto = input.lengthen == Lengthen::Auto;
-    let mut times = state.marks.look(input).lengthen;
-    let mut moved = false;
-    let to_auto = slider(ui, "Length of arrows", (is_auto, tip), |ui| {
-        let slider = Slider::new(&mut times, SLIDER_TIMES).logarithmic(true).suffix(" ×").max_decimals(2);
-        let response = ui.add(slider).accessible_name("Length of arrows");
-        moved = response.changed();
-        response
-    });
-    if moved {
-        response.lengthened = Some(Lengthen::Times(times));
-    }
-    if to_auto {
-        response.lengthened = Some(Lengthen::Auto);
-    }
+/// The declaration of the entry called `name`.
+fn spec(name: &str) -> Option<&'static Spec> {
+    Look::entries().iter().find(|spec| spec.name == name)
 }
 
 /// The wheel, large enough to find a direction in it, with how far its rim is.
 fn wheel(ui: &mut Ui, input: &Input<'_>, longest: f32) {
-    let (text, dim) = (ink::color(input.theme.chrome().text), ink::color(input.theme.chrome().dim));
-    let font = ink::font(Face::Sans, input.theme.sizes().small);
+    let (text, dim) = (ink::color(input.theme().chrome().text), ink::color(input.theme().chrome().dim));
+    let font = ink::font(Face::Sans, input.theme().sizes().small);
     let line = 1.4 * font.size;
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), WHEEL + 2.0 * line + 8.0), egui::Sense::hover());

@@ -1,6 +1,5 @@
 //! Frames on the graphics card: each uploaded once, and smaller copies for looking from afar.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use eframe::egui::{Color32, ColorImage, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions, pos2};
@@ -8,7 +7,7 @@ use eframe::egui::{TextureFilter, TextureWrapMode};
 use motionscope_core::{Frame, Grid};
 
 use super::Lens;
-use crate::paint::{self, Panel, Share, Tint};
+use crate::paint::{self, Panel, Share, Tint, reduced};
 
 /// Pictures kept, so that going back and forth uploads nothing.
 const KEPT: usize = 9;
@@ -56,7 +55,7 @@ impl Source {
         let (pixels, gain) = match self {
             Source::Layer(pixels) => return (pixels.clone(), 1),
             Source::Frame(frame) => {
-                Panel::Current.pixels(&paint::Pictures::of([frame.clone(), frame.clone()]), Share::default())
+                Panel::CURRENT.pixels(&paint::Pictures::of([frame.clone(), frame.clone()]), Share::default())
             }
             Source::Difference(pair) => Panel::Difference.pixels(&paint::Pictures::of(pair.clone()), Share::default()),
         };
@@ -124,12 +123,6 @@ impl Pictures {
     }
 }
 
-/// A frame as an image, reduced until no side is longer than `longest` px.
-pub fn image_of(frame: &Arc<Frame>, longest: usize) -> ColorImage {
-    let side = frame.size().0.max(frame.size().1);
-    image(&reduced(&Source::Frame(frame.clone()).pixels().0, side.div_ceil(longest).next_power_of_two()))
-}
-
 /// The power of two by which a picture is reduced: so that hardly any of its pixels is skipped, and the card can hold it.
 fn factor(lens: &Lens, pixels_per_point: f32, largest: usize) -> usize {
     let on_screen = lens.scale * pixels_per_point;
@@ -146,39 +139,10 @@ fn image(pixels: &Grid<[u8; 4]>) -> ColorImage {
     ColorImage::from_rgba_unmultiplied([width, height], bytemuck::cast_slice(pixels.cells()))
 }
 
-/// The mean of every `factor × factor` pixels; colours count by how opaque they are.
-fn reduced(pixels: &Grid<[u8; 4]>, factor: usize) -> Cow<'_, Grid<[u8; 4]>> {
-    if factor == 1 {
-        return Cow::Borrowed(pixels);
-    }
-    let (width, height) = pixels.size();
-    Cow::Owned(Grid::from_fn(width.div_ceil(factor), height.div_ceil(factor), |x, y| {
-        let columns = x * factor..((x + 1) * factor).min(width);
-        let (mut sums, mut alpha, mut count) = ([0u32; 3], 0, 0);
-        for row in y * factor..((y + 1) * factor).min(height) {
-            for &[r, g, b, a] in &pixels.row(row)[columns.clone()] {
-                let a = u32::from(a);
-                sums = [sums[0] + a * u32::from(r), sums[1] + a * u32::from(g), sums[2] + a * u32::from(b)];
-                (alpha, count) = (alpha + a, count + 1);
-            }
-        }
-        let [r, g, b] = sums.map(|sum| (sum / alpha.max(1)) as u8);
-        [r, g, b, (alpha / count.max(1)) as u8]
-    }))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::ui::stage::Zoom;
-
-    #[test]
-    fn a_reduced_picture_keeps_its_mean_and_its_edge() {
-        let picture = Grid::from_fn(5, 3, |x, _| [if x == 4 { 200 } else { 10 }; 4]);
-        let small = reduced(&picture, 2);
-        assert_eq!(small.size(), (3, 2));
-        assert_eq!((small[(0, 0)], small[(2, 1)]), ([10; 4], [200; 4]));
-    }
 
     #[test]
     fn a_picture_is_reduced_only_from_afar() {

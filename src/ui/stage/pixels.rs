@@ -4,8 +4,9 @@ use eframe::egui::{Align2, Color32, Painter, Rect, Stroke, StrokeKind};
 use motionscope_core::{Frame, Gray};
 
 use super::Lens;
+use crate::paint::charts::on_gray;
 use crate::paint::{Face, Panel, Pictures, Shown};
-use crate::ui::ink;
+use crate::ui::drawing::ink;
 
 /// Points per pixel from which the grid is drawn.
 const GRID: f32 = 12.0;
@@ -44,7 +45,7 @@ pub fn numbers(painter: &Painter, shown: Shown, lens: &Lens, pictures: &Pictures
         for x in left..=right {
             let Some((value, shade)) = value(shown, pictures, x, y) else { continue };
             let at = lens.to_screen([x as f32, y as f32]);
-            painter.text(at, Align2::CENTER_CENTER, value.to_string(), font.clone(), on_gray(shade));
+            painter.text(at, Align2::CENTER_CENTER, value.to_string(), font.clone(), ink::color(on_gray(shade)));
         }
     }
 }
@@ -54,7 +55,7 @@ fn value(Shown { panel, share, gain }: Shown, pictures: &Pictures, x: usize, y: 
     let frames = panel.frames(pictures);
     let gray = |i: usize| frames[i].luma().get(x, y).copied();
     match panel {
-        Panel::Current | Panel::Next | Panel::Prediction => gray(0).map(|v| (v, v)),
+        Panel::Of(_) | Panel::Prediction => gray(0).map(|v| (v, v)),
         Panel::Difference | Panel::Residual => {
             let v = gray(0)?.abs_diff(gray(1)?);
             Some((v, (u16::from(v) * gain).min(255) as u8))
@@ -64,11 +65,6 @@ fn value(Shown { panel, share, gain }: Shown, pictures: &Pictures, x: usize, y: 
             Some((v, v))
         }
     }
-}
-
-/// Black or white, whichever can be read on `gray`.
-pub fn on_gray(gray: u8) -> Color32 {
-    if gray > 118 { Color32::from_black_alpha(215) } else { Color32::from_white_alpha(215) }
 }
 
 /// Marks one pixel: arms that point at it, and its outline where that can be seen.
@@ -119,8 +115,8 @@ mod tests {
         let frame = |v| Arc::new(Frame::gray(Grid::new(3, 2, v)));
         let pair = Pictures::of([frame(10), frame(250)]);
         let shown = |panel| Shown { panel, share: Share::new(0.25).expect("a share"), gain: 1 };
-        assert_eq!(value(shown(Panel::Next), &pair, 2, 1), Some((250, 250)));
-        assert_eq!(value(shown(Panel::Current), &pair, 3, 0), None);
+        assert_eq!(value(shown(Panel::NEXT), &pair, 2, 1), Some((250, 250)));
+        assert_eq!(value(shown(Panel::CURRENT), &pair, 3, 0), None);
         assert_eq!(value(shown(Panel::Blend), &pair, 0, 0), Some((70, 70)));
         let first = pair.pair[0].luma();
         assert_eq!((gray_at(first, [1, 1]), gray_at(first, [9, 9])), ("10".into(), "–".into()));
@@ -128,7 +124,7 @@ mod tests {
 
     #[test]
     fn numbers_contrast_with_their_pixel() {
-        assert!(on_gray(255).r() < 10 && on_gray(0).r() > 200);
+        assert!(on_gray(255).0[0] < 10 && on_gray(0).0[0] > 200);
         // A change of 20 is nearly black as it is, and light gray at 8 times its brightness.
         let frame = |v| Arc::new(Frame::gray(Grid::new(3, 2, v)));
         let pair = Pictures::of([frame(10), frame(30)]);

@@ -2,10 +2,11 @@
 
 use eframe::egui::{Button, Color32, Painter, Pos2, RichText, Shape, Stroke, TextStyle, Ui, WidgetInfo};
 use motionscope_core::params::{Figure, Placed, Spec, Spot};
+use motionscope_core::scene::{Picture, PictureRole};
 
 use super::{Input, Lens, Response, State};
 use crate::paint::Theme;
-use crate::ui::style;
+use crate::ui::drawing::style;
 
 /// How near to a handle one has to press to take it, in points.
 const NEAR_PT: f32 = 12.0;
@@ -25,6 +26,17 @@ pub struct Placing {
     pub frame: usize,
     /// Whether a place in one frame is followed by the next.
     pub is_by_frame: bool,
+}
+
+impl Placing {
+    /// The same on `picture`, if it can be placed there: points of one frame are not those of the next, while a line or a zone
+    /// is the same in all frames.
+    pub fn on(&self, picture: Picture) -> Option<Self> {
+        let is_shared = self.is_by_frame || self.now.figure() != Figure::Spots;
+        let frame = self.frame.checked_add_signed(picture.time as isize)?;
+        let fits = picture.role == PictureRole::Frame && picture.is_aligned_with(Picture::CURRENT);
+        (fits && (is_shared || picture == Picture::CURRENT)).then(|| Self { frame, ..self.clone() })
+    }
 }
 
 /// What became of placing in a frame of the window.

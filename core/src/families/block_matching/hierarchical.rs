@@ -29,7 +29,7 @@ use crate::run::{
     BlockVectors, Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Stage, StageView,
     TestsCandidates,
 };
-use crate::scene::{Chart, Fact, Floor, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
+use crate::scene::{Chart, Fact, Floor, Focus, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
 
 block_search_params! {
     /// Hierarchical search: the coarsest level of a pyramid is searched, and each finer one refines what was found.
@@ -284,8 +284,8 @@ impl Hierarchical {
     }
 
     fn probe<'a>(&self, seen: &'a Seen<Self>, found: &'a [Match]) -> Probe<'a> {
-        let Seen { before, events, focus, .. } = *seen;
-        let focus = focus.map(|point| point.map(|c| c / before.scale()));
+        let Seen { before, events, .. } = *seen;
+        let focus = seen.point().map(|point| point.map(|c| c / before.scale()));
         let probe = Probe::new(before.pair(), self.settings_on(before.level), found, (events, focus));
         let counted = Counted { first_unit: before.first_unit(before.level), level: Some(before.level) };
         Probe { counted, ..probe }
@@ -501,7 +501,7 @@ impl TestsCandidates<State, Event> for Hierarchical {
 }
 
 impl Pointed<State> for Hierarchical {
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         let index = state.pair().blocks.at(point.map(|c| c / state.scale()))?;
         Some(state.first_unit(state.level) + index)
     }

@@ -12,7 +12,7 @@ use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, Prod
 use crate::run::{
     Estimator, Footprint, Frames, Info, Masks, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, need,
 };
-use crate::scene::{Chart, Scene, Step};
+use crate::scene::{Chart, Focus, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 use super::FrameDifference;
@@ -248,7 +248,7 @@ impl Footprint<State> for ConnectedComponents {
 }
 
 impl Pointed<State> for ConnectedComponents {
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         let y = point[1] + 0.5;
         let row = (0.0..state.picture.1 as f32).contains(&y).then_some(y as usize)?;
         Some((state.frame - state.span.first) * (state.picture.1 + 1) + row)

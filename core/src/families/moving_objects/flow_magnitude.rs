@@ -8,7 +8,7 @@ use crate::geometry::{Border, Grid, filter};
 use crate::methods::subtraction::{Background, Explanation, Found, Settings, subtraction_pseudocode};
 use crate::params;
 use crate::run::{DenseFlow, Info, Need, Stage, StageView};
-use crate::scene::{Fact, Math, Role, Sentence};
+use crate::scene::{Canvas, Fact, Math, Picture, Role, Sentence};
 
 params! {
     /// The length of the optical flow.
@@ -153,6 +153,10 @@ impl Background for FlowMagnitude {
 
     fn expected(&self, model: &Model, place: (usize, usize)) -> f32 {
         f32::from(model.before.luma()[place])
+    }
+
+    fn pictures(&self, _model: &Arc<Model>, _size: (usize, usize)) -> Vec<Canvas> {
+        [Picture::PREVIOUS, Picture::CURRENT].map(Canvas::of_clip).into()
     }
 
     fn difference(&self, model: &Model, frame: &Frame, place: (usize, usize)) -> f32 {

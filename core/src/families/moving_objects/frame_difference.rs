@@ -6,7 +6,7 @@ use crate::base::{Threads, wide::wide, words};
 use crate::data::{Clip, Frame, Mask};
 use crate::methods::subtraction::{Background, Explanation, Flags, Found, Settings, compared, subtraction_pseudocode};
 use crate::run::{Info, Need};
-use crate::scene::{Fact, Math, Role};
+use crate::scene::{Canvas, Fact, Math, Picture, Role};
 use crate::{choices, params};
 
 choices! {
@@ -103,6 +103,11 @@ impl Background for FrameDifference {
 
     fn expected(&self, model: &Self::Model, place: (usize, usize)) -> f32 {
         f32::from(model[0].luma()[place])
+    }
+
+    fn pictures(&self, model: &Arc<Self::Model>, _size: (usize, usize)) -> Vec<Canvas> {
+        let before = (1..=model.len() as i32).rev().map(|frames| Picture::at(-frames));
+        before.chain([Picture::CURRENT]).map(Canvas::of_clip).collect()
     }
 
     fn compared_with(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32 {

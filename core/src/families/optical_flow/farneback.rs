@@ -11,7 +11,7 @@ use crate::methods::{
 };
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Fact, Readout, Role, Scene, Sentence, Series, Step};
+use crate::scene::{Chart, Fact, Focus, Readout, Role, Scene, Sentence, Series, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -282,7 +282,7 @@ impl Footprint<State> for Farneback {
 }
 
 impl Pointed<State> for Farneback {
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
         state.frames.pixel_at(0, point).map(|_| Explained::Always)
     }
 }
@@ -292,7 +292,7 @@ impl Farneback {
     fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Looked<'a>> {
         let Event { part, iteration } = seen.events.last()?;
         let (frames, level) = (&*seen.before.frames, seen.before.level);
-        let pointed_at = seen.focus.and_then(|point| frames.pixel_at(level, point));
+        let pointed_at = seen.point().and_then(|point| frames.pixel_at(level, point));
         let place = pointed_at.unwrap_or(iteration.most);
         let moved = Moved { pair: iteration.polynomials.each_ref(), from: &iteration.from };
         let agreement = Agreement { window: self.window(), damping: self.damping };

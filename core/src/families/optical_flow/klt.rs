@@ -19,7 +19,7 @@ use crate::products::{Feature, Output, PointField, Product, ProductKind, Status,
 use crate::run::{
     Estimator, Footprint, Info, Keypoints, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, need,
 };
-use crate::scene::{Chart, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -436,7 +436,7 @@ impl Footprint<State> for Klt {
 
 impl Pointed<State> for Klt {
     /// The unit that tracks the feature of this pair that is nearest to a place.
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         state.turn?;
         let far = |live: &Live| (live.at[0] - point[0]).hypot(live.at[1] - point[1]);
         let nearest = state.live.iter().enumerate().min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));

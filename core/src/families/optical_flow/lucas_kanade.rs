@@ -10,7 +10,7 @@ use crate::geometry::Grid;
 use crate::methods::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Scene, Step};
+use crate::scene::{Chart, Focus, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -289,15 +289,15 @@ impl Footprint<State> for LucasKanade {
 }
 
 impl Pointed<State> for LucasKanade {
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         let iteration = state.iteration.min(self.iterations - 1);
         state.given.pixel_at(point).map(|(_, y)| iteration * state.given.size().1 + y)
     }
 
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
-        let (x, y) = state.given.pixel_at(point)?;
+    fn explained(&self, state: &State, focus: Focus) -> Option<Explained> {
+        let (x, y) = state.given.pixel_at(focus.at)?;
         // The first row of an iteration begins with its constraints.
         let event = x + 1 + usize::from(y == 0);
-        Some(Explained::From(Cursor { unit: self.unit_at(state, point)?, event }))
+        Some(Explained::From(Cursor { unit: self.unit_at(state, focus)?, event }))
     }
 }

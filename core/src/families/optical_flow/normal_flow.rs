@@ -16,7 +16,7 @@ use crate::geometry::Grid;
 use crate::methods::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Fact, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Step};
+use crate::scene::{Chart, Fact, Focus, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -169,7 +169,7 @@ impl Estimator for NormalFlow {
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
         field::draw(seen.before.flow(seen.events), scene);
         if let Some((x, y)) = pixel(seen) {
-            scene.mark(Picture::Current, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
+            scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
             scene.legend(Role::Reference, "pixel");
         }
     }
@@ -212,11 +212,11 @@ impl Footprint<State> for NormalFlow {
 }
 
 impl Pointed<State> for NormalFlow {
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         state.fixed.given.pixel_at(point).map(|(_, y)| y)
     }
 
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
         let (x, y) = state.fixed.given.pixel_at(point)?;
         Some(Explained::From(Cursor { unit: y, event: x + 1 }))
     }
@@ -225,7 +225,7 @@ impl Pointed<State> for NormalFlow {
 /// The pixel that is explained: the one pointed at, else the one at work.
 fn pixel(seen: &Seen<NormalFlow>) -> Option<(usize, usize)> {
     let last = seen.events.len().checked_sub(1)?;
-    let pointed_at = seen.focus.and_then(|point| seen.before.fixed.given.pixel_at(point));
+    let pointed_at = seen.point().and_then(|point| seen.before.fixed.given.pixel_at(point));
     Some(pointed_at.unwrap_or((last, seen.before.y())))
 }
 

@@ -18,7 +18,7 @@ use crate::products::{Feature, Output, Product, ProductKind, Status, Track, Trac
 use crate::run::{
     DenseFlow, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, need,
 };
-use crate::scene::{Chart, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -446,7 +446,7 @@ impl Footprint<State> for PointTrajectories {
 }
 
 impl Pointed<State> for PointTrajectories {
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
         let inside = |i: usize, extent: usize| (0.0..extent as f32).contains(&(point[i] + 0.5));
         (inside(0, state.picture.0) && inside(1, state.picture.1)).then_some(Explained::Always)
     }

@@ -16,7 +16,7 @@ use crate::methods::{
 use crate::params::Spots;
 use crate::products::{Confidence, DenseField, Feature, Output, PointField, Product, ProductKind, Status};
 use crate::run::{Estimator, Footprint, Info, Keypoints, Need, Pointed, Progress, Promise, Rung, Seen, Stage};
-use crate::scene::{Arrow, Chart, Fact, Levels, Picture, Readout, Role, Scene, Sentence, Shape, Stack, Step};
+use crate::scene::{Arrow, Chart, Fact, Focus, Levels, Picture, Readout, Role, Scene, Sentence, Shape, Stack, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -313,7 +313,7 @@ impl Estimator for PyramidalLucasKanade {
         }
         let looked = self.look(seen);
         if let Some(looked) = &looked {
-            looked.account().draw([Picture::Current, Picture::Next], scene);
+            looked.account().draw([Picture::CURRENT, Picture::NEXT], scene);
         }
         scene.levels = Some(state.fixed.shown(looked.map_or(0, |looked| looked.trace.level())));
     }
@@ -371,7 +371,7 @@ impl Footprint<State> for PyramidalLucasKanade {
 
 impl Pointed<State> for PyramidalLucasKanade {
     /// The unit that finds the point nearest to a place.
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         let index = nearest(&state.fixed.points, point)?;
         Some((index / state.fixed.group + 1) * state.fixed.levels[0].len() - 1)
     }
@@ -440,7 +440,7 @@ impl PyramidalLucasKanade {
             Event::Pixel => first + seen.events.len() - 1,
         };
         // Every point up to the one at work is known, as far as it was followed.
-        let pointed_at = seen.focus.and_then(|place| {
+        let pointed_at = seen.point().and_then(|place| {
             let index = nearest(&fixed.points[..=at_work], place)?;
             let reach = if self.points == Points::Dense { 0.5 } else { self.reach() as f32 + 0.5 };
             let at = fixed.points[index];
@@ -513,7 +513,7 @@ fn draw_points(state: &State, scene: &mut Scene) {
     let lost = state.features().filter(|point| point.displacement.is_none()).map(|point| point.at);
     let mut points = |role, meaning, places: Vec<[f32; 2]>| {
         if !places.is_empty() {
-            scene.mark(Picture::Current, role, Shape::Points(places));
+            scene.mark(Picture::CURRENT, role, Shape::Points(places));
             scene.legend(role, meaning);
         }
     };
@@ -521,7 +521,7 @@ fn draw_points(state: &State, scene: &mut Scene) {
     points(Role::Rejected, "lost", lost.collect());
     let tracked: Vec<_> = tracked.collect();
     if !tracked.is_empty() {
-        scene.mark(Picture::Current, Role::Result, Shape::Arrows(tracked));
+        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(tracked));
         scene.legend(Role::Result, "displacements found");
     }
     if state.fixed.points.is_empty() {

@@ -17,7 +17,7 @@ use crate::run::{
     Estimator, Explained, Footprint, Frames, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, Tracks,
     need,
 };
-use crate::scene::{Chart, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -313,7 +313,7 @@ impl Footprint<State> for TrajectoryAnalysis {
 }
 
 impl Pointed<State> for TrajectoryAnalysis {
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
         near(&state.trajectories, point).map(|_| Explained::Always)
     }
 }

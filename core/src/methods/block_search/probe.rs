@@ -86,13 +86,13 @@ impl Probe<'_> {
         let done = self.found.iter().enumerate();
         let arrows: Vec<_> = done.map(|(i, found)| arrow(blocks.block(i), found)).collect();
         if !arrows.is_empty() {
-            scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
+            scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(arrows));
             scene.legend(Role::Result, "displacement found");
         }
         // By itself: where there is no room for all of them, this one is still seen.
         if let Some(Event::Found(found)) = self.events.last() {
             let found = arrow(self.block(), found);
-            scene.mark(Picture::Current, Role::Result, Shape::Arrows(vec![found]));
+            scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(vec![found]));
             scene.legend(Role::Result, "displacement found");
         }
         if self.events.is_empty() {
@@ -103,7 +103,7 @@ impl Probe<'_> {
             let min = [block.x as f32 + u - 0.5, block.y as f32 + v - 0.5];
             Shape::Rect { min, max: [min[0] + block.width as f32, min[1] + block.height as f32] }
         };
-        scene.mark(Picture::Current, Role::Reference, at([0.0; 2]));
+        scene.mark(Picture::CURRENT, Role::Reference, at([0.0; 2]));
         scene.legend(Role::Reference, "block in frame t");
         // The end of the run shows what was found; nothing is searched any more.
         if !self.is_over() || self.index + 1 < blocks.len() {
@@ -111,13 +111,13 @@ impl Probe<'_> {
         }
         self.draw_stage(block, scene);
         if let Some(best) = self.best() {
-            scene.mark(Picture::Next, Role::Best, at(best.vector()));
-            scene.mark(Picture::Next, Role::Best, Shape::Arrows(vec![arrow(block, &best)]));
+            scene.mark(Picture::NEXT, Role::Best, at(best.vector()));
+            scene.mark(Picture::NEXT, Role::Best, Shape::Arrows(vec![arrow(block, &best)]));
             scene.legend(Role::Best, if self.is_over() { "best match" } else { "best so far" });
         }
         // On top: a new best is the candidate under test.
         if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
-            scene.mark(Picture::Next, Role::Candidate, at(candidate.vector()));
+            scene.mark(Picture::NEXT, Role::Candidate, at(candidate.vector()));
             scene.legend(Role::Candidate, "candidate");
         }
     }
@@ -129,9 +129,9 @@ impl Probe<'_> {
         if self.tested() > 0 {
             let center = block.center();
             let origin = [center[0] + min[0] as f32, center[1] + min[1] as f32];
-            scene.mark(Picture::Next, Role::Candidate, Shape::Heat { origin, values: self.costs() });
+            scene.mark(Picture::NEXT, Role::Candidate, Shape::Heat { origin, values: self.costs() });
         }
-        scene.mark(Picture::Next, Role::Window, Shape::pixels(corner.0, corner.1, reach.0, reach.1));
+        scene.mark(Picture::NEXT, Role::Window, Shape::pixels(corner.0, corner.1, reach.0, reach.1));
         scene.legend(Role::Window, "search window");
     }
 
@@ -158,7 +158,7 @@ impl Probe<'_> {
         if let Some(part) = stage.narrowed.filter(|_| !self.is_over()) {
             let corner = [x + part.min[0] as f32 - 0.5, y + part.min[1] as f32 - 0.5];
             let far = [corner[0] + part.size.0 as f32, corner[1] + part.size.1 as f32];
-            scene.mark(Picture::Next, Role::Window, Shape::Rect { min: corner, max: far });
+            scene.mark(Picture::NEXT, Role::Window, Shape::Rect { min: corner, max: far });
         }
         let is_tested = |point: [f32; 2]| {
             since.iter().any(|event| matches!(event, Event::Candidate { tested, .. } if tested.vector() == point))
@@ -169,7 +169,7 @@ impl Probe<'_> {
         {
             if !points.is_empty() && !self.is_over() {
                 let places = points.iter().map(|[u, v]| [x + u, y + v]).collect();
-                scene.mark(Picture::Next, role, Shape::Points(places));
+                scene.mark(Picture::NEXT, role, Shape::Points(places));
                 scene.legend(role, meaning);
             }
         }

@@ -13,7 +13,7 @@ use crate::line_names;
 use crate::params::Params;
 use crate::products::{BlockField, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, TestsCandidates};
-use crate::scene::{Chart, Name, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Name, Role, Scene, Step};
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
 pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 'static {
@@ -230,7 +230,7 @@ impl<S: BlockSearch> TestsCandidates<State, Event> for S {
 }
 
 impl<S: BlockSearch> Pointed<State> for S {
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         state.pair.blocks.at(point)
     }
 }
@@ -247,6 +247,6 @@ pub(crate) fn need(clip: &Clip, blocks: usize) -> Need {
 const EVENTS: f64 = 8e6;
 
 fn probe<'a, S: BlockSearch>(search: &S, seen: &'a Seen<S>) -> Probe<'a> {
-    let Seen { before: State { pair, found, .. }, events, focus, .. } = *seen;
-    Probe::new(pair, search.settings(), found, (events, focus))
+    let Seen { before: State { pair, found, .. }, events, .. } = *seen;
+    Probe::new(pair, search.settings(), found, (events, seen.point()))
 }

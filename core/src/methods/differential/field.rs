@@ -70,7 +70,7 @@ pub fn most_changed(from: &Field, to: &Field) -> (usize, usize) {
 
 /// Draws a dense field.
 pub fn draw(values: Grid<[f32; 2]>, scene: &mut Scene) {
-    scene.mark(Picture::Current, Role::Result, Shape::Flow { origin: [0.0; 2], values });
+    scene.mark(Picture::CURRENT, Role::Result, Shape::Flow { origin: [0.0; 2], values });
     scene.legend(Role::Result, "displacements found");
 }
 

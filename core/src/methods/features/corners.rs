@@ -11,7 +11,7 @@ use crate::methods::differential::Tensor;
 use crate::params::{Params, inner_params};
 use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
 use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Math, Scene, Step};
+use crate::scene::{Chart, Focus, Math, Scene, Step};
 
 /// What makes a pixel a corner.
 pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
@@ -295,12 +295,12 @@ impl<M: Measure> Footprint<State> for Corners<M> {
 }
 
 impl<M: Measure> Pointed<State> for Corners<M> {
-    fn unit_at(&self, state: &State, point: [f32; 2]) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         let (_, y) = state.map.cell_at(point)?;
         Some(if state.stage == Stage::Response { y } else { state.map.height() + y })
     }
 
-    fn explained(&self, state: &State, point: [f32; 2]) -> Option<Explained> {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
         let (x, y) = state.map.cell_at(point)?;
         Some(Explained::From(Cursor { unit: y, event: x + 1 }))
     }

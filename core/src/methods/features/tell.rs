@@ -33,7 +33,7 @@ impl<M: Measure> Corners<M> {
             Event::Ranked => state.strongest()?,
             Event::Peak(peak, _) => state.place(*peak),
         };
-        let place = seen.focus.and_then(|point| state.map.cell_at(point)).unwrap_or(at_work);
+        let place = seen.point().and_then(|point| state.map.cell_at(point)).unwrap_or(at_work);
         let is_pointed_at = place != at_work;
         let tensor = self.tensors(state).at(place);
         Some(Looked { place, is_pointed_at, tensor, response: self.0.response([tensor.xx, tensor.xy, tensor.yy]) })
@@ -195,7 +195,7 @@ impl<M: Measure> Corners<M> {
         self.draw_map(seen, scene);
         let mut points = |role, meaning, places: Vec<(usize, usize)>| {
             if !places.is_empty() {
-                scene.mark(Picture::Current, role, Shape::Points(places.into_iter().map(point).collect()));
+                scene.mark(Picture::CURRENT, role, Shape::Points(places.into_iter().map(point).collect()));
                 scene.legend(role, meaning);
             }
         };
@@ -246,7 +246,7 @@ impl<M: Measure> Corners<M> {
             _ => f32::NAN,
         });
         if values.cells().iter().any(|value| value.is_finite()) {
-            scene.mark(Picture::Current, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
+            scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
             scene.heat = Some(M::SHOWN);
         }
     }
@@ -255,18 +255,18 @@ impl<M: Measure> Corners<M> {
         let Some(looked) = self.look(seen) else { return };
         let (x, y) = (looked.place.0 as i32, looked.place.1 as i32);
         let Settings { window, min_distance, .. } = self.0.settings();
-        if let (Some(Event::Peak(..)), None) = (seen.events.last(), seen.focus) {
+        if let (Some(Event::Peak(..)), None) = (seen.events.last(), seen.point()) {
             let radius = min_distance as f32;
             let shape = Shape::Ellipse { center: point(looked.place), radii: [radius; 2], angle_rad: 0.0 };
-            scene.mark(Picture::Current, Role::Window, shape);
+            scene.mark(Picture::CURRENT, Role::Window, shape);
             scene.legend(Role::Window, "least distance");
         } else {
             let reach = (window / 2) as i32;
             let side = 2 * reach as usize + 1;
-            scene.mark(Picture::Current, Role::Window, Shape::pixels(x - reach, y - reach, side, side));
+            scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x - reach, y - reach, side, side));
             scene.legend(Role::Window, "window");
         }
-        scene.mark(Picture::Current, Role::Reference, Shape::pixels(x, y, 1, 1));
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x, y, 1, 1));
         scene.legend(Role::Reference, "pixel");
     }
 }

@@ -12,7 +12,7 @@ const TRAIL_FRAMES: usize = 20;
 /// Marks places of frame t, if there are any.
 pub(crate) fn points(scene: &mut Scene, role: Role, meaning: &'static str, places: Vec<[f32; 2]>) {
     if !places.is_empty() {
-        scene.mark(Picture::Current, role, Shape::Points(places));
+        scene.mark(Picture::CURRENT, role, Shape::Points(places));
         scene.legend(role, meaning);
     }
 }
@@ -20,7 +20,7 @@ pub(crate) fn points(scene: &mut Scene, role: Role, meaning: &'static str, place
 /// Marks the displacements that were found, if there are any.
 pub(crate) fn displacements(scene: &mut Scene, arrows: Vec<Arrow>) {
     if !arrows.is_empty() {
-        scene.mark(Picture::Current, Role::Result, Shape::Arrows(arrows));
+        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(arrows));
         scene.legend(Role::Result, "displacements found");
     }
 }
@@ -30,7 +30,7 @@ pub(crate) fn trail(scene: &mut Scene, (role, meaning): (Role, &'static str), tr
     let first = frame.saturating_sub(TRAIL_FRAMES);
     let points: Vec<_> = (first..=frame).filter_map(|t| track.at(t)).map(|feature| feature.at).collect();
     if points.len() > 1 {
-        scene.mark(Picture::Current, role, Shape::Path { points, closed: false });
+        scene.mark(Picture::CURRENT, role, Shape::Path { points, closed: false });
         scene.legend(role, meaning);
     }
 }

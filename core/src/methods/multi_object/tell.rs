@@ -92,7 +92,7 @@ fn window(all: usize, lit: impl Iterator<Item = usize>) -> Range<usize> {
 }
 
 pub(crate) fn rect(scene: &mut Scene, role: Role, Bounds { min, max }: Bounds) {
-    scene.mark(Picture::Current, role, Shape::Rect { min, max });
+    scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
 }
 
 /// What was detected.
@@ -105,7 +105,7 @@ pub(crate) fn draw_detections<'a>(scene: &mut Scene, all: impl IntoIterator<Item
 pub(crate) fn label(scene: &mut Scene, role: Role, at: [f32; 2], text: String) {
     let text = Shape::Text { at, text };
     if text.is_finite() {
-        scene.mark(Picture::Current, role, text);
+        scene.mark(Picture::CURRENT, role, text);
     }
 }
 
@@ -126,7 +126,7 @@ pub(crate) fn trail(scene: &mut Scene, course: &Course, role: Role, (id, now): (
         .filter_map(|frame| frame.object(id).map(|object| object.position.map(|c| c as f32)));
     let points: Vec<[f32; 2]> = places.chain([now.map(|c| c as f32)]).collect();
     if points.len() > 1 {
-        scene.mark_of(id, Picture::Current, role, Shape::Path { points, closed: false });
+        scene.mark_of(id, Picture::CURRENT, role, Shape::Path { points, closed: false });
     }
 }
 

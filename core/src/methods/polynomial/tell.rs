@@ -95,14 +95,14 @@ impl Looked<'_> {
             scene.legend(role, meaning);
         };
         if self.part >= Part::Averaged {
-            square(Picture::Current, Role::Window, self.place, self.agreement.window.reach(), "window");
+            square(Picture::CURRENT, Role::Window, self.place, self.agreement.window.reach(), "window");
         } else {
-            square(Picture::Current, Role::Best, self.place, self.reach, "neighbourhood");
+            square(Picture::CURRENT, Role::Best, self.place, self.reach, "neighbourhood");
             if let Some((_, to)) = self.shift {
-                square(Picture::Next, Role::Candidate, to, self.reach, "the one it is compared with");
+                square(Picture::NEXT, Role::Candidate, to, self.reach, "the one it is compared with");
             }
         }
-        square(Picture::Current, Role::Reference, self.place, 0, "pixel that is explained");
+        square(Picture::CURRENT, Role::Reference, self.place, 0, "pixel that is explained");
     }
 
     /// What displacements are told in.

@@ -24,7 +24,7 @@ use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, Prod
 use crate::run::{
     Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, StageView, need,
 };
-use crate::scene::{Chart, Scene, Step};
+use crate::scene::{Canvas, Chart, Focus, Picture, Scene, Step};
 
 /// A model of the background.
 pub trait Background: Params + Default + Clone + Send + Sync + 'static {
@@ -79,6 +79,16 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// The gray value that a pixel of a frame is compared with, which is the expected one unless there are several.
     fn compared_with(&self, model: &Self::Model, _frame: &Frame, place: (usize, usize)) -> f32 {
         self.expected(model, place)
+    }
+
+    /// The pictures that a frame is compared with, and the frame, from left to right.
+    fn pictures(&self, model: &Arc<Self::Model>, size: (usize, usize)) -> Vec<Canvas> {
+        let (detector, model) = (self.clone(), Arc::clone(model));
+        let expected = move || {
+            let gray = |x, y| detector.expected(&model, (x, y)).round().clamp(0.0, 255.0) as u8;
+            Frame::gray(Grid::from_fn(size.0, size.1, gray))
+        };
+        vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(Picture::REFERENCE, expected)]
     }
 
     /// How far a pixel is from what is expected, as [`Background::SHOWN`] says.
@@ -340,7 +350,7 @@ impl<M: Background> Footprint<State<M::Model>> for Subtraction<M> {
 }
 
 impl<M: Background> Pointed<State<M::Model>> for Subtraction<M> {
-    fn explained(&self, state: &State<M::Model>, point: [f32; 2]) -> Option<Explained> {
+    fn explained(&self, state: &State<M::Model>, Focus { at: point, .. }: Focus) -> Option<Explained> {
         let [x, y] = point.map(|c| c + 0.5);
         let (width, height) = state.picture;
         ((0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y)).then_some(Explained::Always)

@@ -157,7 +157,7 @@ impl<'a> Account<'a> {
                 new.into_iter().for_each(|new| layer(scene, Role::Estimate, "filled by closing", Arc::new(new)));
             }
             Some(Event::Labelled(labels, _)) => {
-                scene.mark(Picture::Current, Role::Candidate, Shape::Labels(Arc::clone(labels)));
+                scene.mark(Picture::CURRENT, Role::Candidate, Shape::Labels(Arc::clone(labels)));
                 scene.legend(Role::Candidate, "connected components, a colour for each");
             }
             Some(Event::Kept(blobs)) => {
@@ -175,14 +175,14 @@ fn label(detection: &Detection) -> u32 {
 }
 
 fn layer(scene: &mut Scene, role: Role, meaning: &'static str, mask: Arc<Mask>) {
-    scene.mark(Picture::Current, role, Shape::Mask(mask));
+    scene.mark(Picture::CURRENT, role, Shape::Mask(mask));
     scene.legend(role, meaning);
 }
 
 /// Boxes.
 pub(crate) fn draw_blobs(scene: &mut Scene, blobs: &[Detection], (role, meaning): (Role, &'static str)) {
     for blob in blobs {
-        scene.mark(Picture::Current, role, Shape::Rect { min: blob.bounds.min, max: blob.bounds.max });
+        scene.mark(Picture::CURRENT, role, Shape::Rect { min: blob.bounds.min, max: blob.bounds.max });
     }
     scene.legend(role, meaning);
 }
@@ -192,12 +192,12 @@ fn draw_shapes(scene: &mut Scene, blobs: &[Detection]) {
     for Detection { bounds, center, blob, .. } in blobs {
         let Some(blob) = blob else { continue };
         let ellipse = Shape::Ellipse { center: *center, radii: blob.radii, angle_rad: blob.angle_rad };
-        scene.mark(Picture::Current, Role::Estimate, ellipse);
+        scene.mark(Picture::CURRENT, Role::Estimate, ellipse);
         scene.legend(Role::Estimate, "ellipse with the same moments");
-        scene.mark(Picture::Current, Role::Measured, Shape::Points(vec![*center]));
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![*center]));
         scene.legend(Role::Measured, "centroid");
         let text = Shape::Text { at: bounds.min, text: format!("{}: {} px", blob.label, blob.area_px) };
-        scene.mark(Picture::Current, Role::Result, text);
+        scene.mark(Picture::CURRENT, Role::Result, text);
     }
 }
 
@@ -242,7 +242,7 @@ impl<M: Background> Subtraction<M> {
     /// The pixel that is pointed at, and how it is decided.
     fn explanation(&self, seen: &Seen<Self>) -> Option<((usize, usize), Explanation)> {
         let frame = Account::new(seen.events).frame()?;
-        let place = frame.luma().cell_at(seen.focus?)?;
+        let place = frame.luma().cell_at(seen.point()?)?;
         let before = seen.before.model.as_deref();
         let after = seen.after.and_then(|after| after.model.as_deref());
         Some((place, self.0.explain([before, after], frame, place)))
@@ -337,12 +337,15 @@ impl<M: Background> Subtraction<M> {
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let account = Account::new(seen.events);
+        if let (Some(model), Some(frame)) = (&seen.before.model, account.frame()) {
+            scene.pictures = self.0.pictures(model, frame.size());
+        }
         match seen.events.last() {
             None => {}
             Some(Event::Begun(_)) => scene.legend(Role::Predicted, "background: all of this frame"),
             Some(Event::Compared(_, difference)) => {
                 let values = difference.as_ref().clone();
-                scene.mark(Picture::Current, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
+                scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
                 scene.heat = Some(M::SHOWN);
                 scene.legend(Role::Candidate, M::COMPARED);
             }
@@ -359,8 +362,8 @@ impl<M: Background> Subtraction<M> {
             }
             _ => account.draw(scene),
         }
-        if let Some((x, y)) = seen.focus.and_then(|point| account.frame()?.luma().cell_at(point)) {
-            scene.mark(Picture::Current, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
+        if let Some((x, y)) = seen.point().and_then(|point| account.frame()?.luma().cell_at(point)) {
+            scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
             scene.legend(Role::Reference, "pixel");
         }
     }

@@ -11,7 +11,7 @@ use crate::methods::differential::{Field, Linear, Multiscale, field, relax};
 use crate::params::inner_params;
 use crate::products::{DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
-use crate::scene::{Chart, Level, Scene, Step};
+use crate::scene::{Chart, Focus, Level, Scene, Step};
 
 /// How many numbers for each pixel [`Linear`] holds.
 const LINEAR_PARTS: usize = 5;
@@ -365,7 +365,7 @@ impl<M: Model> Footprint<State<M>> for Variational<M> {
 }
 
 impl<M: Model> Pointed<State<M>> for Variational<M> {
-    fn explained(&self, state: &State<M>, point: [f32; 2]) -> Option<Explained> {
+    fn explained(&self, state: &State<M>, Focus { at: point, .. }: Focus) -> Option<Explained> {
         state.fixed.frames.given.pixel_at(point).map(|_| Explained::Always)
     }
 }

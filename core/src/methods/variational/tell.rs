@@ -17,7 +17,7 @@ impl<M: Model> Looked<'_, M> {
     fn at<'a>(seen: &'a Seen<Variational<M>>) -> Option<Looked<'a, M>> {
         let Some(Event::Step(_, iteration)) = seen.events.last() else { return None };
         let (frames, level) = (&seen.before.fixed.frames, seen.before.level);
-        let pointed_at = seen.focus.and_then(|point| frames.pixel_at(level, point));
+        let pointed_at = seen.point().and_then(|point| frames.pixel_at(level, point));
         Some(Looked { iteration, place: pointed_at.unwrap_or(iteration.most), level, scale: frames.scale(level) })
     }
 }
@@ -128,7 +128,7 @@ impl<M: Model> Variational<M> {
         let Some(Looked { place: (x, y), level, .. }) = Looked::at(seen) else { return };
         let [x, y] = [x, y].map(|c| c as f32);
         let [min, max] = seen.before.fixed.frames.on_picture(level, [x, y], [x + 1.0, y + 1.0]);
-        scene.mark(Picture::Current, Role::Reference, Shape::Rect { min, max });
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min, max });
         scene.legend(Role::Reference, "pixel that is explained");
     }
 

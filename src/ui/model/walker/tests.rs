@@ -2,11 +2,11 @@
 
 use std::sync::atomic::AtomicUsize;
 
+use motionscope_core::scene::Readout;
 use motionscope_core::{Frame, FrameSource, Grid, Way, estimator};
 
 use super::*;
-use crate::company::Company;
-use crate::source::Source;
+use crate::experiment::source::Source;
 
 fn clip() -> Clip {
     let texture = |x: usize, y: usize| (x * 31 + y * 57 + x * y % 7 * 20) as u8;
@@ -14,18 +14,11 @@ fn clip() -> Clip {
     Clip::from_frames("shift", vec![frame(0), frame(2)]).unwrap()
 }
 
-fn subject() -> Subject {
+fn subject() -> Prepared {
     let mut estimator = estimator("full-search").unwrap();
     estimator.set("range", "4").unwrap();
-    Subject {
-        clip: clip(),
-        source: Source::File("shift".into()),
-        truth: None,
-        inputs: Arc::default(),
-        estimator,
-        company: Company::default(),
-        frame: 0,
-    }
+    let experiment = Experiment::new(Source::File("shift".into()), estimator);
+    Prepared { experiment, clip: clip(), inputs: Arc::default() }
 }
 
 fn job() -> Job {
@@ -38,7 +31,7 @@ fn long() -> Job {
     let frame = |t: usize| Frame::gray(Grid::from_fn(800, 600, |x, y| (x * 31 + y * 57 + x * y % 7 * 20 + t) as u8));
     subject.clip = Clip::from_frames("long", vec![frame(0), frame(2)]).unwrap();
     for (name, value) in [("block", "8"), ("spacing", "2"), ("range", "16")] {
-        subject.estimator.set(name, value).unwrap();
+        subject.experiment.estimator.set(name, value).unwrap();
     }
     Job { subject: Arc::new(subject), place: Place::END }
 }
@@ -73,12 +66,14 @@ fn there_and_back_again() {
 #[test]
 fn a_refused_run_leaves_the_last_picture() {
     let walker = started();
-    walker.start(Job { subject: Arc::new(Subject { frame: 9, ..subject() }), place: Place::default() });
+    let mut beyond = subject();
+    beyond.experiment.frame = 9;
+    walker.start(Job { subject: Arc::new(beyond), place: Place::default() });
     walker.wait();
     let view = walker.view();
     assert!(view.shown.is_some() && view.refused.is_some_and(|error| error.to_string().contains("frame")));
     let before = cursor(&walker);
-    walker.focus(Some([3.0, 3.0]));
+    walker.focus(Some(Focus::current([3.0, 3.0])));
     walker.go(Move::Rung(2, Way::Forward));
     walker.wait();
     assert!(walker.view().refused.is_some() && cursor(&walker) == before, "the old run is no more");
@@ -108,7 +103,7 @@ impl FrameSource for Slow {
 fn stuck(walker: &Walker) {
     let asked = Arc::new(AtomicBool::new(false));
     let clip = Clip::new(clip().info().clone(), Arc::new(Slow(Arc::clone(&asked))));
-    walker.start(Job { subject: Arc::new(Subject { clip, ..subject() }), place: Place::default() });
+    walker.start(Job { subject: Arc::new(Prepared { clip, ..subject() }), place: Place::default() });
     while !asked.load(Ordering::SeqCst) {
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -128,12 +123,13 @@ fn nobody_waits_for_a_frame_that_is_not_wanted_any_more() {
 #[test]
 fn a_run_begins_where_it_is_wanted() {
     let walker = Walker::new(|| {}).unwrap();
-    let place = Place { cursor: Cursor { unit: 0, event: 5 }, near: Some([40.0, 20.0]), ..Place::default() };
+    let place =
+        Place { cursor: Cursor { unit: 0, event: 5 }, near: Some(Focus::current([40.0, 20.0])), ..Place::default() };
     walker.start(Job { place, ..job() });
     assert_eq!(cursor(&walker), Cursor { unit: 6, event: 5 });
-    walker.go_at([1.0, 1.0], Side::End);
+    walker.go_at(Focus::current([1.0, 1.0]), Side::End);
     assert_eq!((cursor(&walker).unit, cursor(&walker).event > 1), (0, true));
-    walker.go_at([40.0, 20.0], Side::Start);
+    walker.go_at(Focus::current([40.0, 20.0]), Side::Start);
     assert_eq!(cursor(&walker), Cursor { unit: 6, event: 1 });
 }
 
@@ -214,13 +210,13 @@ impl FrameSource for Held {
 #[test]
 fn a_check_that_takes_long_is_given_up_and_can_be_tried_again() {
     let source = Arc::new(Held(clip(), AtomicBool::new(false)));
-    let subject = Subject { clip: Clip::new(clip().info().clone(), Arc::clone(&source) as _), ..subject() };
+    let subject = Prepared { clip: Clip::new(clip().info().clone(), Arc::clone(&source) as _), ..subject() };
     let walker = Walker::new(|| {}).unwrap();
     walker.start(Job { subject: Arc::new(subject), place: Place::END });
     walker.wait();
     source.1.store(true, Ordering::Relaxed);
-    let seen = |layer| Want { layer: Some(layer), ..Want::default() };
-    walker.want(seen(FlowLayer::Consistency));
+    let seen = |layer| Look { layer: Some(layer), ..Look::default() };
+    walker.look(&seen(FlowLayer::Consistency));
     while !walker.view().checking {
         std::thread::yield_now();
     }
@@ -235,9 +231,9 @@ fn a_check_that_takes_long_is_given_up_and_can_be_tried_again() {
     };
     assert!(told(&walker), "why there is no check is told");
     source.1.store(false, Ordering::Relaxed);
-    walker.want(seen(FlowLayer::Wheel));
+    walker.look(&seen(FlowLayer::Wheel));
     walker.wait();
-    walker.want(seen(FlowLayer::Consistency));
+    walker.look(&seen(FlowLayer::Consistency));
     walker.wait();
     let layer = walker.view().shown.unwrap().pictures.layer.clone();
     assert_eq!(layer.map(|layer| layer.kind), Some(FlowLayer::Consistency));
@@ -291,7 +287,7 @@ fn a_run_that_cannot_be_interrupted_is_left_behind() {
     let held = Arc::new(AtomicBool::new(true));
     let mut walker = Walker::new(|| {}).unwrap();
     let clip = Clip::new(clip().info().clone(), Arc::new(Deaf(clip(), Arc::clone(&held))));
-    let deaf = || Job { subject: Arc::new(Subject { clip: clip.clone(), ..subject() }), place: Place::default() };
+    let deaf = || Job { subject: Arc::new(Prepared { clip: clip.clone(), ..subject() }), place: Place::default() };
     walker.start(deaf());
     std::thread::sleep(2 * PATIENCE);
     assert!(walker.view().busy_for.is_some_and(|time| time > PATIENCE));
@@ -324,7 +320,7 @@ fn what_was_left_behind_is_taken_up_where_it_was() {
     let truth = Arc::new(Deaf(clip(), Arc::clone(&held)));
     let mut walker = Walker::new(|| {}).unwrap();
     let clip = clip().with_truth(truth);
-    walker.start(Job { subject: Arc::new(Subject { clip, ..subject() }), place: Place::END });
+    walker.start(Job { subject: Arc::new(Prepared { clip, ..subject() }), place: Place::END });
     while walker.view().phase != Phase::Measuring {
         std::thread::yield_now();
     }
@@ -361,7 +357,8 @@ fn a_long_run_shows_how_far_it_has_come_and_can_be_stopped_there() {
     let clip = Clip::new(info, Arc::new(Lame(clip())));
     let estimator = estimator("frame-difference").unwrap();
     let walker = Walker::new(|| {}).unwrap();
-    let subject = Arc::new(Subject { clip, estimator, ..subject() });
+    let experiment = Experiment::new(Source::File("long".into()), estimator);
+    let subject = Arc::new(Prepared { experiment, clip, inputs: Arc::default() });
     walker.start(Job { subject: Arc::clone(&subject), place: Place::END });
     let begun = Instant::now();
     let shown = loop {

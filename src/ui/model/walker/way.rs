@@ -41,7 +41,7 @@ impl Way {
             Move::Rung(..) => None,
         };
         // Several in lockstep count their work otherwise.
-        let goal = goal.filter(|goal| goal.unit > at.unit && run.subject.company.is_empty());
+        let goal = goal.filter(|goal| goal.unit > at.unit && run.subject.experiment.company.is_empty());
         let last = goal.and_then(|goal| units.map(|units| goal.unit.min(units.saturating_sub(1))));
         let last = last.or(goal.map(|goal| goal.unit).filter(|unit| *unit < usize::MAX));
         Self { to, begun: Instant::now(), next: to, goal, from: at.unit, last, at, pace: None, is_long: false }

@@ -189,7 +189,7 @@ impl ConnectedComponents {
     /// The label of the pixel that is pointed at, and its root.
     fn focused(&self, seen: &Seen<Self>, so_far: &SoFar) -> Option<String> {
         let (width, height) = seen.before.picture;
-        let [x, y] = seen.focus?.map(|c| c + 0.5);
+        let [x, y] = seen.point()?.map(|c| c + 0.5);
         let is_inside = (0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y);
         let (x, y) = is_inside.then_some((x as u32, y as u32))?;
         let run = so_far.runs.iter().find(|run| run.y == y && (run.start..run.end).contains(&x));
@@ -220,7 +220,7 @@ impl ConnectedComponents {
                 let labels = SoFar::new(seen).labels(state.picture);
                 draw_labels(scene, Arc::new(labels), "label so far, a colour for each root");
                 let (x, width) = (0, state.picture.0);
-                scene.mark(Picture::Current, Role::Window, Shape::pixels(x, state.row as i32, width, 1));
+                scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x, state.row as i32, width, 1));
                 scene.legend(Role::Window, "row");
             }
         }
@@ -233,7 +233,7 @@ impl ConnectedComponents {
         };
         let mut mark = |run: &Run, role, meaning| {
             let shape = Shape::pixels(run.start as i32, run.y as i32, (run.end - run.start) as usize, 1);
-            scene.mark(Picture::Current, role, shape);
+            scene.mark(Picture::CURRENT, role, shape);
             scene.legend(role, meaning);
         };
         other.into_iter().for_each(|other| mark(other, Role::Reference, "run above that it touches"));
@@ -242,7 +242,7 @@ impl ConnectedComponents {
 }
 
 fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static str) {
-    scene.mark(Picture::Current, Role::Best, Shape::Labels(labels));
+    scene.mark(Picture::CURRENT, Role::Best, Shape::Labels(labels));
     scene.legend(Role::Best, meaning);
 }
 
@@ -250,6 +250,6 @@ fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static str)
 fn draw_waiting(scene: &mut Scene, given: &Given, row: usize) {
     let mut mask = given.mask.clone();
     (0..row).for_each(|y| mask.write_row(y, |words| words.fill(0)));
-    scene.mark(Picture::Current, Role::Rejected, Shape::Mask(Arc::new(mask)));
+    scene.mark(Picture::CURRENT, Role::Rejected, Shape::Mask(Arc::new(mask)));
     scene.legend(Role::Rejected, "pixel that waits for a label");
 }

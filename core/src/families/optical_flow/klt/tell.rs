@@ -261,7 +261,7 @@ impl Klt {
                 let is_refused = matches!(event, Event::Verdict(feature) if feature.displacement.is_none());
                 draw_view(&account, &fit, is_refused, scene);
             }
-            _ => account.draw([Picture::Current, Picture::Next], scene),
+            _ => account.draw([Picture::CURRENT, Picture::NEXT], scene),
         }
         if let Some(place) = back(seen.events) {
             points(scene, Role::Predicted, "where tracking back leads", vec![place]);
@@ -308,12 +308,12 @@ fn draw_view(account: &Account, fit: &Fit, is_refused: bool, scene: &mut Scene) 
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
     let [x, y] = account.at;
     let window = Shape::Rect { min: [x - half, y - half], max: [x + half, y + half] };
-    scene.mark(Picture::Current, Role::Reference, window);
+    scene.mark(Picture::CURRENT, Role::Reference, window);
     scene.legend(Role::Reference, "window");
     let to = [0, 1].map(|i| account.at[i] + account.on_picture()[i]);
     let outline = corners.map(|corner| place(to, fit, corner)).to_vec();
     let role = if is_refused { Role::Rejected } else { Role::Best };
-    scene.mark(Picture::Next, role, Shape::Path { points: outline, closed: true });
+    scene.mark(Picture::NEXT, role, Shape::Path { points: outline, closed: true });
     scene.legend(role, "its first view, turned and stretched");
 }
 

@@ -31,7 +31,7 @@ impl LucasKanade {
     fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Looked<'a>> {
         let state = seen.before;
         let last = solved(seen.events).len().checked_sub(1)?;
-        let pointed_at = seen.focus.and_then(|point| state.given.pixel_at(point));
+        let pointed_at = seen.point().and_then(|point| state.given.pixel_at(point));
         let pixel = pointed_at.unwrap_or((last, state.y));
         let linear = self.linear(state, &Threads::single());
         let mut tensor = Tensor::default();
@@ -83,14 +83,14 @@ impl LucasKanade {
         let Some(looked) = self.look(seen) else { return };
         let ((x, y), reach) = (looked.pixel, self.window as i32 / 2);
         let (left, top, side) = (x as i32 - reach, y as i32 - reach, 2 * reach as usize + 1);
-        scene.mark(Picture::Current, Role::Window, Shape::pixels(left, top, side, side));
+        scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(left, top, side, side));
         scene.legend(Role::Window, "window");
-        scene.mark(Picture::Current, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
         scene.legend(Role::Reference, "pixel");
         if let Some(spread) = looked.spread {
             let center = [x as f32 + spread.center[0], y as f32 + spread.center[1]];
             let shape = Shape::Ellipse { center, radii: spread.radii, angle_rad: spread.angle_rad };
-            scene.mark(Picture::Current, Role::Measured, shape);
+            scene.mark(Picture::CURRENT, Role::Measured, shape);
             scene.legend(Role::Measured, "one standard deviation");
         }
     }
@@ -226,7 +226,7 @@ fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
         let is_so = |place: &&(usize, usize)| textures[**place] == Some(texture);
         let points: Vec<_> = places.iter().filter(is_so).map(|(x, y)| [*x as f32, *y as f32]).collect();
         if !points.is_empty() {
-            scene.mark(Picture::Current, role, Shape::Points(points));
+            scene.mark(Picture::CURRENT, role, Shape::Points(points));
             scene.legend(role, meaning);
         }
     }

@@ -32,7 +32,7 @@ fn moved(events: &[Event]) -> impl Iterator<Item = (&Pair, &Moved)> {
 impl PointTrajectories {
     /// Of the points that had their turn, the one that the person points at, or else the last one if it has it now.
     fn looked<'a>(&self, seen: &Seen<'a, Self>) -> Option<(&'a Pair, &'a Moved)> {
-        let far = |moved: &Moved| seen.focus.map_or(f32::INFINITY, |point| distance(moved.live.at, point));
+        let far = |moved: &Moved| seen.point().map_or(f32::INFINITY, |point| distance(moved.live.at, point));
         let nearest = moved(seen.events).min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
         nearest.filter(|(_, moved)| far(moved) <= self.spacing as f32).or(match last(seen.events)? {
             What::Moved(pair, moved) => Some((&**pair, moved)),
@@ -247,7 +247,7 @@ impl PointTrajectories {
 fn draw_ends(scene: &mut Scene, done: &[&Moved]) {
     let mut mark = |role, meaning, places: Vec<[f32; 2]>| {
         if !places.is_empty() {
-            scene.mark(Picture::Next, role, Shape::Points(places));
+            scene.mark(Picture::NEXT, role, Shape::Points(places));
             scene.legend(role, meaning);
         }
     };
@@ -256,7 +256,7 @@ fn draw_ends(scene: &mut Scene, done: &[&Moved]) {
     mark(Role::Predicted, AS_FEATURE, known(&|moved| moved.to().and(moved.twin_to())));
     mark(Role::Result, "displacements found", known(&Moved::to));
     for (to, twin) in done.iter().filter_map(|moved| Some((moved.to()?, moved.twin_to()?))) {
-        scene.mark(Picture::Next, Role::Error, Shape::Path { points: vec![to, twin], closed: false });
+        scene.mark(Picture::NEXT, Role::Error, Shape::Path { points: vec![to, twin], closed: false });
         scene.legend(Role::Error, "drifted apart");
     }
 }

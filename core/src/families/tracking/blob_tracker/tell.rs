@@ -352,7 +352,7 @@ fn draw_work(seen: &Seen<BlobTracker>, scene: &mut Scene) {
     }
     done.into_iter().for_each(|body| draw_body(scene, body, before));
     if !arrows.is_empty() {
-        scene.mark(Picture::Current, Role::Measured, Shape::Arrows(arrows));
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(arrows));
     }
 }
 

@@ -390,7 +390,7 @@ impl KalmanFilter {
         });
         for found in detections.into_iter().flat_map(|all| all.iter()) {
             let shape = Shape::Rect { min: found.bounds.min, max: found.bounds.max };
-            scene.mark(Picture::Current, Role::Reference, shape);
+            scene.mark(Picture::CURRENT, Role::Reference, shape);
             scene.legend(Role::Reference, "detected");
         }
         self.truth(seen, scene);
@@ -420,15 +420,15 @@ impl KalmanFilter {
     fn belief(&self, filter: &Filter, (role, meaning): (Role, &'static str), scene: &mut Scene) {
         let center = filter.place();
         if let Some(shape) = ellipse(center, filter.place_covariance(), self.confidence.share()) {
-            scene.mark(Picture::Current, role, shape);
-            scene.mark(Picture::Current, role, Shape::Points(vec![point(center)]));
+            scene.mark(Picture::CURRENT, role, shape);
+            scene.mark(Picture::CURRENT, role, Shape::Points(vec![point(center)]));
             scene.legend(role, meaning);
         }
     }
 
     fn truth(&self, seen: &Seen<Self>, scene: &mut Scene) {
         if let Some(truth) = truth(seen) {
-            scene.mark(Picture::Current, Role::Truth, Shape::Points(vec![point(truth)]));
+            scene.mark(Picture::CURRENT, Role::Truth, Shape::Points(vec![point(truth)]));
             scene.legend(Role::Truth, "true place");
         }
     }
@@ -516,7 +516,7 @@ fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
             }
         }
         for points in runs.into_iter().filter(|points| points.len() > 1) {
-            scene.mark(Picture::Current, role, Shape::Path { points, closed: false });
+            scene.mark(Picture::CURRENT, role, Shape::Path { points, closed: false });
             scene.legend(role, meaning);
         }
     };
@@ -533,7 +533,7 @@ fn gate(gated: &Gated, scene: &mut Scene) {
     // The share that lies within this limit in the plane of places.
     let share = chi_square::share(gated.limit, 2);
     if let Some(shape) = ellipse(gated.expected.place(), covariance, share) {
-        scene.mark(Picture::Current, Role::Window, shape);
+        scene.mark(Picture::CURRENT, Role::Window, shape);
         scene.legend(Role::Window, "gate");
     }
 }
@@ -551,7 +551,7 @@ fn measured(seen: &Seen<KalmanFilter>, now: &Now, scene: &mut Scene) {
     for (role, sensed) in [(Role::Measured, taken), (Role::Rejected, refused)] {
         if !sensed.is_empty() {
             let points = sensed.iter().map(|sensed| point(sensed.measurement.place)).collect();
-            scene.mark(Picture::Current, role, Shape::Points(points));
+            scene.mark(Picture::CURRENT, role, Shape::Points(points));
             scene.legend(role, if role == Role::Rejected { "measured, and refused by the gate" } else { "measured" });
         }
     }
@@ -559,7 +559,7 @@ fn measured(seen: &Seen<KalmanFilter>, now: &Now, scene: &mut Scene) {
     if let Some(gated) = now.gated.last() {
         let arrow = Arrow { from: point(gated.expected.place()), to: point(gated.measurement().place) };
         let role = if gated.is_inside() { Role::Best } else { Role::Rejected };
-        scene.mark(Picture::Current, role, Shape::Arrows(vec![arrow]));
+        scene.mark(Picture::CURRENT, role, Shape::Arrows(vec![arrow]));
         scene.legend(Role::Best, "innovation ν");
     }
 }

@@ -282,7 +282,7 @@ fn pairs(seen: &Seen<KalmanTracker>, scene: &mut Scene) {
     });
     let arrows: Vec<Arrow> = chosen.collect();
     if !arrows.is_empty() {
-        scene.mark(Picture::Current, Role::Measured, Shape::Arrows(arrows));
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(arrows));
     }
 }
 
@@ -311,7 +311,7 @@ fn draw(scene: &mut Scene, track: &Track, (role, meaning): (Role, &'static str))
     let bounds = track.bounds();
     tell::rect(scene, role, bounds);
     if let Some(shape) = ellipse(track.filter.place(), track.filter.place_covariance(), 0.95) {
-        scene.mark(Picture::Current, role, shape);
+        scene.mark(Picture::CURRENT, role, shape);
     }
     tell::label(scene, role, bounds.min, track.id.to_string());
     scene.legend(role, meaning);

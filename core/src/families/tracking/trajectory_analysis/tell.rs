@@ -173,7 +173,7 @@ impl TrajectoryAnalysis {
             return Some(Arc::clone(of));
         }
         let all = now(seen);
-        let pointed = seen.focus.and_then(|at| near(&all, at));
+        let pointed = seen.point().and_then(|at| near(&all, at));
         let most = || all.iter().rev().max_by_key(|trajectory| trajectory.sightings.len());
         pointed.or_else(most).map(Arc::clone)
     }
@@ -190,7 +190,7 @@ impl TrajectoryAnalysis {
             let points: Vec<[f32; 2]> = trajectory.sightings.iter().map(|seen| point(seen.at)).collect();
             if is_recent && points.len() > 1 {
                 let path = Shape::Path { points, closed: false };
-                scene.mark_of(trajectory.id, Picture::Current, Role::Estimate, path);
+                scene.mark_of(trajectory.id, Picture::CURRENT, Role::Estimate, path);
             }
         }
         for object in frame_at(seen).iter().flat_map(|frame| &frame.objects) {
@@ -200,14 +200,14 @@ impl TrajectoryAnalysis {
         }
         let crossings: Vec<[f32; 2]> = all.iter().flat_map(|of| of.crossings.iter().map(|c| point(c.at))).collect();
         if !crossings.is_empty() {
-            scene.mark(Picture::Current, Role::Best, Shape::Points(crossings));
+            scene.mark(Picture::CURRENT, Role::Best, Shape::Points(crossings));
             scene.legend(Role::Best, "counted");
         }
         scene.legend(Role::Estimate, "tracked");
         if let Some(Event::Unusual(of, unusual)) = seen.events.last()
             && let Some(last) = of.sightings.last()
         {
-            scene.mark(Picture::Current, Role::Rejected, chevron(last.at, unusual.usual, self.part as f64));
+            scene.mark(Picture::CURRENT, Role::Rejected, chevron(last.at, unusual.usual, self.part as f64));
             scene.legend(Role::Rejected, "where others go");
         }
     }
@@ -215,12 +215,12 @@ impl TrajectoryAnalysis {
     /// Line and zone, with what was counted.
     fn draw_places(&self, seen: &Seen<Self>, scene: &mut Scene) {
         if let Some(Bounds { min, max }) = self.zone {
-            scene.mark(Picture::Current, Role::Reference, Shape::Rect { min, max });
+            scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min, max });
             scene.legend(Role::Reference, "zone");
         }
         let Some(line) = self.line else { return };
         let path = Shape::Path { points: vec![line.from, line.to], closed: false };
-        scene.mark(Picture::Current, Role::Window, path);
+        scene.mark(Picture::CURRENT, Role::Window, path);
         let [u, v] = [0, 1].map(|i| line.to[i] - line.from[i]);
         let length = u.hypot(v);
         // Near its end, where fewer go than in its middle.
@@ -229,7 +229,7 @@ impl TrajectoryAnalysis {
         // To the right of who looks along it, as y points down.
         for (side, text) in [(1.0, format!("+{forward}")), (-1.0, format!("−{back}"))] {
             let at = [middle[0] - side * 12.0 * v / length, middle[1] + side * 12.0 * u / length];
-            scene.mark(Picture::Current, Role::Window, Shape::Text { at, text });
+            scene.mark(Picture::CURRENT, Role::Window, Shape::Text { at, text });
         }
         scene.legend(Role::Window, "line, with what was counted");
     }
@@ -237,7 +237,7 @@ impl TrajectoryAnalysis {
     fn draw_directions(&self, directions: &Directions, scene: &mut Scene) {
         for (at, usual) in directions.all(self.least_others) {
             let shape = chevron(at.map(f64::from), usual.direction, directions.side_px as f64 * usual.agreement);
-            scene.mark(Picture::Current, Role::Rejected, shape);
+            scene.mark(Picture::CURRENT, Role::Rejected, shape);
             scene.legend(Role::Rejected, "where others go");
         }
     }
@@ -300,12 +300,12 @@ fn draw_object(scene: &mut Scene, object: &Object, last: Option<&Sighting>) {
         Life::Coasting => (Role::Predicted, "not seen"),
     };
     let Bounds { min, max } = object.bounds;
-    scene.mark(Picture::Current, role, Shape::Rect { min, max });
-    scene.mark_of(object.id, Picture::Current, role, Shape::Text { at: min, text: object.id.to_string() });
+    scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
+    scene.mark_of(object.id, Picture::CURRENT, role, Shape::Text { at: min, text: object.id.to_string() });
     scene.legend(role, meaning);
     if let Some(Sighting { at, velocity: Some(velocity), .. }) = last {
         let (from, to) = (point(*at), point([0, 1].map(|i| at[i] + velocity[i])));
-        scene.mark(Picture::Current, Role::Result, Shape::Arrows(vec![Arrow { from, to }]));
+        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(vec![Arrow { from, to }]));
         scene.legend(Role::Result, "velocity in px/frame");
     }
 }

@@ -1,0 +1,249 @@
+//! The pictures of a step by their names: marks, places and what a person points at say on which of them they lie.
+
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use crate::base::Error;
+use crate::data::Frame;
+
+/// From where a picture was taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Viewpoint {
+    /// The only camera, or the left one of two.
+    #[default]
+    Left,
+    /// The right one of two.
+    Right,
+}
+
+/// What a picture is to the step that shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum PictureRole {
+    /// A frame of the clip.
+    #[default]
+    Frame,
+    /// What a frame is compared with, pixel by pixel: a model of the background.
+    Reference,
+    /// A small picture that is looked for in a frame.
+    Template,
+    /// Frames put together in the coordinates of one of them.
+    Mosaic,
+}
+
+/// The name of a picture: whose view, at which time, on which level of a pyramid, and what it is to the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Picture {
+    /// From where it was taken.
+    pub viewpoint: Viewpoint,
+    /// Frames from frame t on: 0 for frame t, −1 for the one before.
+    pub time: i32,
+    /// The level of the pyramid; 0 is the picture itself.
+    pub level: u8,
+    /// What it is to the step.
+    pub role: PictureRole,
+}
+
+impl Picture {
+    /// Frame t − 1.
+    pub const PREVIOUS: Self = Self::at(-1);
+    /// Frame t.
+    pub const CURRENT: Self = Self::at(0);
+    /// Frame t + 1.
+    pub const NEXT: Self = Self::at(1);
+    /// What frame t is compared with.
+    pub const REFERENCE: Self = Self { role: PictureRole::Reference, ..Self::CURRENT };
+
+    /// The frame `time` frames after frame t.
+    pub const fn at(time: i32) -> Self {
+        Self { viewpoint: Viewpoint::Left, time, level: 0, role: PictureRole::Frame }
+    }
+
+    /// Whether a pixel of one has its counterpart at the same place in the other, so that both are zoomed together.
+    pub fn is_aligned_with(self, other: Self) -> bool {
+        let has_the_frame = |role| matches!(role, PictureRole::Frame | PictureRole::Reference);
+        let is_same_role = self.role == other.role || (has_the_frame(self.role) && has_the_frame(other.role));
+        self.viewpoint == other.viewpoint && self.level == other.level && is_same_role
+    }
+
+    /// What stands above it where frame t has the number `frame`: `Frame t+1 = 13`.
+    pub fn title(self, frame: Option<usize>) -> String {
+        let number = frame.and_then(|frame| frame.checked_add_signed(self.time as isize));
+        let number = number.map_or_else(String::new, |number| format!(" = {number}"));
+        let what = match self.role {
+            PictureRole::Frame => format!("Frame {}{number}", self.moment("−")),
+            PictureRole::Reference => "Reference".into(),
+            PictureRole::Template => "Template".into(),
+            PictureRole::Mosaic => "Mosaic".into(),
+        };
+        let of = if self.viewpoint == Viewpoint::Right { "Right view · " } else { "" };
+        let level = if self.level > 0 { format!(" · level {}", self.level) } else { String::new() };
+        format!("{of}{what}{level}")
+    }
+
+    /// `t`, `t+1`, `t-1` with this sign for the past.
+    fn moment(self, minus: &str) -> String {
+        match self.time {
+            0 => "t".into(),
+            1.. => format!("t+{}", self.time),
+            _ => format!("t{minus}{}", self.time.unsigned_abs()),
+        }
+    }
+}
+
+impl fmt::Display for Picture {
+    /// For scripts: `t`, `t+1`, `right-t`, `template`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.viewpoint == Viewpoint::Right {
+            f.write_str("right-")?;
+        }
+        f.write_str(&match self.role {
+            PictureRole::Frame => self.moment("-"),
+            PictureRole::Reference => "reference".into(),
+            PictureRole::Template => "template".into(),
+            PictureRole::Mosaic => "mosaic".into(),
+        })?;
+        if self.level > 0 { write!(f, "-level-{}", self.level) } else { Ok(()) }
+    }
+}
+
+impl FromStr for Picture {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let told = || {
+            Error::new(format!(
+                "a picture is called t, t+1, t-1, reference, template or mosaic, with right- before it for the right \
+                 view and -level-2 behind it for a level of a pyramid, and not {text}"
+            ))
+        };
+        let (viewpoint, rest) = match text.strip_prefix("right-") {
+            Some(rest) => (Viewpoint::Right, rest),
+            None => (Viewpoint::Left, text),
+        };
+        let (rest, level) = match rest.split_once("-level-") {
+            Some((rest, level)) => (rest, level.parse().map_err(|_| told())?),
+            None => (rest, 0),
+        };
+        let (role, time) = match rest {
+            "reference" => (PictureRole::Reference, Some(0)),
+            "template" => (PictureRole::Template, Some(0)),
+            "mosaic" => (PictureRole::Mosaic, Some(0)),
+            "t" => (PictureRole::Frame, Some(0)),
+            moment => (PictureRole::Frame, moment.strip_prefix('t').and_then(|time| time.parse().ok())),
+        };
+        Ok(Self { viewpoint, time: time.ok_or_else(told)?, level, role })
+    }
+}
+
+/// Where the pixels of a picture come from.
+#[derive(Clone)]
+pub enum Pixels {
+    /// They are a frame of the clip, which whoever shows it has.
+    OfClip,
+    /// They are made when the picture is looked at, and not before.
+    Made(Arc<dyn Fn() -> Frame + Send + Sync>),
+}
+
+impl fmt::Debug for Pixels {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if matches!(self, Self::OfClip) { "OfClip" } else { "Made" })
+    }
+}
+
+/// A picture that a step shows.
+#[derive(Clone, Debug)]
+pub struct Canvas {
+    /// Its name.
+    pub picture: Picture,
+    /// Where its pixels come from.
+    pub pixels: Pixels,
+}
+
+impl Canvas {
+    /// The frame of the clip that is called `picture`.
+    pub const fn of_clip(picture: Picture) -> Self {
+        Self { picture, pixels: Pixels::OfClip }
+    }
+
+    /// A picture whose pixels `make` makes when it is looked at.
+    pub fn made(picture: Picture, make: impl Fn() -> Frame + Send + Sync + 'static) -> Self {
+        Self { picture, pixels: Pixels::Made(Arc::new(make)) }
+    }
+}
+
+impl PartialEq for Canvas {
+    /// Whether they are of one name and one origin: what is made of the same state has the same pixels.
+    fn eq(&self, other: &Self) -> bool {
+        let is_made = |canvas: &Self| matches!(canvas.pixels, Pixels::Made(_));
+        self.picture == other.picture && is_made(self) == is_made(other)
+    }
+}
+
+/// A place on a picture: what a person points at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Focus {
+    /// The picture that it lies on.
+    pub on: Picture,
+    /// Where, in px of that picture.
+    pub at: [f32; 2],
+}
+
+impl Focus {
+    /// The point `at` of frame t.
+    pub const fn current(at: [f32; 2]) -> Self {
+        Self { on: Picture::CURRENT, at }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_read_as_it_is_written() {
+        let right = Picture { viewpoint: Viewpoint::Right, ..Picture::NEXT };
+        let level = Picture { level: 2, ..Picture::at(-3) };
+        let template = Picture { role: PictureRole::Template, ..Picture::CURRENT };
+        let mosaic = Picture { role: PictureRole::Mosaic, ..Picture::CURRENT };
+        for (picture, name) in [
+            (Picture::CURRENT, "t"),
+            (Picture::NEXT, "t+1"),
+            (Picture::PREVIOUS, "t-1"),
+            (right, "right-t+1"),
+            (level, "t-3-level-2"),
+            (template, "template"),
+            (mosaic, "mosaic"),
+            (Picture::REFERENCE, "reference"),
+        ] {
+            assert_eq!(picture.to_string(), name);
+            assert_eq!(name.parse(), Ok(picture));
+        }
+        for wrong in ["", "u", "t1x", "right", "t-level-x", "level-2"] {
+            let told = wrong.parse::<Picture>().map_err(|error| error.to_string());
+            assert!(told.as_ref().is_err_and(|told| told.contains("right-")), "{wrong}: {told:?}");
+        }
+    }
+
+    #[test]
+    fn a_title_tells_the_number_of_the_frame() {
+        assert_eq!(Picture::NEXT.title(Some(12)), "Frame t+1 = 13");
+        assert_eq!(Picture::PREVIOUS.title(Some(12)), "Frame t−1 = 11");
+        assert_eq!(Picture::PREVIOUS.title(Some(0)), "Frame t−1");
+        let right = Picture { viewpoint: Viewpoint::Right, level: 2, ..Picture::CURRENT };
+        assert_eq!(right.title(None), "Right view · Frame t · level 2");
+    }
+
+    #[test]
+    fn what_shows_the_same_place_is_zoomed_together() {
+        assert!(
+            Picture::CURRENT.is_aligned_with(Picture::NEXT) && Picture::REFERENCE.is_aligned_with(Picture::CURRENT)
+        );
+        let right = Picture { viewpoint: Viewpoint::Right, ..Picture::CURRENT };
+        let template = Picture { role: PictureRole::Template, ..Picture::CURRENT };
+        for other in [right, template, Picture { level: 1, ..Picture::CURRENT }] {
+            assert!(!Picture::CURRENT.is_aligned_with(other), "{other}");
+        }
+        assert!(template.is_aligned_with(template));
+    }
+}

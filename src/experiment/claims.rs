@@ -1,0 +1,241 @@
+//! The course's table of sequential, logarithmic and hierarchical search, measured cell by cell.
+
+use motionscope_core::compare::{LIGHT, NOISE_SIGMA, kept_in_pan};
+use motionscope_core::products::PSNR;
+use motionscope_core::{AnyEstimator, BlockField, Error, Stop, estimator};
+use serde_json::{Value, json};
+
+use crate::experiment::comparison::{Arena, Contender, Row, columns, markdown_table};
+
+/// The three searches, in the order of the course.
+const IDS: [&str; 3] = ["full-search", "quadrant-search", "hierarchical"];
+/// What the course calls them.
+const NAMES: [&str; 3] = ["sequential", "logarithmic", "hierarchical"];
+/// Ranges in px over which the window grows.
+const RANGES: [&str; 3] = ["8", "16", "32"];
+/// Side of a block in px: their default.
+const BLOCK: usize = 16;
+/// How far the camera pans where motion is large, in px, and how far all three then look.
+const PAN: (usize, &str) = (48, "64");
+/// Frames a second from which one speaks of real time.
+const REAL_TIME_HZ: f64 = 25.0;
+/// Share of the blocks in % that one may miss and still be called very accurate.
+const HARDLY_PERCENT: f64 = 5.0;
+/// So many times the candidates of another search are called inefficient.
+const INEFFICIENT: f64 = 10.0;
+
+/// One feature of the course's table.
+pub struct Claim {
+    /// What is compared, with its unit.
+    pub feature: String,
+    /// What the course says of it.
+    pub said: &'static str,
+    /// What was measured for each of the three.
+    pub measured: [String; 3],
+    /// Whether that bears it out here.
+    pub holds: bool,
+}
+
+/// The three in one set of circumstances.
+fn three(set: &[(&str, &str)]) -> Result<[Box<dyn AnyEstimator>; 3], Error> {
+    let one = |id: &str| {
+        let mut search = estimator(id)?;
+        set.iter().try_for_each(|(name, value)| search.set(name, value))?;
+        Ok::<_, Error>(search)
+    };
+    let [a, b, c] = IDS.map(one);
+    Ok([a?, b?, c?])
+}
+
+/// `f` of each of three.
+fn each<A, B>(all: &[A; 3], f: impl Fn(&A) -> Result<B, Error>) -> Result<[B; 3], Error> {
+    let [a, b, c] = all.each_ref().map(f);
+    Ok([a?, b?, c?])
+}
+
+/// What the course says of the three searches, beside what they do in `arena`, until `stop` says that nobody wants to know.
+///
+/// # Errors
+/// If one of them cannot run there.
+pub fn claims(arena: &Arena<'_>, stop: &Stop) -> Result<Vec<Claim>, Error> {
+    let rows = each(&three(&[])?, |search| {
+        stop.check()?;
+        Row::of(&Contender { estimator: search.boxed_clone(), swept: None }, arena)
+    })?;
+    let mut claims = of_one_window(&rows);
+    claims.insert(1, growth(arena, stop)?);
+    claims.insert(4, large_motion(arena, stop)?);
+    Ok(claims)
+}
+
+/// Those that need no more than one run of each.
+fn of_one_window(rows: &[Row; 3]) -> Vec<Claim> {
+    let all = |of: &dyn Fn(&Row) -> f64| rows.each_ref().map(of);
+    let shown = |values: [f64; 3], digits: usize| values.map(|value| format!("{value:.digits$}"));
+    // Each of them is a block search.
+    let blocks = |row: &Row| row.figures.blocks.clone();
+    let candidates = all(&|row| blocks(row).map_or(0.0, |blocks| blocks.candidates_mean));
+    let ms = all(&|row| row.time.as_secs_f64() * 1e3);
+    let missed = all(&|row| 100.0 * blocks(row).and_then(|blocks| blocks.missed_share()).unwrap_or(0.0));
+    let psnr = |row: &Row| row.assessment.value(&PSNR);
+    let db = rows.each_ref().map(|row| psnr(row).map_or("perfect".into(), |db| format!("{db:.2} dB")));
+    let kilobytes = all(&|row| row.figures.memory_bytes as f64 / 1e3);
+    let percent = |share: Option<f64>| 100.0 * share.unwrap_or(0.0);
+    let [noise, light] =
+        [all(&|row| percent(row.figures.kept_in_noise)), all(&|row| percent(row.figures.kept_in_light))];
+    let rising = |values: [f64; 3]| values[0] < values[1] && values[1] <= values[2];
+    let hertz = ms.map(|ms| 1e3 / ms);
+    let with = |values: [String; 3], other: [String; 3]| [0, 1, 2].map(|i| format!("{}, {}", values[i], other[i]));
+    vec![
+        Claim {
+            feature: "search space: candidates for a block within ±16 px".into(),
+            said: "sequential search tests every candidate, the other two reduce the search space",
+            holds: candidates[1] < candidates[0] && candidates[2] < candidates[0],
+            measured: shown(candidates, 1),
+        },
+        Claim {
+            feature: "speed: ms for a frame".into(),
+            said: "sequential search is slow, logarithmic search fastest, hierarchical search between them",
+            holds: ms[1] < ms[2] && ms[2] < ms[0],
+            measured: shown(ms, 2),
+        },
+        Claim {
+            feature: "accuracy: blocks in % whose smallest cost was missed, and PSNR".into(),
+            said: "sequential search misses none, logarithmic search may, hierarchical search hardly does",
+            holds: missed[0] == 0.0 && missed[2] <= missed[1] && missed[2] <= HARDLY_PERCENT,
+            measured: with(shown(missed, 1), db),
+        },
+        Claim {
+            feature: "memory: kB beside the frames".into(),
+            said: "little for sequential and logarithmic search, more for the pyramid",
+            holds: kilobytes[2] > kilobytes[0] && kilobytes[2] > kilobytes[1],
+            measured: shown(kilobytes, 1),
+        },
+        Claim {
+            feature: "noise: blocks in % that keep their displacement".into(),
+            said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
+            holds: rising(noise),
+            measured: shown(noise, 1),
+        },
+        Claim {
+            feature: "light: blocks in % that keep their displacement".into(),
+            said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
+            holds: rising(light),
+            measured: shown(light, 1),
+        },
+        Claim {
+            feature: "real time: frames a second".into(),
+            said: "not for sequential search, for logarithmic search, perhaps not for the pyramid",
+            holds: hertz[0] < REAL_TIME_HZ && hertz[1] >= REAL_TIME_HZ,
+            measured: shown(hertz, 0),
+        },
+    ]
+}
+
+/// How the most candidates for a block grow with the window.
+fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<Claim, Error> {
+    let most = |search: &dyn AnyEstimator| {
+        stop.check()?;
+        let output = search.run(arena.clip, arena.frame, arena.threads)?;
+        let vectors = output.get::<BlockField>().map(|field| field.vectors.as_slice()).unwrap_or_default();
+        Ok::<_, Error>(vectors.iter().flatten().map(|vector| vector.candidates).max().unwrap_or(0))
+    };
+    let mut counts = [[0; 3]; 3];
+    for (i, range) in RANGES.iter().enumerate() {
+        for (search, counts) in three(&[("range", range)])?.iter().zip(&mut counts) {
+            counts[i] = most(&**search)?;
+        }
+    }
+    let [sequential, logarithmic, hierarchical] = counts.map(|[_, before, after]| (before, after));
+    // A window twice as wide and high has four times the candidates; halving it takes a round more, of 8 new points at most.
+    let is_quadratic = sequential.1 > 3 * sequential.0;
+    let is_logarithmic = logarithmic.1 <= logarithmic.0 + 8;
+    let is_between = (logarithmic.1..=sequential.1).contains(&hierarchical.1);
+    Ok(Claim {
+        feature: "complexity: most candidates within ±8, ±16 and ±32 px".into(),
+        said: "O(N²) for sequential search, O(log N) for logarithmic search, between them for the pyramid",
+        holds: is_quadratic && is_logarithmic && is_between,
+        measured: counts.map(|counts| counts.map(|count| count.to_string()).join(" → ")),
+    })
+}
+
+/// How many blocks each finds when the camera pans far, and with how many candidates.
+fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<Claim, Error> {
+    let (clip, frame) = (arena.clip, arena.frame);
+    let (width, height) = clip.pair(frame)?[0].size();
+    let pan_px = PAN.0.min(width / 4);
+    let mut searches = three(&[("range", PAN.1)])?;
+    // As many levels as leave a block of what the pan leaves, four at most.
+    let levels = (2..4).take_while(|level| (width - pan_px).min(height) >> level >= BLOCK).count() + 2;
+    searches[2].set("levels", &levels.to_string())?;
+    let found = each(&searches, |search| {
+        stop.check()?;
+        kept_in_pan(&**search, (clip, frame), pan_px, arena.threads)
+    })?;
+    let [(sequential, many), (logarithmic, _), (hierarchical, few)] = found;
+    Ok(Claim {
+        feature: format!(
+            "large motion: blocks in % found under a pan of {pan_px} px, and candidates for one, within ±{} px; {levels} levels",
+            PAN.1
+        ),
+        said: "sequential search is inefficient, logarithmic search struggles, hierarchical search is excellent",
+        holds: many > INEFFICIENT * few && logarithmic < 0.9 * sequential && hierarchical > 0.9 * sequential,
+        measured: found.map(|(share, candidates)| format!("{:.1}, {candidates:.0}", 100.0 * share)),
+    })
+}
+
+impl Claim {
+    /// Whether it holds, in a word.
+    pub fn verdict(&self) -> &'static str {
+        if self.holds { "holds" } else { "does not hold here" }
+    }
+}
+
+/// Heading and lines of the table.
+fn cells(claims: &[Claim]) -> Vec<Vec<String>> {
+    let heading = ["measured"].iter().chain(&NAMES).chain(&["the course"]).map(|&name| name.to_owned()).collect();
+    let line = |claim: &Claim| {
+        let mut line = vec![claim.feature.clone()];
+        line.extend(claim.measured.iter().cloned());
+        line.push(claim.verdict().to_owned());
+        line
+    };
+    std::iter::once(heading).chain(claims.iter().map(line)).collect()
+}
+
+/// The table in columns, and below it what the course says where it does not hold.
+pub fn text(claims: &[Claim]) -> String {
+    let fails: String =
+        claims.iter().filter(|c| !c.holds).map(|c| format!("{}: the course says: {}\n", c.feature, c.said)).collect();
+    format!("{}\n{fails}\n{}", columns(&cells(claims)), key())
+}
+
+/// What the numbers mean.
+pub fn key() -> String {
+    format!(
+        "Default parameters unless others are named. Noise: {NOISE_SIGMA} gray levels in both frames; light: frame t+1 is \
+         {} times as bright plus {}; kept: within 1 px.\n",
+        LIGHT.0, LIGHT.1
+    )
+}
+
+/// The table as Markdown, with what the course says.
+pub fn markdown(claims: &[Claim]) -> String {
+    let mut lines = cells(claims);
+    for (line, said) in lines.iter_mut().zip(std::iter::once("it says").chain(claims.iter().map(|c| c.said))) {
+        line.push(said.to_owned());
+    }
+    markdown_table(&lines)
+}
+
+/// The table as JSON: an array of one object per feature.
+pub fn json(claims: &[Claim]) -> Value {
+    let object = |claim: &Claim| {
+        let [sequential, logarithmic, hierarchical] = &claim.measured;
+        json!({
+            "feature": claim.feature, "sequential": sequential, "logarithmic": logarithmic,
+            "hierarchical": hierarchical, "course": claim.said, "holds": claim.holds,
+        })
+    };
+    claims.iter().map(object).collect()
+}

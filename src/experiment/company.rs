@@ -1,0 +1,172 @@
+//! Who stands beside an estimator in lockstep, for the window, the command line and sessions alike.
+
+use motionscope_core::compare::alike;
+use motionscope_core::{AnyEstimator, Clip, Error, Info, Lockstep, Pace, Threads, Walk, estimator, lockstep};
+
+use crate::experiment::{comparison, first, source};
+
+/// The estimators beside the one that leads; nobody unless someone was asked for.
+///
+/// They have the parameters of the leader as far as they have the same, so that all work under the same conditions.
+pub struct Company {
+    /// The others, from left to right.
+    pub beside: Vec<Box<dyn AnyEstimator>>,
+    /// What all have in common at every step.
+    pub pace: Pace,
+}
+
+impl Default for Company {
+    fn default() -> Self {
+        Self { beside: Vec::new(), pace: Pace::Block }
+    }
+}
+
+impl Clone for Company {
+    fn clone(&self) -> Self {
+        Self { beside: self.beside.iter().map(|estimator| estimator.boxed_clone()).collect(), pace: self.pace }
+    }
+}
+
+impl PartialEq for Company {
+    fn eq(&self, other: &Self) -> bool {
+        let told = |company: &Self| -> Vec<_> {
+            company.beside.iter().map(|estimator| (estimator.info().id, estimator.values())).collect()
+        };
+        self.pace == other.pace && told(self) == told(other)
+    }
+}
+
+impl Company {
+    /// The estimators called `ids` beside `leader`.
+    ///
+    /// # Errors
+    /// If there is no such estimator, one is there twice, or there are too many.
+    pub fn of(leader: &dyn AnyEstimator, ids: &[impl AsRef<str>], pace: Pace) -> Result<Self, Error> {
+        let beside = ids.iter().map(|id| estimator(id.as_ref())).collect::<Result<_, _>>()?;
+        let mut company = Self { beside, pace };
+        company.follow(leader);
+        company.check(leader)?;
+        Ok(company)
+    }
+
+    /// Those that stand beside `leader` unless others are named.
+    pub fn usual(leader: &str) -> Vec<&'static str> {
+        first::BESIDE.into_iter().filter(|id| *id != leader).collect()
+    }
+
+    /// Whether `leader` is alone.
+    pub fn is_empty(&self) -> bool {
+        self.beside.is_empty()
+    }
+
+    /// Takes over what the others have in common with `leader`.
+    pub fn follow(&mut self, leader: &dyn AnyEstimator) {
+        for estimator in &mut self.beside {
+            *estimator = alike(leader, estimator.boxed_clone());
+        }
+    }
+
+    /// Another estimator leads: where it stood among the others, `before` stands from now on.
+    pub fn relieve(&mut self, before: &dyn AnyEstimator, leader: &dyn AnyEstimator) {
+        if let Some(place) = self.beside.iter_mut().find(|estimator| estimator.info().id == leader.info().id) {
+            *place = before.boxed_clone();
+        }
+        self.follow(leader);
+    }
+
+    /// Sets `NAME=VALUE` for `leader` and all that share the parameter, or `ESTIMATOR.NAME=VALUE` for one alone.
+    ///
+    /// # Errors
+    /// If nobody has such a parameter, one alone is to differ in what all share, or the value is out of range.
+    pub fn set(&mut self, leader: &mut dyn AnyEstimator, setting: &str) -> Result<(), Error> {
+        let (name, value) = setting.split_once('=').unwrap_or((setting, ""));
+        match name.trim().split_once('.').filter(|_| !self.is_empty()) {
+            Some((id, _)) if id == leader.info().id => source::set(leader, &setting.trim()[id.len() + 1..])?,
+            Some((_, name)) if leader.get(name).is_ok() => {
+                return Err(Error::new(format!("{name} is the same for all that go in lockstep; set {name}={value}")));
+            }
+            Some((id, name)) => {
+                let told = || Error::new(format!("{id} does not go in lockstep here; name it with --beside"));
+                self.beside.iter_mut().find(|e| e.info().id == id).ok_or_else(told)?.set(name, value)?;
+            }
+            None if !self.is_empty() && leader.get(name.trim()).is_err() && setting.contains('=') => {
+                comparison::set_all(&mut self.beside, name.trim(), value)?;
+            }
+            None => source::set(leader, setting)?,
+        }
+        self.follow(leader);
+        Ok(())
+    }
+
+    /// What there is to say about the run of `leader` with its company.
+    pub fn info(&self, leader: &dyn AnyEstimator) -> &'static Info {
+        if self.is_empty() { leader.info() } else { const { &Lockstep::INFO } }
+    }
+
+    /// The run of `leader`, or that of all in lockstep.
+    ///
+    /// # Errors
+    /// If one of them cannot run there.
+    pub fn walk(&self, leader: &dyn AnyEstimator, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error> {
+        if self.is_empty() {
+            return leader.walk(clip, frame);
+        }
+        // Only a budget needs to know beforehand what each will spend.
+        let threads = if self.pace == Pace::Budget { Threads::all()? } else { Threads::single() };
+        Ok(Box::new(Lockstep::new(&self.all(leader), self.pace, (clip, frame), &threads)?))
+    }
+
+    /// Refuses what cannot go in lockstep.
+    ///
+    /// # Errors
+    /// If one is there twice, or there are too many.
+    pub fn check(&self, leader: &dyn AnyEstimator) -> Result<(), Error> {
+        if self.is_empty() { Ok(()) } else { lockstep::check(&self.all(leader)) }
+    }
+
+    /// `leader` and the others, from left to right.
+    pub fn all<'a>(&'a self, leader: &'a dyn AnyEstimator) -> Vec<&'a dyn AnyEstimator> {
+        std::iter::once(leader).chain(self.beside.iter().map(|estimator| &**estimator)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motionscope_core::Value;
+
+    #[test]
+    fn all_work_under_the_conditions_of_the_leader() {
+        let mut leader = estimator("diamond").unwrap();
+        leader.set("block", "8").unwrap();
+        let mut company = Company::of(&*leader, &["full-search", "hierarchical"], Pace::Budget).unwrap();
+        let of = |company: &Company, i: usize, name| company.beside[i].get(name).unwrap();
+        assert_eq!((of(&company, 0, "block"), of(&company, 1, "block")), (Value::Int(8), Value::Int(8)));
+        for setting in ["range=7", "hierarchical.levels=2", "order=spiral", "diamond.block=12"] {
+            company.set(&mut *leader, setting).unwrap();
+        }
+        assert_eq!((of(&company, 0, "range"), of(&company, 1, "levels")), (Value::Int(7), Value::Int(2)));
+        assert_eq!((of(&company, 0, "order"), of(&company, 1, "block")), (Value::Choice("spiral"), Value::Int(12)));
+        let mut told = |setting: &str| company.set(&mut *leader, setting).unwrap_err().to_string();
+        assert!(told("hierarchical.block=4").contains("set block=4"));
+        assert!(told("hexagon.levels=4").contains("--beside"));
+        assert!(told("magic=4").contains("magic") && told("block").contains("NAME=VALUE"));
+    }
+
+    #[test]
+    fn nobody_stands_there_twice() {
+        let leader = estimator("diamond").unwrap();
+        let told = |ids: &[&str]| Company::of(&*leader, ids, Pace::Block).err().unwrap().to_string();
+        assert!(told(&["hexagon", "diamond"]).contains("beside itself"));
+        assert!(told(&["hexagon", "three-step", "four-step", "predictive"]).contains("not 5"));
+        assert!(told(&["magic"]).contains("there is no estimator magic"));
+        let mut company = Company::of(&*leader, &["full-search", "hexagon"], Pace::Block).unwrap();
+        let next = company.beside[1].boxed_clone();
+        company.relieve(&*leader, &*next);
+        assert_eq!(
+            company.all(&*next).iter().map(|e| e.info().id).collect::<Vec<_>>(),
+            ["hexagon", "full-search", "diamond"]
+        );
+        company.check(&*next).unwrap();
+    }
+}

@@ -1,0 +1,387 @@
+//! Estimators beside each other: the table of a comparison, as text, Markdown, CSV and JSON.
+
+use std::borrow::Borrow;
+use std::time::{Duration, Instant};
+
+use motionscope_core::compare::{Figures, LIGHT, NOISE_SIGMA};
+use motionscope_core::products::{self, Assessment, KINDS, Measure, Reference};
+use motionscope_core::{AnyEstimator, Clip, Error, Threads, estimator};
+use serde_json::{Map, Value, json};
+
+use crate::experiment::source::Source;
+
+/// One estimator with the parameters that it is to be compared with.
+pub struct Contender {
+    /// The estimator.
+    pub estimator: Box<dyn AnyEstimator>,
+    /// The parameter or slider that is swept, and its value here.
+    pub swept: Option<(String, String)>,
+}
+
+/// Contenders that run on the same clip.
+pub struct Round {
+    /// Where the clip comes from.
+    pub source: Source,
+    /// What runs on it.
+    pub contenders: Vec<Contender>,
+}
+
+/// Where estimators are compared, and how often each is run for its time.
+pub struct Arena<'a> {
+    /// The clip.
+    pub clip: &'a Clip,
+    /// Frame t.
+    pub frame: usize,
+    /// The threads to run on.
+    pub threads: &'a Threads,
+    /// How often each is run; the least time counts.
+    pub repeat: u32,
+}
+
+/// One line of the table.
+pub struct Row {
+    /// The estimator, as it was run.
+    pub estimator: Box<dyn AnyEstimator>,
+    /// What was swept, and its value here.
+    pub swept: Option<(String, String)>,
+    /// The least time of a run.
+    pub time: Duration,
+    /// How good the result is, as a single run tells it.
+    pub assessment: Assessment,
+    /// What only a comparison has.
+    pub figures: Figures,
+}
+
+impl Row {
+    /// Runs `contender` in `arena`.
+    ///
+    /// # Errors
+    /// If it cannot run there, or a frame cannot be read.
+    pub fn of(contender: &Contender, arena: &Arena<'_>) -> Result<Self, Error> {
+        let Arena { clip, frame, threads, repeat } = *arena;
+        let estimator = &*contender.estimator;
+        let run = || {
+            let start = Instant::now();
+            let output = estimator.run(clip, frame, threads)?;
+            Ok::<_, Error>((output, start.elapsed()))
+        };
+        // Decoded here, so that the time is of the estimation alone.
+        clip.pair_or_last(frame)?;
+        let (output, mut time) = run()?;
+        for _ in 1..repeat {
+            time = time.min(run()?.1);
+        }
+        let figures = Figures::of(estimator, &output, (clip, frame), threads)?;
+        let assessment = output.assess(&Reference { clip, frame })?;
+        Ok(Self { estimator: estimator.boxed_clone(), swept: contender.swept.clone(), time, assessment, figures })
+    }
+
+    /// The estimator's id.
+    pub fn id(&self) -> &'static str {
+        self.estimator.info().id
+    }
+}
+
+/// A column of numbers: one that only a comparison has, or one that a product is assessed by.
+#[derive(Clone, Copy)]
+pub struct Column {
+    /// Its heading, for a person.
+    pub heading: &'static str,
+    /// Its name with the unit, for a script.
+    pub name: &'static str,
+    /// What it is, in one sentence.
+    pub doc: &'static str,
+    /// Digits behind the point, for a person.
+    digits: usize,
+    from: From,
+}
+
+/// Where the numbers of a column come from.
+#[derive(Clone, Copy)]
+enum From {
+    Row(fn(&Row) -> Option<f64>),
+    Assessment(&'static Measure, f64),
+}
+
+impl Column {
+    /// The number in `row`, if there is one.
+    pub fn value(&self, row: &Row) -> Option<f64> {
+        match self.from {
+            From::Row(value) => value(row),
+            From::Assessment(measure, per) => row.assessment.value(measure).map(|value| value / per),
+        }
+    }
+
+    /// The number in `row` for a person, or the word for what is no number.
+    pub fn text(&self, row: &Row) -> String {
+        match (self.value(row), self.from) {
+            (Some(value), _) => format!("{value:.*}", self.digits),
+            (None, From::Assessment(measure, _)) if row.assessment.score(measure).is_some() => {
+                match measure.otherwise {
+                    "" => NOTHING.to_owned(),
+                    word => word.to_owned(),
+                }
+            }
+            (None, _) => NOTHING.to_owned(),
+        }
+    }
+
+    const fn of_row(
+        (heading, name): (&'static str, &'static str),
+        digits: usize,
+        value: fn(&Row) -> Option<f64>,
+        doc: &'static str,
+    ) -> Self {
+        Self { heading, name, doc, digits, from: From::Row(value) }
+    }
+
+    fn of_measure(measure: &'static Measure) -> Option<Self> {
+        let &products::Column { heading, name, per, digits } = measure.column.as_ref()?;
+        Some(Self { heading, name, doc: measure.doc, digits, from: From::Assessment(measure, per) })
+    }
+}
+
+/// What only a comparison has: before the figures of products.
+const COSTS: [Column; 4] = [
+    Column::of_row(
+        ("candidates", "candidates_mean"),
+        1,
+        |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_mean),
+        "Candidates tested for a block on average; those of a coarser level count once.",
+    ),
+    Column::of_row(
+        ("most", "candidates_most"),
+        0,
+        |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_most.into()),
+        "Candidates tested for the block that took most.",
+    ),
+    Column::of_row(("ms", "ms"), 2, |r| Some(r.time.as_secs_f64() * 1e3), "Least time of a run in ms."),
+    Column::of_row(
+        ("kB", "memory_kb"),
+        1,
+        |r| Some(r.figures.memory_bytes as f64 / 1e3),
+        "Memory that the run needs beside the frames in kB.",
+    ),
+];
+
+/// What only a comparison has: behind the figures of products.
+const ROBUSTNESS: [Column; 3] = [
+    Column::of_row(
+        ("missed %", "missed_percent"),
+        1,
+        |r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)),
+        "Share of the blocks for which full search with the same parameters finds a lower cost; not told with lambda.",
+    ),
+    Column::of_row(
+        ("noise %", "kept_in_noise_percent"),
+        1,
+        |r| r.figures.kept_in_noise.and_then(percent),
+        "Share of the blocks or pixels that keep their displacement within 1 px under noise.",
+    ),
+    Column::of_row(
+        ("light %", "kept_in_light_percent"),
+        1,
+        |r| r.figures.kept_in_light.and_then(percent),
+        "Share of the blocks or pixels that keep their displacement within 1 px where the light changes.",
+    ),
+];
+
+/// The columns behind the estimator's name and what is swept: every figure that some kind of product is assessed by has its
+/// own where it declares one.
+pub fn all_columns() -> Vec<Column> {
+    let mut columns = COSTS.to_vec();
+    for measure in KINDS.iter().flat_map(|kind| kind.measures.iter().copied().flatten()) {
+        if let Some(column) = Column::of_measure(measure).filter(|new| columns.iter().all(|old| old.name != new.name)) {
+            columns.push(column);
+        }
+    }
+    columns.extend(ROBUSTNESS);
+    columns
+}
+
+/// The columns in which at least one row has something, with their places among all: what a person looks at.
+pub fn columns_of<R: Borrow<Row>>(rows: &[R]) -> Vec<(usize, Column)> {
+    let has_some = |column: &Column| rows.iter().any(|row| column.text(row.borrow()) != NOTHING);
+    all_columns().into_iter().enumerate().filter(|(_, column)| rows.is_empty() || has_some(column)).collect()
+}
+
+/// What stands where there is no number.
+const NOTHING: &str = "–";
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn percent(share: f64) -> Option<f64> {
+    finite(100.0 * share)
+}
+
+/// What the columns that `rows` have something in mean, a line for each.
+fn key(rows: &[Row]) -> String {
+    let mut text = String::new();
+    for (_, Column { heading, doc, .. }) in columns_of(rows) {
+        text += &format!("{heading:<12}  {doc}\n");
+    }
+    let (gain, offset) = LIGHT;
+    text + &format!(
+        "Noise has a standard deviation of {NOISE_SIGMA} gray levels; light changes by a gain of {gain} and an offset of {offset}. \
+         {NOTHING} stands for what an estimator does not have, or what is not known.\n"
+    )
+}
+
+/// Heading and cells of a table for a person.
+fn cells(rows: &[Row]) -> Vec<Vec<String>> {
+    let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone());
+    let mut heading = vec!["estimator".to_owned()];
+    heading.extend(swept);
+    let shown = columns_of(rows);
+    heading.extend(shown.iter().map(|(_, column)| column.heading.to_owned()));
+    let line = |row: &Row| {
+        let mut line = vec![row.id().to_owned()];
+        line.extend(row.swept.as_ref().map(|(_, value)| value.clone()));
+        line.extend(shown.iter().map(|(_, column)| column.text(row)));
+        line
+    };
+    std::iter::once(heading).chain(rows.iter().map(line)).collect()
+}
+
+/// The table in columns, and what they mean.
+pub fn text(rows: &[Row]) -> String {
+    columns(&cells(rows)) + "\n" + &key(rows)
+}
+
+/// Lines of cells in columns, the first to the left, the others to the right.
+pub fn columns(lines: &[Vec<String>]) -> String {
+    let width = |i: usize| lines.iter().map(|line| line[i].chars().count()).max().unwrap_or(0);
+    let mut text = String::new();
+    for line in lines {
+        for (i, cell) in line.iter().enumerate() {
+            text += &if i == 0 { format!("{cell:<0$}", width(i)) } else { format!("  {cell:>0$}", width(i)) };
+        }
+        text += "\n";
+    }
+    text
+}
+
+/// The table as Markdown.
+pub fn markdown(rows: &[Row]) -> String {
+    markdown_table(&cells(rows))
+}
+
+/// Lines of cells as a table of Markdown, the first line its heading.
+pub fn markdown_table(lines: &[Vec<String>]) -> String {
+    let row = |line: &Vec<String>| format!("| {} |\n", line.join(" | "));
+    let rule = lines.first().map_or(String::new(), |line| format!("| --- |{}\n", " ---: |".repeat(line.len() - 1)));
+    let mut table = lines.iter().map(row);
+    table.next().unwrap_or_default() + &rule + &table.collect::<String>()
+}
+
+/// The table as CSV; what is not known is left empty.
+pub fn csv<R: Borrow<Row>>(rows: &[R]) -> String {
+    let all = all_columns();
+    let rows = || rows.iter().map(Borrow::borrow);
+    let swept = rows().next().and_then(|row: &Row| row.swept.as_ref()).map(|(name, _)| name.replace('-', "_"));
+    let names = ["estimator".to_owned()].into_iter().chain(swept);
+    let names = names.chain(all.iter().map(|column| column.name.to_owned())).collect::<Vec<_>>();
+    let line = |row: &Row| {
+        let first = [row.id().to_owned()].into_iter().chain(row.swept.as_ref().map(|(_, value)| value.clone()));
+        let number = |column: &Column| column.value(row).map_or_else(String::new, |value| value.to_string());
+        first.chain(all.iter().map(number)).collect::<Vec<_>>().join(",") + "\n"
+    };
+    names.join(",") + "\n" + &rows().map(line).collect::<String>()
+}
+
+/// The table as JSON: an array of one object per row, with the blocks that were missed where there are blocks.
+pub fn json(rows: &[Row]) -> Value {
+    let all = all_columns();
+    let object = |row: &Row| {
+        let mut object = Map::new();
+        object.insert("estimator".into(), row.id().into());
+        if let Some((name, value)) = &row.swept {
+            object.insert(name.clone(), value.parse::<f64>().map_or_else(|_| value.as_str().into(), |v| json!(v)));
+        }
+        for column in &all {
+            object.insert(column.name.into(), json!(column.value(row)));
+        }
+        if let Some(blocks) = &row.figures.blocks {
+            object.insert("blocks".into(), blocks.count.into());
+            let missed = blocks.missed.as_ref();
+            let numbers = missed.map(|missed| missed.iter().map(|block| block + 1).collect::<Vec<_>>());
+            object.insert("missed".into(), json!(numbers));
+        }
+        Value::Object(object)
+    };
+    rows.iter().map(object).collect()
+}
+
+/// Each clip with what runs on it: one round, or one for each value that is swept. `sweep` is written `NAME=V1,V2,..`
+/// and names a parameter of the estimators or of one of them, or a slider of the synthetic clip.
+///
+/// # Errors
+/// If it is not written so, there is no such parameter or slider, or a value is out of range.
+pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Option<&str>) -> Result<Vec<Round>, Error> {
+    let copies = || estimators.iter().map(|estimator| estimator.boxed_clone()).collect::<Vec<_>>();
+    let round = |source: Source, estimators: Vec<Box<dyn AnyEstimator>>, swept: Option<(String, String)>| {
+        let contender = |estimator| Contender { estimator, swept: swept.clone() };
+        Round { source, contenders: estimators.into_iter().map(contender).collect() }
+    };
+    let Some(sweep) = sweep else { return Ok(vec![round(source.clone(), copies(), None)]) };
+    let (name, values) = sweep
+        .split_once('=')
+        .ok_or_else(|| Error::new(format!("a sweep is written NAME=V1,V2,.. as in range=4,8,16, not {sweep}")))?;
+    let is_parameter = name.contains('.') || estimators.iter().any(|estimator| estimator.get(name).is_ok());
+    let one = |value: &str| {
+        let (mut source, mut estimators) = (source.clone(), copies());
+        if is_parameter {
+            set(&mut estimators, name, value)?;
+        } else {
+            source.set(&format!("{name}={value}"))?;
+        }
+        Ok(round(source, estimators, Some((name.to_owned(), value.to_owned()))))
+    };
+    values.split(',').map(|value| one(value.trim())).collect()
+}
+
+/// The estimators called `ids`, with `settings` of the form `ESTIMATOR.NAME=VALUE`, or `NAME=VALUE` for all that have
+/// such a parameter.
+///
+/// # Errors
+/// If there is no such estimator or parameter, or a value is out of range.
+pub fn contenders(ids: &[String], settings: &[String]) -> Result<Vec<Box<dyn AnyEstimator>>, Error> {
+    let mut estimators = ids.iter().map(|id| estimator(id)).collect::<Result<Vec<_>, _>>()?;
+    for setting in settings {
+        let (name, value) = setting.split_once('=').ok_or_else(|| {
+            Error::new(format!("a parameter is set as NAME=VALUE or ESTIMATOR.NAME=VALUE, not as {setting}"))
+        })?;
+        set(&mut estimators, name, value)?;
+    }
+    Ok(estimators)
+}
+
+/// Sets `ESTIMATOR.NAME` in that one of `estimators`, or `NAME` in all of them that have it.
+fn set(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str) -> Result<(), Error> {
+    // `detector.rate` is a parameter of a stage, `diamond.block` one of an estimator.
+    let is_shared = |name: &str| estimators.iter().any(|estimator| estimator.get(name).is_ok());
+    let Some((id, name)) = name.split_once('.').filter(|_| !is_shared(name)) else {
+        return set_all(estimators, name, value);
+    };
+    let ids = estimators.iter().map(|estimator| estimator.info().id).collect::<Vec<_>>().join(", ");
+    let mut found = estimators.iter_mut().filter(|estimator| estimator.info().id == id).peekable();
+    if found.peek().is_none() {
+        return Err(Error::new(format!("{id} is not compared; there are {ids}")));
+    }
+    found.try_for_each(|estimator| estimator.set(name, value))
+}
+
+/// Sets `name` in all of `estimators` that have it.
+///
+/// # Errors
+/// If none has it, or the value is out of range.
+pub fn set_all(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str) -> Result<(), Error> {
+    let mut set = false;
+    for estimator in estimators.iter_mut().filter(|estimator| estimator.get(name).is_ok()) {
+        estimator.set(name, value)?;
+        set = true;
+    }
+    if set { Ok(()) } else { Err(Error::new(format!("none of these estimators has a parameter {name}"))) }
+}

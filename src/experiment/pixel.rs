@@ -1,0 +1,142 @@
+//! A pixel that is chosen to be explained by itself: held in the window, kept in a session, or named on the command line.
+
+use std::fmt;
+use std::str::FromStr;
+
+use motionscope_core::scene::{Focus, Picture};
+use motionscope_core::{Clip, Error, Explained, Walk};
+
+/// A pixel by its column and row from 0, written `X,Y`, or `t+1:X,Y` where it is one of another picture than frame t.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pixel {
+    /// The picture that it lies on.
+    pub on: Picture,
+    /// The column.
+    pub x: u32,
+    /// The row.
+    pub y: u32,
+}
+
+impl Pixel {
+    /// The pixel whose centre is nearest to `focus`.
+    pub fn of(focus: Focus) -> Self {
+        let [x, y] = focus.at.map(|c| c.round() as u32);
+        Self { on: focus.on, x, y }
+    }
+
+    /// Its centre.
+    pub fn focus(self) -> Focus {
+        Focus { on: self.on, at: [self.x, self.y].map(|c| c as f32) }
+    }
+}
+
+impl fmt::Display for Pixel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.on != Picture::CURRENT {
+            write!(f, "{}:", self.on)?;
+        }
+        write!(f, "{},{}", self.x, self.y)
+    }
+}
+
+impl FromStr for Pixel {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let (on, place) = match text.split_once(':') {
+            Some((picture, place)) => (picture.trim().parse()?, place),
+            None => (Picture::CURRENT, text),
+        };
+        let whole = |part: &str| part.trim().parse().ok();
+        let parts = place.split_once(',').and_then(|(x, y)| Some(Self { on, x: whole(x)?, y: whole(y)? }));
+        parts.ok_or_else(|| {
+            Error::new(format!("a pixel is written X,Y in whole px from 0, as in 303,202, and not {text}"))
+        })
+    }
+}
+
+/// Which pixel is to be explained, and how much that matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chosen {
+    /// It was held: where it cannot be explained by itself, it is not.
+    Held(Pixel),
+    /// It is asked for: it is an error if it cannot be explained by itself.
+    Asked(Pixel),
+}
+
+impl Chosen {
+    /// The place that `walk` explains where it stands in `clip`, if not the pixel at work.
+    ///
+    /// # Errors
+    /// A sentence that tells why a pixel that is asked for cannot be explained there.
+    pub fn here(self, walk: &dyn Walk, clip: &Clip) -> Result<Option<Focus>, Error> {
+        match self {
+            Self::Held(pixel) => Ok(Some(pixel.focus()).filter(|at| is_explained(walk, *at))),
+            Self::Asked(pixel) => explain(pixel, walk, clip).map(Some),
+        }
+    }
+
+    /// The same while `walk` goes from step to step: a pixel that was held is let go where each step is about another one.
+    pub fn on_the_way(self, walk: &dyn Walk) -> Option<Focus> {
+        let at = match self {
+            Self::Held(pixel) => Some(pixel.focus()).filter(|at| !walks_pixels(walk, *at)),
+            Self::Asked(pixel) => Some(pixel.focus()),
+        };
+        at.filter(|at| is_explained(walk, *at))
+    }
+}
+
+/// Whether the pixel at `focus` can be explained by itself where `walk` stands.
+pub fn is_explained(walk: &dyn Walk, focus: Focus) -> bool {
+    walk.explained(focus).is_some_and(|explained| explained.at(walk.cursor()))
+}
+
+/// Whether `walk` goes from pixel to pixel, so that who steps wants to hear of the next one; where all change at once, of the
+/// same.
+pub fn walks_pixels(walk: &dyn Walk, focus: Focus) -> bool {
+    matches!(walk.explained(focus), Some(Explained::From(_)))
+}
+
+fn explain(pixel: Pixel, walk: &dyn Walk, clip: &Clip) -> Result<Focus, Error> {
+    let (width, height) = clip.size();
+    let (Pixel { on, x, y }, here) = (pixel, walk.cursor());
+    if !walk.takes(on) {
+        let told = format!("{} explains no pixels of the picture {on}; name one of frame t as {x},{y}", walk.info().id);
+        return Err(Error::new(told));
+    }
+    if x as usize >= width || y as usize >= height {
+        let told = format!("there is no pixel ({x}, {y}): the picture has {width}×{height} px, counted from 0");
+        return Err(Error::new(told));
+    }
+    match walk.explained(pixel.focus()) {
+        Some(explained) if explained.at(here) => Ok(pixel.focus()),
+        Some(Explained::From(turn)) => Err(Error::new(format!(
+            "pixel ({x}, {y}) has its turn at step {turn}, and this is step {here}; choose a later step or another --pixel"
+        ))),
+        _ => Err(Error::new(format!(
+            "{} does not explain pixel ({x}, {y}) by itself at step {here}; leave --pixel away, or name another",
+            walk.info().id
+        ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_is_read_as_it_is_written() {
+        let of = |on, x, y| Pixel { on, x, y };
+        for pixel in [of(Picture::CURRENT, 0, 0), of(Picture::CURRENT, 303, 202), of(Picture::NEXT, 4, 5)] {
+            assert_eq!(pixel.to_string().parse(), Ok(pixel));
+            assert_eq!(Pixel::of(pixel.focus()), pixel);
+        }
+        assert_eq!("7, 9".parse(), Ok(of(Picture::CURRENT, 7, 9)));
+        for text in ["", "7", "7,", "7,-1", "7.5,1", "1,2,3", "x,y", "99999999999,1", "t+1:7"] {
+            let told = text.parse::<Pixel>().map_err(|error| error.to_string());
+            assert!(told.as_ref().is_err_and(|told| told.contains("X,Y")), "{text}: {told:?}");
+        }
+        let told = "frame:7,9".parse::<Pixel>().map_err(|error| error.to_string());
+        assert!(told.as_ref().is_err_and(|told| told.contains("t+1, t-1")), "{told:?}");
+    }
+}

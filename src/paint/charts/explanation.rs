@@ -1,0 +1,380 @@
+//! The explanation of a step: why it happened, in words, in symbols, in numbers and in the algorithm's own lines.
+
+use motionscope_core::scene::{Fact, Math, Readout, Sentence};
+use motionscope_core::{Info, Step, pseudocode as code};
+
+use super::super::legend::SWATCH;
+use super::super::primitive::{Anchor, Point, Primitive, Rect, Run};
+use super::super::{Chrome, Face, Theme, fonts, wrap};
+use super::canvas::{Canvas, Level, Type};
+use super::{ChartStyle, Drawing, formula, tiles};
+
+/// Between two parts, in points.
+const GAP: f32 = 8.0;
+/// Above and below all lines of code.
+const BOX: f32 = 8.0;
+/// Above and below a line of code.
+const CODE_MARGIN: f32 = 3.0;
+/// Fewest lines of code that are shown where there is little room.
+const FEWEST_LINES: usize = 5;
+
+/// What is explained.
+#[derive(Clone, Copy)]
+pub struct Explained<'a> {
+    /// The estimator.
+    pub info: &'a Info,
+    /// What the cursor tells.
+    pub step: &'a Step,
+}
+
+/// A part of an explanation, laid out from the origin on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Block {
+    /// Width and height.
+    pub size: [f32; 2],
+    /// Back to front.
+    pub primitives: Vec<Primitive>,
+    /// Its lines: where each is and what it says.
+    pub lines: Vec<(Rect, String)>,
+}
+
+impl Block {
+    /// The same block elsewhere.
+    #[must_use]
+    pub fn moved(self, by: Point) -> Self {
+        let Self { size, primitives, lines } = self;
+        Self {
+            size,
+            primitives: primitives.into_iter().map(|primitive| primitive.moved(by)).collect(),
+            lines: lines.into_iter().map(|(rect, words)| (rect.moved(by), words)).collect(),
+        }
+    }
+
+    /// Puts `other` below, `gap` points further down.
+    fn put_below(&mut self, other: Block, gap: f32) {
+        if other.size[1] <= 0.0 {
+            return;
+        }
+        let down = if self.size[1] > 0.0 { self.size[1] + gap } else { 0.0 };
+        let Block { size, primitives, lines } = other.moved([0.0, down]);
+        self.size = [self.size[0].max(size[0]), down + size[1]];
+        self.primitives.extend(primitives);
+        self.lines.extend(lines);
+    }
+}
+
+/// How close things stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Density {
+    /// From one line of the sentence to the next, in sizes of its type.
+    pub leading: f32,
+    /// Above and below a row of the table, in points.
+    pub row: f32,
+    /// Type of the formula, in points.
+    pub math: f32,
+}
+
+impl Density {
+    /// With room to spare.
+    pub fn roomy(theme: Theme) -> Self {
+        Self { leading: 1.45, row: 4.0, math: theme.sizes().heading }
+    }
+
+    /// With little room.
+    pub fn close(theme: Theme) -> Self {
+        Self { leading: 1.35, row: 2.5, math: theme.sizes().body }
+    }
+}
+
+/// How a line of code stands to the step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Light {
+    /// The step is at it.
+    AtWork,
+    /// It is the head of a loop or a condition that the step is in.
+    Around,
+    /// Neither.
+    Other,
+}
+
+/// Lays everything out from the upper left corner of `area` on. Where there is little height, only the code around the line
+/// at work is shown.
+pub fn draw(data: Explained<'_>, area: Rect, style: ChartStyle) -> Drawing<[f32; 2]> {
+    let [width, height] = area.size();
+    let whole = told(data, width, style.theme, data.info.pseudocode.len());
+    let shown = if whole.size[1] <= height { whole } else { fitting(data, [width, height], style.theme) };
+    let Block { size, primitives, .. } = shown.moved(area.min);
+    Drawing { place: size, body: vec![super::Layer { clip: None, primitives }], head: Vec::new() }
+}
+
+/// Least height in which it can be laid out at a width, and the height that it has with nothing left out.
+pub fn heights(data: Explained<'_>, width: f32, style: ChartStyle) -> [f32; 2] {
+    let lines = data.info.pseudocode.len();
+    [lines.min(FEWEST_LINES), lines].map(|lines| told(data, width, style.theme, lines).size[1])
+}
+
+/// As many lines of code as fit.
+fn fitting(data: Explained<'_>, [width, height]: [f32; 2], theme: Theme) -> Block {
+    let all = data.info.pseudocode.len();
+    let counts = (all.min(FEWEST_LINES)..all).rev();
+    let mut blocks = counts.map(|lines| told(data, width, theme, lines));
+    blocks.find(|block| block.size[1] <= height).unwrap_or_else(|| told(data, width, theme, all.min(FEWEST_LINES)))
+}
+
+/// Everything, with so many lines of code around the one at work.
+fn told(Explained { info, step }: Explained<'_>, width: f32, theme: Theme, lines: usize) -> Block {
+    let density = Density::close(theme);
+    let mut whole = sentence(&step.sentence, (width, density), theme);
+    let facts = facts_of(step);
+    let formulas = equation_of(step);
+    if !formulas.is_empty() {
+        whole.put_below(rule(width, theme), GAP);
+        whole.put_below(equation(formulas, (width, density), theme), GAP);
+    }
+    if !facts.is_empty() {
+        whole.put_below(rule(width, theme), GAP);
+        whole.put_below(table(facts, (width, density), theme), GAP);
+    }
+    let at_work = info.line(step.line).unwrap_or(0);
+    let first = at_work.saturating_sub(lines / 2).min(info.pseudocode.len() - lines);
+    whole.put_below(name(info, theme), 1.5 * GAP);
+    whole.put_below(pseudocode(info, step, (first..first + lines, width), theme), 0.5 * GAP);
+    whole.put_below(citation(info.source, width, theme), GAP);
+    whole
+}
+
+/// The numbers of a step.
+pub fn facts_of(step: &Step) -> &[Fact] {
+    let facts =
+        step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts.as_slice()) } else { None });
+    facts.unwrap_or_default()
+}
+
+/// The formulas of a step.
+pub fn equation_of(step: &Step) -> &[Math] {
+    let lines =
+        step.readouts.iter().find_map(|r| if let Readout::Equation(lines) = r { Some(lines.as_slice()) } else { None });
+    lines.unwrap_or_default()
+}
+
+/// A thin line between two parts.
+pub fn rule(width: f32, theme: Theme) -> Block {
+    let mut canvas = Canvas::default();
+    canvas.across([0.0, width], 0.0, theme.chrome().line);
+    Block { size: [width, 1.0], primitives: canvas.into_primitives(), lines: Vec::new() }
+}
+
+/// A sentence, its role words in a legible shade of the role's color and underlined in the very color.
+pub fn sentence(sentence: &Sentence, (width, density): (f32, Density), theme: Theme) -> Block {
+    let size = theme.sizes().heading + 2.0;
+    let height = (density.leading * size).round();
+    let run = |(words, role): &(String, Option<_>)| match *role {
+        None => Run::new(words, theme.chrome().text),
+        Some(role) => Run::new(words, theme.word(role)).underlined(theme.ink(role).color),
+    };
+    let runs: Vec<_> = sentence.0.iter().map(run).collect();
+    let mut block = Block::default();
+    for (i, runs) in wrap(&runs, size, width).into_iter().enumerate() {
+        let at = [0.0, i as f32 * height + (height - size) / 2.0 + 0.86 * size];
+        let line = super::super::primitive::Line { at, anchor: Anchor::Start, size, runs, halo: None };
+        block.size = [block.size[0].max(line.width()), (i + 1) as f32 * height];
+        block.primitives.push(Primitive::Text(line));
+    }
+    block.lines = vec![(Rect::new([0.0; 2], block.size), sentence.plain())];
+    block
+}
+
+/// Formulas below each other.
+pub fn equation(formulas: &[Math], (width, density): (f32, Density), theme: Theme) -> Block {
+    let mut block = Block::default();
+    for math in formulas {
+        let formula = formula::typeset(math, density.math, width);
+        let size = formula.size();
+        let lines = vec![(Rect::new([0.0; 2], size), math.plain())];
+        block.put_below(Block { size, primitives: formula.primitives([0.0; 2], theme), lines }, 5.0);
+    }
+    block
+}
+
+/// Labels left, values right.
+pub fn table(facts: &[Fact], (width, density): (f32, Density), theme: Theme) -> Block {
+    let mut block = Block::default();
+    for (i, fact) in facts.iter().enumerate() {
+        block.put_below(row(fact, (width, density.row, i > 0), theme), 0.0);
+    }
+    block
+}
+
+/// A row with its `margin` above and below, under a line where it is `ruled`.
+fn row(fact: &Fact, (width, margin, ruled): (f32, f32, bool), theme: Theme) -> Block {
+    let Chrome { text, dim, line, .. } = theme.chrome();
+    let size = theme.sizes().body;
+    let style = Type { face: Face::Sans, size, color: dim };
+    let height = (1.25 * size).round();
+    let left = SWATCH[0] + 8.0;
+    let values = wrap(&[Run::new(&fact.value, text)], size, width - left);
+    // A long value stands under its label.
+    let value = values.first().map_or(0.0, |runs| runs.iter().map(|run| fonts::width(&run.text, run.face, size)).sum());
+    let beside = values.len() < 2 && left + style.width(fact.label) + 12.0 + value <= width;
+    let mut canvas = Canvas::default();
+    if ruled {
+        canvas.across([0.0, width], 0.0, line);
+    }
+    let place = Level::Middle;
+    let middle = margin + height / 2.0;
+    if let Some(role) = fact.role {
+        canvas.extend(tiles::swatch(role, theme, [0.0, (middle - SWATCH[1] / 2.0).round()]));
+    }
+    canvas.text([left, middle], (Anchor::Start, place), fact.label, style);
+    let first = if beside { 0 } else { 1 };
+    let rows = values.len().max(1) + first;
+    for (i, runs) in values.into_iter().enumerate() {
+        let words: String = runs.into_iter().map(|run| run.text).collect();
+        let y = middle + (first + i) as f32 * height;
+        canvas.text([width, y], (Anchor::End, place), &words, style.color(text));
+    }
+    let size = [width, rows as f32 * height + 2.0 * margin];
+    let lines = vec![(Rect::new([0.0; 2], size), format!("{}: {}", fact.label, fact.value))];
+    Block { size, primitives: canvas.into_primitives(), lines }
+}
+
+/// The algorithm's name.
+pub fn name(info: &Info, theme: Theme) -> Block {
+    let style = Type::dim(theme);
+    let height = (1.3 * style.size).round();
+    let mut canvas = Canvas::default();
+    let rect = canvas.text([0.0, height / 2.0], (Anchor::Start, Level::Middle), info.name, style);
+    let size = [rect.size()[0], height];
+    Block { size, primitives: canvas.into_primitives(), lines: vec![(Rect::new([0.0; 2], size), info.name.into())] }
+}
+
+/// Some of the algorithm's lines in their box.
+pub fn pseudocode(info: &Info, step: &Step, (shown, width): (std::ops::Range<usize>, f32), theme: Theme) -> Block {
+    let chrome = theme.chrome();
+    let at_work = info.line(step.line);
+    let around: Vec<usize> = at_work.into_iter().flat_map(|line| code::around(info.pseudocode, line)).collect();
+    let light = |line: usize| match line {
+        line if at_work == Some(line) => Light::AtWork,
+        line if around.contains(&line) => Light::Around,
+        _ => Light::Other,
+    };
+    let mut lines = Block { size: [width, BOX], ..Block::default() };
+    for i in shown {
+        lines.put_below(code_line(info.pseudocode[i].text, light(i), width, theme), 0.0);
+    }
+    lines.size[1] += BOX;
+    let mut canvas = Canvas::default();
+    canvas.fill(Rect::new([0.0; 2], [width, lines.size[1]]), chrome.raised);
+    canvas.extend(lines.primitives);
+    Block { primitives: canvas.into_primitives(), ..lines }
+}
+
+/// A line of code; the one at work is lit, with an arrow before it.
+pub fn code_line(text: &str, light: Light, width: f32, theme: Theme) -> Block {
+    let chrome = theme.chrome();
+    let size = theme.sizes().mono;
+    let height = (1.32 * size).round();
+    let indent = 1.8 * size + (text.len() - text.trim_start().len()) as f32 * 0.6 * size;
+    let color = if light == Light::Other { chrome.text.mix(chrome.raised, 0.25) } else { chrome.text };
+    let style = Type { face: Face::Mono, size, color };
+    let room = (width - indent - 8.0).max(8.0 * size);
+    let words = text.trim_start();
+    let rows = wrap(&[Run::new(words, color).face(Face::Mono)], size, room);
+    let block = [width, rows.len().max(1) as f32 * height + 2.0 * CODE_MARGIN];
+    let rect = Rect::new([0.0; 2], block);
+    let mut canvas = Canvas::default();
+    if light == Light::AtWork {
+        canvas.fill(rect, chrome.selection);
+        let (x, y, half) = (0.5 * size, CODE_MARGIN + height / 2.0, 0.36 * size);
+        let points = vec![[x, y - half], [x + 1.7 * half, y], [x, y + half]];
+        canvas.add(Primitive::Polygon { points, color: chrome.accent });
+    }
+    for (i, runs) in rows.into_iter().enumerate() {
+        let words: String = runs.into_iter().map(|run| run.text).collect();
+        let y = CODE_MARGIN + (i as f32 + 0.5) * height;
+        canvas.text([indent, y], (Anchor::Start, Level::Middle), &words, style);
+    }
+    let said = format!("{}{words}", if light == Light::AtWork { "current line: " } else { "" });
+    Block { size: block, primitives: canvas.into_primitives(), lines: vec![(rect, said)] }
+}
+
+/// Where the algorithm is from.
+pub fn citation(source: &str, width: f32, theme: Theme) -> Block {
+    let style = Type::dim(theme);
+    let height = (1.3 * style.size).round();
+    let mut block = Block::default();
+    for runs in wrap(&[Run::new(source, style.color)], style.size, width) {
+        let words: String = runs.into_iter().map(|run| run.text).collect();
+        let mut canvas = Canvas::default();
+        let rect = canvas.text([0.0, height / 2.0], (Anchor::Start, Level::Middle), &words, style);
+        let size = [rect.size()[0], height];
+        let lines = vec![(Rect::new([0.0; 2], size), words)];
+        block.put_below(Block { size, primitives: canvas.into_primitives(), lines }, 0.0);
+    }
+    block
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::{Role, estimator};
+
+    use super::super::super::ColorMap;
+    use super::super::texts;
+    use super::*;
+
+    fn step(line: motionscope_core::pseudocode::Name) -> Step {
+        let facts = vec![
+            Fact::new("Best so far", "812 at (−3, 2)", Some(Role::Best)),
+            Fact::new("Where", "a value that is so long that it finds room only below what it is a value of", None),
+        ];
+        let sentence = Sentence::default().text("Candidate ").ink(Role::Candidate, "(−3, 2)").text(" costs 812.");
+        let formula = Math::Row(vec![Math::text("SAD"), Math::text(" = "), Math::ink(Role::Candidate, "812")]);
+        Step { line, sentence, readouts: vec![Readout::Facts(facts), Readout::Equation(vec![formula])] }
+    }
+
+    fn style() -> ChartStyle {
+        ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 }
+    }
+
+    #[test]
+    fn every_word_is_there_and_the_line_at_work_is_lit() {
+        let estimator = estimator("full-search").expect("it is registered");
+        let info = estimator.info();
+        let line = &info.pseudocode[3];
+        let step = step(line.name);
+        let area = Rect::new([10.0, 20.0], [320.0, 2000.0]);
+        let drawing = draw(Explained { info, step: &step }, area, style());
+        let primitives: Vec<_> = drawing.into_layers().into_iter().flat_map(|layer| layer.primitives).collect();
+        let said = texts(&primitives).join(" ");
+        for words in ["Candidate (−3, 2) costs 812.", "Best so far", "812 at (−3, 2)", "SAD", info.name] {
+            assert!(said.contains(words), "{words} is missing in {said}");
+        }
+        for line in info.pseudocode {
+            line.text.split_whitespace().for_each(|word| assert!(said.contains(word), "{word} is missing"));
+        }
+        let lit = Theme::Dark.chrome().selection;
+        let lit = primitives.iter().filter(|p| matches!(p, Primitive::Polygon { color, .. } if *color == lit)).count();
+        assert_eq!(lit, 1);
+        for primitive in &primitives {
+            let Rect { min, max } = primitive.bounds().grown(-6.0);
+            assert!(area.min[0] <= min[0] + 3.0 && max[0] <= area.max[0] + 3.0, "{primitive:?} sticks out");
+        }
+    }
+
+    #[test]
+    fn where_there_is_little_height_the_code_around_the_line_at_work_is_shown() {
+        let estimator = estimator("full-search").expect("it is registered");
+        let info = estimator.info();
+        let last = &info.pseudocode[info.pseudocode.len() - 1];
+        let step = step(last.name);
+        let data = Explained { info, step: &step };
+        let [least, whole] = heights(data, 320.0, style());
+        assert!(least < whole);
+        let drawing = draw(data, Rect::new([0.0; 2], [320.0, least]), style());
+        assert!(drawing.place[1] <= least);
+        let primitives: Vec<_> = drawing.into_layers().into_iter().flat_map(|layer| layer.primitives).collect();
+        let said = texts(&primitives).join(" ");
+        let word = |text: &str| text.split_whitespace().max_by_key(|word| word.len()).map(str::to_owned);
+        assert!(said.contains(&word(last.text).expect("a word")), "{said}");
+    }
+}

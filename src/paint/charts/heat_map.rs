@@ -1,0 +1,267 @@
+//! A cost over displacements, as a map of colors that fills in as candidates are tested.
+
+use std::sync::Arc;
+
+use motionscope_core::scene::Surface;
+use motionscope_core::{Grid, Role};
+
+use super::super::primitive::{Anchor, Primitive, Rect};
+use super::super::{Color, ColorMap, Theme, grouped, number};
+use super::axis::Axis;
+use super::canvas::{Canvas, Level, Type, around, middle, shortened, solid};
+use super::{ChartStyle, Drawing, Map, titled};
+
+/// What is said of a candidate whose cost was not summed to its end.
+const GIVEN_UP: &str = "given up early";
+/// Colors of the bar: so many that no step between two is seen.
+const SHADES: usize = 128;
+
+/// What is mapped.
+#[derive(Clone, Copy, Debug)]
+pub struct HeatMap<'a> {
+    /// The costs.
+    pub surface: &'a Surface,
+    /// The estimator whose they are.
+    pub whose: &'a str,
+}
+
+/// Lays the map out as large as it fits into `area`.
+pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
+    let (surface, theme) = (data.surface, style.theme);
+    // At the right stand the color bar and its numbers.
+    let map = Map::new((surface.origin, surface.values.size()), area, 7.5, theme);
+    let mut canvas = Canvas::default();
+    hatch(&mut canvas, map.rect, theme);
+    let pixels = Arc::new(costs(surface, style));
+    canvas.add(Primitive::Image { pixels, rect: map.rect });
+    map.axes(&mut canvas, theme);
+    for (role, at) in [(Role::Best, surface.best), (Role::Candidate, surface.probe)] {
+        if let Some(at) = at {
+            cross(&mut canvas, &map, at, role, theme);
+        }
+    }
+    color_bar(&mut canvas, &map, surface, style);
+    Drawing { place: map, body: canvas.into_layers(), head: head(data, &map, area, None, style) }
+}
+
+/// What stands above the map: what is mapped, or what is known of the displacement that is pointed at.
+pub fn head(data: HeatMap<'_>, map: &Map, area: Rect, pointed: Option<[i32; 2]>, style: ChartStyle) -> Vec<Primitive> {
+    let (small, theme) = (map.small, style.theme);
+    let y = area.min[1] + 0.8 * small;
+    let mut canvas = Canvas::default();
+    let mut right = area.max[0];
+    if tested(data.surface).1 > 0 {
+        let words = canvas.text([right, y], (Anchor::End, Level::Middle), GIVEN_UP, Type::dim(theme));
+        let swatch = around([(words.min[0] - small).round(), y], [small; 2]);
+        canvas.fill(swatch, neutral(theme));
+        right = swatch.min[0] - small;
+    }
+    let (left, text) = (area.min[0], Type::text(theme));
+    let told = match pointed {
+        Some(at) => told(data.surface, at),
+        None => titled(data.whose, &format!("{} by displacement", data.surface.title), (small, right - left)),
+    };
+    canvas.text([left, y], (Anchor::Start, Level::Middle), &shortened(&told, text, right - left), text);
+    canvas.into_primitives()
+}
+
+/// The colors of the cells: clear where nothing was tested.
+fn costs(surface: &Surface, style: ChartStyle) -> Grid<[u8; 4]> {
+    let shades = Shades::of(surface, style.colors);
+    let (width, height) = surface.values.size();
+    Grid::from_fn(width, height, |x, y| match (surface.values[(x, y)], surface.events[(x, y)]) {
+        (cost, _) if cost.is_finite() => shades.at(cost).0,
+        (_, Some(_)) => neutral(style.theme).0,
+        (_, None) => [0; 4],
+    })
+}
+
+/// The colors of costs.
+#[derive(Clone, Copy, Debug)]
+pub struct Shades {
+    range: [f32; 2],
+    colors: ColorMap,
+}
+
+impl Shades {
+    /// Those of `surface`.
+    pub fn of(surface: &Surface, colors: ColorMap) -> Self {
+        Self { range: surface.range().unwrap_or_default(), colors }
+    }
+
+    /// The color of a cost.
+    pub fn at(&self, cost: f32) -> Color {
+        let [low, high] = self.range;
+        self.colors.at((cost - low) / (high - low).max(f32::MIN_POSITIVE))
+    }
+}
+
+/// The cell of a displacement.
+fn cell(surface: &Surface, [u, v]: [i32; 2]) -> Option<(usize, usize)> {
+    let place = |c: i32, origin: i32| usize::try_from(c.checked_sub(origin)?).ok();
+    Some((place(u, surface.origin[0])?, place(v, surface.origin[1])?))
+}
+
+/// The cost at a displacement, if it is known.
+pub fn cost(surface: &Surface, at: [i32; 2]) -> Option<f32> {
+    let (x, y) = cell(surface, at)?;
+    surface.values.get(x, y).copied().filter(|v| v.is_finite())
+}
+
+/// The event that tested a displacement, if one did.
+pub fn event(surface: &Surface, at: [i32; 2]) -> Option<usize> {
+    let (x, y) = cell(surface, at)?;
+    surface.events.get(x, y).copied().flatten()
+}
+
+/// How many displacements were tested, and how many of these were given up before their cost was known.
+fn tested(surface: &Surface) -> (usize, usize) {
+    let tested = surface.events.cells().iter().zip(surface.values.cells()).filter(|(event, _)| event.is_some());
+    tested.fold((0, 0), |(all, given_up), (_, cost)| (all + 1, given_up + usize::from(!cost.is_finite())))
+}
+
+/// A displacement as it is written.
+pub fn vector([u, v]: [i32; 2]) -> String {
+    format!("({}, {})", number(u as f32), number(v as f32))
+}
+
+/// What the surface shows, in words.
+pub fn summary(surface: &Surface) -> String {
+    let (tested, given_up) = tested(surface);
+    let early = if given_up > 0 { format!(", {} of them {GIVEN_UP}", grouped(given_up)) } else { String::new() };
+    let (tested, all) = (grouped(tested), grouped(surface.values.cells().len()));
+    let best = surface.best.and_then(|at| Some(format!(", smallest {} at {}", number(cost(surface, at)?), vector(at))));
+    format!("{} by displacement: {tested} of {all} tested{early}{}", surface.title, best.unwrap_or_default())
+}
+
+/// Fills the cells of candidates whose cost is not known since it was too large already.
+fn neutral(theme: Theme) -> Color {
+    let chrome = theme.chrome();
+    chrome.raised.mix(chrome.text, 0.3)
+}
+
+/// What was not tested yet: thin slanted lines.
+fn hatch(canvas: &mut Canvas, rect: Rect, theme: Theme) {
+    let chrome = theme.chrome();
+    canvas.fill(rect, chrome.raised);
+    let color = chrome.raised.mix(chrome.text, 0.14);
+    let ([x0, y0], [x1, y1]) = (rect.min, rect.max);
+    let count = ((x1 - x0 + y1 - y0) / 8.0) as usize;
+    for i in 1..=count {
+        // The line x + y = sum, as far as it lies in the rectangle.
+        let sum = x0 + y0 + i as f32 * 8.0;
+        let ends = [[(sum - y1).max(x0), y1.min(sum - x0)], [x1.min(sum - y0), (sum - x1).max(y0)]];
+        canvas.line(ends.to_vec(), false, solid(1.0, color));
+    }
+}
+
+/// Thin lines through a displacement, and a frame around its cell.
+fn cross(canvas: &mut Canvas, map: &Map, at: [i32; 2], role: Role, theme: Theme) {
+    let ink = theme.ink(role);
+    let cell = map.cell_rect(at);
+    let center = middle(&cell);
+    let ([x0, y0], [x1, y1]) = (map.rect.min, map.rect.max);
+    for (width, color) in [(2.5, Color::BLACK.alpha(90)), (1.0, ink.color.alpha(204))] {
+        canvas.line(vec![[x0, center[1]], [x1, center[1]]], false, solid(width, color));
+        canvas.line(vec![[center[0], y0], [center[0], y1]], false, solid(width, color));
+    }
+    let frame = around(center, [map.cell.max(7.0); 2]).grown(ink.width / 2.0);
+    canvas.frame(frame, ink.width + 2.0 * ink.halo_width, ink.halo);
+    canvas.frame(frame, ink.width, ink.color);
+}
+
+/// What is known of the displacement that is pointed at.
+fn told(surface: &Surface, at: [i32; 2]) -> String {
+    match (cost(surface, at), event(surface, at)) {
+        (Some(cost), _) => format!("{} at {} is {}", surface.title, vector(at), number(cost)),
+        (None, Some(_)) => format!("{} was {GIVEN_UP}", vector(at)),
+        (None, None) => format!("{} is not tested yet", vector(at)),
+    }
+}
+
+fn color_bar(canvas: &mut Canvas, map: &Map, surface: &Surface, style: ChartStyle) {
+    let Some([low, high]) = surface.range() else { return };
+    let (small, chrome, dim) = (map.small, style.theme.chrome(), Type::dim(style.theme));
+    let min = [(map.rect.max[0] + 2.0 * small).round(), map.rect.min[1]];
+    let bar = Rect::new(min, [small.round(), map.rect.size()[1]]);
+    let shade = |y: usize| style.colors.at(1.0 - y as f32 / (SHADES - 1) as f32).0;
+    let pixels = Arc::new(Grid::from_fn(1, SHADES, |_, y| shade(y)));
+    canvas.add(Primitive::Image { pixels, rect: bar });
+    canvas.frame(bar.grown(0.5), 1.0, chrome.line);
+    let axis = Axis { values: [low, high], places: [bar.max[1], bar.min[1]] };
+    let mut label = |value: f32| {
+        let y = axis.place(value);
+        canvas.across([bar.max[0], bar.max[0] + 4.0], y, chrome.dim);
+        canvas.text([bar.max[0] + 7.0, y], (Anchor::Start, Level::Middle), &number(value), dim);
+    };
+    label(low);
+    if high > low {
+        label(high);
+        let clear = |v: &f32| [low, high].iter().all(|end| (axis.place(*v) - axis.place(*end)).abs() > 1.6 * small);
+        axis.ticks(2.6 * small, 1e-6).into_iter().filter(clear).for_each(label);
+    }
+    // The bar is of the same quantity as the map.
+    let above = [bar.min[0], map.rect.min[1] - 0.3 * small];
+    canvas.text(above, (Anchor::Start, Level::Bottom), surface.title, Type::text(style.theme));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::texts;
+    use super::*;
+
+    fn surface() -> Surface {
+        let values = Grid::from_fn(33, 17, |x, y| if y < 9 { (x + 40 * y) as f32 } else { f32::NAN });
+        let events = Grid::from_fn(33, 17, |x, y| (y < 9).then_some(2 + x + 33 * y));
+        Surface { title: "SAD", origin: [-16, -8], values, events, probe: Some([0, 0]), best: Some([-16, -8]) }
+    }
+
+    fn style() -> ChartStyle {
+        ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 }
+    }
+
+    #[test]
+    fn the_map_has_the_colors_of_its_costs() {
+        let surface = surface();
+        let area = Rect::new([20.0, 10.0], [500.0, 300.0]);
+        let Drawing { place, body, head } = draw(HeatMap { surface: &surface, whose: "Full search" }, area, style());
+        let primitives: Vec<_> = body.into_iter().flat_map(|layer| layer.primitives).collect();
+        let image = primitives.iter().find_map(|primitive| match primitive {
+            Primitive::Image { pixels, rect } if *rect == place.rect => Some(pixels.clone()),
+            _ => None,
+        });
+        let pixels = image.expect("a map");
+        let [low, high] = surface.range().expect("costs");
+        for at in [(0, 0), (5, 3), (32, 8)] {
+            let share = (surface.values[at] - low) / (high - low);
+            assert_eq!(pixels[at], ColorMap::Viridis.at(share).0, "{at:?}");
+        }
+        assert_eq!(pixels[(3, 12)][3], 0, "what was not tested is clear");
+        let words = texts(&primitives);
+        for label in ["u, px →", "v, px ↓", "−16", "16", "352", "SAD"] {
+            assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
+        }
+        assert_eq!(texts(&head), ["Full search · SAD by displacement"]);
+    }
+
+    #[test]
+    fn the_map_tells_itself_in_words() {
+        assert_eq!(summary(&surface()), "SAD by displacement: 297 of 561 tested, smallest 0 at (−16, −8)");
+        assert_eq!(cost(&surface(), [0, 8]), None);
+        assert_eq!((event(&surface(), [-15, -7]), event(&surface(), [0, 8])), (Some(36), None));
+        assert_eq!(cost(&surface(), [-40, 0]), None);
+    }
+
+    #[test]
+    fn a_candidate_that_was_given_up_is_not_called_untested() {
+        let mut surface = surface();
+        surface.events[(3, 9)] = Some(300);
+        surface.events[(4, 9)] = Some(301);
+        assert_eq!(
+            summary(&surface),
+            "SAD by displacement: 299 of 561 tested, 2 of them given up early, smallest 0 at (−16, −8)"
+        );
+        let told = [[-15, -8], [-13, 1], [-11, 1]].map(|at| told(&surface, at));
+        assert_eq!(told, ["SAD at (−15, −8) is 1", "(−13, 1) was given up early", "(−11, 1) is not tested yet"]);
+    }
+}

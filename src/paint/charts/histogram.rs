@@ -1,0 +1,208 @@
+//! How many blocks have each displacement: a map of counts, and the fullest bins as a list.
+
+use motionscope_core::{Histogram, Role};
+
+use super::super::primitive::{Anchor, Point, Primitive, Rect};
+use super::super::{Color, ColorMap, Face, grouped, number};
+use super::canvas::{Canvas, Level, Type, around, middle, shortened};
+use super::heat_map::vector;
+use super::{ChartStyle, Drawing, Map};
+
+/// Letters of room for the list.
+const LIST: f32 = 13.0;
+/// The smallest side of a bin that has any, in points: it must be seen and found.
+const LEAST: f32 = 4.0;
+
+/// What is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Counts<'a> {
+    /// The counts.
+    pub histogram: &'a Histogram,
+    /// The estimator that found them.
+    pub whose: &'a str,
+}
+
+/// Lays the histogram out as large as it fits into `area`.
+pub fn draw(data: Counts<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
+    let (histogram, theme) = (data.histogram, style.theme);
+    let map = Map::new((histogram.origin, histogram.counts.size()), area, LIST, theme);
+    let mut canvas = Canvas::default();
+    canvas.fill(map.rect, theme.chrome().raised);
+    bins(&mut canvas, &map, histogram, style.colors);
+    map.axes(&mut canvas, theme);
+    if let Some(at) = histogram.newest {
+        newest(&mut canvas, &map, at, style);
+    }
+    list(&mut canvas, &map, (area, histogram), style);
+    Drawing { place: map, body: canvas.into_layers(), head: head(data, area, None, style) }
+}
+
+/// What stands above the map: what is counted, or `told` of the bin that is pointed at.
+pub fn head(data: Counts<'_>, area: Rect, told: Option<String>, style: ChartStyle) -> Vec<Primitive> {
+    let (text, width) = (Type::text(style.theme), area.size()[0]);
+    let what = || super::titled(data.whose, &summary(data.histogram), (text.size, width));
+    let words = shortened(&told.unwrap_or_else(what), text, width);
+    let mut canvas = Canvas::default();
+    let at = [area.min[0], area.min[1] + 0.8 * text.size];
+    canvas.text(at, (Anchor::Start, Level::Middle), &words, text);
+    canvas.into_primitives()
+}
+
+/// What the histogram shows, in words.
+pub fn summary(histogram: &Histogram) -> String {
+    let all = counted(histogram, histogram.total());
+    let level = histogram.level.map_or_else(String::new, |level| format!(" of level {level}"));
+    let bits = format!("{:.2}", histogram.bits);
+    let bins = match histogram.distinct() {
+        1 => "one displacement".to_owned(),
+        distinct => format!("{} displacements", grouped(distinct)),
+    };
+    let rounded = if histogram.is_rounded { ", counted by whole px" } else { "" };
+    // A field of real numbers has as many displacements as pixels, and none of them is coded.
+    let entropy = if histogram.of == "block" { format!("; entropy {bits} bits each") } else { String::new() };
+    format!("{all}{level}, {bins}{rounded}{entropy}")
+}
+
+fn counted(histogram: &Histogram, count: u32) -> String {
+    format!("{} {}{}", grouped(count as usize), histogram.of, if count == 1 { "" } else { "s" })
+}
+
+/// What it is called.
+pub fn name(histogram: &Histogram) -> String {
+    format!("Histogram: {}", summary(histogram))
+}
+
+/// A bin in words; `leads` if a click on it leads to a block.
+pub fn told(histogram: &Histogram, at: [i32; 2], leads: bool) -> String {
+    let cell = histogram.cell(at);
+    let count = cell.map_or(0, |cell| histogram.counts[cell]);
+    let percent = 100.0 * f64::from(count) / f64::from(histogram.total().max(1));
+    let near = if histogram.is_rounded { "within half a px of" } else { "by" };
+    let leads = leads && cell.is_some_and(|cell| histogram.units[cell].is_some());
+    let first = if leads { "; a click goes to the first" } else { "" };
+    format!("{} {near} {} px, {percent:.1} %{first}", counted(histogram, count), vector(at))
+}
+
+/// What is painted for a bin.
+pub fn seen(map: &Map, at: [i32; 2]) -> Rect {
+    let cell = map.cell_rect(at);
+    around(middle(&cell), [map.cell.max(LEAST); 2])
+}
+
+/// The bin at a place, or where bins are small the nearest that has any.
+pub fn nearest(histogram: &Histogram, map: &Map, place: Point) -> Option<[i32; 2]> {
+    let under = map.displacement(place)?;
+    let distance = |at: &[i32; 2]| {
+        let [x, y] = middle(&map.cell_rect(*at));
+        (x - place[0]).hypot(y - place[1])
+    };
+    let holds = |rect: Rect| (0..2).all(|i| (rect.min[i]..=rect.max[i]).contains(&place[i]));
+    let bins = histogram.fullest().into_iter().map(|(at, _)| at).filter(|at| holds(seen(map, *at)));
+    Some(bins.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(under))
+}
+
+/// The color of a count: roots, so that what came once is seen beside what came a thousand times.
+fn color(count: u32, most: u32, colors: ColorMap) -> Color {
+    colors.at(0.2 + 0.8 * (count as f32 / most.max(1) as f32).sqrt())
+}
+
+fn bins(canvas: &mut Canvas, map: &Map, histogram: &Histogram, colors: ColorMap) {
+    let bins = histogram.fullest();
+    let most = bins.first().map_or(1, |(_, count)| *count);
+    // The fullest come last: where bins are drawn larger than they are, these stay whole.
+    for (at, count) in bins.into_iter().rev() {
+        let (rect, fill) = (seen(map, at), color(count, most, colors));
+        canvas.fill(rect.grown(if map.cell > 8.0 { -0.5 } else { 0.0 }), fill);
+        let words = grouped(count as usize);
+        let style = Type { face: Face::Sans, size: map.small, color: super::on(fill) };
+        if style.width(&words) + 2.0 < rect.size()[0] && 1.2 * map.small < rect.size()[1] + 4.0 {
+            canvas.text(middle(&rect), (Anchor::Middle, Level::Middle), &words, style);
+        }
+    }
+}
+
+/// Frames the bin of the block that was just found.
+fn newest(canvas: &mut Canvas, map: &Map, at: [i32; 2], style: ChartStyle) {
+    let ink = style.theme.ink(Role::Result);
+    let rect = around(middle(&map.cell_rect(at)), [map.cell.max(9.0); 2]);
+    canvas.frame(rect, ink.width + 2.0 * ink.halo_width, ink.halo);
+    canvas.frame(rect, ink.width, ink.color);
+}
+
+/// The fullest bins as words, as many as there is room for; the newest stands out.
+fn list(canvas: &mut Canvas, map: &Map, (area, histogram): (Rect, &Histogram), style: ChartStyle) {
+    let (text, dim) = (Type::text(style.theme), Type::dim(style.theme));
+    let left = map.rect.max[0] + 3.0 * map.small;
+    let right = (left + 10.0 * map.small).min(area.max[0]);
+    let (top, line) = (map.rect.min[1], 1.5 * map.small);
+    let bins = histogram.fullest();
+    let room = (((area.max[1] - top) / line) as usize).max(1);
+    let (shown, rest) = if bins.len() > room { (room - 1, bins.len() + 1 - room) } else { (bins.len(), 0) };
+    for (i, (at, count)) in bins.into_iter().take(shown).enumerate() {
+        let y = top + (i as f32 + 0.5) * line;
+        let style = match histogram.newest == Some(at) {
+            true => text.face(Face::Bold).color(style.theme.word(Role::Result)),
+            false => text,
+        };
+        canvas.text([left, y], (Anchor::Start, Level::Middle), &vector(at), style);
+        canvas.text([right, y], (Anchor::End, Level::Middle), &number(count as f32), style);
+    }
+    if rest > 0 {
+        let words = format!("and {} more", grouped(rest));
+        canvas.text([left, top + (shown as f32 + 0.5) * line], (Anchor::Start, Level::Middle), &words, dim);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::Counted;
+
+    use super::super::super::Theme;
+    use super::super::{flat, texts};
+    use super::*;
+
+    #[test]
+    fn a_histogram_tells_itself_in_words() {
+        let whole = Histogram::of(Counted::default(), &[[3.0, -1.0], [3.0, -1.0], [0.0, 0.0], [1.0, 0.0]], true);
+        let whole = whole.expect("there are vectors");
+        assert_eq!(summary(&whole), "4 blocks, 3 displacements; entropy 1.50 bits each");
+        let told = |at| told(&whole, at, true);
+        assert_eq!(told([3, -1]), "2 blocks by (3, −1) px, 50.0 %; a click goes to the first");
+        assert_eq!(told([2, 2]), "0 blocks by (2, 2) px, 0.0 %");
+        assert_eq!(told([0, 0]), "1 block by (0, 0) px, 25.0 %; a click goes to the first");
+        let fine =
+            Histogram::of(Counted { first_unit: 20, level: Some(2) }, &[[0.25, 0.0]], false).expect("there is one");
+        assert_eq!(summary(&fine), "1 block of level 2, one displacement, counted by whole px; entropy 0.00 bits each");
+    }
+
+    #[test]
+    fn a_small_bin_that_has_any_is_found_beside_empty_ones() {
+        let histogram =
+            Histogram::of(Counted::default(), &[[-60.0, 40.0], [64.0, -64.0]], false).expect("there are vectors");
+        let area = Rect::new([0.0; 2], [300.0, 200.0]);
+        let map = Map::new((histogram.origin, histogram.counts.size()), area, LIST, Theme::Dark);
+        assert!(map.cell < 2.0);
+        let [x, y] = middle(&map.cell_rect([-60, 40]));
+        assert_eq!(nearest(&histogram, &map, [x + 1.6, y - 1.6]), Some([-60, 40]));
+        assert_eq!(nearest(&histogram, &map, middle(&map.cell_rect([0, 0]))), Some([0, 0]));
+    }
+
+    #[test]
+    fn bins_show_their_counts_and_the_list_has_the_fullest_first() {
+        let vectors = [[2.0, 1.0], [2.0, 1.0], [0.0, 0.0]];
+        let histogram = Histogram::of(Counted::default(), &vectors, false).expect("there are vectors");
+        let style = ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 };
+        let data = Counts { histogram: &histogram, whose: "Diamond search" };
+        let drawing = draw(data, Rect::new([0.0; 2], [600.0, 300.0]), style);
+        let map = drawing.place;
+        let primitives = flat(drawing);
+        let fill =
+            Primitive::Polygon { points: seen(&map, [2, 1]).grown(-0.5).corners(), color: color(2, 2, style.colors) };
+        assert!(primitives.contains(&fill));
+        let words = texts(&primitives);
+        let at =
+            |label: &str| words.iter().position(|word| word == label).unwrap_or_else(|| panic!("{label}: {words:?}"));
+        assert!(at("(2, 1)") < at("(0, 0)"));
+        assert!(words.last().is_some_and(|head| head.starts_with("Diamond search · 3 blocks")));
+    }
+}

@@ -1,0 +1,180 @@
+//! Matrices with the numbers of a step, side by side; what the step has changed is lit.
+
+use motionscope_core::scene::Matrix;
+
+use super::super::primitive::{Anchor, Point, Rect};
+use super::super::{Color, Face, Theme, number};
+use super::canvas::{Canvas, Level, Type, middle, solid};
+use super::{ChartStyle, Drawing};
+
+/// Between two matrices, in letters.
+const GAP_LETTERS: [f32; 2] = [1.6, 0.8];
+/// Least width of a column, in letters, and what lies between one and what stands in the next.
+const COLUMN_LETTERS: f32 = 5.4;
+const COLUMN_GAP_LETTERS: f32 = 1.2;
+/// Height of a row, in letters.
+const ROW_LETTERS: f32 = 1.6;
+/// Height of the line with the name, in letters.
+const HEAD_LETTERS: f32 = 2.0;
+
+/// Lays all matrices out from the upper left corner of `area` on, as many beside each other as it is wide; gives where each
+/// lies. They may need more room than there is: [`Drawing::place`] tells how much.
+pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<Rect>> {
+    let gaps = GAP_LETTERS.map(|letters| letters * style.small());
+    let all: Vec<_> = matrices.iter().map(|matrix| (matrix, Place::of(matrix, style.theme))).collect();
+    let mut canvas = Canvas::default();
+    let (mut at, mut below) = (area.min, area.min[1]);
+    let mut places = Vec::new();
+    for (matrix, place) in all {
+        if at[0] > area.min[0] && at[0] + place.size[0] > area.max[0] {
+            at = [area.min[0], below + gaps[1]];
+        }
+        let rect = Rect::new(at, place.size);
+        one(&mut canvas, matrix, &place, at, style.theme);
+        at[0] = rect.max[0] + gaps[0];
+        below = below.max(rect.max[1]);
+        places.push(rect);
+    }
+    Drawing { place: places, body: canvas.into_layers(), head: Vec::new() }
+}
+
+/// Width and height that matrices need where they may be `width` points wide.
+pub fn size(matrices: &[Matrix], width: f32, style: ChartStyle) -> [f32; 2] {
+    let places = draw(matrices, Rect::new([0.0; 2], [width, 0.0]), style).place;
+    places.iter().fold([0.0; 2], |size, rect| [size[0].max(rect.max[0]), size[1].max(rect.max[1])])
+}
+
+/// Where the parts of a matrix lie within its own rectangle.
+struct Place {
+    /// Height of the line with its name.
+    head: f32,
+    /// Room for the names of the columns and rows; none where there are no names.
+    columns: f32,
+    rows: f32,
+    /// Size of an entry.
+    cell: [f32; 2],
+    /// Size of all of it.
+    size: [f32; 2],
+}
+
+impl Place {
+    fn of(matrix: &Matrix, theme: Theme) -> Self {
+        let text = Type::text(theme);
+        let small = text.size;
+        let (width, height) = matrix.entries.size();
+        let widest = |words: &mut dyn Iterator<Item = String>| words.map(|word| text.width(&word)).fold(0.0, f32::max);
+        let entries = widest(&mut matrix.entries.cells().iter().map(|value| number(*value as f32)));
+        let column = entries.max(widest(&mut matrix.columns.iter().cloned())) + COLUMN_GAP_LETTERS * small;
+        let rows = widest(&mut matrix.rows.iter().cloned());
+        let head = HEAD_LETTERS * small;
+        let columns = if matrix.columns.is_empty() { 0.0 } else { ROW_LETTERS * small };
+        let rows = if matrix.rows.is_empty() { 0.0 } else { (rows + small).max(2.2 * small) };
+        let cell = [column.max(COLUMN_LETTERS * small), ROW_LETTERS * small];
+        let name = symbol(theme).width(matrix.symbol) + 0.5 * small + text.width(matrix.name);
+        let body = [rows + cell[0] * width as f32, columns + cell[1] * height as f32];
+        Self { head, columns, rows, cell, size: [body[0].max(name + 2.0).ceil(), (head + body[1]).ceil()] }
+    }
+}
+
+fn symbol(theme: Theme) -> Type {
+    Type { face: Face::Italic, size: theme.sizes().body, color: theme.chrome().text }
+}
+
+fn one(canvas: &mut Canvas, matrix: &Matrix, place: &Place, min: Point, theme: Theme) {
+    let (chrome, text, dim) = (theme.chrome(), Type::text(theme), Type::dim(theme));
+    let small = text.size;
+    let color = matrix.role.map_or(chrome.text, |role| theme.word(role));
+    let y = min[1] + 0.9 * small;
+    let (start, end) = ((Anchor::Start, Level::Middle), (Anchor::End, Level::Middle));
+    let name = canvas.text([min[0], y], start, matrix.symbol, symbol(theme).color(color)).max[0];
+    canvas.text([name + 0.5 * small, y], start, matrix.name, dim);
+    let (width, height) = matrix.entries.size();
+    if width == 0 || height == 0 {
+        return;
+    }
+    let origin = [min[0] + place.rows, min[1] + place.head + place.columns];
+    let cell = |x: usize, y: usize| {
+        Rect::new([origin[0] + x as f32 * place.cell[0], origin[1] + y as f32 * place.cell[1]], place.cell)
+    };
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let rect = cell(x, y);
+        if matrix.changed.as_ref().is_some_and(|changed| changed[(x, y)]) {
+            canvas.fill(rect.grown(-1.0), chrome.selection);
+        }
+        let value = matrix.entries[(x, y)];
+        // What is nothing steps back, so that the shape of a matrix can be seen.
+        let style = if value == 0.0 { dim } else { text };
+        let at = [rect.max[0] - 0.4 * small, middle(&rect)[1]];
+        canvas.text(at, end, &number(value as f32), style);
+    }
+    for (x, name) in matrix.columns.iter().enumerate() {
+        let Rect { min: [_, top], max: [right, _] } = cell(x, 0);
+        canvas.text([right - 0.4 * small, top - 0.3 * small], (Anchor::End, Level::Bottom), name, dim);
+    }
+    for (y, name) in matrix.rows.iter().enumerate() {
+        let rect = cell(0, y);
+        canvas.text([rect.min[0] - 0.6 * small, middle(&rect)[1]], end, name, dim);
+    }
+    brackets(canvas, Rect { min: origin, max: cell(width - 1, height - 1).max }, chrome.dim);
+}
+
+fn brackets(canvas: &mut Canvas, Rect { min: [left, top], max: [right, bottom] }: Rect, color: Color) {
+    for (x, inwards) in [(left, 4.0), (right, -4.0)] {
+        let points = vec![[x + inwards, top], [x, top], [x, bottom], [x + inwards, bottom]];
+        canvas.line(points, false, solid(1.0, color));
+    }
+}
+
+/// The matrix in words, for a screen reader.
+pub fn plain(matrix: &Matrix) -> String {
+    let (width, height) = matrix.entries.size();
+    let row = |y| (0..width).map(|x| number(matrix.entries[(x, y)] as f32)).collect::<Vec<_>>().join(", ");
+    let rows: Vec<_> = (0..height).map(row).collect();
+    format!("{}, {}: {}", matrix.symbol, matrix.name, rows.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::Grid;
+
+    use super::super::super::{ColorMap, Primitive};
+    use super::super::{flat, texts};
+    use super::*;
+
+    fn matrix() -> Matrix {
+        Matrix {
+            symbol: "P",
+            name: "covariance of the state",
+            role: None,
+            entries: Grid::from_fn(2, 2, |x, y| [4.5, 0.0, -0.25, 812.0][2 * y + x]),
+            rows: vec!["x".into(), "v".into()],
+            columns: Vec::new(),
+            changed: Some(Grid::from_fn(2, 2, |x, y| (x, y) == (1, 1))),
+        }
+    }
+
+    fn style() -> ChartStyle {
+        ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 }
+    }
+
+    #[test]
+    fn every_entry_stands_there_and_the_changed_one_is_lit() {
+        let drawing = draw(&[matrix()], Rect::new([0.0; 2], [500.0, 200.0]), style());
+        let primitives = flat(drawing);
+        let words = texts(&primitives);
+        for label in ["P", "covariance of the state", "4.50", "0", "−0.250", "812", "x", "v"] {
+            assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
+        }
+        let lit = primitives.iter().filter(|p| matches!(p, Primitive::Polygon { .. })).count();
+        assert_eq!(lit, 1);
+    }
+
+    #[test]
+    fn matrices_go_on_below_where_there_is_no_room_beside() {
+        let all = [matrix(), matrix(), matrix()];
+        let [wide, low] = size(&all, 2000.0, style());
+        let [narrow, high] = size(&all, 200.0, style());
+        assert!(wide > 2.5 * narrow && high > 2.5 * low, "{wide}×{low} and {narrow}×{high}");
+        assert_eq!(plain(&all[0]), "P, covariance of the state: 4.50, 0; −0.250, 812");
+    }
+}

@@ -1,0 +1,297 @@
+//! The plane of displacements: what pixels allow, as lines, and displacements as points.
+
+use motionscope_core::Role;
+use motionscope_core::scene::{Constraint, Plane, Spread};
+
+use super::super::primitive::{Anchor, Point, Primitive, Rect};
+use super::super::{Color, Face, Theme, legend, marks, number};
+use super::axis::Axis;
+use super::canvas::{Canvas, Level, Type, shortened, solid};
+use super::{ChartStyle, Drawing, titled};
+
+/// How near one can come: what a plane shows at first is at most so many times as wide.
+const NEAREST: f32 = 256.0;
+/// How far one can go away.
+const FARTHEST: f32 = 4.0;
+/// Letters beside the plane for the names of its points, if there is room for them.
+const NAMES: f32 = 13.0;
+
+/// What is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// The lines and points.
+    pub plane: &'a Plane,
+    /// The estimator whose they are.
+    pub whose: &'a str,
+    /// Which part of the plane is seen; all of it unless one came nearer.
+    pub window: Option<Window>,
+}
+
+/// A part of the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// The displacement in its middle.
+    pub center: [f32; 2],
+    /// How far it reaches from there on both axes.
+    pub reach: f32,
+}
+
+impl Window {
+    /// All that `plane` shows at first.
+    pub fn whole(plane: &Plane) -> Self {
+        Self { center: [0.0; 2], reach: plane.reach }
+    }
+
+    /// After coming nearer by `factor` to the displacement `at`, which stays where it is.
+    #[must_use]
+    pub fn nearer(self, at: [f32; 2], factor: f32, plane: &Plane) -> Self {
+        let reach = (self.reach / factor).clamp(plane.reach / NEAREST, plane.reach * FARTHEST);
+        let share = reach / self.reach;
+        Self { center: [0, 1].map(|i| at[i] + (self.center[i] - at[i]) * share), reach }
+    }
+
+    /// After going `by` further along both axes, not beyond what can be seen from afar.
+    #[must_use]
+    pub fn moved(self, by: [f32; 2], plane: &Plane) -> Self {
+        let most = plane.reach * FARTHEST;
+        Self { center: [0, 1].map(|i| (self.center[i] + by[i]).clamp(-most, most)), ..self }
+    }
+}
+
+/// Where the plane lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Square {
+    /// Inside the axes.
+    pub rect: Rect,
+    /// Of u and of v, which runs down as in the picture.
+    axes: [Axis; 2],
+    window: Window,
+}
+
+impl Square {
+    fn new(area: Rect, window: Window, small: f32) -> Self {
+        // Room for the title, the numbers at the axes and the names of the points.
+        let min = [area.min[0] + 4.0 * small, area.min[1] + 3.2 * small];
+        let room = [area.max[0] - small - min[0], area.max[1] - 3.2 * small - min[1]];
+        let side = (room[0] - NAMES * small).max(0.6 * room[0]).min(room[1]).max(8.0);
+        let left = min[0] + ((room[0] - NAMES * small - side) / 2.0).max(0.0);
+        let rect = Rect::new([left.round(), min[1].round()], [side; 2]);
+        let axis = |i: usize| Axis {
+            values: [window.center[i] - window.reach, window.center[i] + window.reach],
+            places: [rect.min[i], rect.max[i]],
+        };
+        Self { rect, axes: [axis(0), axis(1)], window }
+    }
+
+    /// Where a displacement stands.
+    pub fn at(&self, uv: [f32; 2]) -> Point {
+        [0, 1].map(|i| self.axes[i].place(uv[i]))
+    }
+
+    /// The displacement that stands at a place inside the axes.
+    pub fn displacement(&self, at: Point) -> Option<[f32; 2]> {
+        let inside = (0..2).all(|i| (self.rect.min[i]..=self.rect.max[i]).contains(&at[i]));
+        inside.then(|| [0, 1].map(|i| self.axes[i].value(at[i])))
+    }
+
+    /// How many displacements of 1 lie in a point.
+    pub fn per_point(&self) -> f32 {
+        2.0 * self.window.reach / self.rect.size()[0]
+    }
+
+    /// The part of a line that is seen.
+    fn part(&self, line: &Constraint) -> Option<[Point; 2]> {
+        let Window { center: [u, v], reach } = self.window;
+        let [a, b, c] = line.factors;
+        let ends = Constraint { factors: [a, b, c + a * u + b * v], ..*line }.within(reach)?;
+        Some(ends.map(|end| self.at([end[0] + u, end[1] + v])))
+    }
+}
+
+/// Lays the plane out as large as it fits into `area`.
+pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
+    let Shown { plane, window, .. } = data;
+    let (theme, small) = (style.theme, style.small());
+    let square = Square::new(area, window.unwrap_or(Window::whole(plane)), small);
+    let mut canvas = Canvas::default();
+    axes(&mut canvas, &square, (plane, window.is_some()), theme);
+    for line in &plane.lines {
+        if let Some(ends) = square.part(line) {
+            let Color([.., alpha]) = theme.ink(line.role).color;
+            let alpha = (f32::from(alpha) * (0.25 + 0.75 * line.weight)) as u8;
+            canvas.line(ends.to_vec(), false, solid(1.0 + line.weight, theme.ink(line.role).color.alpha(alpha)));
+        }
+    }
+    let ellipse = plane.ellipse.as_ref().map(|ellipse| spread(&square, ellipse, theme));
+    canvas.inside(square.rect, |canvas| canvas.extend(ellipse));
+    names(&mut canvas, &square, area, (plane, theme));
+    Drawing { place: square, body: canvas.into_layers(), head: head(data, area, None, style) }
+}
+
+/// What stands above the plane: what it shows, or the displacement that is pointed at.
+pub fn head(data: Shown<'_>, area: Rect, pointed: Option<[f32; 2]>, style: ChartStyle) -> Vec<Primitive> {
+    let Shown { plane, whose, .. } = data;
+    let (text, width) = (Type::text(style.theme), area.size()[0]);
+    let words = match pointed {
+        Some([u, v]) => format!("({}, {}) {}", number(u), number(v), plane.unit),
+        None => titled(whose, &format!("{}, displacements in {}", plane.title, plane.unit), (text.size, width)),
+    };
+    let mut canvas = Canvas::default();
+    let at = [area.min[0], area.min[1] + 0.8 * text.size];
+    canvas.text(at, (Anchor::Start, Level::Middle), &shortened(&words, text, width), text);
+    canvas.into_primitives()
+}
+
+fn axes(canvas: &mut Canvas, square: &Square, (plane, is_near): (&Plane, bool), theme: Theme) {
+    let (chrome, dim) = (theme.chrome(), Type::dim(theme));
+    let small = dim.size;
+    let Rect { min: [left, top], max: [right, bottom] } = square.rect;
+    canvas.frame(square.rect.grown(0.5), 1.0, chrome.line);
+    let ticks = |axis: &Axis, spacing: f32| if is_near { axis.ticks(spacing, 0.0) } else { halves(axis, spacing) };
+    for u in ticks(&square.axes[0], 3.6 * small) {
+        let x = square.axes[0].place(u);
+        canvas.down(x, [top, bottom], chrome.line);
+        canvas.text([x, bottom + 4.0], (Anchor::Middle, Level::Top), &tick(u), dim);
+    }
+    for v in ticks(&square.axes[1], 2.0 * small) {
+        let y = square.axes[1].place(v);
+        canvas.across([left, right], y, chrome.line);
+        canvas.text([left - 6.0, y], (Anchor::End, Level::Middle), &tick(v), dim);
+    }
+    let name = Type::text(theme).face(Face::Italic);
+    // The first axis goes to the right, the second down, as in the picture.
+    let below = [right, bottom + 4.0 + 1.25 * small];
+    canvas.text(below, (Anchor::End, Level::Top), &format!("u, {} →", plane.unit), name);
+    let words = format!("v, {} ↓", plane.unit);
+    let x = left - 6.0 - 0.5 * name.width("v, px ↓");
+    canvas.text([x, top - 0.5 * small], (Anchor::Start, Level::Bottom), &words, name);
+}
+
+/// Ticks at halves, quarters and so on of what an axis reaches, at least `spacing` points apart: how far a plane reaches
+/// goes by powers of two.
+fn halves(axis: &Axis, spacing: f32) -> Vec<f32> {
+    let reach = axis.values[1];
+    let apart = |step: f32| (axis.place(step) - axis.place(0.0)).abs();
+    let steps = std::iter::successors(Some(reach), |step| Some(step / 2.0));
+    let step = steps.take(4).take_while(|step| apart(*step) >= spacing).last().unwrap_or(reach);
+    let count = (reach / step).round() as i32;
+    (-count..=count).map(|i| i as f32 * step).collect()
+}
+
+/// A number at an axis, without zeros that tell nothing: `0.5`.
+fn tick(value: f32) -> String {
+    let shown = number(value);
+    if shown.contains('.') { shown.trim_end_matches('0').trim_end_matches('.').into() } else { shown }
+}
+
+fn spread(square: &Square, spread: &Spread, theme: Theme) -> Primitive {
+    // One px is as long across as down.
+    let radii = spread.radii.map(|r| r / square.per_point());
+    let points = marks::ellipse(square.at(spread.center), radii, spread.angle_rad);
+    let ink = theme.ink(Role::Measured);
+    Primitive::Polyline { points, closed: true, stroke: solid(ink.width, theme.word(Role::Measured)) }
+}
+
+/// The points, and beside the plane what each is called.
+fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, theme): (&Plane, Theme)) {
+    let (text, dim) = (Type::text(theme), Type::dim(theme));
+    let small = text.size;
+    let mut at = [square.rect.max[0] + small, square.rect.min[1]];
+    // Where the plane is small, a name and its place share a line.
+    let is_short = 3.2 * small * plane.points.len() as f32 > square.rect.size()[1];
+    for (name, role, uv) in &plane.points {
+        if square.displacement(square.at(*uv)).is_some() {
+            canvas.extend(legend::point(*role, theme, square.at(*uv)));
+        }
+        canvas.extend(legend::point(*role, theme, at.map(|c| c + small / 2.0)));
+        let place = format!("({}, {})", number(uv[0]), number(uv[1]));
+        let left = at[0] + 1.8 * small;
+        let room = area.max[0] - left;
+        let place_at = (Anchor::Start, Level::Middle);
+        let y = at[1] + small / 2.0;
+        let end = canvas.text([left, y], place_at, &shortened(name, text, room), text).max[0];
+        let (x, y) = if is_short { (end + 0.6 * small, y) } else { (left, y + 1.4 * small) };
+        canvas.text([x, y], place_at, &shortened(&place, dim, area.max[0] - x), dim);
+        at[1] += if is_short { 1.7 } else { 3.2 } * small;
+    }
+}
+
+/// What the plane shows, for those who cannot see it.
+pub fn summary(plane: &Plane) -> String {
+    let points = plane.points.iter().map(|(name, _, [u, v])| format!("{name} at ({}, {})", number(*u), number(*v)));
+    let lines = match plane.lines.len() {
+        1 => "one line".to_owned(),
+        count => format!("{count} lines"),
+    };
+    let spread = plane.ellipse.as_ref().map(|spread| {
+        let [long, short] = spread.radii.map(number);
+        format!("one standard deviation {long} by {short} {}", plane.unit)
+    });
+    [format!("{}: {lines}", plane.title)].into_iter().chain(points).chain(spread).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::ColorMap;
+    use super::super::{flat, texts};
+    use super::*;
+
+    fn plane() -> Plane {
+        let line = Constraint { factors: [1.0, 0.0, -1.0], weight: 1.0, role: Role::Candidate };
+        let points = vec![("normal flow", Role::Result, [1.0, -0.25])];
+        let (title, lines) = ("Gradient constraint", vec![line]);
+        Plane { title, unit: "px".into(), reach: 2.0, lines, points, ellipse: None }
+    }
+
+    fn style() -> ChartStyle {
+        ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 }
+    }
+
+    #[test]
+    fn the_plane_is_told_in_words() {
+        assert_eq!(summary(&plane()), "Gradient constraint: one line, normal flow at (1, −0.250)");
+        let spread = Spread { center: [1.0, 0.0], radii: [0.5, 0.25], angle_rad: 0.0 };
+        let told = summary(&Plane { ellipse: Some(spread), ..plane() });
+        assert!(told.ends_with("one standard deviation 0.500 by 0.250 px"), "{told}");
+    }
+
+    #[test]
+    fn the_line_stands_where_it_allows_displacements_and_the_axes_have_units() {
+        let plane = plane();
+        let data = Shown { plane: &plane, whose: "Normal flow", window: None };
+        let drawing = draw(data, Rect::new([0.0; 2], [400.0, 300.0]), style());
+        let square = drawing.place;
+        let primitives = flat(drawing);
+        let ends = [[1.0, -2.0], [1.0, 2.0]].map(|uv| square.at(uv));
+        let is_line = |points: &Vec<Point>| points.len() == 2 && ends.iter().all(|end| points.contains(end));
+        assert!(primitives.iter().any(|p| matches!(p, Primitive::Polyline { points, .. } if is_line(points))));
+        let words = texts(&primitives);
+        for label in ["u, px →", "v, px ↓", "−2", "2", "Normal flow · Gradient constraint, displacements in px"]
+        {
+            assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
+        }
+    }
+
+    #[test]
+    fn coming_nearer_keeps_the_displacement_under_the_pointer() {
+        let plane = plane();
+        let area = Rect::new([0.0; 2], [400.0, 300.0]);
+        let at = [1.0, -0.25];
+        let near = Window::whole(&plane).nearer(at, 8.0, &plane);
+        let squares = [Window::whole(&plane), near].map(|window| Square::new(area, window, 12.0));
+        let places = squares.map(|square| square.at(at));
+        assert!((0..2).all(|i| (places[0][i] - places[1][i]).abs() < 1e-2), "{places:?}");
+        assert_eq!(near.reach, 0.25);
+        assert_eq!(near.nearer(at, 1e9, &plane).reach, 2.0 / NEAREST);
+        // The line through u = 1 is cut at the edges of what is seen.
+        let part = squares[1].part(&plane.lines[0]).expect("it passes through");
+        assert!((part[0][1] - part[1][1]).abs() > squares[1].rect.size()[1] - 0.1);
+    }
+
+    #[test]
+    fn even_a_small_plane_has_more_than_its_middle_to_go_by() {
+        let ticks = |side: f32, reach: f32| halves(&Axis { values: [-reach, reach], places: [0.0, side] }, 40.0);
+        assert_eq!(ticks(90.0, 8.0), [-8.0, 0.0, 8.0]);
+        assert_eq!(ticks(200.0, 1.0), [-1.0, -0.5, 0.0, 0.5, 1.0]);
+    }
+}

@@ -1,0 +1,255 @@
+//! A cost over displacements, as a surface in space.
+//!
+//! The window's graphics card draws the triangles of [`mesh`]; everywhere else the same surface is painted from back to
+//! front. Both have one projection ([`Screen`]), one light and one grid of lines.
+
+pub mod mesh;
+mod sheet;
+
+use glam::Vec3;
+use motionscope_core::scene::Surface;
+
+use super::super::primitive::{Anchor, Line, Point, Primitive, Rect};
+use super::super::{Face, Layer, Theme, number};
+use super::axis::Axis;
+use super::canvas::{Canvas, Level, Type, covered, shortened, solid};
+use super::{ChartStyle, Drawing, Orbit, Room, Screen, heat_map, titled};
+use mesh::Bench;
+
+/// How strong the lines along columns and rows are.
+pub const LINES: f32 = 0.42;
+
+/// What is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Relief<'a> {
+    /// The costs.
+    pub surface: &'a Surface,
+    /// The estimator whose they are.
+    pub whose: &'a str,
+    /// From where one looks.
+    pub orbit: Orbit,
+}
+
+/// Towards the light.
+pub fn light() -> Vec3 {
+    Vec3::new(-0.45, 0.8, 0.35).normalize()
+}
+
+/// Width of the lines along columns and rows, in points.
+pub fn line_width(theme: Theme) -> f32 {
+    if theme == Theme::Projector { 1.6 } else { 1.0 }
+}
+
+/// What stands around the surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Around {
+    /// The camera.
+    pub screen: Screen,
+    /// Ground and axes, behind the surface.
+    pub below: Vec<Primitive>,
+    /// The costs at the pins, before it.
+    pub above: Vec<Primitive>,
+    /// What is shown.
+    pub head: Vec<Primitive>,
+}
+
+/// Lays everything but the surface itself out in `area`.
+pub fn around(data: Relief<'_>, area: Rect, style: ChartStyle) -> Around {
+    let Relief { surface, whose, orbit } = data;
+    let (theme, small) = (style.theme, style.small());
+    let rect = Rect { min: [area.min[0], area.min[1] + 1.4 * small], max: area.max };
+    let screen = Screen::new(rect, &orbit, Room::SURFACE, [4.5 * small, 1.8 * small]);
+    let mut stand = Stand { screen, bench: Bench::new(surface), eye: orbit.eye(), theme, taken: Vec::new() };
+    let (mut below, mut above, mut head) = (Canvas::default(), Canvas::default(), Canvas::default());
+    stand.ground(&mut below);
+    stand.costs(&mut below, surface);
+    stand.pins(&mut above, surface);
+    let text = Type::text(theme);
+    if surface.range().is_none() {
+        let words = "No candidate is tested yet: step on.";
+        let at = [(rect.min[0] + rect.max[0]) / 2.0, rect.min[1] + 2.0 * text.size];
+        above.text(at, (Anchor::Middle, Level::Middle), words, Type::dim(theme));
+    }
+    let words = titled(whose, &format!("{} by displacement", surface.title), (small, area.size()[0]));
+    let at = [area.min[0], area.min[1] + 0.8 * small];
+    head.text(at, (Anchor::Start, Level::Middle), &shortened(&words, text, area.size()[0]), text);
+    let [below, above, head] = [below, above, head].map(Canvas::into_primitives);
+    Around { screen, below, above, head }
+}
+
+/// Lays the surface out in the whole of `area`.
+pub fn draw(data: Relief<'_>, area: Rect, style: ChartStyle) -> Drawing<Screen> {
+    let Around { screen, below, above, head } = around(data, area, style);
+    let surface = sheet::polygons(data.surface, (&screen, data.orbit), style);
+    let layer = |primitives| Layer { clip: Some(area), primitives };
+    Drawing { place: screen, body: vec![layer(below), layer(surface), layer(above)], head }
+}
+
+/// The ground, the axes and the words around the surface.
+struct Stand {
+    screen: Screen,
+    bench: Bench,
+    eye: Vec3,
+    theme: Theme,
+    /// Where numbers stand: where two axes meet, the second would lie on the first.
+    taken: Vec<Rect>,
+}
+
+impl Stand {
+    fn at(&self, place: Vec3) -> Point {
+        self.screen.project(place).0
+    }
+
+    fn line(&self, canvas: &mut Canvas, ends: [Vec3; 2], strong: bool) {
+        let chrome = self.theme.chrome();
+        let color = if strong { chrome.dim } else { chrome.line };
+        canvas.line(ends.map(|end| self.at(end)).to_vec(), false, solid(1.0, color));
+    }
+
+    /// A word `lines` of type further out than `place`, as seen from the middle of the ground.
+    fn word(&mut self, canvas: &mut Canvas, (place, lines): (Vec3, f32), text: &str, face: Face) {
+        let style = if face == Face::Sans { Type::dim(self.theme) } else { Type::text(self.theme).face(face) };
+        let (at, from) = (self.at(place), self.at(Vec3::ZERO));
+        let way = [0, 1].map(|i| at[i] - from[i]);
+        let length = way[0].hypot(way[1]).max(1e-3);
+        // Words are wider than high: they need more room sideways.
+        let out = [1.5, 1.0].map(|share| share * lines * style.size / length);
+        let at = [0, 1].map(|i| at[i] + way[i] * out[i]);
+        self.write(canvas, style.line(at, (Anchor::Middle, Level::Middle), text));
+    }
+
+    /// Writes a word unless it would lie on another.
+    fn write(&mut self, canvas: &mut Canvas, line: Line) {
+        let rect = covered(&line);
+        if !self.taken.iter().any(|other| other.meets(&rect)) {
+            self.taken.push(rect);
+            canvas.add(Primitive::Text(line));
+        }
+    }
+
+    /// The values along u or v as an axis of the world.
+    fn axis(&self, which: usize) -> Axis {
+        let first = self.bench.origin[which] as f32;
+        let half = self.bench.half()[which];
+        let last = first + self.bench.size[which].saturating_sub(1) as f32;
+        Axis { values: [first, last], places: [-half, half] }
+    }
+
+    /// A grid on the ground, numbered along the two sides towards the eye.
+    fn ground(&mut self, canvas: &mut Canvas) {
+        let [half_u, half_v] = self.bench.half();
+        let near_u = half_u.copysign(self.eye.x);
+        let near_v = half_v.copysign(self.eye.z);
+        let small = self.theme.sizes().small;
+        // Their names come before the numbers, which give way.
+        self.word(canvas, (Vec3::new(0.0, 0.0, near_v), 2.3), "u, px", Face::Italic);
+        self.word(canvas, (Vec3::new(near_u, 0.0, 0.0), 2.3), "v, px", Face::Italic);
+        for which in 0..2 {
+            let axis = self.axis(which);
+            let (along, across) = if which == 0 { (half_u, half_v) } else { (half_v, half_u) };
+            let point = |a: f32, b: f32| if which == 0 { Vec3::new(a, 0.0, b) } else { Vec3::new(b, 0.0, a) };
+            let near = if which == 0 { near_v } else { near_u };
+            let [from, to] = [-along, along].map(|a| self.at(point(a, near)));
+            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+            // Ticks as far apart as their numbers need.
+            let on_sheet = Axis { places: [0.0, length], ..axis };
+            for tick in on_sheet.displacement_ticks(3.0 * small) {
+                let a = axis.place(tick);
+                self.line(canvas, [point(a, -across), point(a, across)], false);
+                self.word(canvas, (point(a, near), 0.9), &number(tick), Face::Sans);
+            }
+            for side in [-across, across] {
+                self.line(canvas, [point(-along, side), point(along, side)], side == near);
+            }
+        }
+    }
+
+    /// The axis of costs, at the corner of the ground that is furthest left.
+    fn costs(&mut self, canvas: &mut Canvas, surface: &Surface) {
+        let [u, v] = self.bench.half();
+        let corners = [[-u, -v], [u, -v], [u, v], [-u, v]].map(|[x, z]| Vec3::new(x, 0.0, z));
+        let left = |a: &Vec3, b: &Vec3| self.at(*a)[0].total_cmp(&self.at(*b)[0]);
+        let Some(foot) = corners.into_iter().min_by(left) else { return };
+        let top = foot + Vec3::Y * self.bench.height(self.bench.top);
+        self.line(canvas, [foot, top], true);
+        let small = self.theme.sizes().small;
+        let [low, high] = [foot, top].map(|end| self.at(end));
+        let axis = Axis { values: [0.0, self.bench.top], places: [0.0, (low[0] - high[0]).hypot(low[1] - high[1])] };
+        let dim = Type::dim(self.theme);
+        if surface.range().is_some() {
+            for tick in axis.ticks(2.2 * small, 0.0) {
+                let [x, y] = self.at(foot + Vec3::Y * self.bench.height(tick));
+                canvas.across([x - 4.0, x], y, dim.color);
+                self.write(canvas, dim.line([x - 7.0, y], (Anchor::End, Level::Middle), &number(tick)));
+            }
+        }
+        let name = [high[0], high[1] - 0.9 * small];
+        canvas.text(name, (Anchor::Middle, Level::Bottom), surface.title, Type::text(self.theme));
+    }
+
+    /// The cost at the top of each pin.
+    fn pins(&self, canvas: &mut Canvas, surface: &Surface) {
+        let all: Vec<_> = mesh::pins(surface)
+            .into_iter()
+            .filter_map(|(role, at, top)| {
+                let cost = heat_map::cost(surface, at)?;
+                let foot = self.bench.place(at.map(|c| c as f32), cost);
+                Some((role, cost, [foot, Vec3 { y: top, ..foot }].map(|end| self.at(end))))
+            })
+            .collect();
+        for &(role, _, [low, high]) in &all {
+            // Seen faintly through what stands before it.
+            let ink = self.theme.ink(role);
+            canvas.line(vec![low, high], false, solid(ink.width.min(2.0), ink.color.alpha(140)));
+            canvas.disc(low, 4.5, ink.halo.alpha(140));
+            canvas.disc(low, 4.0, ink.color.alpha(140));
+        }
+        let style = Type::text(self.theme).face(Face::Bold);
+        for &(role, cost, [_, head]) in &all {
+            // Of two numbers each stands on its own side.
+            let anchor = match all.iter().find(|other| other.0 != role).map(|(.., ends)| head[0] < ends[1][0]) {
+                None => Anchor::Middle,
+                Some(true) => Anchor::End,
+                Some(false) => Anchor::Start,
+            };
+            let at = [head[0], head[1] - 3.0];
+            let line = style.color(self.theme.word(role)).line(at, (anchor, Level::Bottom), &number(cost));
+            let Rect { min, max } = covered(&line);
+            let back = Rect { min: [min[0] - 4.0, min[1]], max: [max[0] + 4.0, max[1]] };
+            canvas.fill(back, self.theme.chrome().panel.alpha(200));
+            canvas.add(Primitive::Text(line));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::Grid;
+
+    use super::super::super::ColorMap;
+    use super::super::{flat, texts};
+    use super::*;
+
+    #[test]
+    fn the_surface_stands_between_its_ground_and_its_words() {
+        let values = Grid::from_fn(9, 9, |x, y| (x * x + y) as f32);
+        let events = values.map(|v| Some(*v as usize));
+        let surface =
+            Surface { title: "SAD", origin: [-4, -4], values, events, probe: Some([2, 1]), best: Some([-4, -4]) };
+        let style = ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 };
+        let area = Rect::new([10.0, 20.0], [420.0, 300.0]);
+        let data = Relief { surface: &surface, whose: "Full search", orbit: Orbit::default() };
+        let primitives = flat(draw(data, area, style));
+        let words = texts(&primitives);
+        for label in ["Full search · SAD by displacement", "u, px", "v, px", "SAD", "0", "41"] {
+            assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
+        }
+        let is_surface = |p: &Primitive| matches!(p, Primitive::Polygon { points, .. } if points.len() <= 4);
+        assert!(primitives.iter().filter(|p| is_surface(p)).count() >= 64, "a quad for each cell");
+        let inside = area.grown(2.0);
+        for primitive in primitives.iter().filter(|p| is_surface(p)) {
+            let Rect { min, max } = primitive.bounds().grown(-1.0);
+            assert!((0..2).all(|i| inside.min[i] <= min[i] && max[i] <= inside.max[i]), "{primitive:?}");
+        }
+    }
+}

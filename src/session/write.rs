@@ -1,0 +1,135 @@
+//! Writes a session as text.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+
+use motionscope_core::params::Parameter;
+use motionscope_core::{AnyEstimator, Error, Value};
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+use super::{Session, Sight, VERSION, key};
+use crate::experiment::source::Source;
+use crate::experiment::{Experiment, Position};
+use crate::media::Given;
+use crate::view::look::Changes;
+
+/// The file as it is written.
+#[derive(Serialize)]
+struct Text<'a> {
+    motionscope: u32,
+    clip: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    truth: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    detections: Option<String>,
+    estimator: String,
+    frame: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pixel: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pace: Option<String>,
+    set: BTreeMap<String, toml::Value>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    beside: Vec<Companion>,
+    picture: Picture<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sight: Option<Sight>,
+}
+
+/// An estimator in lockstep with the first, and what it does not share with that.
+#[derive(Serialize)]
+struct Companion {
+    estimator: String,
+    set: BTreeMap<String, toml::Value>,
+}
+
+impl Companion {
+    fn of(estimator: &dyn AnyEstimator, leader: &dyn AnyEstimator) -> Self {
+        let own = estimator.all_values().into_iter().filter(|(name, _)| leader.get(name).is_err());
+        let set = own.map(|(name, value)| (name, told(&value))).collect();
+        Self { estimator: estimator.info().id.into(), set }
+    }
+}
+
+/// The entries of a look, in the order in which they are declared.
+struct Picture<'a>(&'a Changes);
+
+impl Serialize for Picture<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(None)?;
+        self.0.entries().try_for_each(|(spec, value)| map.serialize_entry(key(&spec.name), &told(value)))?;
+        map.end()
+    }
+}
+
+/// The text of `session` in a file in `folder`.
+pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
+    let Session { experiment, position: Position { cursor, pixel }, look, sight } = session;
+    let Experiment { source, given: Given { truth, detections }, estimator, company, frame } = experiment;
+    let path = |path: &PathBuf| slashed(&relative(path, folder));
+    let text = Text {
+        motionscope: VERSION,
+        clip: match source.clone().map_path(|path| relative(path, folder)) {
+            Source::File(path) => slashed(&path)?,
+            synth => synth.to_string(),
+        },
+        truth: truth.as_ref().map(path).transpose()?,
+        detections: detections.as_ref().map(path).transpose()?,
+        estimator: estimator.info().id.into(),
+        frame: *frame,
+        step: cursor.map(|cursor| cursor.to_string()),
+        pixel: pixel.map(|pixel| pixel.to_string()),
+        pace: (!company.is_empty()).then(|| company.pace.to_value().to_string()),
+        set: estimator.all_values().into_iter().map(|(name, value)| (name, told(&value))).collect(),
+        beside: company.beside.iter().map(|one| Companion::of(&**one, &**estimator)).collect(),
+        picture: Picture(look),
+        sight: *sight,
+    };
+    toml::to_string(&text).map_err(|error| Error::new(format!("the session cannot be written: {error}")))
+}
+
+/// `path` as told from `folder`: with `..` where needed, whole where the two have nothing in common.
+pub(super) fn relative(path: &Path, folder: &Path) -> PathBuf {
+    // What exists is looked up, so that links and `..` lead where they lead; the rest is told by its parts.
+    let whole = |path: &Path| {
+        let whole = path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf());
+        whole.components().fold(PathBuf::new(), |mut whole, part| {
+            match part {
+                Component::ParentDir => drop(whole.pop()),
+                Component::CurDir => {}
+                part => whole.push(part),
+            }
+            whole
+        })
+    };
+    let (path, folder) = (whole(path), whole(folder));
+    let (parts, folders): (Vec<_>, Vec<_>) = (path.components().collect(), folder.components().collect());
+    let common = parts.iter().zip(&folders).take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        return path;
+    }
+    let up = folders[common..].iter().map(|_| Component::ParentDir);
+    up.chain(parts[common..].iter().copied()).collect()
+}
+
+/// Written alike on every system.
+pub(super) fn slashed(path: &Path) -> Result<String, Error> {
+    let text = path.to_str().ok_or_else(|| {
+        Error::new(format!("a session cannot name {}, which is no Unicode; rename the file", path.display()))
+    })?;
+    Ok(if std::path::MAIN_SEPARATOR == '\\' { text.replace('\\', "/") } else { text.into() })
+}
+
+fn told(value: &Value) -> toml::Value {
+    match value {
+        Value::Int(v) => (*v).into(),
+        Value::Real(v) => (*v).into(),
+        Value::Switch(v) => (*v).into(),
+        Value::Choice(v) => (*v).into(),
+        Value::Placed(v) => v.to_string().into(),
+        Value::Stage(v) => v.id().into(),
+    }
+}

@@ -1,0 +1,564 @@
+//! Everything that a person can tell the window to do, declared once.
+//!
+//! Menus, toolbar, tooltips, the palette, the shortcut sheet and the keyboard all read [`Command::face`].
+
+use eframe::egui::{Key, KeyboardShortcut, Modifiers};
+use lucide_icons::Icon;
+
+use crate::paint::{ColorMap, FlowLayer, Theme, View};
+use crate::view::motion::Offer;
+
+mod faces;
+
+pub use crate::ui::panes::rungs::Rungs;
+
+macro_rules! commands {
+    ($( $(#[doc = $doc:literal])+ $name:ident, )+) => {
+        /// Something that the window can be told to do.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Command { $( $(#[doc = $doc])+ $name, )+ }
+
+        impl Command {
+            /// Every command, in the order of the menus.
+            pub const ALL: &[Command] = &[$( Command::$name, )+];
+        }
+    };
+}
+
+commands! {
+    /// Choose a clip or a session with the system's dialog, or type its path.
+    Open,
+    /// Open the path in the clipboard.
+    PastePath,
+    /// Show the bundled samples.
+    Samples,
+    /// Write the session file.
+    SaveSession,
+    /// Leave.
+    Quit,
+    /// Take back the last change of a parameter.
+    Undo,
+    /// Take back taking back.
+    Redo,
+    /// Every parameter as declared.
+    ResetParameters,
+    /// Both frames.
+    SideBySide,
+    /// The first frame alone.
+    FrameT,
+    /// The second frame alone.
+    FrameNext,
+    /// How they differ.
+    Difference,
+    /// One over the other.
+    Blend,
+    /// One after the other.
+    Blink,
+    /// What the run makes of the second frame.
+    Prediction,
+    /// What that lacks.
+    Residual,
+    /// The picture larger.
+    ZoomIn,
+    /// The picture smaller.
+    ZoomOut,
+    /// The whole picture.
+    Fit,
+    /// One pixel of the picture to one of the screen.
+    ActualSize,
+    /// Dark, light, projector.
+    NextTheme,
+    /// Light on dark.
+    DarkTheme,
+    /// Dark on light.
+    LightTheme,
+    /// Large type and thick lines.
+    ProjectorTheme,
+    /// Heat from violet to yellow.
+    ViridisColors,
+    /// Heat from blue to red.
+    TurboColors,
+    /// Other colours that tell of motion.
+    NextLayer,
+    /// No colours that tell of motion.
+    NoLayer,
+    /// Directions.
+    WheelLayer,
+    /// Lengths.
+    MagnitudeLayer,
+    /// Errors against the truth.
+    ErrorLayer,
+    /// What the estimator trusts.
+    ConfidenceLayer,
+    /// The check with the reverse pair.
+    ConsistencyLayer,
+    /// Particles in the place of arrows.
+    Streaks,
+    /// Arrows as long as there is room.
+    FittingArrows,
+    /// Arrows as long as the motion.
+    TrueArrows,
+    /// Arrows of twice that length.
+    DoubleArrows,
+    /// Arrows of four times that length.
+    FourfoldArrows,
+    /// Everything larger.
+    LargerInterface,
+    /// Everything smaller.
+    SmallerInterface,
+    /// As large as the system says.
+    NormalInterface,
+    /// The parameters' pane.
+    ShowParameters,
+    /// The explanation's pane.
+    ShowWhy,
+    /// The panes below the stage.
+    ShowCharts,
+    /// Panes where they were at first.
+    ResetLayout,
+    /// Only stage, explanation and transport.
+    Lecture,
+    /// The whole screen.
+    FullScreen,
+    /// Animations off.
+    ReducedMotion,
+    /// Play or pause.
+    Play,
+    /// Next event.
+    Into,
+    /// Previous event.
+    IntoBack,
+    /// End of the next unit.
+    Over,
+    /// End of the previous unit.
+    OverBack,
+    /// End of the rung further out.
+    Out,
+    /// The same backwards.
+    OutBack,
+    /// As over; a clicker sends its key.
+    NextUnit,
+    /// As over, backwards.
+    PreviousUnit,
+    /// Start of the run.
+    Start,
+    /// End of the run.
+    End,
+    /// Estimators beside each other, in numbers.
+    Compare,
+    /// Estimators beside each other, step by step.
+    Lockstep,
+    /// The estimator's stage by itself.
+    IntoStage,
+    /// The estimator of which it is a stage.
+    OutOfStage,
+    /// Give up a long move.
+    Stop,
+    /// Play slower.
+    Slower,
+    /// Play faster.
+    Faster,
+    /// Next pair of frames.
+    NextFrame,
+    /// Previous pair of frames.
+    PreviousFrame,
+    /// Write the step as a picture.
+    ExportPicture,
+    /// Write a range of steps as pictures.
+    ExportSteps,
+    /// Write what the run has made so far.
+    ExportResult,
+    /// Find a command by name.
+    Palette,
+    /// Every key on one page.
+    Shortcuts,
+    /// What this is.
+    About,
+}
+
+/// The menu that a command lies in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Menu {
+    /// Clips and sessions.
+    File,
+    /// Parameters.
+    Edit,
+    /// How it looks.
+    View,
+    /// The ladder.
+    Walk,
+    /// Pictures and numbers out.
+    Export,
+    /// Keys and names.
+    Help,
+}
+
+impl Menu {
+    /// Every menu, from left to right.
+    pub const ALL: [Menu; 6] = [Menu::File, Menu::Edit, Menu::View, Menu::Walk, Menu::Export, Menu::Help];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Menu::File => "File",
+            Menu::Edit => "Edit",
+            Menu::View => "View",
+            Menu::Walk => "Walk",
+            Menu::Export => "Export",
+            Menu::Help => "Help",
+        }
+    }
+}
+
+/// A menu within a menu.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Submenu {
+    /// What of the two frames is seen.
+    Pictures,
+    /// How closely.
+    Zoom,
+    /// Dark, light, projector.
+    Theme,
+    /// Colours of heat.
+    Colours,
+    /// Colours that tell of motion, and particles.
+    Motion,
+    /// How long displacements are drawn.
+    ArrowLength,
+    /// How large everything is.
+    InterfaceSize,
+    /// What stands around the stage.
+    Panes,
+}
+
+impl Submenu {
+    /// Its name and its icon.
+    pub fn face(self) -> (&'static str, Icon) {
+        match self {
+            Submenu::Pictures => ("Pictures", Icon::Images),
+            Submenu::Zoom => ("Zoom", Icon::ZoomIn),
+            Submenu::Theme => ("Theme", Icon::Contrast),
+            Submenu::Colours => ("Colours", Icon::Palette),
+            Submenu::Motion => ("Motion", Icon::Wind),
+            Submenu::ArrowLength => ("Arrow length", Icon::MoveUpRight),
+            Submenu::InterfaceSize => ("Interface size", Icon::CaseSensitive),
+            Submenu::Panes => ("Panes", Icon::LayoutDashboard),
+        }
+    }
+}
+
+/// How a command is shown and called.
+pub struct Face {
+    /// The menu that it lies in.
+    pub menu: Menu,
+    /// Its icon, where it has a button or a line in a menu.
+    pub icon: Icon,
+    /// Its name; `{into}`, `{over}` and `{out}` stand for the estimator's rungs.
+    pub text: &'static str,
+    /// What it does, in one sentence.
+    pub tip: &'static str,
+    /// The keys that call it, the one to show first.
+    pub keys: &'static [KeyboardShortcut],
+}
+
+impl Command {
+    /// Its name, with the estimator's own names for the rungs of the ladder.
+    pub fn text(self, rungs: &Rungs) -> String {
+        rungs.fill(self.face().text)
+    }
+
+    /// What it does, with the estimator's own names for the rungs of the ladder.
+    pub fn tip(self, rungs: &Rungs) -> String {
+        rungs.fill(self.face().tip)
+    }
+
+    /// The key that calls it, in words; nothing if there is none.
+    pub fn key(self) -> String {
+        self.face().keys.first().map_or_else(String::new, |key| key_text(*key))
+    }
+
+    /// `tip` with the key that calls the command below it.
+    pub fn with_key(self, tip: &str) -> String {
+        match self.key() {
+            key if key.is_empty() => tip.to_owned(),
+            key => format!("{tip}\n{key}"),
+        }
+    }
+
+    /// Every key that does the same, the one to show first.
+    pub fn keys(self, rungs: &Rungs) -> Vec<KeyboardShortcut> {
+        let twin = match self {
+            Command::Start => Command::OutBack,
+            Command::End => Command::Out,
+            _ => self,
+        };
+        let others = if twin.is_listed(rungs) { &[] } else { twin.face().keys };
+        [self.face().keys, others].concat()
+    }
+
+    /// Whether it is shown beside the others: out of the outermost rung is the end of the run, which is there already.
+    pub fn is_listed(self, rungs: &Rungs) -> bool {
+        !(matches!(self, Command::Out | Command::OutBack) && rungs.group() == 0)
+    }
+
+    /// The menu within its menu that it lies in.
+    pub fn submenu(self) -> Option<Submenu> {
+        use Command as C;
+        match self {
+            C::SideBySide | C::FrameT | C::FrameNext | C::Difference => Some(Submenu::Pictures),
+            C::Blend | C::Blink | C::Prediction | C::Residual => Some(Submenu::Pictures),
+            C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => Some(Submenu::Zoom),
+            C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => Some(Submenu::Theme),
+            C::ViridisColors | C::TurboColors => Some(Submenu::Colours),
+            C::NextLayer | C::Streaks => Some(Submenu::Motion),
+            _ if self.layer().is_some() => Some(Submenu::Motion),
+            C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => Some(Submenu::ArrowLength),
+            C::LargerInterface | C::SmallerInterface | C::NormalInterface => Some(Submenu::InterfaceSize),
+            C::ShowParameters | C::ShowWhy | C::ShowCharts | C::ResetLayout => Some(Submenu::Panes),
+            _ => None,
+        }
+    }
+
+    /// The entry of the look that it sets, by its name, and the value that it gives to it.
+    pub fn look(self) -> Option<(&'static str, &'static str)> {
+        use Command as C;
+        Some(match self {
+            C::SideBySide => ("view", View::SideBySide.id()),
+            C::FrameT => ("view", View::Current.id()),
+            C::FrameNext => ("view", View::Next.id()),
+            C::Difference => ("view", View::Difference.id()),
+            C::Blend => ("view", View::Blend.id()),
+            C::Blink => ("view", View::Blink.id()),
+            C::Prediction => ("view", View::Prediction.id()),
+            C::Residual => ("view", View::Residual.id()),
+            C::DarkTheme => ("theme", Theme::Dark.id()),
+            C::LightTheme => ("theme", Theme::Light.id()),
+            C::ProjectorTheme => ("theme", Theme::Projector.id()),
+            C::ViridisColors => ("colors", ColorMap::Viridis.id()),
+            C::TurboColors => ("colors", ColorMap::Turbo.id()),
+            C::FittingArrows => ("arrow-scale", "auto"),
+            C::TrueArrows => ("arrow-scale", "1"),
+            C::DoubleArrows => ("arrow-scale", "2"),
+            C::FourfoldArrows => ("arrow-scale", "4"),
+            _ => ("layer", self.layer()?.id()),
+        })
+    }
+
+    /// The layer of colours that it shows, if it shows one.
+    pub fn layer(self) -> Option<FlowLayer> {
+        match self {
+            Command::NoLayer => Some(FlowLayer::None),
+            Command::WheelLayer => Some(FlowLayer::Wheel),
+            Command::MagnitudeLayer => Some(FlowLayer::Magnitude),
+            Command::ErrorLayer => Some(FlowLayer::Error),
+            Command::ConfidenceLayer => Some(FlowLayer::Confidence),
+            Command::ConsistencyLayer => Some(FlowLayer::Consistency),
+            _ => None,
+        }
+    }
+
+    /// Whether it makes sense just now.
+    pub fn enabled(self, now: &Now) -> bool {
+        use Command as C;
+        match self {
+            C::Undo => now.can_undo,
+            C::Redo => now.can_redo,
+            C::ResetParameters => now.has_clip && now.is_tuned,
+            C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
+            C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
+            C::Play => now.has_run,
+            C::Compare => now.has_clip,
+            C::Lockstep => now.has_clip && !now.in_stage,
+            C::IntoStage => now.has_run && now.has_stage && !now.in_lockstep,
+            C::OutOfStage => now.in_stage,
+            C::Stop => now.busy || now.checking || now.playing,
+            C::NextFrame => now.has_clip && !now.at_last_frame,
+            C::PreviousFrame => now.has_clip && !now.at_first_frame,
+            C::SaveSession | C::ExportPicture | C::ExportSteps | C::ExportResult => now.has_run,
+            C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => now.has_run,
+            C::Prediction | C::Residual => now.has_run && now.at_end,
+            C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
+            C::NextLayer | C::Streaks => now.has_run && now.offer.has_field(),
+            C::NoLayer
+            | C::WheelLayer
+            | C::MagnitudeLayer
+            | C::ErrorLayer
+            | C::ConfidenceLayer
+            | C::ConsistencyLayer => {
+                now.has_run && self.layer().is_some_and(|layer| now.offer.why_never(layer).is_none())
+            }
+            C::Open | C::PastePath | C::Samples | C::Quit => true,
+            C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
+            C::LargerInterface | C::SmallerInterface | C::NormalInterface => true,
+            C::ViridisColors | C::TurboColors => true,
+            C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => true,
+            // A lecture shows what it shows; what is folded away then would be found missing only afterwards.
+            C::ShowParameters | C::ShowWhy | C::ShowCharts => !now.lecture,
+            C::Lecture | C::FullScreen => true,
+            C::ReducedMotion | C::ResetLayout | C::Slower | C::Faster => true,
+            C::Palette | C::Shortcuts | C::About => true,
+        }
+    }
+
+    /// Whether holding its key down repeats it.
+    fn repeats(self) -> bool {
+        use Command as C;
+        matches!(
+            self,
+            C::Into
+                | C::IntoBack
+                | C::Over
+                | C::OverBack
+                | C::NextUnit
+                | C::PreviousUnit
+                | C::NextFrame
+                | C::PreviousFrame
+                | C::Undo
+                | C::Redo
+                | C::ZoomIn
+                | C::ZoomOut
+                | C::LargerInterface
+                | C::SmallerInterface
+        )
+    }
+
+    /// The command that a key calls.
+    pub fn of_key(key: Key, modifiers: Modifiers, repeat: bool) -> Option<Command> {
+        let called = |command: &Command| command.face().keys.iter().any(|shortcut| presses(*shortcut, key, modifiers));
+        Self::ALL.iter().copied().find(called).filter(|command| !repeat || command.repeats())
+    }
+}
+
+/// Whether `key` with `modifiers` is `shortcut`. Signs may need Shift on some keyboards, so it is ignored for them.
+fn presses(shortcut: KeyboardShortcut, key: Key, mut modifiers: Modifiers) -> bool {
+    if matches!(key, Key::Plus | Key::Equals | Key::Minus | Key::Questionmark | Key::OpenBracket | Key::CloseBracket) {
+        modifiers.shift = false;
+    }
+    shortcut.logical_key == key && modifiers.matches_exact(shortcut.modifiers)
+}
+
+/// What is the case just now, as far as commands care.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Now {
+    /// A clip is open.
+    pub has_clip: bool,
+    /// A run is shown.
+    pub has_run: bool,
+    /// It stands at its start.
+    pub at_start: bool,
+    /// It stands at its end.
+    pub at_end: bool,
+    /// A long move is at work.
+    pub busy: bool,
+    /// The reverse pair is being run.
+    pub checking: bool,
+    /// It is playing.
+    pub playing: bool,
+    /// Nothing is shown but what a class looks at.
+    pub lecture: bool,
+    /// Several estimators go in lockstep.
+    pub in_lockstep: bool,
+    /// The estimator has a stage that can be walked by itself.
+    pub has_stage: bool,
+    /// It is itself the stage of another that waits.
+    pub in_stage: bool,
+    /// A pixel was clicked and stays explained.
+    pub holds_pixel: bool,
+    /// A parameter is being placed on the picture.
+    pub is_placing: bool,
+    /// Which layers tell of motion.
+    pub offer: Offer,
+    /// There is a change to take back.
+    pub can_undo: bool,
+    /// There is a change to make again.
+    pub can_redo: bool,
+    /// A parameter is not as declared.
+    pub is_tuned: bool,
+    /// No earlier pair of frames.
+    pub at_first_frame: bool,
+    /// No later pair of frames.
+    pub at_last_frame: bool,
+}
+
+/// A shortcut in words: `Ctrl+Shift+Z`, `→`.
+pub fn key_text(shortcut: KeyboardShortcut) -> String {
+    let KeyboardShortcut { modifiers, logical_key } = shortcut;
+    let mut text = String::new();
+    let command = if cfg!(target_os = "macos") { "⌘" } else { "Ctrl+" };
+    for (held, name) in [(modifiers.command, command), (modifiers.alt, "Alt+"), (modifiers.shift, "Shift+")] {
+        if held {
+            text += name;
+        }
+    }
+    text + match logical_key {
+        Key::ArrowLeft => "←",
+        Key::ArrowRight => "→",
+        Key::PageDown => "PgDn",
+        Key::PageUp => "PgUp",
+        Key::Escape => "Esc",
+        Key::Comma => ",",
+        Key::Period => ".",
+        Key::Plus => "+",
+        Key::Equals => "=",
+        Key::Minus => "−",
+        Key::Questionmark => "?",
+        Key::OpenBracket => "[",
+        Key::CloseBracket => "]",
+        other => other.name(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::Params;
+
+    use super::*;
+    use crate::view::look::Look;
+
+    #[test]
+    fn no_two_commands_share_a_key() {
+        let keys = |c: &Command| c.face().keys.iter().map(|k| (*k, *c)).collect::<Vec<_>>();
+        let all: Vec<_> = Command::ALL.iter().flat_map(keys).collect();
+        for (shortcut, command) in &all {
+            assert_eq!(Command::of_key(shortcut.logical_key, shortcut.modifiers, false), Some(*command));
+        }
+    }
+
+    #[test]
+    fn every_command_is_named_and_explained() {
+        let rungs = Rungs::new(&["frame", "block", "probe"]);
+        let mut names: Vec<_> = Command::ALL.iter().map(|c| c.text(&rungs)).collect();
+        assert!(names.iter().all(|name| !name.contains('{')) && names.contains(&"Next probe".to_owned()));
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), Command::ALL.len());
+        assert!(Command::ALL.iter().all(|c| c.tip(&rungs).ends_with('.')));
+    }
+
+    #[test]
+    fn what_a_command_sets_is_an_entry_of_the_look() {
+        let sets: Vec<_> = Command::ALL.iter().filter_map(|command| command.look()).collect();
+        for (name, value) in &sets {
+            let mut look = Look::default();
+            look.set(name, value).unwrap();
+            assert_eq!(look.get(name).unwrap().to_string(), *value);
+        }
+        assert!(sets.len() > 20, "{}", sets.len());
+    }
+
+    #[test]
+    fn a_short_ladder_lists_the_end_of_the_run_once() {
+        let (long, short) =
+            (Rungs::new(&["frame", "level", "block", "probe"]), Rungs::new(&["frame", "block", "probe"]));
+        assert!(Command::Out.is_listed(&long) && !Command::Out.is_listed(&short));
+        let keys = |rungs| Command::End.keys(rungs).into_iter().map(key_text).collect::<Vec<_>>();
+        assert_eq!((keys(&long), keys(&short)), (vec!["End".to_owned()], vec!["End".to_owned(), "U".to_owned()]));
+    }
+
+    #[test]
+    fn a_held_key_steps_on_but_does_not_toggle() {
+        assert_eq!(Command::of_key(Key::ArrowRight, Modifiers::NONE, true), Some(Command::Into));
+        assert_eq!(Command::of_key(Key::Space, Modifiers::NONE, true), None);
+        assert_eq!(Command::of_key(Key::Questionmark, Modifiers::SHIFT, false), Some(Command::Shortcuts));
+    }
+}

@@ -1,0 +1,303 @@
+//! What the window does with files: opening, browsing, writing.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{TryRecvError, channel};
+use std::time::Instant;
+
+use eframe::egui::ViewportCommand;
+use motionscope_core::scene::Focus;
+use motionscope_core::synth::Sample;
+use motionscope_core::{Clip, Cursor, Error, Info, estimator};
+
+use crate::experiment::first;
+use crate::experiment::source::Source;
+use crate::experiment::{Experiment, Position};
+use crate::media::{Given, Open};
+use crate::session::{Session, Sight};
+use crate::ui::app::action::Browse;
+use crate::ui::app::window::{App, Overlay, title};
+use crate::ui::dialogs::open as open_dialog;
+use crate::ui::dialogs::save::{self, Kind};
+use crate::ui::model::loader::{Beside, Loading, Opened};
+use crate::ui::model::snapshot::{Hold, Place, Snapshot};
+use crate::ui::model::writer::{self, Order, What, Work, Writing};
+use crate::ui::panes::status;
+use crate::ui::stage::Zoom;
+
+/// Events that are seen of the first unit shown of a sample.
+const FIRST_LOOK: usize = 640;
+/// Where in the picture a sample is looked at first, as a share of its width and height.
+const FIRST_PLACE: [f32; 2] = [0.19, 0.57];
+
+impl App {
+    /// Takes in what other threads have done.
+    pub(super) fn receive(&mut self) {
+        if let Some(outcome) = self.loading.as_ref().and_then(|loading| loading.work.take()) {
+            let name = self.loading.take().map(|loading| loading.name).unwrap_or_default();
+            match outcome {
+                Ok(opened) => self.opened(opened, Path::new(&name)),
+                Err(error) => self.not_opened(Path::new(&name), error),
+            }
+        }
+        self.walker.tend();
+        self.view = self.walker.view();
+        // A run that takes long to begin is seen as far as it is known, rather than another clip under its name.
+        let is_late = self.view.busy_for.is_some_and(|time| time > status::LATE);
+        if let Some(coming) = self.view.coming.take().filter(|_| is_late)
+            && !self.view.shown.as_deref().is_some_and(|shown| self.document.is_of_clip(shown))
+        {
+            self.view.shown = Some(coming);
+        }
+        // A clip that no run can be made of is not shown under another's name.
+        if self.view.refused.is_some() {
+            self.view.shown = self.view.shown.take().filter(|shown| self.document.is_of_clip(shown));
+        }
+        if let Some(outcome) = self.writing.as_ref().and_then(|writing| writing.work.take()) {
+            let folder = self.writing.take().and_then(|writing| writing.folder);
+            match outcome {
+                Ok(text) => {
+                    // Only where writing went well is the next file offered beside it.
+                    self.folder = folder;
+                    self.toasts.tell(text);
+                }
+                Err(error) => self.toasts.fail(format!("Not written: {error}.")),
+            }
+        }
+        self.browsed();
+    }
+
+    /// Takes in the path that the system's dialog delivers.
+    fn browsed(&mut self) {
+        let Some((wanted, delivery)) = &self.browsing else { return };
+        let (wanted, path) = (*wanted, delivery.try_recv());
+        if path == Err(TryRecvError::Empty) {
+            return;
+        }
+        self.browsing = None;
+        let opens = matches!(wanted, Browse::File | Browse::Folder);
+        match (path, &mut self.overlay) {
+            (Ok(Some(path)), _) if opens => self.open(path),
+            (Ok(Some(path)), Overlay::Save(state)) => state.path = path.display().to_string(),
+            (Ok(_), _) => {}
+            (Err(_), _) => {
+                self.toasts.fail("The system offers no file dialog. Type or paste the path instead.");
+                if opens {
+                    self.overlay = Overlay::Open(open_dialog::State::default());
+                }
+            }
+        }
+    }
+
+    /// Opens a file, a folder, a session or `synth:` and a scene, on another thread; or the truth of the clip that is open.
+    pub fn open(&mut self, name: impl Into<OsString>) {
+        self.player.pause();
+        self.error = None;
+        let ctx = self.ctx.clone();
+        let beside = self.document.source().cloned();
+        let beside = beside.map(|source| Beside { source, given: self.document.experiment().given.clone() });
+        self.loading = Some(Loading::new(name.into(), beside, move || ctx.request_repaint()));
+    }
+
+    /// Opens a bundled sample in the middle of a search, so that there is something to see.
+    pub fn open_sample(&mut self, sample: &'static Sample) {
+        self.player.pause();
+        self.loading = None;
+        let source = Source::Synth { id: sample.id, difficulty: sample.difficulty() };
+        let clip = match source.open(&Open::default()) {
+            Ok(clip) => clip,
+            Err(error) => {
+                self.error = Some(error);
+                return;
+            }
+        };
+        let (width, height) = clip.size();
+        let left = self.document.open(clip, source, Given::default());
+        self.begin(left);
+        let near = [width as f32 * FIRST_PLACE[0], height as f32 * FIRST_PLACE[1]];
+        let near = Some(Focus::current(near));
+        self.walk_from(Place { cursor: Cursor { unit: 0, event: FIRST_LOOK }, near, ..Place::default() });
+    }
+
+    fn opened(&mut self, opened: Opened, path: &Path) {
+        let Opened { clip, source, given, session, inputs } = opened;
+        // The truth of a clip is no clip.
+        if path.exists() && given.truth.as_deref() != Some(path) {
+            self.settings.remember(path);
+        }
+        let left = self.document.open(clip, source, given);
+        self.document.read_from(inputs);
+        self.begin(left.filter(|_| session.is_none()));
+        let Some(session) = session else {
+            self.choose_tracker();
+            // Where there are no pictures, what was detected is the first thing to be seen.
+            let is_blank = self.document.clip().is_some_and(Clip::is_blank);
+            self.walk_from(Place::at(Cursor { unit: 0, event: usize::from(is_blank) }));
+            return;
+        };
+        let Session { experiment, position, look, sight } = session;
+        let (was_single, frame) = (self.is_of_single_frames(), experiment.frame);
+        self.document.restore(experiment);
+        self.tell_of_frame(frame);
+        if !look.has("view") {
+            self.suit_view(was_single);
+        }
+        self.settings.look = look.over(self.settings.look);
+        if let Some(Sight { center, zoom }) = sight {
+            self.states.stage.zoom = Zoom::At { center, scale: zoom };
+        }
+        let Position { cursor, pixel } = position;
+        let place = cursor.map_or(Place::END, Place::at);
+        self.walk_from(Place { hold: Hold::Set(pixel), ..place });
+    }
+
+    /// Takes a tracker where there are no pictures to be looked at.
+    fn choose_tracker(&mut self) {
+        let is_blank = self.document.clip().is_some_and(Clip::is_blank);
+        let Some(tracker) =
+            estimator(first::OF_DETECTIONS).ok().filter(|_| is_blank && self.document.estimator().needs_pictures())
+        else {
+            return;
+        };
+        let was_single = self.is_of_single_frames();
+        let source = self.document.experiment().source.clone();
+        self.document.restore(Experiment::new(source, tracker));
+        self.suit_view(was_single);
+    }
+
+    /// Tells if the clip has no pair that starts at `frame`, as a session wants it.
+    fn tell_of_frame(&mut self, frame: usize) {
+        let (Some(clip), now) = (self.document.clip(), self.document.frame()) else { return };
+        if now != frame {
+            let name = &clip.info().name;
+            self.toasts.fail(format!(
+                "The session is about frame {frame}, and the last pair of {name} starts at frame {now}: that is shown."
+            ));
+        }
+    }
+
+    fn walk_from(&mut self, place: Place) {
+        if let Some(job) = self.document.job_at(place) {
+            self.walker.start(job);
+        }
+    }
+
+    fn not_opened(&mut self, path: &Path, error: Error) {
+        if !path.exists() {
+            self.settings.forget(path);
+        }
+        self.error = Some(error);
+    }
+
+    /// Another clip is open; for it a stage was left, which its estimator is told of.
+    fn begin(&mut self, left: Option<&Info>) {
+        self.error = None;
+        if let Some(Info { name, .. }) = left {
+            self.toasts.tell(format!("Another clip is open: back out of the stage, {name} runs on it."));
+        }
+        self.states.stage.fit();
+        self.settings.leave_end();
+        self.states.stage.placing = None;
+        self.ctx.send_viewport_cmd(ViewportCommand::Title(title(&self.document)));
+    }
+
+    /// Asks the system for a path, off the window's thread.
+    pub(super) fn browse(&mut self, wanted: Browse) {
+        let (sender, receiver) = channel();
+        let ctx = self.ctx.clone();
+        let ask = move || {
+            let begun = Instant::now();
+            let path = ask_system(wanted);
+            // Nobody cancels that fast: there was no dialog. Hanging up says so.
+            if path.is_some() || begun.elapsed().as_millis() > 150 {
+                // The window may have closed meanwhile.
+                sender.send(path).ok();
+            }
+            drop(sender);
+            ctx.request_repaint();
+        };
+        match std::thread::Builder::new().name("dialog".into()).spawn(ask) {
+            Ok(_) => self.browsing = Some((wanted, receiver)),
+            Err(error) => self.toasts.fail(format!("The file dialog could not be started: {error}. Type the path.")),
+        }
+    }
+
+    /// Opens the dialog that writes `kind`.
+    pub(super) fn save_as(&mut self, kind: Kind) {
+        // What is written is what is shown: it stays as long as the dialog asks.
+        self.player.pause();
+        let Some(shown) = self.view.shown.as_deref() else { return };
+        let name = self.document.clip().map_or_else(String::new, |clip| clip.info().name.clone());
+        let beside = match self.document.source() {
+            Some(Source::File(path)) => path.parent().map(Path::to_owned),
+            _ => None,
+        };
+        let folder = self.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());
+        let seen = save::Seen { look: self.settings.look, angles: self.states.angles(&shown.step) };
+        let state = save::State::new(kind, &folder, &save::stem(&name), shown, seen);
+        self.overlay = Overlay::Save(Box::new(state));
+    }
+
+    /// Writes on another thread; a message tells the outcome.
+    pub fn write(&mut self, order: Order) {
+        let Some(shown) = self.view.shown.clone() else { return };
+        if self.writing.is_some() {
+            self.toasts.fail("Something else is still being written. Wait for it or cancel it, then write this again.");
+            return;
+        }
+        let folder = order.path.parent().map(Path::to_owned);
+        let ctx = self.ctx.clone();
+        let changed = move || ctx.request_repaint();
+        let inputs = Arc::clone(&shown.subject.inputs);
+        let work: Work = match order.what {
+            What::Picture => Box::new(move |order, _| writer::picture(order, &shown)),
+            What::Steps { .. } => Box::new(move |order, progress| writer::steps(order, &shown, progress)),
+            What::Session => {
+                let session = self.session(&shown);
+                Box::new(move |order, _| save_session(&session, &order.path))
+            }
+            What::Result(export) => {
+                let output = self.walker.output(&shown);
+                Box::new(move |order, progress| writer::result(&order.path, export, &output, progress))
+            }
+        };
+        self.writing = Some(Writing::new(folder, changed, move |progress| {
+            writer::refuse_losses(&order, &inputs)?;
+            work(&order, progress)
+        }));
+    }
+
+    fn session(&self, shown: &Snapshot) -> Session {
+        let stage = &self.states.stage;
+        let sight = match stage.zoom {
+            Zoom::Fit => None,
+            Zoom::At { center, scale } => Some(Sight { center, zoom: scale }),
+        };
+        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
+        let mut experiment = shown.subject.experiment.clone();
+        experiment.source = experiment.source.map_path(whole);
+        let Given { truth, detections } = &mut experiment.given;
+        for path in [truth, detections].into_iter().flatten() {
+            *path = whole(path);
+        }
+        let position = Position { cursor: Some(shown.cursor), pixel: shown.held() };
+        Session { experiment, position, look: self.settings.look.into(), sight }
+    }
+}
+
+fn save_session(session: &Session, path: &Path) -> Result<String, Error> {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    session.save(&path)?;
+    Ok(format!("Wrote {}.", path.display()))
+}
+
+fn ask_system(wanted: Browse) -> Option<PathBuf> {
+    let dialog = rfd::FileDialog::new();
+    match wanted {
+        Browse::File => dialog.set_title("Open a clip or a session").pick_file(),
+        Browse::Folder => dialog.set_title("Open a folder of pictures").pick_folder(),
+        Browse::SaveFile => dialog.set_title("Write to").save_file(),
+        Browse::SaveFolder => dialog.set_title("Write into a folder").pick_folder(),
+    }
+}

@@ -1,0 +1,473 @@
+//! The parameters: what the estimator and a synthetic clip declare, as rows that align.
+
+use eframe::egui::{
+    self, Align, Button, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo,
+    vec2,
+};
+use lucide_icons::Icon;
+use motionscope_core::params::{Choice, Kind, PartKind, Placed, Spec, StageValue};
+use motionscope_core::{Info, Value, estimators};
+
+use crate::paint::Theme;
+use crate::ui::app::action::{Action, Actions};
+use crate::ui::app::commands::Command;
+use crate::ui::drawing::style;
+use crate::ui::model::document::{Document, Owner};
+use crate::ui::panes::clip_card;
+use crate::ui::parts::slider::Slider;
+use crate::ui::parts::widgets;
+
+/// What the pane shows.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// What is open and how it is set.
+    pub document: &'a Document,
+    /// The parameter of the estimator that is being placed on the picture, if one is.
+    pub placing: Option<usize>,
+    /// The look.
+    pub theme: Theme,
+}
+
+/// Draws the whole pane.
+pub fn show(ui: &mut Ui, input: Input<'_>, actions: &mut Actions) {
+    let document = input.document;
+    ScrollArea::vertical().id_salt("parameters").auto_shrink(false).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        clip_card::show(ui, document, actions);
+        ui.add_space(12.0);
+        title(ui, "Estimator", Owner::Estimator, document, actions);
+        estimator(ui, document, actions);
+        group(ui, Owner::Estimator, input, actions);
+        if document.params(Owner::Difficulty).is_some() {
+            ui.add_space(16.0);
+            title(ui, "Difficulty of the clip", Owner::Difficulty, document, actions);
+            group(ui, Owner::Difficulty, input, actions);
+        }
+        ui.add_space(16.0);
+    });
+}
+
+/// A heading, with a button that resets the group when anything in it was changed.
+fn title(ui: &mut Ui, text: &str, owner: Owner, document: &Document, actions: &mut Actions) {
+    ui.horizontal(|ui| {
+        widgets::heading(ui, text);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let name = format!("Reset all: {text}");
+            ui.add_enabled_ui(document.is_tuned(owner), |ui| {
+                let button = widgets::icon_button(ui, Icon::RotateCcw, &name, false);
+                if button.on_hover_text("Set all of these as they were at first.").clicked() {
+                    actions.ask(Action::ResetAll(owner));
+                }
+            });
+        });
+    });
+}
+
+/// The estimators by family.
+fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
+    let info = document.estimator().info();
+    // As long as the window allows, so that all of them are seen at once where that can be.
+    let room = (ui.content_rect().height() - 2.0 * ui.spacing().interact_size.y).max(ui.spacing().combo_height);
+    let combo = ComboBox::from_id_salt("estimator").selected_text(info.name);
+    let combo = combo.width(ui.available_width()).height(room);
+    let shown = combo.show_ui(ui, |ui| estimators_by_family(ui, info.id, actions));
+    let name = format!("Estimator: {}", info.name);
+    shown.response.widget_info(|| WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
+    shown.response.on_hover_text(info.summary);
+    ui.add_space(4.0);
+}
+
+/// Every estimator under its family, to choose from, in two columns about as long.
+pub fn estimators_by_family(ui: &mut Ui, now: &str, actions: &mut Actions) {
+    let all: Vec<&'static Info> = estimators().iter().map(|estimator| estimator.info()).collect();
+    let families: Vec<&[&Info]> = all.chunk_by(|a, b| a.family == b.family).collect();
+    let half = (all.len() + families.len()).div_ceil(2);
+    let mut rows = 0;
+    let left = families.iter().take_while(|family| {
+        let is_left = rows < half;
+        rows += family.len() + 1;
+        is_left
+    });
+    let (left, right) = families.split_at(left.count());
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 16.0;
+        for column in [left, right] {
+            ui.vertical(|ui| {
+                for (i, family) in column.iter().enumerate() {
+                    if i > 0 {
+                        ui.add_space(4.0);
+                    }
+                    of_family(ui, family, now, actions);
+                }
+            });
+        }
+    });
+}
+
+/// The estimators of a family below its name.
+fn of_family(ui: &mut Ui, family: &[&'static Info], now: &str, actions: &mut Actions) {
+    widgets::heading(ui, family.first().map_or("", |info| info.family));
+    for info in family {
+        if ui.selectable_label(info.id == now, info.name).on_hover_text(info.summary).clicked() {
+            actions.ask(Action::Choose(info.id));
+            ui.close();
+        }
+    }
+}
+
+fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, actions: &mut Actions) {
+    let Input { document, theme, placing } = input;
+    let Some(params) = document.params(owner) else { return };
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        for (index, spec) in params.specs().iter().enumerate() {
+            let (value, default) = (params.value(index), document.default_of(owner, index));
+            let is_placing = owner == Owner::Estimator && placing == Some(index);
+            let row = Row { owner, index, within: None, spec, value, default, theme, is_placing };
+            row.show(ui, actions);
+            row.space(ui);
+            if let Value::Stage(stage) = &row.value {
+                of_stage(ui, &row, stage, actions);
+            }
+        }
+    });
+}
+
+/// The parameters of a stage, set in below its name.
+fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Actions) {
+    let &Row { owner, index, theme, .. } = parent;
+    if ui.button("Step into").on_hover_text(Command::IntoStage.with_key("Walk this stage by itself.")).clicked() {
+        actions.ask(Action::Enter(index));
+    }
+    let id = ui.make_persistent_id((owner as usize, index, stage.id()));
+    let part = stage.part();
+    // They are many, and good as they are until someone asks.
+    egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false)
+        .show_header(ui, |ui| {
+            ui.label(dim(ui, format!("{} in detail", part.name()))).on_hover_text(part.summary());
+        })
+        .body(|ui| {
+            for (inner, spec) in part.specs().iter().enumerate() {
+                // What is placed on the picture, and stages of stages, are set where the stage is opened by itself.
+                if matches!(spec.kind, Kind::Placed(_) | Kind::Stage(_)) {
+                    continue;
+                }
+                let usual = match &parent.default {
+                    Some(Value::Stage(usual)) if usual.id() == stage.id() => usual.part().value(inner),
+                    _ => spec.default.clone(),
+                };
+                let (value, default) = (part.value(inner), Some(usual));
+                let within = Some((stage, inner));
+                let row = Row { owner, index, within, spec, value, default, theme, is_placing: false };
+                row.show(ui, actions);
+                row.space(ui);
+            }
+        });
+    ui.add_space(4.0);
+}
+
+/// One parameter.
+struct Row<'a> {
+    owner: Owner,
+    index: usize,
+    /// The stage whose parameter it is, with its index there; `index` is then that of the stage.
+    within: Option<(&'a StageValue, usize)>,
+    spec: &'a Spec,
+    value: Value,
+    default: Option<Value>,
+    theme: Theme,
+    is_placing: bool,
+}
+
+impl Row<'_> {
+    fn show(&self, ui: &mut Ui, actions: &mut Actions) {
+        let (wanted, done) = match (&self.spec.kind, &self.value) {
+            (Kind::Int { min, max }, Value::Int(value)) => {
+                let (wanted, done) = self.number(ui, (*min as f64, *max as f64), *value as f64, actions);
+                (Value::Int(wanted.round() as i64), done)
+            }
+            (Kind::Real { min, max }, Value::Real(value)) => {
+                let (wanted, done) = self.number(ui, (*min, *max), *value, actions);
+                (Value::Real(wanted), done)
+            }
+            (Kind::Switch, Value::Switch(on)) => {
+                let wanted = self.switch(ui, *on, actions);
+                (Value::Switch(wanted), wanted != *on)
+            }
+            (Kind::Choice(choices), Value::Choice(name)) => {
+                let wanted = self.choice(ui, choices, name, actions);
+                (Value::Choice(wanted), wanted != *name)
+            }
+            (Kind::Placed(_), Value::Placed(placed)) => return self.placed(ui, placed, actions),
+            (Kind::Stage(kind), Value::Stage(stage)) => match self.stage(ui, kind, stage, actions) {
+                Some(wanted) => (Value::Stage(wanted), true),
+                None => return,
+            },
+            _ => return,
+        };
+        if wanted != self.value {
+            self.ask(wanted, actions);
+        }
+        // The frame that ends a gesture may still change the value: that belongs to the gesture.
+        if done {
+            actions.ask(Action::Settle);
+        }
+    }
+
+    /// Asks for another value.
+    fn ask(&self, wanted: Value, actions: &mut Actions) {
+        let wanted = match self.within {
+            Some((stage, inner)) => {
+                let mut stage = stage.clone();
+                // Rows offer nothing that is out of range.
+                if stage.part_mut().set_value(inner, wanted).is_err() {
+                    return;
+                }
+                Value::Stage(stage)
+            }
+            None => wanted,
+        };
+        actions.ask(Action::Set(self.owner, self.index, wanted));
+    }
+
+    fn space(&self, ui: &mut Ui) {
+        ui.add_space(if matches!(self.spec.kind, Kind::Int { .. } | Kind::Real { .. }) { 6.0 } else { 4.0 });
+    }
+
+    /// Which estimator works as this stage; gives another one that was chosen.
+    fn stage(&self, ui: &mut Ui, kind: &PartKind, now: &StageValue, actions: &mut Actions) -> Option<StageValue> {
+        let mut wanted = None;
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let list = (12.0 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
+        self.line(ui, list, actions, |ui, label| {
+            let combo = ComboBox::from_id_salt((self.owner as usize, self.index)).selected_text(now.part().name());
+            let response = combo.width(list).truncate().show_ui(ui, |ui| {
+                for part in (kind.all)() {
+                    let row = ui.selectable_label(part.id() == now.id(), part.name());
+                    if row.on_hover_text(part.summary()).clicked() && part.id() != now.id() {
+                        wanted = match &self.default {
+                            Some(Value::Stage(usual)) if usual.id() == part.id() => Some(usual.clone()),
+                            _ => Some(StageValue::new(part)),
+                        };
+                    }
+                }
+            });
+            response.response.labelled_by(label.id).on_hover_text(self.tip());
+        });
+        wanted
+    }
+
+    /// Label left, `add` right; between them the way back if the value was changed.
+    ///
+    /// Where both do not fit, `add`, which needs `needed_pt`, lies on a line of its own.
+    fn line<R>(
+        &self,
+        ui: &mut Ui,
+        needed_pt: f32,
+        actions: &mut Actions,
+        add: impl FnOnce(&mut Ui, &Response) -> R,
+    ) -> R {
+        let height = ui.spacing().interact_size.y;
+        let changed = self.default.as_ref().is_some_and(|default| *default != self.value);
+        let back = if changed { height + 8.0 } else { 0.0 };
+        if text_width(ui, &self.spec.label) + 8.0 + back + needed_pt > ui.available_width() {
+            let label = ui.add(egui::Label::new(&self.spec.label).wrap().sense(Sense::hover()));
+            let label = label.on_hover_text(self.tip());
+            let row = vec2(ui.available_width(), height);
+            return ui
+                .allocate_ui_with_layout(row, Layout::left_to_right(Align::Center), |ui| {
+                    let result = add(ui, &label);
+                    if changed {
+                        self.way_back(ui, actions);
+                    }
+                    result
+                })
+                .inner;
+        }
+        ui.allocate_ui_with_layout(vec2(ui.available_width(), height), Layout::left_to_right(Align::Center), |ui| {
+            let label = ui.add(egui::Label::new(&self.spec.label).truncate().sense(Sense::hover()));
+            let label = label.on_hover_text(self.tip());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let result = add(ui, &label);
+                if changed {
+                    self.way_back(ui, actions);
+                }
+                result
+            })
+            .inner
+        })
+        .inner
+    }
+
+    fn way_back(&self, ui: &mut Ui, actions: &mut Actions) {
+        let Some(default) = &self.default else { return };
+        let name = format!("Reset {}", self.spec.label.to_lowercase());
+        let button = widgets::icon_button(ui, Icon::RotateCcw, &name, false);
+        let unit = if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) };
+        if button.on_hover_text(format!("Back to {}{unit}.", self.shown(default))).clicked() {
+            actions.ask(Action::Settle);
+            self.ask(default.clone(), actions);
+            actions.ask(Action::Settle);
+        }
+    }
+
+    fn shown(&self, value: &Value) -> String {
+        match (&self.spec.kind, value) {
+            (Kind::Choice(choices), Value::Choice(name)) => {
+                choices.iter().find(|c| c.name == *name).map_or(*name, |c| c.label).to_owned()
+            }
+            _ => value.to_string(),
+        }
+    }
+
+    fn tip(&self) -> String {
+        format!("{}\n{}", self.spec.doc, self.spec.allowed())
+    }
+
+    /// A field to type into over a slider; gives the value, and whether a gesture is over.
+    fn number(&self, ui: &mut Ui, (min, max): (f64, f64), value: f64, actions: &mut Actions) -> (f64, bool) {
+        let mut wanted = value;
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let whole = matches!(self.value, Value::Int(_));
+        let decimals = if whole { 0 } else { decimals(max - min) };
+        let unit = if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) };
+        let width = text_width(ui, self.spec.unit) + 4.2 * size;
+        let typed = self.line(ui, width, actions, |ui, label| {
+            // What was typed stands there as exactly as it was typed, however coarse the slider is.
+            let most = if whole { 0 } else { TYPED_DECIMALS };
+            let mut field = DragValue::new(&mut wanted).range(min..=max).suffix(unit).max_decimals(most);
+            field = field.speed((max - min) / 200.0);
+            let response = ui.add_sized(vec2(width, ui.spacing().interact_size.y), field);
+            response.labelled_by(label.id).on_hover_text(self.tip())
+        });
+        let default = self.default.as_ref().and_then(|default| match *default {
+            Value::Int(value) => Some(value as f64),
+            Value::Real(value) => Some(value),
+            Value::Switch(_) | Value::Choice(_) | Value::Placed(_) | Value::Stage(_) => None,
+        });
+        let step = 10f64.powi(-(decimals as i32));
+        let slider = Slider { name: &self.spec.label, range: (min, max), step, default, theme: self.theme };
+        let slid = slider.show(ui, &mut wanted);
+        let slid = slid.on_hover_text(self.tip());
+        (wanted, [&typed, &slid].iter().any(|r| r.drag_stopped() || r.clicked() || r.lost_focus()))
+    }
+
+    fn switch(&self, ui: &mut Ui, on: bool, actions: &mut Actions) -> bool {
+        let width = 1.2 * ui.spacing().interact_size.y;
+        let response = self.line(ui, width, actions, |ui, _| toggle(ui, on, self.theme));
+        let name = &self.spec.label;
+        response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, on, name));
+        on != response.on_hover_text(self.tip()).clicked()
+    }
+
+    /// What is placed on the picture, and the button with which that is done.
+    fn placed(&self, ui: &mut Ui, placed: &Placed, actions: &mut Actions) {
+        let (text, size) = (placed.words(), TextStyle::Body.resolve(ui.style()).size);
+        let verb = if self.is_placing { "Done" } else { "Place" };
+        let needed = text_width(ui, &text) + text_width(ui, verb) + 3.0 * size;
+        let dim = ui.visuals().weak_text_color();
+        let pressed = self.line(ui, needed, actions, |ui, _| {
+            let button = ui.add(Button::new(verb).selected(self.is_placing));
+            let name = format!("Place {}", self.spec.label.to_lowercase());
+            button.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, self.is_placing, &name));
+            ui.label(RichText::new(text).color(dim));
+            button.on_hover_text(format!("{}\nWith the mouse, on the picture.", self.spec.doc)).clicked()
+        });
+        if pressed {
+            actions.ask(Action::Place((!self.is_placing).then_some(self.index)));
+        }
+    }
+
+    /// Short choices lie side by side, long ones in a list.
+    fn choice(&self, ui: &mut Ui, choices: &[Choice], now: &'static str, actions: &mut Actions) -> &'static str {
+        let mut wanted = now;
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let padding = 2.0 * ui.spacing().button_padding.x + 4.0;
+        let needed: f32 = choices.iter().map(|choice| text_width(ui, choice.label) + padding).sum();
+        let fits = needed + text_width(ui, &self.spec.label) + 16.0 < ui.available_width();
+        let list = (9.5 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
+        self.line(ui, if fits { needed } else { list }, actions, |ui, label| {
+            if fits {
+                ui.spacing_mut().item_spacing.x = 2.0;
+                for choice in choices.iter().rev() {
+                    let name = format!("{}: {}", self.spec.label, choice.label);
+                    let response = ui.selectable_label(choice.name == now, choice.label);
+                    let selected = choice.name == now;
+                    response.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, true, selected, &name));
+                    if response.on_hover_text(choice.doc).clicked() {
+                        wanted = choice.name;
+                    }
+                }
+                return;
+            }
+            let shown = choices.iter().find(|choice| choice.name == now).map_or(now, |choice| choice.label);
+            let combo = ComboBox::from_id_salt((self.owner as usize, self.index, &self.spec.name)).selected_text(shown);
+            let response = combo.width(list).truncate().show_ui(ui, |ui| {
+                for choice in choices {
+                    let row = ui.selectable_label(choice.name == now, choice.label);
+                    if row.on_hover_text(choice.doc).clicked() {
+                        wanted = choice.name;
+                    }
+                }
+            });
+            response.response.labelled_by(label.id).on_hover_text(self.tip());
+        });
+        wanted
+    }
+}
+
+/// Decimals of a real number that may be typed.
+const TYPED_DECIMALS: usize = 6;
+
+/// How wide `text` is as a label.
+fn text_width(ui: &Ui, text: &str) -> f32 {
+    let font = TextStyle::Body.resolve(ui.style());
+    ui.painter().layout_no_wrap(text.into(), font, egui::Color32::PLACEHOLDER).size().x
+}
+
+/// Decimals that a real number of this span is worth.
+fn decimals(span: f64) -> usize {
+    if span <= 2.0 {
+        3
+    } else if span <= 10.0 {
+        2
+    } else {
+        1
+    }
+}
+
+/// A switch that slides.
+fn toggle(ui: &mut Ui, on: bool, theme: Theme) -> Response {
+    let chrome = theme.chrome();
+    let height = (ui.spacing().interact_size.y * 0.66).round();
+    let (rect, response) = ui.allocate_exact_size(vec2(height * 1.8, height), Sense::click());
+    let how = ui.ctx().animate_bool_responsive(response.id, on);
+    let off = if response.hovered() { chrome.hovered.mix(chrome.text, 0.15) } else { chrome.hovered };
+    let fill = off.mix(chrome.accent, how);
+    let radius = rect.height() / 2.0;
+    ui.painter().rect_filled(rect, radius, style::color(fill));
+    let x = egui::lerp(rect.left() + radius..=rect.right() - radius, how);
+    let off = if theme == Theme::Light { chrome.panel } else { chrome.text };
+    let knob = off.mix(chrome.on_accent, how);
+    ui.painter().circle_filled(egui::pos2(x, rect.center().y), radius - 3.0, style::color(knob));
+    if response.has_focus() {
+        let stroke = egui::Stroke::new(1.5, style::color(chrome.text));
+        ui.painter().rect_stroke(rect.expand(2.0), radius + 2.0, stroke, egui::StrokeKind::Middle);
+    }
+    response
+}
+
+/// The text of a value that matters less.
+pub fn dim(ui: &Ui, text: impl Into<String>) -> RichText {
+    RichText::new(text).color(ui.visuals().weak_text_color())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::decimals;
+
+    #[test]
+    fn narrow_ranges_have_more_decimals() {
+        assert_eq!([0.5, 4.0, 50.0, 500.0].map(decimals), [3, 2, 1, 1]);
+    }
+}

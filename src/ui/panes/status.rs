@@ -1,0 +1,155 @@
+//! The line at the bottom: where the run stands, in words, or how far the work is.
+
+use std::time::Duration;
+
+use eframe::egui::{Button, ProgressBar, RichText, Ui};
+use motionscope_core::Cursor;
+use motionscope_core::scene::{Focus, Picture};
+
+use crate::paint::grouped;
+use crate::ui::app::action::Actions;
+use crate::ui::app::commands::{Command, Rungs, key_text};
+use crate::ui::model::snapshot::{Pointed, Snapshot};
+use crate::ui::model::walker::{Phase, View};
+use crate::view::tile;
+
+/// Work that takes longer is told of.
+pub const LATE: Duration = Duration::from_millis(250);
+/// How soon it is looked whether work that is to stop has done so.
+pub const SOON: Duration = Duration::from_millis(30);
+
+/// Work that takes a while.
+pub struct Work {
+    /// What is done.
+    pub what: String,
+    /// The share of it that is done, from 0 to 1, if that is known.
+    pub share: Option<f32>,
+}
+
+/// What is being worked on, if that takes a while.
+pub fn work(view: &View) -> Option<Work> {
+    let is_late = view.busy_for.is_some_and(|time| time > LATE);
+    let share = |(done, of): (usize, usize)| Some(done as f32 / of.max(1) as f32);
+    let counted = |(done, of): (usize, usize)| format!("{} of {}", grouped(done), grouped(of));
+    match (view.progress, view.reading.filter(|_| is_late)) {
+        _ if !view.busy => None,
+        _ if view.stopping && is_late => Some(Work { what: "Stopping…".into(), share: None }),
+        (_, Some(frames)) => Some(Work { what: format!("Reading frame {}", counted(frames)), share: share(frames) }),
+        (Some(units), _) => Some(Work { what: counted(units), share: share(units) }),
+        (None, None) if !is_late => None,
+        (None, None) => {
+            let what = match view.phase {
+                Phase::Starting => "Starting the run…",
+                Phase::Running => "Running…",
+                Phase::Measuring => "Measuring the result…",
+            };
+            Some(Work { what: what.into(), share: None })
+        }
+    }
+}
+
+/// Shows how far `work` is, with a button that stops it.
+pub fn progress(ui: &mut Ui, work: &Work, actions: &mut Actions) {
+    match work.share {
+        Some(share) => drop(ui.add(ProgressBar::new(share).desired_width(120.0).desired_height(6.0))),
+        None => drop(ui.spinner()),
+    }
+    ui.label(RichText::new(&work.what).small());
+    let stop = format!("{} ({})", Command::Stop.face().text, Command::Stop.key());
+    if ui.add(Button::new(RichText::new(stop).small()).small()).clicked() {
+        actions.command(Command::Stop);
+    }
+}
+
+/// Where the run stands: `block 35 of 1200 · probe 412 of 1104 · Best so far 812 at (−3, 2) · 38 % of the work`.
+pub fn line(shown: &Snapshot) -> String {
+    let rungs = shown.info.rungs;
+    if shown.cursor == Cursor::default() {
+        let unit = rungs.len().checked_sub(2).and_then(|rung| rungs.get(rung)).unwrap_or(&"unit");
+        let of = shown.units.map_or_else(String::new, |units| format!("  ·  {} {unit}s to do", grouped(units)));
+        return format!("not started{of}");
+    }
+    let mut parts = Vec::new();
+    for (rung, name) in shown.place.iter().zip(rungs) {
+        match (*name, rung.of) {
+            // A rung of one is no news.
+            (_, Some(1)) => {}
+            // Levels are called by their number in the pyramid, as everywhere else: the last is the picture itself.
+            ("level", Some(of)) => parts.push(format!("level {} of {} to 0", of - 1 - rung.index, of - 1)),
+            (name, of) => parts.push(counted(name, rung.index + 1, of)),
+        }
+    }
+    if let Some(name) = rungs.last() {
+        parts.push(counted(name, shown.cursor.event, Some(shown.events)));
+    }
+    // What is told of the pixel pointed at is not where the run stands.
+    parts.extend(if shown.pointed.is_none() { best(shown) } else { None });
+    if let Some(share) = shown.share() {
+        parts.push(format!("{} % of the work", percent(share)));
+    }
+    parts.extend(shown.pointed.map(explained));
+    parts.join("  ·  ")
+}
+
+/// Which pixel is explained, and how another one is.
+fn explained(Pointed { at: Focus { on, at: [x, y] }, is_held }: Pointed) -> String {
+    let hint = if is_held { "Esc lets go" } else { "a click holds it" };
+    let of = if on == Picture::CURRENT { String::new() } else { format!(" of {}", on.title(None).to_lowercase()) };
+    format!("explained: pixel ({x}, {y}){of}, {hint}")
+}
+
+/// The keys that matter most: `→ step   Shift+→ block   Space play   ? all keys`.
+pub fn keys(rungs: Rungs) -> String {
+    let (event, unit) = (rungs.name(rungs.event()), rungs.name(rungs.unit()));
+    let named =
+        [(Command::Into, event), (Command::Over, unit), (Command::Play, "play"), (Command::Shortcuts, "all keys")];
+    let told = named.iter().filter_map(|(command, name)| {
+        let key = command.face().keys.first()?;
+        Some(format!("{} {name}", key_text(*key)))
+    });
+    told.collect::<Vec<_>>().join("   ")
+}
+
+/// The number that matters most: the best so far or the result.
+fn best(shown: &Snapshot) -> Option<String> {
+    let fact = tile::best(&shown.step)?;
+    Some(format!("{} {}", fact.label.to_lowercase(), fact.value))
+}
+
+fn counted(name: &str, index: usize, of: Option<usize>) -> String {
+    match of {
+        Some(of) => format!("{name} {} of {}", grouped(index), grouped(of)),
+        None => format!("{name} {}", grouped(index)),
+    }
+}
+
+/// A share as whole percent; 100 only at the very end.
+fn percent(share: f32) -> u32 {
+    if share >= 1.0 { 100 } else { ((share * 100.0) as u32).min(99) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_end_is_all() {
+        assert_eq!((percent(0.0), percent(0.999), percent(1.0)), (0, 99, 100));
+    }
+
+    #[test]
+    fn work_is_told_of_when_it_takes_a_while() {
+        let told = |view: View| work(&view).map(|work| work.what);
+        let busy = |time| View { busy: true, busy_for: Some(time), ..View::default() };
+        let (short, long) = (busy(LATE / 2), busy(2 * LATE));
+        assert_eq!((told(View::default()), told(short.clone())), (None, None));
+        assert_eq!(told(long.clone()).as_deref(), Some("Starting the run…"));
+        assert_eq!(told(View { phase: Phase::Measuring, ..long.clone() }).as_deref(), Some("Measuring the result…"));
+        let units = View { progress: Some((3, 20)), ..short };
+        assert_eq!(told(units).as_deref(), Some("3 of 20"));
+        let reading = View { reading: Some((7, 20_000)), ..long };
+        assert_eq!(told(reading.clone()).as_deref(), Some(format!("Reading frame 7 of {}", grouped(20_000)).as_str()));
+        assert_eq!(told(View { stopping: true, ..reading.clone() }).as_deref(), Some("Stopping…"));
+        assert_eq!(told(View { busy: false, ..reading }), None);
+    }
+}

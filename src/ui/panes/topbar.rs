@@ -1,0 +1,277 @@
+//! The bar at the top: menus, what is open, and the few buttons that are always wanted.
+
+use eframe::egui::{self, Align, Button, Layout, MenuBar, RichText, TextStyle, Ui};
+use lucide_icons::Icon;
+use motionscope_core::Params;
+
+use crate::paint::Theme;
+use crate::ui::app::action::Actions;
+use crate::ui::app::commands::{Command, Menu, Now, Rungs};
+use crate::ui::dialogs::open as open_dialog;
+use crate::ui::drawing::style;
+use crate::ui::model::document::Document;
+use crate::ui::panes::layout::Folded;
+use crate::ui::panes::transport;
+use crate::ui::parts::widgets;
+use crate::view::look::Look;
+
+/// What the bar shows.
+pub struct Input<'a> {
+    /// What is open.
+    pub document: &'a Document,
+    /// The first frame of the pair that the run stands on, if one does.
+    pub at_frame: Option<usize>,
+    /// What can be done just now.
+    pub now: Now,
+    /// The names of the ladder.
+    pub rungs: Rungs,
+    /// What is folded away.
+    pub folded: Folded,
+    /// Whether things change at once.
+    pub reduced_motion: bool,
+    /// Clips that were open lately.
+    pub recent: &'a [std::path::PathBuf],
+    /// How pictures look.
+    pub look: Look,
+}
+
+/// Width per point of type size below which the menus share one button.
+const ROOMY: f32 = 70.0;
+
+/// Draws the bar.
+pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    let roomy = ui.available_width() / size > ROOMY;
+    MenuBar::new().ui(ui, |ui| {
+        brand(ui, input.look.theme);
+        if roomy {
+            for menu in Menu::ALL {
+                ui.menu_button(menu.name(), |ui| items(ui, menu, input, actions));
+            }
+        } else {
+            let glyph = widgets::icon(ui, Icon::Menu);
+            ui.menu_button((glyph, "Menu"), |ui| {
+                for menu in Menu::ALL {
+                    ui.menu_button(menu.name(), |ui| items(ui, menu, input, actions));
+                }
+            });
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            right(ui, input, roomy, actions);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| title(ui, input, actions));
+        });
+    });
+}
+
+fn brand(ui: &mut Ui, theme: Theme) {
+    let accent = style::color(theme.chrome().accent);
+    ui.label(widgets::icon(ui, Icon::ScanEye).color(accent));
+    ui.label(RichText::new("Motionscope").family(style::bold()));
+    ui.add_space(8.0);
+}
+
+/// What is open: the clip, the pair of frames and the estimator, each with the way to another one.
+fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
+    let Some(clip) = input.document.clip() else { return };
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    ui.add_space(size);
+    // A long name gives way to what stands beside it, and in a narrow window that gives way to the name.
+    let room = ui.available_width() / size;
+    let roomy = room > 28.0;
+    let letters = if roomy { room - 16.0 } else { room - 2.0 } / 0.58;
+    let name = widgets::elide(&clip.info().name, letters.max(8.0) as usize);
+    let name = RichText::new(name).family(style::bold());
+    let clip = ui.menu_button(name, |ui| {
+        for command in [Command::Open, Command::Samples] {
+            item(ui, command, input, actions);
+        }
+        if !input.recent.is_empty() {
+            ui.separator();
+            open_dialog::recents(ui, input.recent, actions);
+        }
+    });
+    clip.response.on_hover_text(crate::ui::panes::clip_card::facts(input.document));
+    if !roomy {
+        return;
+    }
+    let dim = ui.visuals().weak_text_color();
+    let frame = input.at_frame.unwrap_or(input.document.frame());
+    ui.add_space(8.0);
+    let is_single = input.document.estimator().is_of_single_frames();
+    let frames = if is_single { format!("frame {frame}") } else { format!("frame {frame} → {}", frame + 1) };
+    // The way back out of a stage needs the room.
+    if input.document.parents().len() == 0 {
+        ui.label(RichText::new(frames).color(dim));
+        ui.add_space(8.0);
+    }
+    let info = input.document.estimator().info();
+    let beside = input.document.company().beside.len();
+    let name = if beside == 0 { info.name.to_owned() } else { format!("{} and {beside} more", info.name) };
+    for parent in input.document.parents() {
+        let name = widgets::elide(parent.name, 16);
+        let crumb = ui.add(Button::new(RichText::new(format!("{name} ›")).color(dim)).frame(false));
+        if crumb.on_hover_text(Command::OutOfStage.with_key("Back out of the stage.")).clicked() {
+            actions.command(Command::OutOfStage);
+        }
+    }
+    let estimator = ui.menu_button(RichText::new(name).color(dim), |ui| {
+        crate::ui::panes::parameters::estimators_by_family(ui, info.id, actions);
+    });
+    estimator.response.on_hover_text(info.summary);
+}
+
+fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
+    ui.spacing_mut().item_spacing.x = 2.0;
+    for command in [Command::FullScreen, Command::Lecture] {
+        button(ui, command, input, actions);
+    }
+    theme(ui, input.look.theme, actions);
+    for command in [Command::ShowWhy, Command::ShowCharts, Command::ShowParameters] {
+        button(ui, command, input, actions);
+    }
+    ui.add_space(4.0);
+    if !roomy {
+        button(ui, Command::Palette, input, actions);
+        return;
+    }
+    let dim = ui.visuals().weak_text_color();
+    let words = RichText::new("Find").color(dim);
+    let search = Button::new((widgets::icon(ui, Icon::Search).color(dim), words))
+        .right_text(RichText::new(Command::Palette.key()).small().color(dim));
+    let search = search.fill(style::color(input.look.theme.chrome().raised));
+    let response = ui.add(search.min_size(egui::vec2(11.0 * TextStyle::Body.resolve(ui.style()).size, 0.0)));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Find a command"));
+    if transport::tooltip(response, Command::Palette, &input.rungs).clicked() {
+        actions.command(Command::Palette);
+    }
+    ui.add_space(8.0);
+}
+
+fn button(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
+    // What is on is bright, what is folded away is dim: a bar at rest is quiet.
+    let dim = is_on(command, input) == Some(false);
+    let text = command.text(&input.rungs);
+    let response = ui.scope(|ui| {
+        if dim {
+            ui.visuals_mut().widgets.inactive.fg_stroke.color = ui.visuals().weak_text_color();
+        }
+        ui.add_enabled_ui(command.enabled(&input.now), |ui| widgets::icon_button(ui, command.face().icon, &text, false))
+            .inner
+    });
+    let response = response.inner;
+    if transport::tooltip(response, command, &input.rungs).clicked() {
+        actions.command(command);
+    }
+}
+
+fn theme(ui: &mut Ui, now: Theme, actions: &mut Actions) {
+    let glyph = match now {
+        Theme::Dark => Icon::Moon,
+        Theme::Light => Icon::Sun,
+        Theme::Projector => Icon::Projector,
+    };
+    let response = widgets::icon_button(ui, glyph, &format!("Theme: {}", now.name()), false);
+    let response = response.on_hover_text(Command::NextTheme.with_key("Dark, light, or projector"));
+    egui::Popup::menu(&response).show(|ui| {
+        for (theme, command) in [
+            (Theme::Dark, Command::DarkTheme),
+            (Theme::Light, Command::LightTheme),
+            (Theme::Projector, Command::ProjectorTheme),
+        ] {
+            if ui.selectable_label(theme == now, theme.name()).on_hover_text(command.face().tip).clicked() {
+                actions.command(command);
+            }
+        }
+    });
+}
+
+/// Whether a command that toggles something is on.
+fn is_on(command: Command, input: &Input) -> Option<bool> {
+    match command {
+        Command::ShowParameters => Some(!input.folded.parameters),
+        Command::ShowWhy => Some(!input.folded.why),
+        Command::ShowCharts => Some(!input.folded.charts),
+        Command::Lecture => Some(input.folded.lecture),
+        Command::ReducedMotion => Some(input.reduced_motion),
+        Command::Lockstep => Some(input.now.in_lockstep),
+        Command::Streaks => Some(input.look.streaks.is_some()),
+        _ if command.layer().is_some() => Some(command.layer() == Some(input.now.offer.chosen(input.look.layer))),
+        _ => {
+            let (name, value) = command.look()?;
+            input.look.get(name).ok().map(|now| now.to_string() == value)
+        }
+    }
+}
+
+fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
+    ui.set_min_width(16.0 * TextStyle::Body.resolve(ui.style()).size);
+    // Large type in a small window: what does not fit is scrolled to.
+    let most = ui.ctx().content_rect().height() - 3.0 * ui.spacing().interact_size.y;
+    egui::ScrollArea::vertical().max_height(most).show(ui, |ui| all_items(ui, menu, input, actions));
+}
+
+fn all_items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
+    let listed = |command: &Command| command.face().menu == menu && command.is_listed(&input.rungs);
+    let commands: Vec<Command> = Command::ALL.iter().copied().filter(listed).collect();
+    for (index, group) in commands.chunk_by(|a, b| section(*a) == section(*b)).enumerate() {
+        if index > 0 {
+            ui.separator();
+        }
+        for together in group.chunk_by(|a, b| a.submenu().is_some() && a.submenu() == b.submenu()) {
+            match together[0].submenu() {
+                Some(submenu) => {
+                    let (name, glyph) = submenu.face();
+                    let icon = widgets::icon(ui, glyph).color(ui.visuals().weak_text_color());
+                    ui.menu_button((icon, name), |ui| {
+                        together.iter().for_each(|command| item(ui, *command, input, actions));
+                    });
+                }
+                None => item(ui, together[0], input, actions),
+            }
+            if together[0] == Command::Samples && !input.recent.is_empty() {
+                ui.menu_button((widgets::icon(ui, Icon::History), "Recent"), |ui| {
+                    open_dialog::recents(ui, input.recent, actions);
+                });
+            }
+        }
+    }
+}
+
+/// Commands of one section lie together in a menu.
+fn section(command: Command) -> u8 {
+    use Command as C;
+    match command {
+        C::SaveSession | C::ResetParameters => 1,
+        C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => 2,
+        C::ViridisColors | C::TurboColors => 2,
+        C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => 2,
+        C::NextLayer | C::Streaks => 2,
+        _ if command.layer().is_some() => 2,
+        C::LargerInterface | C::SmallerInterface | C::NormalInterface => 2,
+        C::Quit | C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::FullScreen => 3,
+        C::ResetLayout | C::ReducedMotion => 3,
+        C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => 5,
+        C::NextUnit | C::PreviousUnit | C::Start | C::End => 6,
+        C::Compare | C::Lockstep => 9,
+        C::Stop | C::Slower | C::Faster | C::Play => 7,
+        C::NextFrame | C::PreviousFrame => 8,
+        _ => 0,
+    }
+}
+
+fn item(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
+    let face = command.face();
+    let glyph = match is_on(command, input) {
+        Some(true) => Icon::Check,
+        _ => face.icon,
+    };
+    let dim = ui.visuals().weak_text_color();
+    let (text, enabled) = (command.text(&input.rungs), command.enabled(&input.now));
+    let button = Button::new((widgets::icon(ui, glyph).color(dim), text.as_str())).shortcut_text(command.key());
+    let response = ui.add_enabled(enabled, button);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::MenuItem, enabled, &text));
+    if response.on_hover_text(command.tip(&input.rungs)).clicked() {
+        actions.command(command);
+        ui.close();
+    }
+}

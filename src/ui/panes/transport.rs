@@ -1,0 +1,143 @@
+//! The ladder, play and the timeline: everything that moves the run.
+
+use eframe::egui::{
+    self, Align2, Button, ComboBox, FontId, Rect, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, vec2,
+};
+use lucide_icons::Icon;
+
+use crate::paint::Theme;
+use crate::ui::app::action::{Action, Actions};
+use crate::ui::app::commands::{Command, Now, Rungs};
+use crate::ui::drawing::style;
+use crate::ui::model::player::{Player, SPEEDS};
+use crate::ui::model::snapshot::Snapshot;
+use crate::ui::panes::timeline;
+use crate::ui::parts::widgets;
+
+/// What the transport shows.
+pub struct Input<'a> {
+    /// The run, if there is one.
+    pub shown: Option<&'a Snapshot>,
+    /// What can be done just now.
+    pub now: Now,
+    /// The names of the ladder.
+    pub rungs: Rungs,
+    /// Play and its speed.
+    pub player: Player,
+    /// The look.
+    pub theme: Theme,
+}
+
+/// Width per point of type size below which the ladder's names are left out.
+const ROOMY: f32 = 72.0;
+
+/// Draws the transport into the whole width of `ui`.
+pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    let named = ui.available_width() / size > ROOMY;
+    ui.horizontal_centered(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        let listed = |command: &Command| command.is_listed(&input.rungs);
+        let back = [Command::Start, Command::OutBack, Command::OverBack, Command::IntoBack];
+        for command in back.into_iter().filter(listed) {
+            step(ui, command, named, input, actions);
+        }
+        ui.add_space(4.0);
+        play(ui, input, actions);
+        ui.add_space(4.0);
+        for command in [Command::Into, Command::Over, Command::Out, Command::End].into_iter().filter(listed) {
+            step(ui, command, named, input, actions);
+        }
+        ui.add_space(8.0);
+        speed(ui, input, actions);
+        ui.add_space(12.0);
+        let rect = ui.available_rect_before_wrap();
+        if let (Some(shown), true) = (input.shown, rect.width() > 120.0) {
+            let rect = Rect::from_center_size(rect.center(), vec2(rect.width(), rect.height().min(3.6 * size)));
+            if let Some(cursor) = timeline::show(ui, rect, shown, input.theme) {
+                actions.ask(Action::Seek(cursor));
+            }
+            ui.allocate_rect(rect, Sense::hover());
+        }
+    });
+}
+
+/// A tooltip for a command: what it does, and its key.
+pub fn tooltip(response: Response, command: Command, rungs: &Rungs) -> Response {
+    response.on_hover_text(command.with_key(&command.tip(rungs)))
+}
+
+/// What a command of the ladder is called on its button: the rung that it moves on, or where it leads.
+fn button_name(command: Command, rungs: &Rungs) -> Option<String> {
+    use Command as C;
+    match command {
+        C::Into | C::IntoBack => Some(rungs.name(rungs.event()).to_owned()),
+        C::Over | C::OverBack => Some(rungs.name(rungs.unit()).to_owned()),
+        C::Out => Some(format!("{} end", rungs.outer())),
+        C::OutBack => Some(format!("{} start", rungs.outer())),
+        _ => None,
+    }
+}
+
+fn step(ui: &mut Ui, command: Command, named: bool, input: &Input, actions: &mut Actions) {
+    let glyph = widgets::icon(ui, command.face().icon);
+    let name = button_name(command, &input.rungs).filter(|_| named);
+    let back = matches!(command, Command::IntoBack | Command::OverBack | Command::OutBack | Command::Start);
+    let height = ui.spacing().interact_size.y * 1.25;
+    let button = match (name, back) {
+        (Some(name), true) => Button::new((glyph, name)),
+        (Some(name), false) => Button::new((name, glyph)),
+        (None, _) => Button::new(glyph),
+    };
+    let button = button.frame_when_inactive(false).gap(4.0).min_size(vec2(height, height));
+    let enabled = command.enabled(&input.now);
+    let response = ui.add_enabled(enabled, button);
+    let text = command.text(&input.rungs);
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled, &text));
+    if tooltip(response, command, &input.rungs).clicked() {
+        actions.command(command);
+    }
+}
+
+fn play(ui: &mut Ui, input: &Input, actions: &mut Actions) {
+    let playing = input.player.is_playing();
+    let chrome = input.theme.chrome();
+    let side = (ui.spacing().interact_size.y * 1.45).round();
+    let enabled = Command::Play.enabled(&input.now);
+    let sense = if enabled { Sense::click() } else { Sense::hover() };
+    let (rect, response) = ui.allocate_exact_size(vec2(side, side), sense);
+    let text = if playing { "Pause" } else { "Play" };
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled, text));
+    let lit = if response.hovered() { chrome.accent.mix(chrome.text, 0.2) } else { chrome.accent };
+    let (fill, ink) = if enabled { (lit, chrome.on_accent) } else { (chrome.raised, chrome.dim) };
+    ui.painter().circle_filled(rect.center(), side / 2.0, style::color(fill));
+    let glyph = if playing { Icon::Pause } else { Icon::Play };
+    let font = FontId::new((side * 0.48).round(), style::icons());
+    // The triangle's weight lies left of its middle.
+    let at = rect.center() + vec2(if playing { 0.0 } else { side * 0.03 }, 0.0);
+    ui.painter().text(at, Align2::CENTER_CENTER, char::from(glyph), font, style::color(ink));
+    if response.has_focus() {
+        ui.painter().circle_stroke(rect.center(), side / 2.0 + 2.0, Stroke::new(1.5, style::color(chrome.text)));
+    }
+    if tooltip(response, Command::Play, &input.rungs).clicked() {
+        actions.command(Command::Play);
+    }
+}
+
+fn speed(ui: &mut Ui, input: &Input, actions: &mut Actions) {
+    let (event, unit) = (input.rungs.name(input.rungs.event()), input.rungs.name(input.rungs.unit()));
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    let chosen = input.player.speed().text(event, unit);
+    let combo = ComboBox::from_id_salt("speed").selected_text(&chosen).width(8.5 * size);
+    let shown = combo.show_ui(ui, |ui| {
+        for (index, speed) in SPEEDS.iter().enumerate() {
+            if ui.selectable_label(index == input.player.speed, speed.text(event, unit)).clicked() {
+                actions.ask(Action::Speed(index));
+            }
+        }
+    });
+    let name = format!("Speed: {chosen}");
+    shown.response.widget_info(|| WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
+    let (slower, faster) = (Command::Slower.key(), Command::Faster.key());
+    shown.response.on_hover_text(format!("How fast to play. {slower} is slower, {faster} is faster."));
+}

@@ -1,0 +1,250 @@
+//! The explanation in the window: what stays in sight, what is scrolled, and what each line is called.
+
+use std::sync::Arc;
+
+use eframe::egui::{self, Painter, Rect, Sense, Shape, Ui, Vec2, vec2};
+use motionscope_core::{Info, Step};
+
+use crate::paint::Theme;
+use crate::paint::charts::explanation::{self, Block, Density, Light};
+use crate::ui::drawing::chart::rect_from;
+use crate::ui::drawing::{ink, primitives};
+
+/// What is explained.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// The estimator.
+    pub info: &'a Info,
+    /// What the cursor tells.
+    pub step: &'a Arc<Step>,
+    /// Whether the run is over: then it is told how good the estimate is as well.
+    pub at_end: bool,
+    /// The look.
+    pub theme: Theme,
+}
+
+/// Heights of the pane, in sizes of its type, below which things stand closer.
+const ROOMY: f32 = 30.0;
+/// Above and below a line of code.
+const CODE_MARGIN: f32 = 3.0;
+
+/// How close things stand in a pane of this height.
+fn density(height: f32, theme: Theme) -> Density {
+    if height < ROOMY * theme.sizes().body { Density::close(theme) } else { Density::roomy(theme) }
+}
+
+/// From one part to the next, in points.
+fn gap(density: Density, theme: Theme) -> f32 {
+    if density == Density::close(theme) { 5.0 } else { 8.0 }
+}
+
+/// What the parts follow from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Key {
+    /// The estimator.
+    id: &'static str,
+    width: u32,
+    theme: Theme,
+    density: Density,
+    pixels_per_point: f32,
+}
+
+/// A part as it is shown.
+#[derive(Clone, Debug, Default)]
+struct Part {
+    size: Vec2,
+    shapes: Vec<Shape>,
+    /// Its lines: where each is and what it says.
+    lines: Vec<(Rect, String)>,
+}
+
+impl Part {
+    fn new(painter: &Painter, block: Block) -> Self {
+        let painter = painter.with_clip_rect(Rect::EVERYTHING);
+        let lines = block.lines.into_iter().map(|(rect, words)| (rect_from(rect), words)).collect();
+        Self { size: block.size.into(), shapes: primitives::shapes(&painter, &block.primitives), lines }
+    }
+
+    /// Shows it, each line with its name; gives where these are.
+    fn show(&self, ui: &mut Ui, salt: &str) -> Vec<Rect> {
+        if self.size.y <= 0.0 {
+            return Vec::new();
+        }
+        let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), self.size.y), Sense::hover());
+        let by = rect.min.to_vec2();
+        ui.painter().extend(self.shapes.iter().cloned().map(|mut shape| {
+            shape.translate(by);
+            shape
+        }));
+        let line = |(i, (place, words)): (usize, &(Rect, String))| {
+            let place = place.translate(by);
+            let sensed = ui.interact(place, ui.scope_id().with((salt, i)), Sense::hover());
+            ink::name(&sensed, || words.clone());
+            place
+        };
+        self.lines.iter().enumerate().map(line).collect()
+    }
+}
+
+/// All parts of an explanation.
+#[derive(Clone, Debug)]
+struct Parts {
+    step: Arc<Step>,
+    sentence: Part,
+    rule: Part,
+    equation: Part,
+    facts: Part,
+    name: Part,
+    code: Part,
+    citation: Part,
+    /// The line at work alone.
+    pinned: Part,
+    /// Room for any line at work, so that nothing jumps from line to line.
+    pinned_height: f32,
+}
+
+impl Parts {
+    fn new(painter: &Painter, Input { info, step, theme, .. }: Input<'_>, key: Key) -> Self {
+        let (width, density) = (key.width as f32, key.density);
+        let part = |block| Part::new(painter, block);
+        let line = |text: &str| explanation::code_line(text.trim_start(), Light::AtWork, width, theme);
+        let pinned = info.line(step.line).map(|i| line(info.pseudocode[i].text)).unwrap_or_default();
+        let highest = info.pseudocode.iter().map(|code| line(code.text).size[1]).fold(0.0, f32::max);
+        Self {
+            step: Arc::clone(step),
+            sentence: part(explanation::sentence(&step.sentence, (width, density), theme)),
+            rule: part(explanation::rule(width, theme)),
+            equation: part(explanation::equation(explanation::equation_of(step), (width, density), theme)),
+            facts: part(explanation::table(explanation::facts_of(step), (width, density), theme)),
+            name: part(explanation::name(info, theme)),
+            code: part(explanation::pseudocode(info, step, (0..info.pseudocode.len(), width), theme)),
+            citation: part(explanation::citation(info.source, width, theme)),
+            pinned: part(pinned),
+            pinned_height: highest,
+        }
+    }
+}
+
+/// The room that each part has needed so far, so that nothing jumps from step to step, and the parts as they are.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    key: Option<Key>,
+    sentence: f32,
+    equation: f32,
+    facts: f32,
+    /// How much of the parts is seen where the line at work is out of sight among them, and so stands below them.
+    pinned: Option<f32>,
+    parts: Option<Parts>,
+}
+
+impl State {
+    /// Forgets the room when it was measured for another estimator, width, type size or density.
+    fn keep_for(&mut self, key: Key) {
+        if self.key != Some(key) {
+            // Room for what most steps tell, from the first on.
+            let Key { theme, density: Density { leading, row, math }, .. } = key;
+            let size = theme.sizes();
+            *self = State {
+                key: Some(key),
+                sentence: 3.0 * (leading * (size.heading + 2.0)).round(),
+                facts: 4.0 * (1.2 * size.body + 2.0 * row).round(),
+                equation: 4.0 * (1.45 * math).round(),
+                pinned: self.pinned,
+                parts: None,
+            };
+        }
+    }
+}
+
+/// Shows the explanation in the whole of `ui`.
+pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
+    let Input { info, step, theme, at_end } = input;
+    let density = density(ui.available_height(), theme);
+    ui.spacing_mut().item_spacing = vec2(8.0, gap(density, theme));
+    let width = ui.available_width().round() as u32;
+    let key = Key { id: info.id, width, theme, density, pixels_per_point: ui.pixels_per_point() };
+    state.keep_for(key);
+    let known = state.parts.take().filter(|parts| Arc::ptr_eq(&parts.step, step));
+    let parts = known.unwrap_or_else(|| Parts::new(ui.painter(), input, key));
+    // The sentence stays in sight, however far the rest is scrolled.
+    hold(ui, &mut state.sentence, at_end, |ui| _ = parts.sentence.show(ui, "sentence"));
+    // Nor does the line at work: it stands at the bottom where it is scrolled out of sight. Nothing scrolls by itself.
+    let (room, below) = (ui.available_height(), parts.pinned_height + ui.spacing().item_spacing.y);
+    let height = state.pinned.unwrap_or(room).clamp(0.0, room.max(0.0));
+    let scroll = egui::ScrollArea::vertical().id_salt("why").auto_shrink(false).max_height(height);
+    let scrolled = scroll.show(ui, |ui| {
+        let mut places = Vec::new();
+        // Before the first step there is neither: no room is kept then.
+        if parts.facts.size.y > 0.0 || parts.equation.size.y > 0.0 {
+            // The formula is what is taught: it is seen in a small window as well.
+            parts.rule.show(ui, "first rule");
+            hold(ui, &mut state.equation, at_end, |ui| places.extend(parts.equation.show(ui, "equation")));
+            parts.rule.show(ui, "second rule");
+            hold(ui, &mut state.facts, at_end, |ui| places.extend(parts.facts.show(ui, "facts")));
+        }
+        places.extend(parts.name.show(ui, "name"));
+        let top = ui.cursor().min.y;
+        let code = parts.code.show(ui, "code");
+        let at_work = info.line(step.line).and_then(|line| code.get(line).copied());
+        // Nothing is seen of the box around them where nothing is seen of the first.
+        places.extend(code.first().map(|line| line.with_min_y(top)));
+        places.extend(code);
+        ui.add_space(8.0);
+        places.extend(parts.citation.show(ui, "citation"));
+        (at_work, places)
+    });
+    if state.pinned.is_some() {
+        ui.add_space((room - below - height).max(0.0));
+        parts.pinned.show(ui, "pinned");
+    }
+    state.parts = Some(parts);
+    let top = scrolled.inner_rect.min.y;
+    let overflows = scrolled.content_size.y > room;
+    let is_in_sight = |line: &Rect| line.center().y >= top && line.max.y <= top + room - below;
+    let (at_work, places) = scrolled.inner;
+    // It would stand there twice where it is half in sight.
+    let seen = |_| whole(&places, top, top + room - below) - top;
+    let is_pinned = at_work.filter(|line| overflows && !is_in_sight(line)).map(seen);
+    if std::mem::replace(&mut state.pinned, is_pinned) != is_pinned {
+        ui.ctx().request_discard("the line at work came into sight, or went out of it");
+    }
+}
+
+/// Where lines that may be seen from `top` down to `end` have to end so that none of them is cut.
+fn whole(lines: &[Rect], top: f32, end: f32) -> f32 {
+    let cut = lines.iter().filter(|line| (top..end).contains(&line.min.y) && line.max.y - CODE_MARGIN > end);
+    cut.map(|line| line.min.y).fold(end, f32::min)
+}
+
+/// Shows a part in at least as much height as it ever took; but at the end of a run, where more is told, in just its own.
+fn hold(ui: &mut Ui, height: &mut f32, at_end: bool, add: impl FnOnce(&mut Ui)) {
+    let least = if at_end { 0.0 } else { *height };
+    let shown = ui.scope(|ui| {
+        ui.set_min_height(least);
+        ui.set_width(ui.available_width());
+        add(ui);
+    });
+    let taken = shown.response.rect.height();
+    if !at_end {
+        *height = height.max(taken);
+    }
+    if taken > 0.0 {
+        ui.add_space(ui.spacing().item_spacing.y);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui::pos2;
+
+    use super::*;
+
+    #[test]
+    fn no_line_is_cut_where_others_end() {
+        let line = |from: f32, to: f32| Rect::from_min_max(pos2(0.0, from), pos2(100.0, to));
+        let lines = [line(-5.0, 15.0), line(15.0, 35.0), line(35.0, 55.0), line(60.0, 80.0)];
+        assert_eq!([20.0, 33.0, 50.0, 57.0, 90.0].map(|end| whole(&lines, 0.0, end)), [15.0, 33.0, 35.0, 57.0, 90.0]);
+        // One that is taller than all there is room for, and is scrolled out at the top, stays.
+        assert_eq!(whole(&[line(-10.0, 90.0)], 0.0, 50.0), 50.0);
+    }
+}

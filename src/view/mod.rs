@@ -1,0 +1,10 @@
+//! What one step of a run shows, and how it is looked at, for the window and for files alike.
+
+pub mod look;
+pub mod moment;
+pub mod motion;
+pub mod panes;
+pub mod sheet;
+pub mod shot;
+pub mod steps;
+pub mod tile;

@@ -1,0 +1,222 @@
+//! Everything that a step shows, made in one place for the window, for pictures and for sessions.
+
+use std::sync::Arc;
+
+use motionscope_core::products::{Assessment, Reference};
+use motionscope_core::scene::{Canvas, Focus, Picture, Pixels, Readout};
+use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Scene, Step, Walk};
+
+use super::look::Look;
+use super::motion::{Motion, Offer, Reverse, Site};
+use super::tile::{self, Ending, Tile, add_assessment, add_facts, endings, predicted, tiles};
+use crate::experiment::Experiment;
+use crate::paint::{FlowLayer, Pictures, View};
+
+/// What a run shows where it stands.
+#[derive(Clone)]
+pub struct Moment {
+    /// Frame t of the pair at hand.
+    pub frame: usize,
+    /// Where the run stands.
+    pub cursor: Cursor,
+    /// Whether that is its end.
+    pub at_end: bool,
+    /// What the step tells; at the end also how good the estimate is.
+    pub step: Arc<Step>,
+    /// What it shows.
+    pub scene: Arc<Scene>,
+    /// Frames t and t + 1, and at the end what the run has made of them.
+    pub pictures: Pictures,
+    /// Each of those that go in lockstep; none where there is but one.
+    pub tiles: Vec<Tile>,
+    /// Which layers tell of motion.
+    pub offer: Offer,
+}
+
+/// A run where it stands, and what is asked of it there.
+#[derive(Clone, Copy)]
+pub struct Standing<'a> {
+    /// The run.
+    pub walk: &'a dyn Walk,
+    /// What it runs on.
+    pub clip: &'a Clip,
+    /// The frames of the unit at hand.
+    pub pair: &'a Pictures,
+    /// The pixel that is explained in the place of the one at work.
+    pub focus: Option<Focus>,
+    /// Whether the pictures of the step stand side by side.
+    pub beside: bool,
+    /// What the end of the run has come to, where that is reached and worked out.
+    pub end: Option<&'a End>,
+}
+
+/// What the end of a run shows beside its last step.
+pub struct End {
+    /// The motion-compensated prediction of frame t, where there is one.
+    prediction: Option<Arc<Frame>>,
+    /// How good the estimate is.
+    assessment: Option<Assessment>,
+    /// How often each displacement was found, where they are counted.
+    histogram: Option<Histogram>,
+    /// The same of each of those in lockstep.
+    beside: Vec<Ending>,
+}
+
+impl End {
+    /// That of `walk` on `clip`, whose last frames are `pair`; `None` where the run is not at its end.
+    pub fn of(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Option<Self> {
+        walk.at_end().then(|| {
+            let output = walk.output();
+            Self {
+                prediction: predicted(&output, pair),
+                assessment: output.assess(&Reference { clip, frame: walk.frame() }).ok(),
+                histogram: output.histogram(),
+                beside: endings(walk, clip, pair),
+            }
+        })
+    }
+}
+
+impl Moment {
+    /// What is shown at `standing`, with what `motion` makes of the motion there.
+    ///
+    /// # Errors
+    /// Whatever `motion` fails with.
+    pub fn of<E>(standing: Standing<'_>, motion: impl FnOnce(Site<'_>) -> Result<Motion, E>) -> Result<Self, E> {
+        let Standing { walk, clip, pair, focus, beside, end } = standing;
+        let mut tiles = tiles(walk, focus, end.map_or(&[], |end| &end.beside));
+        let scene = tile::scene(walk, focus, &tiles);
+        let mut pictures = Pictures { prediction: end.and_then(|end| end.prediction.clone()), ..pair.clone() };
+        let motion = motion(Site { walk, clip, scene: &scene })?;
+        motion.put(&mut pictures, &mut tiles);
+        if beside {
+            pictures.beside = named(&scene, standing);
+        }
+        Ok(Self {
+            frame: walk.at_frame(),
+            cursor: walk.cursor(),
+            at_end: walk.at_end(),
+            step: Arc::new(told(standing, &motion)),
+            scene: Arc::new(scene),
+            pictures,
+            tiles,
+            offer: motion.offer,
+        })
+    }
+
+    /// The view that `look` chooses here, or what suits the step of an estimator that looks at single frames or at pairs: a
+    /// finished field needs only frame t, as an estimator of single frames does; a search needs both.
+    pub fn view(&self, look: &Look, is_of_single_frames: bool) -> View {
+        let fitting = if self.at_end || is_of_single_frames { View::Current } else { View::SideBySide };
+        let view = look.view.unwrap_or(fitting).or_current(&self.pictures);
+        if self.tiles.is_empty() { view } else { view.alone(self.at_end) }
+    }
+
+    /// Why it does not show `layer`, as part of a sentence; `None` if it does.
+    pub fn why_without(&self, layer: FlowLayer) -> Option<&'static str> {
+        let mut shown = self.pictures.layer.iter().chain(self.tiles.iter().filter_map(|tile| tile.layer.as_ref()));
+        let is_shown = shown.any(|tint| tint.kind == layer);
+        (!is_shown).then(|| self.offer.why_not(layer).unwrap_or("nothing has moved there yet"))
+    }
+
+    /// The pyramid on which the step works, if it does.
+    pub fn levels(&self) -> Option<&Levels> {
+        tile::levels(&self.scene, &self.tiles)
+    }
+}
+
+/// The pictures that `scene` is about, where those are not frames t and t + 1: these stand in the place of any that cannot be
+/// had.
+fn named(scene: &Scene, Standing { walk, clip, pair, .. }: Standing<'_>) -> Vec<(Picture, Arc<Frame>)> {
+    let frame = |canvas: &Canvas| match &canvas.pixels {
+        Pixels::Made(make) => Some(Arc::new(make())),
+        Pixels::OfClip if [Picture::CURRENT, Picture::NEXT].contains(&canvas.picture) => {
+            Some(Arc::clone(pair.frame_of(canvas.picture)))
+        }
+        Pixels::OfClip => clip.frame(walk.at_frame().checked_add_signed(canvas.picture.time as isize)?).ok(),
+    };
+    let all = scene.pictures.iter().map(|canvas| Some((canvas.picture, frame(canvas)?)));
+    all.collect::<Option<_>>().unwrap_or_default()
+}
+
+/// What the step tells; at the end, also how good the estimate is.
+fn told(Standing { walk, focus, end, .. }: Standing<'_>, motion: &Motion) -> Step {
+    let mut step = walk.step(focus);
+    let Some(end) = end else { return step };
+    if let Some(assessment) = &end.assessment {
+        add_assessment(&mut step, assessment);
+    }
+    let facts = motion.facts();
+    if !facts.is_empty() {
+        add_facts(&mut step, facts);
+    }
+    step.readouts.extend(end.histogram.clone().map(Readout::Histogram));
+    step
+}
+
+/// Frames `t` and `t + 1` of `clip`, and what their files are called; the last frame stands beside itself.
+///
+/// # Errors
+/// If there is no such frame, or it cannot be decoded.
+pub fn pair(clip: &Clip, t: usize) -> Result<Pictures, Error> {
+    Ok(Pictures { names: [t, t + 1].map(|frame| clip.frame_name(frame)), ..Pictures::of(clip.pair_or_last(t)?) })
+}
+
+/// The pair of frames that was shown last: most steps show the same as the one before.
+#[derive(Default)]
+pub struct LastPair(Option<(usize, Pictures)>);
+
+impl LastPair {
+    /// The frames that the unit at hand of `walk` works on.
+    ///
+    /// # Errors
+    /// As [`pair`].
+    pub fn of(&mut self, walk: &dyn Walk, clip: &Clip) -> Result<&Pictures, Error> {
+        let t = walk.at_frame();
+        let pictures = match self.0.take() {
+            Some((frame, pictures)) if frame == t => pictures,
+            _ => pair(clip, t)?,
+        };
+        Ok(&self.0.insert((t, pictures)).1)
+    }
+}
+
+/// A run whose steps are looked at one after the other, without a window.
+pub struct Viewer<'a> {
+    /// The run: it goes wherever it is sent.
+    pub walk: Box<dyn Walk>,
+    clip: &'a Clip,
+    look: &'a Look,
+    reverse: &'a Reverse<'a>,
+    pairs: LastPair,
+    beside: bool,
+}
+
+impl<'a> Viewer<'a> {
+    /// The run of `experiment` on `clip`, at its start, seen with `look`; a check asks `reverse` for its flow.
+    ///
+    /// # Errors
+    /// If it cannot run there.
+    pub fn new(
+        experiment: &Experiment,
+        clip: &'a Clip,
+        look: &'a Look,
+        reverse: &'a Reverse<'a>,
+    ) -> Result<Self, Error> {
+        let beside = look.shows_beside(experiment.estimator.is_of_single_frames());
+        Ok(Self { walk: experiment.walk(clip)?, clip, look, reverse, pairs: LastPair::default(), beside })
+    }
+
+    /// What is shown where the run stands, with the pixel `focus` explained.
+    ///
+    /// # Errors
+    /// If a frame, the truth or the reverse pair that it takes cannot be had.
+    pub fn moment(&mut self, focus: Option<Focus>) -> Result<Moment, Error> {
+        let Self { walk, clip, look, reverse, pairs, beside } = self;
+        let (walk, clip) = (&**walk, *clip);
+        let pair = pairs.of(walk, clip)?;
+        let end = End::of(walk, clip, pair);
+        let standing = Standing { walk, clip, pair, focus, beside: *beside, end: end.as_ref() };
+        Moment::of(standing, |site| Motion::of(site, look, || reverse.flow().map(Some)))
+    }
+}

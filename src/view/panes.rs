@@ -1,0 +1,424 @@
+//! The panes of a step that a picture can hold: what each is called, what it shows, and when it has something to show.
+
+use std::fmt;
+use std::str::FromStr;
+
+use motionscope_core::scene::{Chart, Distribution, Plane, Readout, Series, Surface};
+use motionscope_core::{AnyEstimator, Error, Info, Step};
+
+use crate::paint::charts::{
+    ChartStyle, Orbit, distribution, explanation, heat_map, histogram, matrices, plane, relief, series, stack, tiles,
+};
+use crate::paint::primitive::Rect;
+use crate::paint::{Layer, LevelShown};
+
+/// From where the things in space are looked at, and which part of the plane of displacements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Angles {
+    /// The cost surface.
+    pub surface: Orbit,
+    /// The pyramid.
+    pub pyramid: Orbit,
+    /// The plane of displacements; all of it unless one came nearer.
+    pub plane: Option<plane::Window>,
+}
+
+impl Default for Angles {
+    fn default() -> Self {
+        Self { surface: Orbit::default(), pyramid: stack::USUAL, plane: None }
+    }
+}
+
+/// What the panes of a step are made of.
+#[derive(Clone, Copy)]
+pub struct Told<'a> {
+    /// The estimator.
+    pub info: &'a Info,
+    /// What its step tells.
+    pub step: &'a Step,
+    /// Whether the pixel that is explained lies in the middle of its tiles.
+    pub is_centered: bool,
+    /// The level of a pyramid that stands on the stage.
+    pub level: LevelShown,
+    /// From where the things in space are looked at.
+    pub angles: Angles,
+}
+
+/// What can stand on a picture of a step.
+#[derive(Debug)]
+pub struct Pane {
+    /// What it is called in commands and files.
+    pub id: &'static str,
+    /// What it is called on the screen.
+    pub title: &'static str,
+    /// What it shows.
+    pub doc: &'static str,
+    /// Which steps have something to show in it.
+    pub when: &'static str,
+    /// The chart of an estimator that it shows, if it is one.
+    pub chart: Option<Chart>,
+    /// Whether a step has something to show in it.
+    pub is_told: fn(&Step) -> bool,
+    /// How well it has room in so many points, where 1 is just enough.
+    pub room: fn(Told<'_>, [f32; 2], ChartStyle) -> f32,
+    /// What is painted in a rectangle; nothing where the step tells nothing.
+    pub draw: fn(Told<'_>, Rect, ChartStyle) -> Vec<Layer>,
+}
+
+impl PartialEq for Pane {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
+/// The pictures and the marks over them; it is painted with the plate.
+pub const STAGE: Pane = Pane {
+    id: "stage",
+    title: "Stage",
+    doc: "the pictures and the marks over them",
+    when: "at every step",
+    chart: None,
+    is_told: |_| true,
+    room: |_, _, _| f32::INFINITY,
+    draw: |_, _, _| Vec::new(),
+};
+
+/// Why the last step happened.
+pub const EXPLANATION: Pane = Pane {
+    id: "explanation",
+    title: "Explanation",
+    doc: "why the step happened: sentence, formulas, numbers and pseudocode",
+    when: "at every step",
+    chart: None,
+    is_told: |_| true,
+    room: explanation_room,
+    draw: |told, area, style| explanation::draw(explained(told), area, style).into_layers(),
+};
+
+/// The cost surface as a map.
+pub const SURFACE: Pane = Pane {
+    id: "surface",
+    title: "Cost surface",
+    doc: "the cost of every displacement tested, as a map of colors",
+    when: "once a candidate is tested",
+    chart: Some(Chart::Surface),
+    is_told: |step| find(step, surface).is_some(),
+    room: |_, size, style| letters(size, [26.0, 19.0], style),
+    draw: |told, area, style| {
+        let draw = |surface| heat_map::draw(heat_map::HeatMap { surface, whose: told.info.name }, area, style);
+        find(told.step, surface).map(|surface| draw(surface).into_layers()).unwrap_or_default()
+    },
+};
+
+/// The cost surface in space.
+pub const SURFACE_3D: Pane = Pane {
+    id: "surface-3d",
+    title: "3-D",
+    doc: "the cost of every displacement tested, as a surface in space",
+    when: "once a candidate is tested",
+    chart: Some(Chart::Surface),
+    is_told: |step| find(step, surface).is_some(),
+    room: |_, size, style| letters(size, [26.0, 18.0], style),
+    draw: |told, area, style| {
+        let data = |surface| relief::Relief { surface, whose: told.info.name, orbit: told.angles.surface };
+        find(told.step, surface).map(|found| relief::draw(data(found), area, style).into_layers()).unwrap_or_default()
+    },
+};
+
+/// Lines and points in the plane of displacements.
+pub const PLANE: Pane = Pane {
+    id: "plane",
+    title: "Displacements",
+    doc: "what pixels say of their displacement (u, v), as lines and points",
+    when: "once a pixel or a window is explained",
+    chart: Some(Chart::Plane),
+    is_told: |step| find(step, a_plane).is_some(),
+    room: |_, size, style| letters(size, [31.0, 19.0], style),
+    draw: |told, area, style| {
+        let data = |plane| plane::Shown { plane, whose: told.info.name, window: told.angles.plane };
+        find(told.step, a_plane).map(|found| plane::draw(data(found), area, style).into_layers()).unwrap_or_default()
+    },
+};
+
+/// Quantities over steps.
+pub const SERIES: Pane = Pane {
+    id: "series",
+    title: "Plot",
+    doc: "how quantities go from step to step",
+    when: "once there are some values",
+    chart: Some(Chart::Series),
+    is_told: |step| all_series(step).next().is_some(),
+    room: |told, [width, height], style| {
+        letters([width, height / all_series(told.step).count().max(1) as f32], [26.0, 13.0], style)
+    },
+    draw: |told, area, style| {
+        let all: Vec<&Series> = all_series(told.step).collect();
+        let plotted = |series| series::Plotted { series, whose: told.info.name, logarithmic: false };
+        let parts = rows(area, all.len(), style);
+        all.into_iter()
+            .zip(parts)
+            .flat_map(|(series, area)| series::draw(plotted(series), area, style).into_layers())
+            .collect()
+    },
+};
+
+/// Small pictures with their numbers.
+pub const TILES: Pane = Pane {
+    id: "tiles",
+    title: "Pixels",
+    doc: "the pixels that are compared, as small pictures with numbers",
+    when: "once pixels are compared, or one of them is explained",
+    chart: Some(Chart::Tiles),
+    is_told: |step| find(step, some_tiles).is_some(),
+    room: |told, size, style| {
+        let Some(tiles) = find(told.step, some_tiles) else { return letters(size, [26.0, 12.0], style) };
+        let places = tiles::places(whole(told, tiles), Rect::new([0.0; 2], size), style);
+        let fits = (0..2).all(|i| places.size[i] <= size[i] + 1.0);
+        if fits { 0.6 + 0.4 * places.cell / tiles::NUMBERS } else { 0.5 }
+    },
+    draw: |told, area, style| {
+        let draw = |tiles| tiles::draw(whole(told, tiles), area, style);
+        find(told.step, some_tiles).map(|tiles| draw(tiles).into_layers()).unwrap_or_default()
+    },
+};
+
+/// Matrices with their numbers.
+pub const MATRICES: Pane = Pane {
+    id: "matrices",
+    title: "Matrices",
+    doc: "the matrices of the step, with the entries that it changed",
+    when: "once the filter has worked with them",
+    chart: Some(Chart::Matrices),
+    is_told: |step| find(step, some_matrices).is_some(),
+    room: |told, size, style| {
+        let Some(all) = find(told.step, some_matrices) else { return letters(size, [26.0, 12.0], style) };
+        let needed = matrices::size(all, size[0], style);
+        (size[0] / needed[0]).min(size[1] / needed[1]).min(1.3)
+    },
+    draw: |told, area, style| {
+        find(told.step, some_matrices).map(|all| matrices::draw(all, area, style).into_layers()).unwrap_or_default()
+    },
+};
+
+/// How often each displacement was found.
+pub const HISTOGRAM: Pane = Pane {
+    id: "histogram",
+    title: "Histogram",
+    doc: "how often each displacement was found",
+    when: "once the first block is done, or at the end of the run",
+    chart: Some(Chart::Histogram),
+    is_told: |step| find(step, a_histogram).is_some(),
+    room: |_, size, style| letters(size, [34.0, 18.0], style),
+    draw: |told, area, style| {
+        let draw = |histogram| histogram::draw(histogram::Counts { histogram, whose: told.info.name }, area, style);
+        find(told.step, a_histogram).map(|found| draw(found).into_layers()).unwrap_or_default()
+    },
+};
+
+/// How large errors are.
+pub const ERRORS: Pane = Pane {
+    id: "errors",
+    title: "Errors",
+    doc: "how far displacements are from the true ones",
+    when: "at the end of the run, where the truth is known",
+    chart: None,
+    is_told: |step| find(step, errors).is_some(),
+    room: |_, size, style| letters(size, [30.0, 15.0], style),
+    draw: |told, area, style| {
+        let data = |distribution| distribution::Counted { distribution, whose: told.info.name };
+        find(told.step, errors)
+            .map(|found| distribution::draw(data(found), area, style).into_layers())
+            .unwrap_or_default()
+    },
+};
+
+/// The levels of a pyramid.
+pub const PYRAMID: Pane = Pane {
+    id: "pyramid",
+    title: "Pyramid",
+    doc: "the levels of the pyramid, with what was found on each",
+    when: "once a level is worked on",
+    chart: Some(Chart::Stack),
+    is_told: |step| find(step, a_stack).is_some(),
+    room: |_, size, style| letters(size, [30.0, 19.0], style),
+    draw: |told, area, style| {
+        let Some(stack) = find(told.step, a_stack) else { return Vec::new() };
+        let on_stage = told.level.of(&stack.levels);
+        let data = stack::Pyramid { stack, whose: told.info.name, on_stage, orbit: told.angles.pyramid };
+        stack::draw(data, area, style, &mut stack::Seen::default()).into_layers()
+    },
+};
+
+/// Every pane, in the order in which they are offered.
+pub static PANES: [&Pane; 11] =
+    [&STAGE, &EXPLANATION, &SURFACE, &SURFACE_3D, &PLANE, &SERIES, &TILES, &MATRICES, &HISTOGRAM, &ERRORS, &PYRAMID];
+
+/// The panes that stand on a picture, and from where they are looked at; without any, the stage stands alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Selection {
+    /// The panes, in the order in which they are arranged.
+    pub panes: Vec<&'static Pane>,
+    /// From where the things in space are looked at.
+    pub angles: Angles,
+}
+
+impl Selection {
+    /// These panes, each once, looked at as at first.
+    pub fn of(named: &[Named]) -> Self {
+        let mut panes: Vec<&'static Pane> = Vec::new();
+        for Named(pane) in named {
+            if !panes.contains(pane) {
+                panes.push(pane);
+            }
+        }
+        Self { panes, angles: Angles::default() }
+    }
+
+    /// Refuses panes in which `estimator` never has something to show.
+    ///
+    /// # Errors
+    /// As [`Pane::check`].
+    pub fn check(&self, estimator: &dyn AnyEstimator) -> Result<(), Error> {
+        self.panes.iter().try_for_each(|pane| pane.check(estimator.info(), estimator.charts()))
+    }
+
+    /// Refuses panes in which a step has nothing to show.
+    ///
+    /// # Errors
+    /// As [`Pane::absent`].
+    pub fn check_step(&self, info: &Info, step: &Step) -> Result<(), Error> {
+        let absent = self.panes.iter().find(|pane| !(pane.is_told)(step));
+        absent.map_or(Ok(()), |pane| Err(Error::new(pane.absent(info.id))))
+    }
+}
+
+/// A pane, by its id.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Named(pub &'static Pane);
+
+impl FromStr for Named {
+    type Err = Error;
+
+    fn from_str(id: &str) -> Result<Self, Error> {
+        let found = PANES.iter().find(|pane| pane.id == id.trim());
+        let ids: Vec<_> = PANES.iter().map(|pane| pane.id).collect();
+        let told = || Error::new(format!("there is no pane {id}; there are {}", ids.join(", ")));
+        found.map(|pane| Self(pane)).ok_or_else(told)
+    }
+}
+
+impl Pane {
+    /// Why a step has nothing to show in it, and what to do.
+    pub fn absent(&self, whose: &str) -> String {
+        format!("{whose} has no {} at this step: it shows {}, {}", self.id, self.doc, self.when)
+    }
+
+    /// Refuses what an estimator of these `charts` never shows.
+    ///
+    /// # Errors
+    /// A sentence that names the panes that it has.
+    pub fn check(&self, info: &Info, charts: &[Chart]) -> Result<(), Error> {
+        if self.chart.is_none_or(|chart| charts.contains(&chart)) {
+            return Ok(());
+        }
+        let has = PANES.iter().filter(|pane| pane.chart.is_none_or(|chart| charts.contains(&chart)));
+        let ids: Vec<_> = has.map(|pane| pane.id).collect();
+        Err(Error::new(format!("{} never has the pane {}; its panes are {}", info.id, self.id, ids.join(", "))))
+    }
+}
+
+impl fmt::Display for Named {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.id)
+    }
+}
+
+fn find<'a, T: ?Sized>(step: &'a Step, of: impl Fn(&'a Readout) -> Option<&'a T>) -> Option<&'a T> {
+    step.readouts.iter().find_map(of)
+}
+
+fn surface(readout: &Readout) -> Option<&Surface> {
+    if let Readout::Surface(surface) = readout { Some(surface) } else { None }
+}
+
+fn a_plane(readout: &Readout) -> Option<&Plane> {
+    if let Readout::Plane(plane) = readout { Some(plane) } else { None }
+}
+
+fn all_series(step: &Step) -> impl Iterator<Item = &Series> {
+    step.readouts.iter().filter_map(|readout| if let Readout::Series(series) = readout { Some(series) } else { None })
+}
+
+fn some_tiles(readout: &Readout) -> Option<&[motionscope_core::scene::Tile]> {
+    if let Readout::Tiles(tiles) = readout { Some(tiles) } else { None }
+}
+
+fn some_matrices(readout: &Readout) -> Option<&[motionscope_core::scene::Matrix]> {
+    if let Readout::Matrices(matrices) = readout { Some(matrices) } else { None }
+}
+
+fn a_histogram(readout: &Readout) -> Option<&motionscope_core::Histogram> {
+    if let Readout::Histogram(histogram) = readout { Some(histogram) } else { None }
+}
+
+fn errors(readout: &Readout) -> Option<&Distribution> {
+    if let Readout::Distribution(distribution) = readout { Some(distribution) } else { None }
+}
+
+fn a_stack(readout: &Readout) -> Option<&motionscope_core::Stack> {
+    if let Readout::Stack(stack) = readout { Some(stack) } else { None }
+}
+
+fn whole<'a>(told: Told<'_>, tiles: &'a [motionscope_core::scene::Tile]) -> tiles::Tiles<'a> {
+    tiles::Tiles { tiles, is_centered: told.is_centered, closeness: tiles::Closeness::Whole }
+}
+
+fn explained(told: Told<'_>) -> explanation::Explained<'_> {
+    explanation::Explained { info: told.info, step: told.step }
+}
+
+/// Letters of small type that a chart needs across and down.
+fn letters(size: [f32; 2], least: [f32; 2], style: ChartStyle) -> f32 {
+    let fits = [0, 1].map(|i| size[i] / (least[i] * style.small()));
+    fits[0].min(fits[1])
+}
+
+fn explanation_room(told: Told<'_>, [width, height]: [f32; 2], style: ChartStyle) -> f32 {
+    let across = width / (21.0 * style.theme.sizes().body);
+    let [least, whole] = explanation::heights(explained(told), width, style);
+    let down = match height {
+        height if height >= whole => 1.3,
+        height if height >= least => 1.0 + 0.3 * (height - least) / (whole - least),
+        height => height / least,
+    };
+    across.min(down)
+}
+
+/// Rows of equal height.
+fn rows(area: Rect, count: usize, style: ChartStyle) -> Vec<Rect> {
+    let gap = 0.6 * style.small();
+    let height = (area.size()[1] - gap * count.saturating_sub(1) as f32) / count.max(1) as f32;
+    let row = |i: usize| Rect::new([area.min[0], area.min[1] + i as f32 * (height + gap)], [area.size()[0], height]);
+    (0..count).map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panes_are_called_by_their_ids() {
+        for pane in PANES {
+            assert_eq!(pane.id.parse::<Named>().ok(), Some(Named(pane)));
+        }
+        let error = "serie".parse::<Named>().expect_err("there is none").to_string();
+        assert!(error.starts_with("there is no pane serie; there are stage, explanation, surface"), "{error}");
+    }
+
+    #[test]
+    fn every_chart_of_an_estimator_has_a_pane() {
+        for chart in Chart::ALL {
+            assert!(PANES.iter().any(|pane| pane.chart == Some(*chart)), "{chart:?}");
+        }
+    }
+}

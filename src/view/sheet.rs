@@ -1,0 +1,327 @@
+//! A sheet: the panes of a step arranged on one picture, the stage largest.
+
+use std::collections::BTreeMap;
+
+use crate::paint::charts::{Canvas, ChartStyle};
+use crate::paint::primitive::Rect;
+use crate::paint::{Caption, Layer, Plate, heading, paragraph};
+
+use super::panes::{EXPLANATION, Pane, STAGE, Told};
+use super::shot::{Around, Shot};
+
+/// Width and height of a sheet in points, unless its panes need more.
+const SIZE: [f32; 2] = [1280.0, 720.0];
+/// How much larger a sheet becomes at a time until its panes have room, and how large at most.
+const GROWTH: f32 = 1.12;
+const LARGEST: f32 = 4.0;
+/// Space around everything.
+const MARGIN: f32 = 16.0;
+/// Between two panes.
+const GAP: f32 = 20.0;
+/// Shares of the width that panes beside the stage may take.
+const BESIDE: [f32; 6] = [0.24, 0.29, 0.34, 0.39, 0.44, 0.5];
+/// Shares of the height that panes below the stage may take.
+const BELOW: [f32; 5] = [0.3, 0.36, 0.42, 0.48, 0.54];
+
+/// What is arranged.
+pub struct Contents<'a> {
+    /// What the panes are made of.
+    pub told: Told<'a>,
+    /// Which, in this order; the stage wherever it stands.
+    pub panes: &'a [&'static Pane],
+    /// Words above, and below unless there is an explanation.
+    pub caption: Caption,
+    /// Colors and sizes.
+    pub style: ChartStyle,
+    /// The pictures, as far as the stage is among the panes.
+    pub stage: Pictures<'a>,
+}
+
+/// The pictures of a step, as they are laid out in a rectangle.
+pub struct Pictures<'a> {
+    /// Width and height of all of them in px of the clip.
+    pub extent: [f32; 2],
+    /// What stands between and around them, in points.
+    pub beside: [f32; 2],
+    /// The plate at so many points per pixel of the clip.
+    pub plate: &'a dyn Fn(f32) -> Plate,
+    /// Pixels per point.
+    pub scale: u32,
+}
+
+impl Pictures<'_> {
+    /// The most points per pixel with which they have room, where so many points stand around them.
+    fn zoom(&self, size: [f32; 2], around: [f32; 2]) -> f32 {
+        let zooms = [0, 1].map(|i| (size[i] - around[i]) / self.extent[i].max(1.0));
+        let zoom = zooms[0].min(zooms[1]).max(0.02);
+        let pixels = zoom * self.scale as f32;
+        // Pixels of the clip that become whole pixels of the file are all alike.
+        if pixels >= 2.0 { pixels.floor() / self.scale as f32 } else { zoom }
+    }
+
+    /// The part of a rectangle that they cover, as an area.
+    fn covered(&self, size: [f32; 2]) -> f32 {
+        let zoom = self.zoom(size, self.beside);
+        self.extent[0] * self.extent[1] * zoom * zoom
+    }
+
+    /// The plate that has room in `size`, and what it needs of that.
+    fn fitting(&self, size: [f32; 2]) -> (Plate, [f32; 2]) {
+        let mut around = self.beside;
+        let net = |plate: &Plate| plate.size.map(|side| side - 2.0 * MARGIN);
+        for _ in 0..3 {
+            let zoom = self.zoom(size, around);
+            let plate = (self.plate)(zoom);
+            let taken = net(&plate);
+            if taken[1] <= size[1] {
+                return (plate, taken);
+            }
+            // A narrower picture may have a longer legend.
+            around[1] = taken[1] - self.extent[1] * zoom + 2.0;
+        }
+        let plate = (self.plate)(self.zoom(size, around));
+        let taken = net(&plate);
+        (plate, taken)
+    }
+}
+
+impl Shot<'_> {
+    /// The panes of the step on one sheet, with the marks that `scale` pixels for each point have room for.
+    pub(super) fn sheet(&self, scale: u32) -> Plate {
+        let Self { moment, look, panes, .. } = *self;
+        let (info, step) = match moment.tiles.first() {
+            Some(tile) => (tile.info, &*tile.step),
+            None => (self.estimator.info(), &*moment.step),
+        };
+        let is_centered = !self.estimator.tests_candidates();
+        let told = Told { info, step, is_centered, level: look.level, angles: panes.angles };
+        let plate = |zoom: f32| self.plate(Around { zoom, titles: true, caption: None }, scale);
+        let across = self.view().panels(&moment.pictures).len();
+        let [columns, rows] = match (moment.tiles.len(), across) {
+            (0 | 1, 4) => [2, 2],
+            (4, across) => [2 * across, 2],
+            (count, across) => [count.max(1) * across, 1],
+        };
+        let (width, height) = moment.pictures.pair[0].size();
+        let extent = [(columns * width) as f32, (rows * height) as f32];
+        // What stands around the pictures, as measured where they have about half of the sheet.
+        let zoom = 0.5 * SIZE[0] / extent[0];
+        let above = plate(zoom).size[1] - 2.0 * MARGIN - extent[1] * zoom;
+        let beside = [8.0 * (columns - 1) as f32, above];
+        let stage = Pictures { extent, beside, plate: &plate, scale };
+        let style = ChartStyle { theme: look.theme, colors: look.colors, density: scale as f32 };
+        arrange(&Contents { told, panes: &panes.panes, caption: self.caption(), style, stage })
+    }
+}
+
+/// Where each pane stands, and how good that is.
+struct Arrangement {
+    stage: Option<Rect>,
+    others: Vec<Rect>,
+    score: f32,
+}
+
+/// Arranges `contents` on a sheet, which is as large as they need.
+pub fn arrange(contents: &Contents<'_>) -> Plate {
+    let mut memory = Memory { contents, rooms: BTreeMap::new() };
+    let mut factor = 1.0;
+    loop {
+        let size = SIZE.map(|side| (side * factor / 4.0).round() * 4.0);
+        let frame = Frame::new(contents, size);
+        let best = memory.best(frame.body);
+        if best.score > 0.0 || factor >= LARGEST {
+            return frame.plate(contents, best);
+        }
+        factor *= GROWTH;
+    }
+}
+
+/// A sheet with its words, and the room that they leave.
+struct Frame {
+    size: [f32; 2],
+    body: Rect,
+    words: Vec<Layer>,
+}
+
+impl Frame {
+    fn new(contents: &Contents<'_>, size: [f32; 2]) -> Self {
+        let (theme, width) = (contents.style.theme, size[0] - 2.0 * MARGIN);
+        let (mut primitives, height) = heading(&contents.caption, ([MARGIN; 2], width), theme);
+        let mut body = Rect::new([MARGIN, MARGIN + height + 4.0], [width, size[1] - 2.0 * MARGIN - height - 4.0]);
+        // Where nothing else tells why, a sentence does.
+        if !contents.panes.contains(&&EXPLANATION) && !contents.caption.sentence.0.is_empty() {
+            let (words, height) = paragraph(&contents.caption.sentence, width, theme);
+            body.max[1] -= height + GAP / 2.0;
+            let top = [MARGIN, body.max[1] + GAP / 2.0];
+            primitives.extend(words.into_iter().map(|primitive| primitive.moved(top)));
+        }
+        Self { size, body, words: vec![Layer { clip: None, primitives }] }
+    }
+
+    fn plate(self, contents: &Contents<'_>, arrangement: Arrangement) -> Plate {
+        let Self { size, words, .. } = self;
+        let Contents { told, style, .. } = contents;
+        let chrome = style.theme.chrome();
+        let mut layers = words;
+        let mut said =
+            vec![contents.caption.title.clone(), contents.caption.details.clone(), contents.caption.place.clone()];
+        if let Some(rect) = arrangement.stage {
+            let (stage, taken) = contents.stage.fitting(rect.size());
+            // In the middle of what is left.
+            let at = [0, 1].map(|i| (rect.min[i] + ((rect.size()[i] - taken[i]) / 2.0).max(0.0) - MARGIN).round());
+            layers.extend(stage.layers.into_iter().map(|layer| layer.moved(at)));
+            said.push(stage.description);
+        }
+        let mut rules = Canvas::default();
+        for (pane, rect) in others(contents.panes).zip(&arrangement.others) {
+            rules.frame(rect.grown(GAP / 2.0 - 2.0), 1.0, chrome.line);
+            if (pane.is_told)(told.step) {
+                layers.extend((pane.draw)(*told, *rect, *style));
+                said.push(pane.title.to_owned());
+            } else {
+                let words = format!("{}.", pane.absent(told.info.name));
+                let words = motionscope_core::scene::Sentence::default().text(words);
+                let (words, _) = paragraph(&words, rect.size()[0], style.theme);
+                let primitives = words.into_iter().map(|primitive| primitive.moved(rect.min)).collect();
+                layers.push(Layer { clip: None, primitives });
+            }
+        }
+        layers.splice(0..0, rules.into_layers());
+        said.push(contents.caption.sentence.plain());
+        said.retain(|words| !words.is_empty());
+        Plate { size, background: chrome.panel, layers, panels: Vec::new(), description: said.join(". ") }
+    }
+}
+
+/// All but the stage.
+fn others<'a>(panes: &'a [&'static Pane]) -> impl Iterator<Item = &'static Pane> + 'a {
+    panes.iter().copied().filter(|pane| **pane != STAGE)
+}
+
+/// What was measured already: many arrangements give a pane the same room.
+struct Memory<'a> {
+    contents: &'a Contents<'a>,
+    rooms: BTreeMap<(&'static str, [u32; 2]), f32>,
+}
+
+impl Memory<'_> {
+    /// The best way to arrange everything in `body`; of equally good ones the first.
+    fn best(&mut self, body: Rect) -> Arrangement {
+        let panes: Vec<&'static Pane> = others(self.contents.panes).collect();
+        let has_stage = self.contents.panes.contains(&&STAGE);
+        let all = if has_stage { around_stage(body, &panes) } else { grids(body, panes.len()) };
+        let rated = all.into_iter().map(|(stage, others)| {
+            let score = self.score(body, stage, (&panes, &others));
+            Arrangement { stage, others, score }
+        });
+        let best = rated.reduce(|best, other| if other.score > best.score { other } else { best });
+        best.unwrap_or(Arrangement { stage: has_stage.then_some(body), others: Vec::new(), score: 1.0 })
+    }
+
+    /// How good an arrangement is: above 0 only if every pane has room.
+    fn score(&mut self, body: Rect, stage: Option<Rect>, (panes, rects): (&[&'static Pane], &[Rect])) -> f32 {
+        let rooms: Vec<f32> = panes.iter().zip(rects).map(|(pane, rect)| self.room(pane, rect.size())).collect();
+        let least = rooms.iter().copied().fold(f32::INFINITY, f32::min);
+        if least < 1.0 {
+            return least - 10.0;
+        }
+        let mean = rooms.iter().map(|room| room.min(1.6)).sum::<f32>() / rooms.len().max(1) as f32;
+        let Some(stage) = stage else { return least.min(1.6) + 0.1 * mean };
+        let area = |rect: &Rect| rect.size()[0] * rect.size()[1];
+        if rects.iter().any(|rect| area(rect) > area(&stage)) {
+            return least.min(1.0) - 5.0;
+        }
+        self.contents.stage.covered(stage.size()) / area(&body) + 0.12 * mean
+    }
+
+    fn room(&mut self, pane: &'static Pane, size: [f32; 2]) -> f32 {
+        let Contents { told, style, .. } = self.contents;
+        let key = (pane.id, size.map(|side| side as u32));
+        *self.rooms.entry(key).or_insert_with(|| (pane.room)(*told, size, *style))
+    }
+}
+
+/// Ways to arrange panes beside and below the stage: the explanation and the last charts beside it, the first ones below.
+fn around_stage(body: Rect, panes: &[&'static Pane]) -> Vec<(Option<Rect>, Vec<Rect>)> {
+    let explained = panes.iter().position(|pane| **pane == EXPLANATION);
+    let charts: Vec<usize> = (0..panes.len()).filter(|i| Some(*i) != explained).collect();
+    let mut all = Vec::new();
+    for below in 0..=charts.len() {
+        let (below, beside) = charts.split_at(below);
+        for with_explanation in [false, true] {
+            let (mut below, mut beside) = (below.to_vec(), beside.to_vec());
+            match explained {
+                Some(i) if with_explanation => below.push(i),
+                Some(i) => beside.insert(0, i),
+                None if with_explanation => continue,
+                None => {}
+            }
+            for across in shares(&BESIDE, beside.is_empty()) {
+                for down in shares(&BELOW, below.is_empty()) {
+                    all.extend(columns(body, (across, &beside), (down, &below), panes));
+                }
+            }
+        }
+    }
+    all
+}
+
+/// What of `all` can be chosen; nothing where there is nothing to be placed.
+fn shares(all: &'static [f32], is_empty: bool) -> &'static [f32] {
+    if is_empty { &[0.0] } else { all }
+}
+
+/// The stage in the upper left corner, a column of panes over the whole height beside it and a row of panes below it; and
+/// the same with a row over the whole width.
+fn columns(
+    body: Rect,
+    (across, beside): (&f32, &[usize]),
+    (down, below): (&f32, &[usize]),
+    panes: &[&'static Pane],
+) -> Vec<(Option<Rect>, Vec<Rect>)> {
+    let [width, height] = body.size();
+    let cut = |share: f32, length: f32| if share > 0.0 { (length * (1.0 - share)).round() } else { length };
+    let (right, bottom) = (cut(*across, width), cut(*down, height));
+    let gap = |share: &f32| if *share > 0.0 { GAP } else { 0.0 };
+    let stage = Rect::new(body.min, [right - gap(across), bottom - gap(down)]);
+    let corner = [body.min[0] + right, body.min[1] + bottom];
+    let ways = [
+        (
+            Rect { min: [corner[0], body.min[1]], max: body.max },
+            Rect { min: [body.min[0], corner[1]], max: [stage.max[0], body.max[1]] },
+        ),
+        (
+            Rect { min: [corner[0], body.min[1]], max: [body.max[0], stage.max[1]] },
+            Rect { min: [body.min[0], corner[1]], max: body.max },
+        ),
+    ];
+    let place = |(column, row): (Rect, Rect)| {
+        let mut rects = vec![Rect::new([0.0; 2], [0.0; 2]); panes.len()];
+        beside.iter().zip(split(column, beside.len(), 1)).for_each(|(i, rect)| rects[*i] = rect);
+        below.iter().zip(split(row, below.len(), 0)).for_each(|(i, rect)| rects[*i] = rect);
+        (Some(stage), rects)
+    };
+    ways.map(place).to_vec()
+}
+
+/// `count` equal parts of a rectangle along x or y.
+fn split(rect: Rect, count: usize, along: usize) -> Vec<Rect> {
+    let mut size = rect.size();
+    size[along] = (size[along] - GAP * count.saturating_sub(1) as f32) / count.max(1) as f32;
+    let part = |i: usize| {
+        let mut min = rect.min;
+        min[along] = (min[along] + i as f32 * (size[along] + GAP)).round();
+        Rect::new(min, size)
+    };
+    (0..count).map(part).collect()
+}
+
+/// Panes without a stage, in equal columns.
+fn grids(body: Rect, count: usize) -> Vec<(Option<Rect>, Vec<Rect>)> {
+    let grid = |columns: usize| {
+        let rows = split(body, count.div_ceil(columns), 1);
+        let cells = rows.into_iter().flat_map(|row| split(row, columns, 0)).take(count).collect();
+        (None, cells)
+    };
+    (1..=count).map(grid).collect()
+}

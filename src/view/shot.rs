@@ -1,0 +1,191 @@
+//! A picture of one step: the same pixels for the window and for the command line.
+
+use std::path::Path;
+use std::str::FromStr;
+
+use motionscope_core::params::Kind;
+use motionscope_core::scene::{Readout, Sentence};
+use motionscope_core::{AnyEstimator, Error, Spec, Value};
+
+use super::look::Look;
+use super::moment::Moment;
+use super::panes::Selection;
+use crate::paint::{Caption, Part, Plate, PlateOptions, View, export_pdf, export_png, export_svg};
+
+/// An SVG can be looked at from near: it has the marks of a PNG of this scale.
+const SVG_SCALE: u32 = 2;
+
+/// A moment that is made into a picture.
+#[derive(Clone, Copy)]
+pub struct Shot<'a> {
+    /// What is shown.
+    pub moment: &'a Moment,
+    /// The estimator with its parameters.
+    pub estimator: &'a dyn AnyEstimator,
+    /// How it looks.
+    pub look: &'a Look,
+    /// The panes that stand on it; none for the stage alone.
+    pub panes: &'a Selection,
+}
+
+/// What stands around pictures.
+pub(super) struct Around {
+    /// Points per pixel of the clip.
+    pub zoom: f32,
+    /// Whether titles stand above them.
+    pub titles: bool,
+    /// Words above and below.
+    pub caption: Option<Caption>,
+}
+
+impl Shot<'_> {
+    /// The picture as a file; a PNG has `scale` pixels for each pixel of the clip.
+    ///
+    /// # Errors
+    /// If the picture would be larger than can be written.
+    pub fn encode(&self, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
+        match format {
+            Format::Png => export_png(&self.picture(scale), scale),
+            Format::Svg => export_svg(&self.picture(SVG_SCALE)).map(String::into_bytes),
+            Format::Pdf => export_pdf(&self.picture(SVG_SCALE)),
+        }
+    }
+
+    /// The stage alone, or a sheet of the panes that are selected.
+    fn picture(&self, scale: u32) -> Plate {
+        if !self.panes.panes.is_empty() {
+            return self.sheet(scale);
+        }
+        let caption = self.look.caption.then(|| self.caption());
+        self.plate(Around { zoom: 1.0, titles: false, caption }, scale)
+    }
+
+    /// How the step is looked at.
+    pub(super) fn view(&self) -> View {
+        self.moment.view(self.look, self.estimator.is_of_single_frames())
+    }
+
+    /// The pictures of the step, with the marks that `scale` pixels for each point have room for.
+    pub(super) fn plate(&self, around: Around, scale: u32) -> Plate {
+        let Self { moment, look, .. } = *self;
+        let Moment { scene, pictures, tiles, .. } = moment;
+        let heat = moment.step.readouts.iter().find_map(|readout| match readout {
+            Readout::Surface(surface) => Some(surface.title.to_string()),
+            _ => None,
+        });
+        let view = self.view();
+        let options = PlateOptions {
+            view,
+            style: look.style(pictures),
+            phase: look.streaks.unwrap_or_default().get(),
+            share: look.blend,
+            zoom: around.zoom,
+            titles: around.titles,
+            scale,
+            frame: Some(moment.frame),
+            legend: look.legend,
+            heat: heat.or(scene.heat.map(str::to_owned)).unwrap_or_default(),
+            caption: around.caption,
+        };
+        if tiles.is_empty() {
+            let pictures = pictures.on_level(scene.levels.as_ref(), look.level, view);
+            return Plate::new(&pictures, scene, &options);
+        }
+        let parts = tiles.iter().map(|tile| Part {
+            pictures: tile.pictures(pictures, look.level, view),
+            scene: &tile.scene,
+            heading: Some((tile.info.name, tile.is_done, &tile.words)),
+        });
+        Plate::of(&parts.collect::<Vec<_>>(), scene, &options)
+    }
+
+    pub(super) fn caption(&self) -> Caption {
+        let Moment { cursor, step, tiles, .. } = self.moment;
+        Caption {
+            // Each of several has its name above its own picture.
+            title: match tiles.len() {
+                0 => self.estimator.info().name.into(),
+                count => format!("{count} estimators in lockstep"),
+            },
+            details: told(self.estimator),
+            place: format!("step {cursor}"),
+            sentence: match tiles.first() {
+                Some(tile) => {
+                    let name = (format!("{}: ", tile.info.name), None);
+                    Sentence([vec![name], step.sentence.0.clone()].concat())
+                }
+                None => step.sentence.clone(),
+            },
+        }
+    }
+}
+
+/// So many parameters are told all; of more only those that are not as declared.
+const ALL_TOLD: usize = 11;
+
+/// The parameters of an estimator with their values.
+fn told(estimator: &dyn AnyEstimator) -> String {
+    let specs = estimator.specs();
+    let all = specs.iter().zip(estimator.values());
+    let chosen = all.filter(|(spec, (_, value))| specs.len() <= ALL_TOLD || spec.default != *value);
+    let words: Vec<String> = chosen.map(|(spec, (_, value))| said(spec, value)).collect();
+    if words.is_empty() { "parameters as they are at first".into() } else { words.join(" · ") }
+}
+
+/// A parameter with its value: `block 16 px`.
+pub fn said(spec: &Spec, value: Value) -> String {
+    let shown = match (&spec.kind, value) {
+        (Kind::Choice(all), Value::Choice(name)) => {
+            all.iter().find(|choice| choice.name == name).map_or(name, |choice| choice.label).to_string()
+        }
+        (_, Value::Placed(placed)) => placed.words(),
+        (_, value) => value.to_string(),
+    };
+    let unit = if spec.unit.is_empty() { String::new() } else { format!(" {}", spec.unit) };
+    format!("{} {shown}{unit}", spec.label.to_lowercase())
+}
+
+/// What a picture is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Pixels.
+    Png,
+    /// Lines that stay sharp at any size.
+    Svg,
+    /// A page with lines that stay sharp and words that stay words.
+    Pdf,
+}
+
+impl FromStr for Format {
+    type Err = Error;
+
+    fn from_str(ending: &str) -> Result<Self, Error> {
+        let all = [Self::Png, Self::Svg, Self::Pdf];
+        let told = || Error::new(format!("a picture is written as png, svg or pdf, and not {ending}"));
+        all.into_iter().find(|format| format.extension() == ending.to_lowercase()).ok_or_else(told)
+    }
+}
+
+impl Format {
+    /// The format that the ending of `path` asks for; `-` is a PNG.
+    ///
+    /// # Errors
+    /// A sentence that tells which endings there are.
+    pub fn of(path: &Path) -> Result<Self, Error> {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        let told = || Error::new(format!("{}: a picture is written as .png, .svg or .pdf", path.display()));
+        match extension {
+            None if path == Path::new("-") => Ok(Self::Png),
+            extension => extension.and_then(|ending| ending.parse().ok()).ok_or_else(told),
+        }
+    }
+
+    /// The ending of a file's name.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Svg => "svg",
+            Self::Pdf => "pdf",
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! A range of steps as numbered pictures.
+
+use std::path::Path;
+
+use motionscope_core::{Clip, Cursor, Error, Move, Walk, Way};
+
+use super::look::Look;
+use super::moment::Viewer;
+use super::motion::{Offer, Reverse, Site};
+use super::panes::Selection;
+use super::shot::{Format, Shot};
+use super::tile::{self, tiles};
+use crate::experiment::Prepared;
+use crate::experiment::pixel::Chosen;
+use crate::media::{Progress, export};
+use crate::paint::FlowLayer;
+
+/// A range of steps to be written as numbered pictures.
+pub struct Steps {
+    /// The first step.
+    pub from: Cursor,
+    /// The last step; beyond the end of the run, its end.
+    pub to: Cursor,
+    /// The rung whose stops are written.
+    pub rung: usize,
+    /// What they are written as.
+    pub format: Format,
+    /// Pixels for each pixel of the clip.
+    pub scale: u32,
+    /// How they look.
+    pub look: Look,
+    /// The panes that stand on each; none for the stage alone.
+    pub panes: Selection,
+    /// The pixel that is explained wherever it can be, in the place of the one at work.
+    pub pixel: Option<Chosen>,
+    /// Whether a layer that none of the steps has is refused.
+    pub must_have_layer: bool,
+}
+
+/// What the names of all pictures of steps begin with.
+pub const STEP: &str = "step_";
+
+/// Pictures of steps that were written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    /// How many.
+    pub count: usize,
+    /// How many of them are without the layer that is wanted, which that is, and why the first has none.
+    bare: Option<(usize, FlowLayer, &'static str)>,
+}
+
+impl Written {
+    fn add(&mut self, bare: Option<(FlowLayer, &'static str)>) {
+        self.count += 1;
+        let before = self.bare.map_or(0, |(count, ..)| count);
+        self.bare = self.bare.or(bare.map(|(layer, why)| (0, layer, why)));
+        if let Some((count, ..)) = &mut self.bare {
+            *count = before + usize::from(bare.is_some());
+        }
+    }
+
+    /// How many, in words.
+    pub fn pictures(&self) -> String {
+        if self.count == 1 { "1 picture".into() } else { format!("{} pictures", self.count) }
+    }
+
+    /// What is missing in them, as the end of a sentence.
+    pub fn without(&self) -> String {
+        match self.bare {
+            None => String::new(),
+            Some((bare, layer, why)) => {
+                let of_them = if bare == self.count { String::new() } else { format!("{bare} of them ") };
+                format!(", {of_them}without the layer {}: {why}", layer.id())
+            }
+        }
+    }
+}
+
+impl Steps {
+    /// What picture number `index` is called.
+    pub fn file_name(index: usize, format: Format) -> String {
+        format!("{STEP}{index:05}.{}", format.extension())
+    }
+
+    /// How much of the way from the first step to the last is done where `walk` stands, from 0 to 1.
+    fn share(&self, walk: &dyn Walk) -> f32 {
+        let place = |cursor: Cursor| cursor.unit as f32 + cursor.event.min(walk.events()) as f32 / walk.events() as f32;
+        let (from, to) = (place(self.from), place(self.to));
+        ((place(walk.cursor()) - from) / (to - from).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
+    }
+
+    /// Writes `step_00000.png` … of the run of `prepared` into `folder`, each whole or not at all; gives how many.
+    ///
+    /// # Errors
+    /// If the run cannot start or breaks off, a pixel that is asked for cannot be explained at the first step, no step has the
+    /// layer that they must have, a file cannot be written, or the work was cancelled.
+    pub fn write(&self, prepared: &Prepared, folder: &Path, progress: Option<&dyn Progress>) -> Result<Written, Error> {
+        let Prepared { experiment, clip, .. } = prepared;
+        let estimator = &*experiment.estimator;
+        let reverse = Reverse::new(estimator, clip, experiment.frame);
+        let mut viewer = Viewer::new(experiment, clip, &self.look, &reverse)?;
+        self.begin(&mut *viewer.walk, progress)?;
+        self.pixel.map(|pixel| pixel.here(&*viewer.walk, clip)).transpose()?;
+        let layer = self.look.layer.filter(|layer| *layer != FlowLayer::None);
+        if let Some(layer) = layer.filter(|_| self.must_have_layer) {
+            self.check_layer(layer, &mut *viewer.walk, clip, progress)?;
+            self.begin(&mut *viewer.walk, progress)?;
+        }
+        export::make_folder(folder)?;
+        let mut written = Written::default();
+        while viewer.walk.cursor() <= self.to {
+            let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*viewer.walk));
+            let moment = viewer.moment(focus)?;
+            let picture = Shot { moment: &moment, estimator, look: &self.look, panes: &self.panes }
+                .encode(self.format, self.scale)?;
+            export::save_result(&folder.join(Self::file_name(written.count, self.format)), &picture)?;
+            written.add(layer.and_then(|layer| Some((layer, moment.why_without(layer)?))));
+            if let Some(progress) = progress {
+                progress.report(self.share(&*viewer.walk));
+            }
+            if viewer.walk.at_end() {
+                break;
+            }
+            travel(&mut *viewer.walk, Move::Rung(self.rung, Way::Forward), written.count, progress)?;
+        }
+        viewer.walk.failure().map_or(Ok(written), |failure| Err(failure.clone()))
+    }
+
+    /// Goes to the first stop.
+    fn begin(&self, walk: &mut dyn Walk, progress: Option<&dyn Progress>) -> Result<(), Error> {
+        travel(walk, Move::To(self.from), 0, progress)?;
+        if walk.cursor().unit < self.from.unit {
+            let short =
+                || Error::new(format!("the run ends at {}, before the first step {}", walk.cursor(), self.from));
+            return Err(walk.failure().cloned().unwrap_or_else(short));
+        }
+        if self.rung + 1 < walk.info().rungs.len() && walk.cursor().event < walk.events() {
+            travel(walk, Move::Rung(self.rung, Way::Forward), 0, progress)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses a layer that none of the steps has; looks at the last one before those between, because most have it there.
+    fn check_layer(
+        &self,
+        layer: FlowLayer,
+        walk: &mut dyn Walk,
+        clip: &Clip,
+        progress: Option<&dyn Progress>,
+    ) -> Result<(), Error> {
+        let why_not = |walk: &dyn Walk| {
+            let scene = tile::scene(walk, None, &tiles(walk, None, &[]));
+            Offer::at(Site { walk, clip, scene: &scene }).why_not(layer)
+        };
+        let Some(why) = why_not(walk) else { return Ok(()) };
+        travel(walk, Move::To(self.to), 0, progress)?;
+        let at_last = why_not(walk);
+        if at_last.is_some() && !layer.is_of_the_end() {
+            self.begin(walk, progress)?;
+            while !walk.at_end() && walk.cursor() <= self.to {
+                if why_not(walk).is_none() {
+                    return Ok(());
+                }
+                travel(walk, Move::Rung(self.rung, Way::Forward), 0, progress)?;
+            }
+        }
+        let refused = format!("none of these steps has the layer {}: {why}; choose another --layer", layer.id());
+        at_last.map_or(Ok(()), |_| Err(Error::new(refused)))
+    }
+}
+
+/// Makes a move of `walk` unless it is cancelled, after so many pictures were `written`.
+fn travel(walk: &mut dyn Walk, to: Move, written: usize, progress: Option<&dyn Progress>) -> Result<(), Error> {
+    let cancelled = || progress.is_some_and(|progress| progress.cancelled());
+    walk.go(to);
+    while !cancelled() {
+        if walk.work(&mut || !cancelled()) {
+            return Ok(());
+        }
+    }
+    Err(Error::new(format!("writing was cancelled after {written} pictures")))
+}

@@ -1,0 +1,155 @@
+//! Estimators in lockstep as they are shown: a picture for each, and a line of numbers above it.
+
+use std::sync::Arc;
+
+use motionscope_core::products::{Assessment, Reference};
+use motionscope_core::scene::{Fact, Focus, Readout, Sentence};
+use motionscope_core::{Beside, Clip, Cursor, Frame, Info, Levels, Output, Role, Scene, Step, Streaks, Walk};
+
+use crate::paint::{LevelShown, Pictures, Tint, View, grouped};
+
+/// One of several estimators, where it stands.
+#[derive(Clone)]
+pub struct Tile {
+    /// What there is to say about it.
+    pub info: &'static Info,
+    /// Where its own run stands.
+    pub cursor: Cursor,
+    /// What it tells.
+    pub step: Arc<Step>,
+    /// What it shows.
+    pub scene: Arc<Scene>,
+    /// Whether it waits for the others.
+    pub is_done: bool,
+    /// What its run has made of the frames, at the end of them all.
+    pub prediction: Option<Arc<Frame>>,
+    /// The colours that tell of its motion.
+    pub layer: Option<Arc<Tint>>,
+    /// Particles carried along by it.
+    pub streaks: Option<Arc<Streaks>>,
+    /// What it has come to: the first that there is room for is told.
+    pub words: Vec<Sentence>,
+}
+
+/// What a run amounts to where all end: where the budget counts, it may not have come to its own end.
+pub struct Ending {
+    /// The motion-compensated prediction of frame t, where there is one.
+    pub prediction: Option<Arc<Frame>>,
+    /// How good that is.
+    pub assessment: Option<Assessment>,
+}
+
+/// The motion-compensated prediction of frame t that `output` makes of the other frame of `pair`, if it makes one.
+pub fn predicted(output: &Output, pair: &Pictures) -> Option<Arc<Frame>> {
+    output.prediction(pair.pair[1].luma()).map(|picture| Arc::new(Frame::gray(picture)))
+}
+
+/// What each of the runs in lockstep amounts to, if `walk` stands at its end; `pair` are its frames.
+pub fn endings(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Vec<Ending> {
+    let all = if walk.at_end() { walk.beside(None) } else { Vec::new() };
+    let reference = Reference { clip, frame: walk.frame() };
+    let ending =
+        |output: &Output| Ending { prediction: predicted(output, pair), assessment: output.assess(&reference).ok() };
+    all.iter().map(|member| ending(&member.output)).collect()
+}
+
+/// The estimators in lockstep where `walk` stands; none where there is but one. At the end each has its ending.
+pub fn tiles(walk: &dyn Walk, focus: Option<Focus>, endings: &[Ending]) -> Vec<Tile> {
+    let tile = |(index, member): (usize, Beside)| {
+        let ending = endings.get(index);
+        let counts = counted(&member);
+        let mut step = member.step;
+        if let Some(assessment) = ending.and_then(|ending| ending.assessment.as_ref()) {
+            add_assessment(&mut step, assessment);
+        }
+        let in_all = grouped(member.candidates_in_all as usize);
+        let words = match ending.and_then(|ending| ending.assessment.as_ref()) {
+            Some(assessment) => said_at_end(assessment, &in_all),
+            None => said(&step, &counts, &in_all),
+        };
+        Tile {
+            info: member.info,
+            cursor: member.cursor,
+            step: Arc::new(step),
+            scene: Arc::new(member.scene),
+            is_done: member.is_done,
+            prediction: ending.and_then(|ending| ending.prediction.clone()),
+            layer: None,
+            streaks: None,
+            words,
+        }
+    };
+    walk.beside(focus).into_iter().enumerate().map(tile).collect()
+}
+
+impl Tile {
+    /// What `view` shows beside the frames that all have in common; of a pyramid the level that is `shown`.
+    pub fn pictures(&self, common: &Pictures, shown: LevelShown, view: View) -> Pictures {
+        let (prediction, layer, streaks) = (self.prediction.clone(), self.layer.clone(), self.streaks.clone());
+        let own = Pictures { prediction, layer, streaks, ..common.clone() };
+        own.on_level(self.scene.levels.as_ref(), shown, view)
+    }
+}
+
+/// What `walk` shows: of several in lockstep everything that is drawn in any of their `tiles`, so that all have one
+/// legend, one scale of colours and one of arrows.
+pub fn scene(walk: &dyn Walk, focus: Option<Focus>, tiles: &[Tile]) -> Scene {
+    if tiles.is_empty() {
+        return walk.scene(focus);
+    }
+    let mut all = Scene::default();
+    tiles.iter().for_each(|tile| all.add_enlarged(Scene::clone(&tile.scene), 1));
+    all
+}
+
+/// The pyramid on which a step works: its own, or that of the first of several in lockstep that has one.
+pub fn levels<'a>(scene: &'a Scene, tiles: &'a [Tile]) -> Option<&'a Levels> {
+    scene.levels.as_ref().or_else(|| tiles.iter().find_map(|tile| tile.scene.levels.as_ref()))
+}
+
+/// Adds to what `step` tells how good the estimate is.
+pub fn add_assessment(step: &mut Step, assessment: &Assessment) {
+    add_facts(step, assessment.facts.clone());
+    step.readouts.extend(assessment.errors.clone().map(Readout::Distribution));
+}
+
+/// Adds `facts` to those that `step` tells.
+pub fn add_facts(step: &mut Step, facts: Vec<Fact>) {
+    match step.readouts.iter_mut().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None }) {
+        Some(known) => known.extend(facts),
+        None => step.readouts.push(Readout::Facts(facts)),
+    }
+}
+
+/// The number that matters most in what a step tells: the best so far or the result.
+pub fn best(step: &Step) -> Option<&Fact> {
+    let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None })?;
+    facts.iter().rev().find(|fact| matches!(fact.role, Some(Role::Best | Role::Result | Role::Estimate)))
+}
+
+/// The candidates of the block at hand, from many words to few; where levels are gone through, of which.
+fn counted(member: &Beside) -> [String; 3] {
+    let here = grouped(member.candidates);
+    let (leg, of) = member.leg;
+    let rung = member.info.rungs.iter().rev().nth(2).filter(|_| of > 1);
+    let at = rung.map_or_else(String::new, |rung| format!(", {rung} {leg} of {of}"));
+    [format!("{here} candidates{at}"), format!("{here}{at}"), here]
+}
+
+fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec<Sentence> {
+    let Some(best) = best(step) else { return vec![Sentence::default().text(long.clone())] };
+    let role = best.role.unwrap_or(Role::Best);
+    let told =
+        |before: String, after: String| Sentence::default().text(before).ink(role, best.value.clone()).text(after);
+    vec![
+        told(format!("{long}  ·  "), format!("  ·  {in_all} in all")),
+        told(format!("{long}  ·  "), String::new()),
+        told(format!("{short}  ·  "), String::new()),
+        told(format!("{shortest}  ·  "), String::new()),
+    ]
+}
+
+fn said_at_end(assessment: &Assessment, in_all: &str) -> Vec<Sentence> {
+    let told = |after: String| Sentence::default().ink(Role::Result, assessment.headline.clone()).text(after);
+    vec![told(format!("  ·  {in_all} candidates in all")), told(format!("  ·  {in_all} in all")), told(String::new())]
+}

@@ -1,0 +1,158 @@
+//! The app is told what an estimator is by its declaration: no estimator, family, rung or parameter is named in `src/`.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use motionscope_core::estimators;
+
+/// Files that hold nothing but data about chosen estimators, and what they are for.
+const DATA: [(&str, &str); 2] = [
+    ("src/experiment/claims.rs", "the course's own table of three searches"),
+    ("src/experiment/first.rs", "what is opened, or stands beside another, where nothing is named"),
+];
+
+/// Words that are names of something else in the file that has them.
+const OTHERWISE: [(&str, &str, &str); 19] = [
+    ("src/cli/args.rs", "frame", "a flag"),
+    ("src/cli/list.rs", "frames", "a key of the JSON"),
+    ("src/cli/list.rs", "range", "a key of the JSON"),
+    ("src/cli/list.rs", "source", "a key of the JSON"),
+    ("src/cli/list.rs", "stage", "a type in the JSON"),
+    ("src/media/truth/mot.rs", "frame", "a column of the file"),
+    ("src/media/truth/mot.rs", "identity", "a column of the file"),
+    ("src/media/video/y4m.rs", "alpha", "a plane of the picture"),
+    ("src/paint/layer.rs", "confidence", "a layer of colors"),
+    ("src/session/read.rs", "clip", "a key of the session"),
+    ("src/session/read.rs", "frame", "a key of the session"),
+    ("src/session/read.rs", "level", "a key of the session"),
+    ("src/session/read.rs", "pixel", "a key of the session"),
+    ("src/session/read.rs", "step", "a key of the session"),
+    ("src/ui/dialogs/open.rs", "open", "a window"),
+    ("src/ui/model/document.rs", "stage", "a change that is undone"),
+    ("src/ui/panes/rungs.rs", "run", "the whole run, above all rungs"),
+    ("src/ui/panes/rungs.rs", "step", "any rung"),
+    ("src/ui/panes/timeline.rs", "step", "any rung"),
+];
+
+/// The names that the registry declares.
+struct Names {
+    /// Ids of estimators: not even inside a longer text.
+    ids: BTreeSet<String>,
+    /// Families, rungs and parameters: many of them are plain words, so only as a whole.
+    others: BTreeSet<String>,
+}
+
+impl Names {
+    fn declared() -> Self {
+        let (mut ids, mut others) = (BTreeSet::new(), BTreeSet::new());
+        for estimator in estimators() {
+            let info = estimator.info();
+            ids.insert(info.id.to_owned());
+            others.extend([info.name, info.family].map(str::to_owned));
+            others.extend(info.rungs.iter().map(|rung| (*rung).to_owned()));
+            others.extend(estimator.all_values().into_iter().map(|(name, _)| name));
+        }
+        Self { ids, others }
+    }
+
+    /// The name that `literal` holds, if it holds one.
+    fn named_in(&self, literal: &str) -> Option<String> {
+        if self.others.contains(literal) || self.ids.contains(literal) {
+            return Some(literal.to_owned());
+        }
+        let words = literal.split(|c: char| !c.is_ascii_alphanumeric() && c != '-');
+        words.filter(|word| word.contains('-')).find(|word| self.ids.contains(*word)).map(str::to_owned)
+    }
+}
+
+/// Every text in quotes with its line, but those of comments and of tests.
+fn literals(source: &str) -> Vec<(usize, String)> {
+    let code = source.split("#[cfg(test)]").next().unwrap_or(source);
+    let mut found = Vec::new();
+    let (mut chars, mut line) = (code.chars().peekable(), 1);
+    while let Some(c) = chars.next() {
+        match c {
+            '\n' => line += 1,
+            '/' if chars.peek() == Some(&'/') => while chars.next_if(|c| *c != '\n').is_some() {},
+            '\'' => {
+                // A character, or a lifetime: '"' must not begin a text.
+                if chars.next_if_eq(&'\\').is_some() {
+                    chars.next();
+                } else if chars.next_if_eq(&'"').is_some() {
+                    chars.next_if_eq(&'\'');
+                }
+            }
+            '"' => {
+                let (begun, mut text) = (line, String::new());
+                while let Some(c) = chars.next() {
+                    match c {
+                        '"' => break,
+                        '\\' => text.extend(chars.next()),
+                        '\n' => {
+                            line += 1;
+                            text.push(c);
+                        }
+                        c => text.push(c),
+                    }
+                }
+                found.push((begun, text));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    let entries = fs::read_dir(folder).expect("a folder of sources");
+    for path in entries.map(|entry| entry.expect("an entry").path()) {
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") && !path.ends_with("tests.rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn the_app_names_no_estimator() {
+    let (root, names) = (Path::new(env!("CARGO_MANIFEST_DIR")), Names::declared());
+    let mut files = Vec::new();
+    sources(&root.join("src"), &mut files);
+    files.sort();
+    let (mut read, mut wrong, mut excused) = (0, Vec::new(), BTreeSet::new());
+    for path in &files {
+        let name = path.strip_prefix(root).expect("below the root").to_string_lossy().replace('\\', "/");
+        if DATA.iter().any(|(file, _)| *file == name) {
+            continue;
+        }
+        for (line, literal) in literals(&fs::read_to_string(path).expect("a source")) {
+            read += 1;
+            let Some(named) = names.named_in(&literal) else { continue };
+            if let Some(reason) = OTHERWISE.iter().find(|(file, word, _)| *file == name && *word == named) {
+                excused.insert(*reason);
+            } else {
+                wrong.push(format!("{name}:{line}: {literal:?} names {named}"));
+            }
+        }
+    }
+    assert!(read > 1500, "only {read} texts were read");
+    assert!(wrong.is_empty(), "let the estimator declare what the app needs to know:\n{}", wrong.join("\n"));
+    assert_eq!(excused.len(), OTHERWISE.len(), "an excuse is not needed any more: {excused:?}");
+    for (file, _) in DATA {
+        assert!(root.join(file).is_file(), "{file} is gone");
+    }
+}
+
+#[test]
+fn texts_are_read_as_the_compiler_reads_them() {
+    let source =
+        "let a = \"diamond\"; // \"not\" this\nlet b = '\"'; let c = \"two \\\"words\\\"\";\n#[cfg(test)] \"no\"";
+    let found = literals(source);
+    assert_eq!(found, [(1, "diamond".to_owned()), (2, "two \"words\"".to_owned())]);
+    let names = Names::declared();
+    assert_eq!(names.named_in("run CLIP --estimator full-search --x").as_deref(), Some("full-search"));
+    assert_eq!(names.named_in("diamond").as_deref(), Some("diamond"));
+    assert_eq!(names.named_in("a full search"), None);
+}
