@@ -10,9 +10,9 @@ use motionscope_core::products::{KINDS, Motion, Reference, Score};
 use motionscope_core::scene::Focus;
 use motionscope_core::stage::value_of;
 use motionscope_core::{
-    AnyEstimator, BlockField, Bounds, Clip, Cursor, DenseField, Detection, Error, Explained, Flow, Frame, Grid, Move,
-    ObjectBox, ObjectField, Output, PointField, ProductKind, Promise, Scene, Step, Stop, Threads, Truth, Walk, Way,
-    estimators,
+    AnyEstimator, BlockField, Bounds, Clip, Cursor, DenseField, Detection, Error, Explained, Flow, Followed, Frame,
+    Grid, Life, Move, ObjectBox, ObjectField, Output, PointField, ProductKind, Promise, Scene, Step, Stop, Threads,
+    Truth, Walk, Way, estimators,
 };
 use proptest::prelude::*;
 
@@ -125,7 +125,7 @@ fn small(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
     estimator
 }
 
-fn each(law: impl Fn(Box<dyn AnyEstimator>)) {
+fn each(mut law: impl FnMut(Box<dyn AnyEstimator>)) {
     for estimator in estimators() {
         law(small(estimator));
     }
@@ -171,6 +171,94 @@ fn seeking_anywhere_equals_walking_there() {
             assert!(view.same(&View::of(&*walk)), "seeking: {}", view.cursor);
         }
     });
+}
+
+/// Twenty frames of two objects before a background at rest: one is there all the time, but detected in none of frames 8 to 10,
+/// the other ends with frame 13. Long enough that tracks are confirmed, coast, come back and end.
+fn lives() -> Clip {
+    const FRAMES: usize = 20;
+    let place = |id: usize, t: usize| [6 + 2 * t, 5 + 18 * id];
+    let is_there = |id: usize, t: usize| id == 0 || t <= 13;
+    let covers = |id: usize, t: usize, x: usize, y: usize| {
+        let [left, top] = place(id, t);
+        is_there(id, t) && (left..left + 9).contains(&x) && (top..top + 9).contains(&y)
+    };
+    let frame = |t: usize| {
+        Frame::gray(Grid::from_fn(64, 44, |x, y| {
+            let rest = texture(x as i64, y as i64) / 3;
+            let moves = |id: usize| texture(x as i64 - 2 * t as i64 + 90, y as i64 + 200 * id as i64) / 3 + 150;
+            (0..2).find(|&id| covers(id, t, x, y)).map_or(rest, moves)
+        }))
+    };
+    let object = |id: usize, t: usize| {
+        let [x, y] = place(id, t).map(|c| c as f32 - 0.5);
+        ObjectBox { id: id as u32 + 1, x, y, width: 9.0, height: 9.0, visibility: 1.0 }
+    };
+    let there = |t: usize| (0..2).filter(move |&id| is_there(id, t));
+    let detected = |t: usize| -> Vec<Detection> {
+        let seen = there(t).filter(|&id| id == 1 || !(8..=10).contains(&t));
+        let detection = |id| {
+            let bounds = Bounds::from(&object(id, t));
+            Detection { bounds, center: bounds.center(), score: 0.9, blob: None }
+        };
+        seen.map(detection).collect()
+    };
+    let truth = (0..FRAMES).map(|t| there(t).map(|id| object(id, t)).collect()).collect();
+    let clip = Clip::from_frames("lives", (0..FRAMES).map(frame).collect()).expect("frames of one size");
+    clip.with_detections((0..FRAMES).map(detected).collect()).with_truth(Arc::new(Objects(truth)))
+}
+
+#[test]
+fn the_clip_of_the_laws_has_tracks_that_confirm_coast_come_back_and_end() {
+    let mut trackers = 0;
+    each(|mut estimator| {
+        for name in ["patience", "tracker.patience"] {
+            // Only trackers have it.
+            estimator.set(name, "3").ok();
+        }
+        let output = estimator.run(&lives(), 0, &Threads::single()).expect("a run");
+        let Some(field) = output.get::<ObjectField>().filter(|field| field.followed == Followed::All) else { return };
+        let id = estimator.info().id;
+        let lives = |object: u32| field.frames.iter().map(move |frame| frame.object(object).map(|object| object.life));
+        let ids: std::collections::BTreeSet<u32> =
+            field.frames.iter().flat_map(|frame| frame.objects.iter().map(|object| object.id)).collect();
+        assert_eq!(ids.len(), 2, "{id}: one track each, none is torn");
+        let told: Vec<Vec<_>> = ids.into_iter().map(|id| lives(id).collect()).collect();
+        assert!(told.iter().all(|lives| lives.contains(&Some(Life::Confirmed))), "{id}: {told:?}");
+        assert!(told.iter().any(|lives| lives.contains(&Some(Life::Coasting))), "{id}: {told:?}");
+        assert_eq!(told[0][19], Some(Life::Confirmed), "{id}: it comes back");
+        assert_eq!(told[1][19], None, "{id}: it ends");
+        trackers += 1;
+    });
+    assert_eq!(trackers, 3, "blob tracker, Kalman tracker and trajectory analysis");
+}
+
+/// With so little memory beside what a run needs that of the states only a few are kept.
+#[test]
+fn seeking_among_thinned_checkpoints_equals_walking_there() {
+    let mut ran = 0;
+    each(|estimator| {
+        let clip = lives();
+        let room = estimator.need(&clip).walk + (64 << 10);
+        let clip = clip.within(room);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let unit = walk.info().rungs.len() - 2;
+        let mut views = vec![View::of(&*walk)];
+        while !walk.at_end() {
+            walk.jump(Move::Rung(unit, Way::Forward));
+            views.push(View::of(&*walk));
+        }
+        assert!(walk.failure().is_none(), "{}: {:?}", estimator.info().id, walk.failure());
+        // Some from all over the run, in an order that is none.
+        let some = 12.min(views.len());
+        for i in 0..some {
+            let view = &views[(i * 7919) % some * (views.len() - 1) / some.max(1)];
+            walk.jump(Move::To(view.cursor));
+            assert!(view.same(&View::of(&*walk)), "{}: seeking {}", estimator.info().id, view.cursor);
+        }
+        ran += 1;
+    });
+    assert_eq!(ran, estimators().len());
 }
 
 #[test]
@@ -253,6 +341,7 @@ fn sliced_seeking_arrives_at_the_same_place() {
 
 #[test]
 fn known_translations_are_recovered_as_far_as_promised() {
+    let mut ran = 0;
     each(|mut estimator| {
         let (texture, off_px): (fn(i64, i64) -> u8, _) = match estimator.promise() {
             Promise::Translation => (texture, 0),
@@ -278,11 +367,14 @@ fn known_translations_are_recovered_as_far_as_promised() {
                 assert!(off <= f32::from(off_px), "{}: ({u}, {v}) at {x}, {y}, not {motion:?}", estimator.info().id);
             }
         }
+        ran += 1;
     });
+    assert_eq!(ran, 10, "all block searches but that by quadrants");
 }
 
 #[test]
 fn known_fractions_of_a_pixel_are_recovered_as_far_as_promised() {
+    let mut ran = 0;
     for estimator in estimators() {
         let id = estimator.info().id;
         let is_along_gradient = estimator.promise() == Promise::AlongGradient;
@@ -314,7 +406,9 @@ fn known_fractions_of_a_pixel_are_recovered_as_far_as_promised() {
             let mean = sum / known as f32;
             assert!(mean <= most, "{id}: {mean} px off on average at {motion:?}");
         }
+        ran += 1;
     }
+    assert_eq!(ran, 9, "all methods of optical flow");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use common::waves;
-use motionscope_core::params::{Kind, Placed, Spot, Value};
+use motionscope_core::params::{Kind, Placed, Spec, Spot, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
 use motionscope_core::scene::Focus;
 use motionscope_core::scene::Sentence;
@@ -167,6 +167,19 @@ fn tried(kind: &Kind) -> Vec<Value> {
     }
 }
 
+/// A stage with one choice after the other among its own parameters.
+fn chosen_otherwise(stage: &Value) -> Vec<Value> {
+    let Value::Stage(stage) = stage else { return Vec::new() };
+    let specs = stage.part().specs().iter().enumerate();
+    let choices = specs.filter(|(_, spec)| matches!(spec.kind, Kind::Choice(_)));
+    let one = |(i, value): (usize, Value)| {
+        let mut other = stage.clone();
+        other.part_mut().set_value(i, value).expect("in range");
+        Value::Stage(other)
+    };
+    choices.flat_map(|(i, spec)| tried(&spec.kind).into_iter().map(move |value| (i, value))).map(one).collect()
+}
+
 /// An estimator at its defaults, but small, and with one parameter after the other set to what it is tried with.
 fn settings(estimator: &dyn AnyEstimator) -> Vec<Box<dyn AnyEstimator>> {
     let mut small = estimator.boxed_clone();
@@ -180,8 +193,8 @@ fn settings(estimator: &dyn AnyEstimator) -> Vec<Box<dyn AnyEstimator>> {
         other.set_value(i, value).expect("in range");
         other
     };
-    let values =
-        small.specs().iter().enumerate().flat_map(|(i, spec)| tried(&spec.kind).into_iter().map(move |v| (i, v)));
+    let of_one = |spec: &Spec| [tried(&spec.kind), chosen_otherwise(&spec.default)].concat();
+    let values = small.specs().iter().enumerate().flat_map(|(i, spec)| of_one(spec).into_iter().map(move |v| (i, v)));
     let changed: Vec<_> = values.filter(|(i, value)| small.value(*i) != *value).map(one).collect();
     [small].into_iter().chain(changed).collect()
 }
