@@ -146,7 +146,7 @@ mod tests {
             ("synth:nowhere".to_string(), id),
             (format!("synth:{id},noise"), "NAME=VALUE"),
             (format!("synth:{id},noise=99"), "0 to 50"),
-            (format!("synth:{id},nois=1"), "salt-and-pepper"),
+            (format!("synth:{id},nois=1"), "the nearest is noise"),
         ] {
             assert!(Source::parse(&name).unwrap_err().to_string().contains(told), "{name}");
         }

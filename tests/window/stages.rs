@@ -74,3 +74,61 @@ fn what_is_changed_in_a_stage_is_its_parents() {
     window.command(Command::OutOfStage);
     assert_eq!(parent(&window), Ok(Value::Int(77)));
 }
+
+/// The estimator at work, and those whose stage it is.
+fn way(window: &Window) -> Vec<&'static str> {
+    let document = window.app().document();
+    document.parents().map(|info| info.id).chain([document.estimator().info().id]).collect()
+}
+
+#[test]
+fn the_pipeline_of_the_course_is_assembled_by_choosing_and_each_link_is_walked() {
+    let mut window = tracker();
+    window.click("Estimator: Kalman tracker");
+    window.click("Trajectory analysis");
+    // A tracker may be in detail already; its detector and that one's mask are chosen a fold deeper each.
+    for (label, chosen) in [("Kalman tracker in detail", None), ("Detector", Some("Connected components"))] {
+        window.click(label);
+        if let Some(chosen) = chosen {
+            window.click(chosen);
+        }
+    }
+    window.click("Connected components in detail");
+    window.click("Mask");
+    window.click("Mixture of Gaussians");
+    assert_eq!(window.value("tracker.detector").to_string(), "connected-components");
+    assert_eq!(window.value("tracker.detector.mask").to_string(), "mixture-of-gaussians");
+    window.key(Key::PageDown);
+    window.key(Key::PageDown);
+    let before = window.cursor();
+    let links = ["trajectory-analysis", "kalman-tracker", "connected-components", "mixture-of-gaussians"];
+    for depth in 1..links.len() {
+        window.command(Command::IntoStage);
+        assert_eq!(way(&window), links[..=depth]);
+        window.key(Key::ArrowLeft);
+        assert!(window.shown().failure.is_none() && !window.shown().step.sentence.plain().is_empty());
+    }
+    for depth in (0..links.len() - 1).rev() {
+        window.command(Command::OutOfStage);
+        assert_eq!(way(&window), links[..=depth]);
+    }
+    assert_eq!(window.cursor(), before);
+    window.key(Key::End);
+    assert!(window.shown().at_end && window.shown().failure.is_none());
+}
+
+#[test]
+fn a_session_is_not_saved_on_pictures_that_it_cannot_name() {
+    let mut window = tracker();
+    window.click("Estimator: Kalman tracker");
+    window.click("Flow magnitude");
+    window.key(Key::PageDown);
+    window.key(Key::PageDown);
+    window.command(Command::IntoStage);
+    window.press(Modifiers::COMMAND, Key::S);
+    let message = window.app().message().unwrap_or_default();
+    assert!(message.contains("Step out of the stage first"), "{message}");
+    window.command(Command::OutOfStage);
+    window.press(Modifiers::COMMAND, Key::S);
+    assert!(window.harness.query_by_label_contains("Save the session").is_some());
+}

@@ -37,6 +37,38 @@ pub fn counted(count: usize, one: &str) -> String {
     if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
 }
 
+/// That there is no `kind` called `given`, with the one of `names` that was probably meant, or else with all of them.
+pub fn there_is_no(kind: &str, given: &str, names: &[&str]) -> String {
+    let nearest = names.iter().map(|name| (edits(given, name), *name)).min();
+    match nearest {
+        // Two slips, but no more than a third of the letters.
+        Some((edits, name)) if edits <= 2 && 3 * edits <= given.len() => {
+            format!("there is no {kind} {given}; the nearest is {name}")
+        }
+        _ => format!("there is no {kind} {given}; there are {}", names.join(", ")),
+    }
+}
+
+/// How many letters must be put in, left out, replaced or swapped with the next to make `a` of `b`: the distance of Damerau and
+/// Levenshtein, each letter being touched once.
+fn edits(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];
+    for i in 1..=a.len() {
+        let mut row = vec![i];
+        for j in 1..=b.len() {
+            let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut fewest = replaced.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                fewest = fewest.min(rows[i - 2][j - 2] + 1);
+            }
+            row.push(fewest);
+        }
+        rows.push(row);
+    }
+    rows[a.len()][b.len()]
+}
+
 /// Between groups of three digits: thin, and no line is broken there.
 const THIN_SPACE: char = '\u{202f}';
 
@@ -117,6 +149,20 @@ pub fn percent(share: f32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_name_that_was_probably_meant_is_told() {
+        let names = ["diamond", "full-search", "hexagon"];
+        let told = |given: &str| there_is_no("estimator", given, &names);
+        for slip in ["diamnod", "diamon", "diamonds", "dismond"] {
+            assert_eq!(told(slip), format!("there is no estimator {slip}; the nearest is diamond"));
+        }
+        assert_eq!(told("full-serach"), "there is no estimator full-serach; the nearest is full-search");
+        for other in ["magic", "", "a", "hex", "größe"] {
+            assert!(told(other).ends_with("; there are diamond, full-search, hexagon"), "{}", told(other));
+        }
+        assert_eq!(edits("kitten", "sitting"), 3);
+    }
 
     #[test]
     fn numbers_are_short_and_have_a_true_sign() {

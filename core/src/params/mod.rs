@@ -14,7 +14,7 @@ pub use field::{Declared, Field};
 pub use part::{Part, PartKind, StageValue};
 pub use placed::{Figure, Line, Placed, Spot, Spots};
 
-use crate::base::Error;
+use crate::base::{Error, words};
 
 /// The value of one parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -332,7 +332,7 @@ fn stage_of<P: Params + ?Sized>(params: &P, name: &str) -> Result<(usize, StageV
 fn find(specs: &'static [Spec], name: &str) -> Result<usize, Error> {
     specs.iter().position(|spec| spec.name == name).ok_or_else(|| {
         let names: Vec<_> = specs.iter().map(|spec| spec.name.as_str()).collect();
-        Error::new(format!("there is no parameter {name}; there are {}", names.join(", ")))
+        Error::new(words::there_is_no("parameter", name, &names))
     })
 }
 

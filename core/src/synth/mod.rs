@@ -33,7 +33,7 @@ mod truth;
 
 use std::sync::Arc;
 
-use crate::base::{Error, Stop};
+use crate::base::{Error, Stop, words};
 use crate::data::{Clip, ClipInfo, Frame, FrameSource};
 use layer::{Layer, Stage, reach, scale};
 use recent::Recent;
@@ -112,7 +112,7 @@ impl Sample {
 pub fn scene(id: &str) -> Result<&'static Sample, Error> {
     SCENES.iter().find(|scene| scene.id == id).ok_or_else(|| {
         let ids: Vec<_> = SCENES.iter().map(|scene| scene.id).collect();
-        Error::new(format!("there is no synthetic scene {id}; there are {}", ids.join(", ")))
+        Error::new(words::there_is_no("synthetic scene", id, &ids))
     })
 }
 

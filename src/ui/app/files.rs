@@ -228,6 +228,11 @@ impl App {
         // What is written is what is shown: it stays as long as the dialog asks.
         self.player.pause();
         let Some(shown) = self.view.shown.as_deref() else { return };
+        if kind == Kind::Session && self.document.has_own_clip() {
+            let why = "This stage looks at pictures that only its parent makes: a session cannot name them.";
+            self.toasts.fail(format!("{why} Step out of the stage first (Shift+I), then save."));
+            return;
+        }
         let name = self.document.clip().map_or_else(String::new, |clip| clip.info().name.clone());
         let beside = match self.document.source() {
             Some(Source::File(path)) => path.parent().map(Path::to_owned),

@@ -124,6 +124,11 @@ impl Document {
         Some(self.setup.now().clip.as_ref().unwrap_or(self.clip.as_ref()?))
     }
 
+    /// Whether a stage is walked on pictures that its parent makes, and not on the clip that is open.
+    pub fn has_own_clip(&self) -> bool {
+        self.setup.now().clip.is_some()
+    }
+
     /// What is run, if a clip is open.
     pub fn experiment(&self) -> &Experiment {
         &self.setup.now().experiment

@@ -136,10 +136,12 @@ fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, actions: &mut Actions) {
 /// The parameters of a stage, set in below its name.
 fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Actions) {
     let &Row { owner, index, theme, .. } = parent;
-    if ui.button("Step into").on_hover_text(Command::IntoStage.with_key("Walk this stage by itself.")).clicked() {
+    // A stage of a stage is walked from there.
+    let tip = Command::IntoStage.with_key("Walk this stage by itself.");
+    if parent.within.is_none() && ui.button("Step into").on_hover_text(tip).clicked() {
         actions.ask(Action::Enter(index));
     }
-    let id = ui.make_persistent_id((owner as usize, index, stage.id()));
+    let id = ui.make_persistent_id((owner as usize, index, &parent.spec.name, stage.id()));
     let part = stage.part();
     // They are many, and good as they are until someone asks.
     egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false)
@@ -148,8 +150,8 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Act
         })
         .body(|ui| {
             for (inner, spec) in part.specs().iter().enumerate() {
-                // What is placed on the picture, and stages of stages, are set where the stage is opened by itself.
-                if matches!(spec.kind, Kind::Placed(_) | Kind::Stage(_)) {
+                // What is placed on the picture is set where the stage is opened by itself.
+                if matches!(spec.kind, Kind::Placed(_)) {
                     continue;
                 }
                 let usual = match &parent.default {
@@ -157,21 +159,47 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Act
                     _ => spec.default.clone(),
                 };
                 let (value, default) = (part.value(inner), Some(usual));
-                let within = Some((stage, inner));
-                let row = Row { owner, index, within, spec, value, default, theme, is_placing: false };
+                let within = Within { stage, inner, above: parent.within };
+                let row = Row { owner, index, within: Some(&within), spec, value, default, theme, is_placing: false };
                 row.show(ui, actions);
                 row.space(ui);
+                if let Value::Stage(stage) = &row.value {
+                    ui.indent(("stage", &spec.name), |ui| of_stage(ui, &row, stage, actions));
+                }
             }
         });
     ui.add_space(4.0);
+}
+
+/// A parameter of a stage.
+struct Within<'a> {
+    /// The stage.
+    stage: &'a StageValue,
+    /// Which of its parameters.
+    inner: usize,
+    /// The same of the stage, where that is the parameter of another one.
+    above: Option<&'a Within<'a>>,
+}
+
+impl Within<'_> {
+    /// The outermost stage, with `wanted` for this parameter; `None` where that is out of range.
+    fn outermost(&self, wanted: Value) -> Option<Value> {
+        let mut stage = self.stage.clone();
+        stage.part_mut().set_value(self.inner, wanted).ok()?;
+        let stage = Value::Stage(stage);
+        match self.above {
+            Some(above) => above.outermost(stage),
+            None => Some(stage),
+        }
+    }
 }
 
 /// One parameter.
 struct Row<'a> {
     owner: Owner,
     index: usize,
-    /// The stage whose parameter it is, with its index there; `index` is then that of the stage.
-    within: Option<(&'a StageValue, usize)>,
+    /// Where it is among the parameters of a stage, if it is one of those; `index` is then that of the outermost stage.
+    within: Option<&'a Within<'a>>,
     spec: &'a Spec,
     value: Value,
     default: Option<Value>,
@@ -217,14 +245,11 @@ impl Row<'_> {
     /// Asks for another value.
     fn ask(&self, wanted: Value, actions: &mut Actions) {
         let wanted = match self.within {
-            Some((stage, inner)) => {
-                let mut stage = stage.clone();
-                // Rows offer nothing that is out of range.
-                if stage.part_mut().set_value(inner, wanted).is_err() {
-                    return;
-                }
-                Value::Stage(stage)
-            }
+            // Rows offer nothing that is out of range.
+            Some(within) => match within.outermost(wanted) {
+                Some(wanted) => wanted,
+                None => return,
+            },
             None => wanted,
         };
         actions.ask(Action::Set(self.owner, self.index, wanted));
@@ -240,7 +265,8 @@ impl Row<'_> {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let list = (12.0 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
         self.line(ui, list, actions, |ui, label| {
-            let combo = ComboBox::from_id_salt((self.owner as usize, self.index)).selected_text(now.part().name());
+            let combo = ComboBox::from_id_salt((self.owner as usize, self.index, &self.spec.name))
+                .selected_text(now.part().name());
             let response = combo.width(list).truncate().show_ui(ui, |ui| {
                 for part in (kind.all)() {
                     let row = ui.selectable_label(part.id() == now.id(), part.name());

@@ -1,7 +1,7 @@
 //! The list that stages are chosen from.
 
 use super::super::{AnyEstimator, Estimator};
-use crate::base::Error;
+use crate::base::{Error, words};
 use crate::products::ProductKind;
 
 /// An estimator before it is made.
@@ -37,7 +37,7 @@ pub trait Entries {
     fn entry(id: &str) -> Result<&'static Entry, Error> {
         Self::ENTRIES.iter().find(|entry| entry.id == id).ok_or_else(|| {
             let ids: Vec<_> = Self::ENTRIES.iter().map(|entry| entry.id).collect();
-            Error::new(format!("there is no estimator {id}; there are {}", ids.join(", ")))
+            Error::new(words::there_is_no("estimator", id, &ids))
         })
     }
 }
