@@ -132,3 +132,39 @@ fn a_session_is_not_saved_on_pictures_that_it_cannot_name() {
     window.press(Modifiers::COMMAND, Key::S);
     assert!(window.harness.query_by_label_contains("Save the session").is_some());
 }
+
+#[test]
+fn undo_goes_back_to_where_the_parent_stood() {
+    let mut window = tracker();
+    window.key(Key::PageDown);
+    window.key(Key::PageDown);
+    let before = window.cursor();
+    window.command(Command::IntoStage);
+    window.key(Key::End);
+    let inside = window.cursor();
+    assert_ne!(inside, before);
+    window.command(Command::Undo);
+    assert_eq!((way(&window), window.cursor()), (vec!["kalman-tracker"], before));
+    window.command(Command::Redo);
+    assert_eq!(way(&window), ["kalman-tracker", "mixture-of-gaussians"]);
+    assert_eq!(window.cursor().unit, before.unit, "the stage stands at the frame that its parent is at");
+}
+
+#[test]
+fn a_slider_of_the_clip_moves_the_pictures_of_a_stage_that_has_its_own() {
+    let start = Start { open: Some("synth:traffic,width=160,height=120,frames=4".into()) };
+    let mut window = Window::with(vec2(1440.0, 900.0), start);
+    let now = window.app().document().estimator().info().name;
+    window.click(&format!("Estimator: {now}"));
+    window.click("Hierarchical search");
+    window.command(Command::IntoStage);
+    let pixels = |window: &Window| window.shown().pictures.pair[0].luma().cells().to_vec();
+    let (size, before) = (window.shown().pictures.pair[0].size(), pixels(&window));
+    assert!(size.0 < 160, "it works on the coarsest level: {size:?}");
+    window.harness.get_by_role_and_label(Role::Slider, "Noise").set_value_accesskit(30.0);
+    window.settle();
+    let noisy = pixels(&window);
+    assert!(window.shown().pictures.pair[0].size() == size && noisy != before, "the level has the noise");
+    window.command(Command::Undo);
+    assert!(pixels(&window) == before);
+}

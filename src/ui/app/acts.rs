@@ -247,6 +247,9 @@ impl App {
                 let was_single = self.is_of_single_frames();
                 let was_by_frame = self.document.estimator().is_by_frame();
                 self.states.stage.placing = None;
+                if self.document.parents().len() > 0 {
+                    self.toasts.tell(format!("{} runs on the clip itself: the stage was left.", chosen.info().name));
+                }
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.suit_view(was_single);
                 self.restart_from(was_by_frame);
@@ -275,8 +278,10 @@ impl App {
     fn enter(&mut self, index: usize) {
         let Some(shown) = self.view.shown.clone().filter(|_| self.document.company().is_empty()) else { return };
         let was_single = self.is_of_single_frames();
-        let place = self.document.enter(index, &shown);
-        self.change_stage(place, was_single);
+        match self.document.enter(index, &shown) {
+            Ok(place) => self.change_stage(place, was_single),
+            Err(error) => self.toasts.fail(format!("The stage cannot be opened: {error}.")),
+        }
     }
 
     /// Goes back to the estimator of which the one at work is a stage.

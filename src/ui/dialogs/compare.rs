@@ -137,10 +137,10 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
         let tip =
             "Sequential, logarithmic and hierarchical search, and whether what the course says of them holds here.";
         let label = ui.selectable_label(state.course.is_some(), "The course's table").on_hover_text(tip);
-        if let (true, None, Some(clip)) = (label.clicked(), &state.course, document.clip()) {
+        if let (true, None, Some(prepared)) = (label.clicked(), &state.course, document.prepared_alone()) {
             // Two measurements at once would spoil each other's times.
             (state.comparing, state.begun) = (None, None);
-            let (clip, frame, ctx) = (clip.clone(), document.frame(), ui.ctx().clone());
+            let (clip, frame, ctx) = (prepared.clip, prepared.experiment.frame, ui.ctx().clone());
             state.course = Some(Background::new(
                 "measure",
                 move || ctx.request_repaint(),
@@ -286,7 +286,7 @@ fn start(ui: &Ui, state: &mut State, document: &Document) {
 
 /// The chosen estimators with what was changed of the one that is open, where they have the same.
 fn plan(state: &State, document: &Document) -> Result<Option<Plan>, Error> {
-    let Some(prepared) = document.prepared() else { return Ok(None) };
+    let Some(prepared) = document.prepared_alone() else { return Ok(None) };
     let alike =
         chosen(state).into_iter().map(|estimator| changed_alike(document.estimator(), estimator)).collect::<Vec<_>>();
     let rounds = comparison::rounds(

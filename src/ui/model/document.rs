@@ -1,82 +1,20 @@
 //! What is open and how it is set: the clip, the estimator, the frame, and the past of all parameters.
 
+use std::cmp::Ordering;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use motionscope_core::stage::{self, Opened};
 use motionscope_core::synth::{self, Difficulty, Sample};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Params, Value, estimators};
+use motionscope_core::{AnyEstimator, Clip, Error, Info, Params, Value, estimators};
 
 use super::history::History;
+use super::nested::Nested;
 use super::snapshot::{Job, Place, Snapshot};
 use crate::experiment::company::Company;
 use crate::experiment::source::Source;
-use crate::experiment::{Experiment, Prepared, is_same};
+use crate::experiment::{Experiment, Prepared};
 use crate::media::Given;
 use crate::media::export::Inputs;
-
-/// Everything that undo takes back: an experiment, and those that wait while one of their stages is run by itself.
-#[derive(Clone)]
-pub struct Nested {
-    /// What is run.
-    pub experiment: Experiment,
-    /// The experiments of whose estimators it is a stage, one of the other: the outermost first.
-    pub parents: Vec<Parent>,
-    /// The clip that it looks at, where that is not the one that is open.
-    pub clip: Option<Clip>,
-}
-
-impl PartialEq for Nested {
-    fn eq(&self, other: &Self) -> bool {
-        // The clip of a stage follows from the others.
-        let Self { experiment, parents, clip: _ } = self;
-        *experiment == other.experiment && *parents == other.parents
-    }
-}
-
-/// An experiment that waits while a stage of its estimator is run by itself.
-#[derive(Clone)]
-pub struct Parent {
-    experiment: Experiment,
-    /// The parameter that the stage is.
-    index: usize,
-    /// Where its run stands.
-    cursor: Cursor,
-    /// The clip that it looks at, where that is not the one that is open.
-    clip: Option<Clip>,
-}
-
-impl PartialEq for Parent {
-    fn eq(&self, other: &Self) -> bool {
-        let Self { experiment, index, cursor, clip: _ } = self;
-        *experiment == other.experiment && (*index, *cursor) == (other.index, other.cursor)
-    }
-}
-
-impl Nested {
-    /// An experiment that is a stage of no other.
-    fn alone(experiment: Experiment) -> Self {
-        Self { experiment, parents: Vec::new(), clip: None }
-    }
-
-    /// Goes back to the parent of the stage at work, which has become what it is now; gives where the parent stands. `open` is
-    /// the clip that is open.
-    fn leave(&mut self, open: &Clip) -> Option<Cursor> {
-        let Parent { mut experiment, index, cursor, clip } = self.parents.pop()?;
-        // How many frames it goes through is its parent's to say.
-        let (looked_at, frames) = (clip.as_ref().unwrap_or(open), (experiment.frame, experiment.frame));
-        let opened = stage::open(&*experiment.estimator, index, looked_at, frames).ok().flatten();
-        let is_as_it_was = opened.is_some_and(|opened| is_same(&*opened.estimator, &*self.experiment.estimator));
-        if !is_as_it_was {
-            // What was opened as this stage can be one.
-            experiment.estimator.set_value(index, stage::value_of(&*self.experiment.estimator)).ok()?;
-        }
-        // The sliders of the clip are the same for all.
-        experiment.source = self.experiment.source.clone();
-        (self.experiment, self.clip) = (experiment, clip);
-        Some(cursor)
-    }
-}
 
 /// Which of the two sets of parameters one belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,9 +125,7 @@ impl Document {
     pub fn open(&mut self, clip: Clip, source: Source, given: Given) -> Option<&'static Info> {
         let mut next = self.setup.now().clone();
         let left = !next.parents.is_empty();
-        if let Some(before) = &self.clip {
-            while next.leave(before).is_some() {}
-        }
+        while next.leave().is_some() {}
         next.experiment = Experiment { source, given, frame: 0, ..next.experiment };
         self.clip = Some(clip);
         self.refused = None;
@@ -221,18 +157,23 @@ impl Document {
         self.go_to_frame(frame);
     }
 
-    /// Takes another estimator with its default parameters; undo brings the old one back.
+    /// Takes another estimator with its default parameters, on the clip that is open; undo brings the old one back.
     pub fn choose(&mut self, estimator: Box<dyn AnyEstimator>) {
-        let mut next = self.setup.now().clone();
-        let before = std::mem::replace(&mut next.experiment.estimator, estimator);
-        next.experiment.company.relieve(&*before, &*next.experiment.estimator);
-        self.take("estimator", Nested::alone(next.experiment));
+        let mut next = self.alone();
+        let before = std::mem::replace(&mut next.estimator, estimator);
+        next.company.relieve(&*before, &*next.estimator);
+        self.take("estimator", Nested::alone(next));
         self.go_to_frame(self.frame());
+    }
+
+    /// What is run, as it would be on the clip that is open.
+    fn alone(&self) -> Experiment {
+        Experiment { frame: self.setup.now().outermost().frame, ..self.experiment().clone() }
     }
 
     /// Has `estimator` go in lockstep with `company` from now on, or alone; undo brings back what was before.
     pub fn keep_company(&mut self, estimator: Box<dyn AnyEstimator>, company: Company) {
-        let experiment = Experiment { estimator, company, ..self.experiment().clone() };
+        let experiment = Experiment { estimator, company, ..self.alone() };
         self.take("company", Nested::alone(experiment));
     }
 
@@ -249,26 +190,23 @@ impl Document {
     }
 
     /// Walks the stage that is parameter `index` of the estimator by itself, where `shown` stands; gives where that is in the
-    /// run of the stage.
-    pub fn enter(&mut self, index: usize, shown: &Snapshot) -> Option<Place> {
-        let Nested { experiment: now, mut parents, clip } = self.setup.now().clone();
-        let opened = stage::open(&*now.estimator, index, self.clip()?, (now.frame, shown.frame));
-        let Opened { estimator, clip: own_clip, frame, cursor } = opened.ok().flatten()?;
-        // A parent may stand at the last frame, of which there is no pair.
-        let frames = own_clip.as_ref().unwrap_or(self.clip()?).info().frames;
-        let frame = frame.min(frames.map_or(usize::MAX, |frames| frames.saturating_sub(estimator.info().frames)));
-        let experiment = Experiment { estimator, company: Company::default(), frame, ..now.clone() };
-        let own_clip = own_clip.or_else(|| clip.clone());
-        parents.push(Parent { experiment: now, index, cursor: shown.leader(), clip });
-        self.take("stage", Nested { experiment, parents, clip: own_clip });
-        Some(Place::at(cursor))
+    /// run of the stage. `None` if that is no stage, or another run is on its way.
+    ///
+    /// # Errors
+    /// If a picture that the stage looks at cannot be had.
+    pub fn enter(&mut self, index: usize, shown: &Snapshot) -> Result<Option<Place>, Error> {
+        let Some(clip) = self.clip().filter(|_| self.is_run(shown)) else { return Ok(None) };
+        let Some((next, place)) = self.setup.now().enter(index, shown, clip)? else { return Ok(None) };
+        self.take("stage", next);
+        Ok(Some(place))
     }
 
     /// Goes back to the estimator of which the one at work is a stage, which has become what it is now; gives where that stands.
     pub fn leave(&mut self) -> Option<Place> {
         let mut next = self.setup.now().clone();
-        let cursor = next.leave(self.clip.as_ref()?)?;
+        let cursor = next.leave()?;
         self.take("stage", next);
+        self.go_to_frame(self.frame());
         Some(Place::at(cursor))
     }
 
@@ -344,10 +282,23 @@ impl Document {
 
     /// Goes to another place of the past. The frame stays, which is no change of what is set, unless a stage is entered or left.
     fn travel(&mut self, to: impl FnOnce(&mut History<Nested>) -> bool) -> bool {
-        let (depth, frame) = (self.setup.now().parents.len(), self.frame());
+        let (before, frame) = (self.setup.now().clone(), self.frame());
         let done = to(&mut self.setup);
-        let frame = if self.setup.now().parents.len() == depth { frame } else { self.frame() };
+        let (depth, now) = (before.parents.len(), self.setup.now().parents.len());
+        let frame = if now == depth { frame } else { self.frame() };
+        // Into a stage or out of one, a run goes on where that stood, and not where the other does.
+        let cursor = match now.cmp(&depth) {
+            Ordering::Less => before.parents.get(now).map(|parent| parent.cursor),
+            Ordering::Greater => self.setup.now().opened_at(),
+            Ordering::Equal => None,
+        };
+        if let Some(cursor) = cursor {
+            (self.run, self.place) = (None, Place::at(cursor));
+        }
         self.remake();
+        if let Some(clip) = &self.clip {
+            self.setup.now_mut().look_at(clip);
+        }
         // What looks at one frame may have stood at the last.
         self.go_to_frame(frame);
         done
@@ -372,6 +323,12 @@ impl Document {
     /// What is set now, with the clip that is open.
     pub fn prepared(&self) -> Option<Prepared> {
         let (experiment, clip) = (self.experiment().clone(), self.clip()?.clone());
+        Some(Prepared { experiment, clip, inputs: Arc::clone(&self.inputs) })
+    }
+
+    /// The same on the clip that is open, whatever a stage looks at.
+    pub fn prepared_alone(&self) -> Option<Prepared> {
+        let (experiment, clip) = (self.alone(), self.clip.clone()?);
         Some(Prepared { experiment, clip, inputs: Arc::clone(&self.inputs) })
     }
 
@@ -433,6 +390,7 @@ impl Document {
                     made = made.with_detections_of(clip);
                 }
                 *clip = made;
+                self.setup.now_mut().look_at(clip);
                 (self.refused, self.made) = (None, Some(difficulty));
             }
             Err(error) => self.refused = Some(error),

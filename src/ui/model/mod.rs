@@ -5,6 +5,7 @@ pub mod comparing;
 pub mod document;
 pub mod history;
 pub mod loader;
+pub mod nested;
 pub mod player;
 pub mod preview;
 pub mod settings;
