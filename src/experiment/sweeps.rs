@@ -122,6 +122,6 @@ mod tests {
     fn a_slider_that_is_usually_0_goes_across_its_range() {
         let all = of_sliders(&Difficulty::default());
         let noise = all.iter().find(|sweep| sweep.name() == "noise").expect("it has noise");
-        assert_eq!(noise.title, "Noise: 0 to 50 gray levels");
+        assert_eq!(noise.title, "Noise: 0 to 50 levels");
     }
 }

@@ -87,14 +87,11 @@ fn the_pipeline_of_the_course_is_assembled_by_choosing_and_each_link_is_walked()
     window.click("Estimator: Kalman tracker");
     window.click("Trajectory analysis");
     // A tracker may be in detail already; its detector and that one's mask are chosen a fold deeper each.
-    for (label, chosen) in [("Kalman tracker in detail", None), ("Detector", Some("Connected components"))] {
-        window.click(label);
-        if let Some(chosen) = chosen {
-            window.click(chosen);
-        }
-    }
+    window.click("Kalman tracker in detail");
+    window.click_role(Role::ComboBox, "Detector");
+    window.click("Connected components");
     window.click("Connected components in detail");
-    window.click("Mask");
+    window.click_role(Role::ComboBox, "Mask");
     window.click("Mixture of Gaussians");
     assert_eq!(window.value("tracker.detector").to_string(), "connected-components");
     assert_eq!(window.value("tracker.detector.mask").to_string(), "mixture-of-gaussians");

@@ -11,7 +11,7 @@ use crate::base::{Error, Threads};
 use crate::choices;
 use crate::data::Clip;
 use crate::products::{BlockField, BlockGrid, Output};
-use crate::scene::{Focus, Readout, Role, Scene, Step};
+use crate::scene::{Focus, Picture, Readout, Role, Scene, Step};
 
 choices! {
     /// What estimators that go in lockstep have in common at every step.
@@ -270,7 +270,7 @@ impl Lockstep {
     /// counts, only the leader has one.
     fn told(&self, index: usize, focus: Option<Focus>) -> Step {
         let member = &self.members[index];
-        let mut step = member.walk.step(focus);
+        let mut step = member.walk.step(in_frame_t(focus));
         let leads = self.pace == Pace::Block || index == 0;
         let number = |event: usize| leads.then(|| member.number(event));
         for readout in &mut step.readouts {
@@ -331,6 +331,11 @@ pub fn check(estimators: &[&dyn AnyEstimator]) -> Result<(), Error> {
         ))),
         None => Ok(()),
     }
+}
+
+/// The same place in frame t.
+fn in_frame_t(focus: Option<Focus>) -> Option<Focus> {
+    focus.map(|focus| Focus::current(focus.at))
 }
 
 impl Walk for Lockstep {
@@ -396,10 +401,15 @@ impl Walk for Lockstep {
         members.map(|member| (member.candidates() + 1, Role::Result)).collect()
     }
 
+    /// Each member has one picture: a place on frame t + 1 stands for that of frame t.
+    fn takes(&self, picture: Picture) -> bool {
+        [Picture::CURRENT, Picture::NEXT].contains(&picture)
+    }
+
     fn unit_at(&self, focus: Focus) -> Option<usize> {
         match self.pace {
             Pace::Block => self.blocks.at(focus.at),
-            Pace::Budget => self.members[0].walk.unit_at(focus),
+            Pace::Budget => self.members[0].walk.unit_at(Focus::current(focus.at)),
         }
     }
 
@@ -408,7 +418,7 @@ impl Walk for Lockstep {
     }
 
     fn scene(&self, focus: Option<Focus>) -> Scene {
-        self.members[0].walk.scene(focus)
+        self.members[0].walk.scene(in_frame_t(focus))
     }
 
     fn output(&self) -> Output {
@@ -435,7 +445,7 @@ impl Walk for Lockstep {
             info: member.walk.info(),
             cursor: member.walk.cursor(),
             step: self.told(index, focus),
-            scene: member.walk.scene(focus),
+            scene: member.walk.scene(in_frame_t(focus)),
             output: member.walk.output(),
             candidates: member.seen.min(member.candidates()),
             leg: member.leg(),

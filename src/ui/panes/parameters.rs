@@ -1,5 +1,6 @@
 //! The parameters: what the estimator and a synthetic clip declare, as rows that align.
 
+use eframe::egui::collapsing_header::{self, CollapsingState};
 use eframe::egui::{
     self, Align, Button, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo,
     vec2,
@@ -144,30 +145,34 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Act
     let id = ui.make_persistent_id((owner as usize, index, &parent.spec.name, stage.id()));
     let part = stage.part();
     // They are many, and good as they are until someone asks.
-    egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false)
-        .show_header(ui, |ui| {
-            ui.label(dim(ui, format!("{} in detail", part.name()))).on_hover_text(part.summary());
-        })
-        .body(|ui| {
-            for (inner, spec) in part.specs().iter().enumerate() {
-                // What is placed on the picture is set where the stage is opened by itself.
-                if matches!(spec.kind, Kind::Placed(_)) {
-                    continue;
-                }
-                let usual = match &parent.default {
-                    Some(Value::Stage(usual)) if usual.id() == stage.id() => usual.part().value(inner),
-                    _ => spec.default.clone(),
-                };
-                let (value, default) = (part.value(inner), Some(usual));
-                let within = Within { stage, inner, above: parent.within };
-                let row = Row { owner, index, within: Some(&within), spec, value, default, theme, is_placing: false };
-                row.show(ui, actions);
-                row.space(ui);
-                if let Value::Stage(stage) = &row.value {
-                    ui.indent(("stage", &spec.name), |ui| of_stage(ui, &row, stage, actions));
-                }
+    let mut fold = CollapsingState::load_with_default_open(ui.ctx(), id, false);
+    let header = ui.horizontal(|ui| {
+        fold.show_toggle_button(ui, collapsing_header::paint_default_icon);
+        let name = egui::Label::new(dim(ui, format!("{} in detail", part.name()))).sense(Sense::click());
+        if ui.add(name).on_hover_text(part.summary()).clicked() {
+            fold.toggle(ui);
+        }
+    });
+    fold.show_body_indented(&header.response, ui, |ui| {
+        for (inner, spec) in part.specs().iter().enumerate() {
+            // What is placed on the picture is set where the stage is opened by itself.
+            if matches!(spec.kind, Kind::Placed(_)) {
+                continue;
             }
-        });
+            let usual = match &parent.default {
+                Some(Value::Stage(usual)) if usual.id() == stage.id() => usual.part().value(inner),
+                _ => spec.default.clone(),
+            };
+            let (value, default) = (part.value(inner), Some(usual));
+            let within = Within { stage, inner, above: parent.within };
+            let row = Row { owner, index, within: Some(&within), spec, value, default, theme, is_placing: false };
+            row.show(ui, actions);
+            row.space(ui);
+            if let Value::Stage(stage) = &row.value {
+                ui.indent(("inner", &spec.name), |ui| of_stage(ui, &row, stage, actions));
+            }
+        }
+    });
     ui.add_space(4.0);
 }
 
