@@ -518,6 +518,15 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (run(SMALL, "--step 3.7 --pixel 7,9"), "full-search does not explain pixel (7, 9) by itself at step 3.7"),
         (run(SMALL, "--beside diamond --pixel 7,9"), "by itself"),
         (run(SMALL, "--pixel 64,9"), "no pixel (64, 9): the picture has 64×48 px"),
+        (run(SMALL, "--pixel template:5,5"), "the step shows no template; it shows t and t+1"),
+        (
+            format!("run {SMALL} --estimator running-average --pixel template:5,5 --overlay o.png"),
+            "the step shows no template; it shows t and reference",
+        ),
+        (
+            format!("run {SMALL} --estimator running-average --pixel reference:64,5 --overlay o.png"),
+            "no pixel (64, 5): the picture has 64×48 px",
+        ),
         (format!("run {SMALL} --estimator horn-schunck --pixel 7,9"), "--overlay"),
         (
             format!("run {SMALL} --estimator normal-flow --step 3.7 --pixel 7,9 --overlay o.png"),

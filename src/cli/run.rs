@@ -34,6 +34,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let Prepared { experiment, clip, .. } = &prepared;
     let (estimator, frame) = (&*experiment.estimator, experiment.frame);
     outputs.check(estimator)?;
+    Selection::of(&args.sheet.panes).check(estimator)?;
     if !args.task.beside.is_empty() && outputs.overlay.is_none() {
         return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
     }
@@ -211,7 +212,6 @@ impl Overlay<'_> {
             check_level(level, moment.levels(), experiment.estimator.info().id)?;
         }
         let panes = Selection::of(&args.sheet.panes);
-        panes.check(&*experiment.estimator)?;
         panes.check_step(experiment.estimator.info(), &moment.step)?;
         Shot { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }.encode(format, picture.scale)
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use motionscope_core::scene::{Focus, Picture};
+use motionscope_core::scene::{Canvas, Focus, Picture, Pixels};
 use motionscope_core::{Clip, Error, Explained, Walk};
 
 /// A pixel by its column and row from 0, written `X,Y`, or `t+1:X,Y` where it is one of another picture than frame t.
@@ -98,12 +98,21 @@ pub fn walks_pixels(walk: &dyn Walk, focus: Focus) -> bool {
 }
 
 fn explain(pixel: Pixel, walk: &dyn Walk, clip: &Clip) -> Result<Focus, Error> {
-    let (width, height) = clip.size();
     let (Pixel { on, x, y }, here) = (pixel, walk.cursor());
+    let canvases = walk.scene(None).pictures;
+    let canvas = canvases.iter().find(|canvas| canvas.picture == on);
+    let pair = [Picture::CURRENT, Picture::NEXT];
+    if canvas.is_none() && !pair.contains(&on) {
+        return Err(not_shown(on, &canvases));
+    }
     if !walk.takes(on) {
         let told = format!("{} explains no pixels of the picture {on}; name one of frame t as {x},{y}", walk.info().id);
         return Err(Error::new(told));
     }
+    let (width, height) = match canvas.map(|canvas| &canvas.pixels) {
+        Some(Pixels::Made(make)) if !on.is_aligned_with(Picture::CURRENT) => make().size(),
+        _ => clip.size(),
+    };
     if x as usize >= width || y as usize >= height {
         let told = format!("there is no pixel ({x}, {y}): the picture has {width}×{height} px, counted from 0");
         return Err(Error::new(told));
@@ -120,6 +129,17 @@ fn explain(pixel: Pixel, walk: &dyn Walk, clip: &Clip) -> Result<Focus, Error> {
     }
 }
 
+/// Why no pixel of the picture `on` can be pointed at where a step shows `canvases`; of none, frames t and t + 1.
+fn not_shown(on: Picture, canvases: &[Canvas]) -> Error {
+    let mut shown: Vec<String> = canvases.iter().map(|canvas| canvas.picture.to_string()).collect();
+    if shown.is_empty() {
+        shown = [Picture::CURRENT, Picture::NEXT].map(|picture| picture.to_string()).into();
+    }
+    let last = shown.pop().unwrap_or_default();
+    let all = if shown.is_empty() { last } else { format!("{} and {last}", shown.join(", ")) };
+    Error::new(format!("the step shows no {on}; it shows {all}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,6 +151,7 @@ mod tests {
             assert_eq!(pixel.to_string().parse(), Ok(pixel));
             assert_eq!(Pixel::of(pixel.focus()), pixel);
         }
+        assert_eq!("reference:5,6".parse(), Ok(of(Picture::REFERENCE, 5, 6)));
         assert_eq!("7, 9".parse(), Ok(of(Picture::CURRENT, 7, 9)));
         for text in ["", "7", "7,", "7,-1", "7.5,1", "1,2,3", "x,y", "99999999999,1", "t+1:7"] {
             let told = text.parse::<Pixel>().map_err(|error| error.to_string());

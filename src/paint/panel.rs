@@ -1,6 +1,6 @@
 //! The pictures that are looked at: a frame, or what becomes of two.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use motionscope_core::scene::Picture;
 use motionscope_core::{Error, Frame, Grid, Levels, Streaks};
@@ -43,13 +43,14 @@ impl Pictures {
         }
     }
 
-    /// The pixels of `picture`; of one that is not there, those of frame t.
+    /// The pixels of `picture`; of one that is not there, a black one, because no frame stands under the name of another.
     pub fn frame_of(&self, picture: Picture) -> &Arc<Frame> {
+        static NONE: LazyLock<Arc<Frame>> = LazyLock::new(|| Arc::new(Frame::gray(Grid::new(1, 1, 0))));
         let [t, next] = &self.pair;
         match picture {
             Picture::CURRENT => t,
             Picture::NEXT => next,
-            other => self.beside.iter().find(|(picture, _)| *picture == other).map_or(t, |(_, frame)| frame),
+            other => self.beside.iter().find(|(picture, _)| *picture == other).map_or(&*NONE, |(_, frame)| frame),
         }
     }
 
@@ -455,6 +456,8 @@ mod tests {
         let panels = View::SideBySide.panels(&pictures);
         assert_eq!(panels, [Panel::Of(Picture::PREVIOUS), Panel::CURRENT]);
         assert_eq!(panels[0].pixels(&pictures, Share::default()).0[(0, 0)][0], 5);
+        let unknown = Panel::Of(Picture::REFERENCE).pixels(&pictures, Share::default()).0;
+        assert_eq!(unknown.size(), (1, 1), "no frame stands under the name of another");
         assert!(panels[0].shows(Picture::PREVIOUS) && !panels[0].shows(Picture::CURRENT));
         let shown = Shown { panel: panels[0], share: Share::default(), gain: 1 };
         assert_eq!(shown.title(Some(12), &[const { None }; 2]), "Frame t−1 = 11");

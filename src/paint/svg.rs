@@ -121,6 +121,11 @@ fn opacity(color: Color) -> Option<f32> {
     (color.0[3] < 255).then(|| (f32::from(color.0[3]) / 255.0 * 1000.0).round() / 1000.0)
 }
 
+/// The opacity of a color under this name, written by hand; nothing for an opaque one.
+fn attribute(name: &str, color: Color) -> String {
+    opacity(color).map_or_else(String::new, |opacity| format!(" {name}=\"{opacity}\""))
+}
+
 fn fill<N: Node>(mut node: N, color: Color) -> N {
     node.assign("fill", hex(color));
     if let Some(opacity) = opacity(color) {
@@ -152,7 +157,7 @@ fn text(line: &Line) -> Blob {
         "<text xml:space=\"preserve\" x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" font-family=\"{SANS}\""
     );
     if let Some(halo) = line.halo {
-        let rim = format!(" stroke=\"{}\" stroke-width=\"{rim}\"", hex(halo));
+        let rim = format!(" stroke=\"{}\"{} stroke-width=\"{rim}\"", hex(halo), attribute("stroke-opacity", halo));
         text += &format!("{rim} stroke-linejoin=\"round\" paint-order=\"stroke\"");
     }
     text.push('>');
@@ -164,7 +169,8 @@ fn text(line: &Line) -> Blob {
             Face::Mono => MONO,
         };
         let words = ::svg::node::Text::new(&run.text);
-        text += &format!("<tspan fill=\"{}\"{style}>{words}</tspan>", hex(run.color));
+        let opacity = attribute("fill-opacity", run.color);
+        text += &format!("<tspan fill=\"{}\"{opacity}{style}>{words}</tspan>", hex(run.color));
     }
     Blob::new(text + "</text>")
 }
@@ -231,19 +237,31 @@ mod tests {
         }
     }
 
-    #[test]
-    fn words_are_escaped() {
-        let mut plate = Plate {
+    /// A plate with words in a color.
+    fn written(words: &str, color: Color, halo: Option<Color>) -> String {
+        let runs = vec![super::super::primitive::Run::new(words, color)];
+        let line = Line { at: [0.0; 2], anchor: Anchor::Start, size: 12.0, runs, halo };
+        let plate = Plate {
             size: [10.0, 10.0],
             background: Color::WHITE,
-            layers: Vec::new(),
+            layers: vec![super::super::Layer { clip: None, primitives: vec![Primitive::Text(line)] }],
             panels: Vec::new(),
             description: "a < b & c".into(),
         };
-        let runs = vec![super::super::primitive::Run::new("<&>", Color::BLACK)];
-        let line = Line { at: [0.0; 2], anchor: Anchor::Start, size: 12.0, runs, halo: None };
-        plate.layers.push(super::super::Layer { clip: None, primitives: vec![Primitive::Text(line)] });
-        let svg = export_svg(&plate).expect("a small plate");
+        export_svg(&plate).expect("a small plate")
+    }
+
+    #[test]
+    fn words_are_as_translucent_as_their_color() {
+        let svg = written("a", Color::BLACK.alpha(51), Some(Color::WHITE.alpha(102)));
+        assert!(svg.contains("<tspan fill=\"#000000\" fill-opacity=\"0.2\">a</tspan>"), "{svg}");
+        assert!(svg.contains("stroke=\"#ffffff\" stroke-opacity=\"0.4\""), "{svg}");
+        assert!(!written("a", Color::BLACK, Some(Color::WHITE)).contains("opacity"));
+    }
+
+    #[test]
+    fn words_are_escaped() {
+        let svg = written("<&>", Color::BLACK, None);
         assert!(svg.contains("a &lt; b &amp; c") && svg.contains("<tspan fill=\"#000000\">&lt;&amp;&gt;</tspan>"));
     }
 }

@@ -3,6 +3,7 @@
 pub mod look;
 pub mod moment;
 pub mod motion;
+pub mod named;
 pub mod panes;
 pub mod sheet;
 pub mod shot;

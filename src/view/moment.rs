@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::scene::{Canvas, Focus, Picture, Pixels, Readout};
-use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Scene, Step, Walk};
+use motionscope_core::scene::{Fact, Focus, Picture, Readout};
+use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Role, Scene, Step, Walk};
 
 use super::look::Look;
 use super::motion::{Motion, Offer, Reverse, Site};
+use super::named::{LastNamed, Named};
 use super::tile::{self, Ending, Tile, add_assessment, add_facts, endings, predicted, tiles};
 use crate::experiment::Experiment;
 use crate::paint::{FlowLayer, Pictures, View};
@@ -31,6 +32,8 @@ pub struct Moment {
     pub tiles: Vec<Tile>,
     /// Which layers tell of motion.
     pub offer: Offer,
+    /// Why a picture that the step names is not among them, if one is not.
+    pub missing: Option<Error>,
 }
 
 /// A run where it stands, and what is asked of it there.
@@ -48,6 +51,8 @@ pub struct Standing<'a> {
     pub beside: bool,
     /// What the end of the run has come to, where that is reached and worked out.
     pub end: Option<&'a End>,
+    /// The pictures of the step that was looked at last.
+    pub named: &'a LastNamed,
 }
 
 /// What the end of a run shows beside its last step.
@@ -83,24 +88,27 @@ impl Moment {
     /// # Errors
     /// Whatever `motion` fails with.
     pub fn of<E>(standing: Standing<'_>, motion: impl FnOnce(Site<'_>) -> Result<Motion, E>) -> Result<Self, E> {
-        let Standing { walk, clip, pair, focus, beside, end } = standing;
+        let Standing { walk, clip, pair, focus, beside, end, .. } = standing;
         let mut tiles = tiles(walk, focus, end.map_or(&[], |end| &end.beside));
         let scene = tile::scene(walk, focus, &tiles);
         let mut pictures = Pictures { prediction: end.and_then(|end| end.prediction.clone()), ..pair.clone() };
         let motion = motion(Site { walk, clip, scene: &scene })?;
         motion.put(&mut pictures, &mut tiles);
-        if beside {
-            pictures.beside = named(&scene, standing);
-        }
+        let Named { frames, missing } = if beside { named(&scene, standing) } else { Named::default() };
+        pictures.beside = frames;
+        let missing = missing.map(|(picture, error)| {
+            Error::new(format!("{} is not shown: {error}", picture.title(Some(walk.at_frame()))))
+        });
         Ok(Self {
             frame: walk.at_frame(),
             cursor: walk.cursor(),
             at_end: walk.at_end(),
-            step: Arc::new(told(standing, &motion)),
+            step: Arc::new(told(standing, &motion, missing.as_ref())),
             scene: Arc::new(scene),
             pictures,
             tiles,
             offer: motion.offer,
+            missing,
         })
     }
 
@@ -125,23 +133,24 @@ impl Moment {
     }
 }
 
-/// The pictures that `scene` is about, where those are not frames t and t + 1: these stand in the place of any that cannot be
-/// had.
-fn named(scene: &Scene, Standing { walk, clip, pair, .. }: Standing<'_>) -> Vec<(Picture, Arc<Frame>)> {
-    let frame = |canvas: &Canvas| match &canvas.pixels {
-        Pixels::Made(make) => Some(Arc::new(make())),
-        Pixels::OfClip if [Picture::CURRENT, Picture::NEXT].contains(&canvas.picture) => {
-            Some(Arc::clone(pair.frame_of(canvas.picture)))
+/// The pictures that `scene` is about, where those are not frames t and t + 1.
+fn named(scene: &Scene, Standing { walk, clip, pair, named, .. }: Standing<'_>) -> Named {
+    let read = |picture: Picture| {
+        if [Picture::CURRENT, Picture::NEXT].contains(&picture) {
+            return Ok(Arc::clone(pair.frame_of(picture)));
         }
-        Pixels::OfClip => clip.frame(walk.at_frame().checked_add_signed(canvas.picture.time as isize)?).ok(),
+        let index = walk.at_frame().checked_add_signed(picture.time as isize);
+        index.map_or_else(|| Err(Error::new("the clip begins after it")), |index| clip.frame(index))
     };
-    let all = scene.pictures.iter().map(|canvas| Some((canvas.picture, frame(canvas)?)));
-    all.collect::<Option<_>>().unwrap_or_default()
+    named.of(walk.cursor(), &scene.pictures, read)
 }
 
 /// What the step tells; at the end, also how good the estimate is.
-fn told(Standing { walk, focus, end, .. }: Standing<'_>, motion: &Motion) -> Step {
+fn told(Standing { walk, focus, end, .. }: Standing<'_>, motion: &Motion, missing: Option<&Error>) -> Step {
     let mut step = walk.step(focus);
+    if let Some(missing) = missing {
+        add_facts(&mut step, vec![Fact::new("Missing picture", missing.to_string(), Some(Role::Rejected))]);
+    }
     let Some(end) = end else { return step };
     if let Some(assessment) = &end.assessment {
         add_assessment(&mut step, assessment);
@@ -189,6 +198,7 @@ pub struct Viewer<'a> {
     look: &'a Look,
     reverse: &'a Reverse<'a>,
     pairs: LastPair,
+    named: LastNamed,
     beside: bool,
 }
 
@@ -204,19 +214,28 @@ impl<'a> Viewer<'a> {
         reverse: &'a Reverse<'a>,
     ) -> Result<Self, Error> {
         let beside = look.shows_beside(experiment.estimator.is_of_single_frames());
-        Ok(Self { walk: experiment.walk(clip)?, clip, look, reverse, pairs: LastPair::default(), beside })
+        Ok(Self {
+            walk: experiment.walk(clip)?,
+            clip,
+            look,
+            reverse,
+            pairs: LastPair::default(),
+            named: LastNamed::default(),
+            beside,
+        })
     }
 
     /// What is shown where the run stands, with the pixel `focus` explained.
     ///
     /// # Errors
-    /// If a frame, the truth or the reverse pair that it takes cannot be had.
+    /// If a frame, a picture that the step names, the truth or the reverse pair that it takes cannot be had.
     pub fn moment(&mut self, focus: Option<Focus>) -> Result<Moment, Error> {
-        let Self { walk, clip, look, reverse, pairs, beside } = self;
+        let Self { walk, clip, look, reverse, pairs, named, beside } = self;
         let (walk, clip) = (&**walk, *clip);
         let pair = pairs.of(walk, clip)?;
         let end = End::of(walk, clip, pair);
-        let standing = Standing { walk, clip, pair, focus, beside: *beside, end: end.as_ref() };
-        Moment::of(standing, |site| Motion::of(site, look, || reverse.flow().map(Some)))
+        let standing = Standing { walk, clip, pair, focus, beside: *beside, end: end.as_ref(), named };
+        let moment = Moment::of(standing, |site| Motion::of(site, look, || reverse.flow().map(Some)))?;
+        moment.missing.clone().map_or(Ok(moment), Err)
     }
 }

@@ -65,6 +65,35 @@ fn what_a_frame_is_compared_with_stands_beside_it() {
     }
 }
 
+#[test]
+fn a_pixel_of_the_background_is_explained_as_that_of_the_frame() {
+    for (estimator, title) in [("frame-difference", "Frame t−1 = 1"), ("running-average", "Reference")] {
+        let mut window = objects::window(estimator, "3.2");
+        window.key(Key::Num1);
+        let [here, there] = ["Frame t =", title].map(|title| on_picture(&window, title, [0.5, 0.5]));
+        let before = window.told();
+        window.harness.hover_at(here);
+        window.settle();
+        let (told, at) = (window.told(), pointed(&window).expect("it is explained").at);
+        window.harness.hover_at(there);
+        window.settle();
+        let same = pointed(&window).expect("it is explained there as well").at;
+        assert!(told != before && window.told() == told, "{estimator}: the same pixel is told of");
+        assert!(same.at == at.at && same.on != at.on, "{estimator}: {same:?} and not {at:?}");
+        window.click_at(there);
+        assert_eq!(pointed(&window).map(|pointed| (pointed.at, pointed.is_held)), Some((same, true)), "{estimator}");
+        let folder = tempfile::tempdir().expect("a folder");
+        let [mine, line, session] = ["mine.png", "line.png", "one.motionscope"].map(|name| folder.path().join(name));
+        window.command(Command::ExportPicture);
+        window.click_role(Role::Button, "1×");
+        write_to(&mut window, &mine);
+        window.command(Command::SaveSession);
+        write_to(&mut window, &session);
+        paint(&session, 1, &line);
+        assert!(fs::read(&mine).expect("a picture") == fs::read(&line).expect("a picture"), "{estimator}");
+    }
+}
+
 fn status(window: &Window) -> String {
     let line = window.harness.query_all_by_role(Role::Label).filter_map(|node| node.accesskit_node().value());
     line.into_iter().find(|line| line.contains(" % of the work")).expect("the status line")

@@ -105,9 +105,10 @@ pub struct Seen<'a, E: Estimator> {
 }
 
 impl<E: Estimator> Seen<'_, E> {
-    /// The point of frame t that the person points at, in px.
+    /// The point of frame t that the person points at, in px: on frame t, or at the same place of a picture that the
+    /// estimator takes and whose pixels are those of frame t.
     pub fn point(&self) -> Option<[f32; 2]> {
-        self.focus.filter(|focus| focus.on == Picture::CURRENT).map(|focus| focus.at)
+        self.focus.filter(|focus| focus.on.is_aligned_with(Picture::CURRENT)).map(|focus| focus.at)
     }
 }
 

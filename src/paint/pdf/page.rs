@@ -94,6 +94,8 @@ impl Page {
                 let name = image(self.images.len());
                 self.images.push(pixels.clone());
                 self.content.save_state();
+                // What was painted before may have left another one.
+                self.content.set_parameters(Name(&opacity(255)));
                 // The first row of a picture is its uppermost.
                 self.content.transform([width, 0.0, 0.0, -height, x, y + height]).x_object(Name(&name));
                 self.content.restore_state();

@@ -75,6 +75,23 @@ fn words_stay_words_and_the_same_plate_gives_the_same_bytes() {
     assert!(content.contains("/I0 Do"), "{content}");
 }
 
+/// The operators of the page.
+fn operators(pdf: &[u8]) -> String {
+    let all = streams(pdf).into_iter().map(|stream| String::from_utf8_lossy(&stream).into_owned());
+    all.rev().find(|stream| stream.contains(" Do")).expect("operators")
+}
+
+#[test]
+fn a_picture_is_opaque_whatever_was_painted_before() {
+    let mut plate = plate();
+    let points = vec![[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]];
+    plate.layers[0].primitives.insert(1, Primitive::Polygon { points, color: Color::BLACK.alpha(40) });
+    let all = operators(&export_pdf(&plate).expect("a small plate"));
+    let before = all.split("/I0 Do").next().expect("the operators before the picture");
+    let last = before.lines().rev().find(|line| line.ends_with(" gs"));
+    assert!(before.contains("/A40 gs") && last == Some("/A255 gs"), "{before}");
+}
+
 #[test]
 fn a_picture_with_clear_pixels_has_a_mask() {
     let pdf = export_pdf(&plate()).expect("a small plate");

@@ -25,6 +25,7 @@ pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> 
         pictures: moment::pair(clip, experiment.frame)?,
         tiles: Vec::new(),
         offer: Offer::default(),
+        missing: None,
     };
     Ok(Snapshot {
         info: experiment.info(),

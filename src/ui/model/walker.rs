@@ -28,6 +28,7 @@ use crate::ui::app::action::Side;
 use crate::view::look::Look;
 use crate::view::moment::{End, LastPair, Moment, Standing};
 use crate::view::motion::{Motion, Offer, Site, backward};
+use crate::view::named::LastNamed;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
 const PATIENCE: Duration = Duration::from_millis(60);
@@ -105,8 +106,10 @@ struct Desk {
     requests: VecDeque<Request>,
     focus: Option<Focus>,
     look: Look,
-    /// Another pixel is to be explained, or something else of motion is to be seen.
+    /// Another pixel is to be explained.
     focus_moved: bool,
+    /// Something else of the step is to be seen.
+    look_changed: bool,
     /// The flow of the reverse pair of a run, when it has come.
     backward: Option<(Arc<Prepared>, Result<Flow, Error>)>,
     /// Ends the run of the reverse pair at its next chance.
@@ -290,7 +293,7 @@ impl Walker {
         if !self.shared.desk().look.shows_same_step(look) {
             self.ask(false, |desk| {
                 desk.look = *look;
-                desk.focus_moved = true;
+                desk.look_changed = true;
             });
         }
     }
@@ -426,11 +429,16 @@ struct Run {
     motion: RefCell<Option<SeenMotion>>,
     /// What takes long to work out at the end is not shown yet.
     is_brief: Cell<bool>,
+    /// The pictures of the step that was shown last.
+    named: LastNamed,
+    /// The pixel that was asked for when it was shown.
+    focus: Cell<Option<Focus>>,
 }
 
 enum Task {
     Start(Job),
     Request(Request),
+    Look,
     Focus,
     Backward(Arc<Prepared>, Result<Flow, Error>),
 }
@@ -481,6 +489,10 @@ impl<'a> Worker<'a> {
                 (desk.since, desk.unwanted) = (Some(Instant::now()), None);
                 return Some(Task::Backward(subject, flow));
             }
+            if std::mem::take(&mut desk.look_changed) {
+                (desk.since, desk.unwanted) = (Some(Instant::now()), None);
+                return Some(Task::Look);
+            }
             if std::mem::take(&mut desk.focus_moved) {
                 (desk.since, desk.unwanted) = (Some(Instant::now()), None);
                 return Some(Task::Focus);
@@ -530,11 +542,17 @@ impl<'a> Worker<'a> {
                     visit(&run.subject, run.walk.as_ref());
                 }
             }
+            Task::Look => {
+                self.forget_failed_check();
+                self.publish();
+            }
             // What is held stays, wherever the pointer goes.
             Task::Focus if self.held().is_some() => {}
             Task::Focus => {
-                self.forget_failed_check();
-                self.publish();
+                let focus = self.shared.desk().focus;
+                if self.run.as_ref().is_some_and(|run| run.is_told_otherwise(focus)) {
+                    self.publish();
+                }
             }
             Task::Backward(subject, flow) => {
                 if let Some(run) = self.run.as_mut().filter(|run| Arc::ptr_eq(&run.subject, &subject)) {
@@ -594,8 +612,19 @@ impl<'a> Worker<'a> {
         if let Some(unit) = near.and_then(|focus| walk.unit_at(focus)) {
             cursor.unit = unit;
         }
-        let (end, motion, is_brief) = (OnceCell::new(), RefCell::default(), Cell::new(false));
-        self.run = Some(Run { subject, walk, clip, pairs, pair, end, backward: None, motion, is_brief });
+        self.run = Some(Run {
+            subject,
+            walk,
+            clip,
+            pairs,
+            pair,
+            end: OnceCell::new(),
+            backward: None,
+            motion: RefCell::default(),
+            is_brief: Cell::new(false),
+            named: LastNamed::default(),
+            focus: Cell::new(None),
+        });
         Ok(cursor == Cursor::default() || self.travel(Move::To(cursor)))
     }
 
@@ -710,7 +739,7 @@ impl<'a> Worker<'a> {
         let Some(run) = &self.run else { return };
         let (focus, look) = {
             let mut desk = self.shared.desk();
-            desk.focus_moved = false;
+            (desk.focus_moved, desk.look_changed) = (false, false);
             (desk.focus, desk.look)
         };
         let held = self.held();
@@ -753,9 +782,10 @@ impl Run {
     }
 
     fn snapshot(&self, focus: Option<Focus>, look: &Look) -> Snapshot {
+        self.focus.set(focus);
         let (walk, clip) = (&*self.walk, &self.clip);
         let beside = look.shows_beside(self.subject.experiment.estimator.is_of_single_frames());
-        let standing = Standing { walk, clip, pair: &self.pair, focus, end: self.end(), beside };
+        let standing = Standing { walk, clip, pair: &self.pair, focus, end: self.end(), beside, named: &self.named };
         let Ok(moment) = Moment::of(standing, |site| Ok::<_, Infallible>(self.motion(site, look)));
         let own = moment.scene.pictures.iter().map(|canvas| canvas.picture);
         let clickable = [Picture::CURRENT, Picture::NEXT].into_iter().chain(own).filter(|picture| walk.takes(*picture));
@@ -792,6 +822,15 @@ impl Run {
         motion.unchecked = self.backward.as_ref().and_then(|flow| flow.as_ref().err().cloned());
         *self.motion.borrow_mut() = Some(SeenMotion { cursor, look: *look, is_checked, motion: motion.clone() });
         motion
+    }
+
+    /// Whether another step is told with the pixel `focus` than the one that was shown last.
+    fn is_told_otherwise(&self, focus: Option<Focus>) -> bool {
+        let walk = &*self.walk;
+        let told = |focus: &Focus| {
+            walk.takes(focus.on) && walk.explained(*focus).is_none_or(|explained| explained.at(walk.cursor()))
+        };
+        self.focus.get().filter(told) != focus.filter(told)
     }
 
     /// What the end of the run shows, if that is where it stands.

@@ -159,6 +159,10 @@ impl Background for FlowMagnitude {
         [Picture::PREVIOUS, Picture::CURRENT].map(Canvas::of_clip).into()
     }
 
+    fn explains(&self, picture: Picture) -> bool {
+        [Picture::PREVIOUS, Picture::CURRENT].contains(&picture)
+    }
+
     fn difference(&self, model: &Model, frame: &Frame, place: (usize, usize)) -> f32 {
         self.seen(model, frame).length(place)
     }

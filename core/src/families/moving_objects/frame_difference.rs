@@ -110,6 +110,11 @@ impl Background for FrameDifference {
         before.chain([Picture::CURRENT]).map(Canvas::of_clip).collect()
     }
 
+    fn explains(&self, picture: Picture) -> bool {
+        let before = if self.compared == Compared::Two { 1 } else { 2 };
+        (-before..=0).map(Picture::at).any(|shown| shown == picture)
+    }
+
     fn compared_with(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32 {
         // Of two frames before, the one that is nearer to the value decides.
         let value = f32::from(frame.luma()[place]);

@@ -91,6 +91,11 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
         vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(Picture::REFERENCE, expected)]
     }
 
+    /// Whether a pixel of `picture`, one of those, is explained as the pixel of the frame at the same place.
+    fn explains(&self, picture: Picture) -> bool {
+        [Picture::CURRENT, Picture::REFERENCE].contains(&picture)
+    }
+
     /// How far a pixel is from what is expected, as [`Background::SHOWN`] says.
     fn difference(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32;
 
@@ -350,6 +355,10 @@ impl<M: Background> Footprint<State<M::Model>> for Subtraction<M> {
 }
 
 impl<M: Background> Pointed<State<M::Model>> for Subtraction<M> {
+    fn takes(&self, picture: Picture) -> bool {
+        self.0.explains(picture)
+    }
+
     fn explained(&self, state: &State<M::Model>, Focus { at: point, .. }: Focus) -> Option<Explained> {
         let [x, y] = point.map(|c| c + 0.5);
         let (width, height) = state.picture;

@@ -363,7 +363,10 @@ impl<M: Background> Subtraction<M> {
             _ => account.draw(scene),
         }
         if let Some((x, y)) = seen.point().and_then(|point| account.frame()?.luma().cell_at(point)) {
-            scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
+            let pointed = seen.focus.map(|focus| focus.on).filter(|on| *on != Picture::CURRENT);
+            for on in [Picture::CURRENT].into_iter().chain(pointed) {
+                scene.mark(on, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
+            }
             scene.legend(Role::Reference, "pixel");
         }
     }

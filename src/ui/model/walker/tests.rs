@@ -7,6 +7,7 @@ use motionscope_core::{Frame, FrameSource, Grid, Way, estimator};
 
 use super::*;
 use crate::experiment::source::Source;
+use crate::paint::View as Sight;
 
 fn clip() -> Clip {
     let texture = |x: usize, y: usize| (x * 31 + y * 57 + x * y % 7 * 20) as u8;
@@ -148,6 +149,34 @@ fn nothing_is_told_while_nothing_changes() {
     walker.focus(None);
     std::thread::sleep(Duration::from_millis(20));
     assert_eq!(count.load(Ordering::SeqCst), before);
+}
+
+#[test]
+fn the_pointer_makes_no_picture_anew() {
+    let mut subject = subject();
+    subject.experiment.estimator = estimator("running-average").unwrap();
+    let walker = Walker::new(|| {}).unwrap();
+    walker.look(&Look { view: Some(Sight::SideBySide), ..Look::default() });
+    walker.start(Job { subject: Arc::new(subject), place: Place::END });
+    let shown = |focus: Option<Focus>| {
+        walker.focus(focus);
+        walker.wait();
+        walker.view().shown.unwrap()
+    };
+    let before = shown(None);
+    assert!(before.pictures.beside.iter().any(|(picture, _)| *picture == Picture::REFERENCE), "it is shown");
+    for x in 0..5 {
+        let next = shown(Some(Focus { on: Picture::NEXT, at: [x as f32, 3.0] }));
+        assert!(Arc::ptr_eq(&next, &before), "no pixel of frame t+1 is explained, so nothing is shown anew");
+    }
+    for x in 0..5 {
+        let explained = shown(Some(Focus::current([x as f32, 3.0])));
+        assert!(explained.pointed.is_some() && !Arc::ptr_eq(&explained, &before));
+        for ((_, frame), (_, other)) in explained.pictures.beside.iter().zip(&before.pictures.beside) {
+            assert!(Arc::ptr_eq(frame, other), "a picture of the step is made once");
+        }
+    }
+    assert!(shown(None).pointed.is_none(), "the pixel is let go");
 }
 
 #[test]

@@ -1,0 +1,102 @@
+//! The pictures that a step names, where those are not frames t and t + 1.
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use motionscope_core::scene::{Canvas, Picture, Pixels};
+use motionscope_core::{Cursor, Error, Frame};
+
+/// The pictures that a step names, as far as they can be had.
+#[derive(Clone, Debug, Default)]
+pub struct Named {
+    /// Each by its name, in the order of the step.
+    pub frames: Vec<(Picture, Arc<Frame>)>,
+    /// The first that cannot be had, and why.
+    pub missing: Option<(Picture, Error)>,
+}
+
+/// The pictures of the step that was looked at last: whatever is pointed at there, they are made once.
+#[derive(Default)]
+pub struct LastNamed(RefCell<Option<(Cursor, Vec<Canvas>, Named)>>);
+
+impl LastNamed {
+    /// Those that the step at `cursor` names as `canvases`; `read` reads a frame of the clip by its name.
+    pub fn of(
+        &self,
+        cursor: Cursor,
+        canvases: &[Canvas],
+        read: impl Fn(Picture) -> Result<Arc<Frame>, Error>,
+    ) -> Named {
+        if let Some((at, names, named)) = &*self.0.borrow()
+            && (*at, &**names) == (cursor, canvases)
+        {
+            return named.clone();
+        }
+        let mut named = Named::default();
+        for Canvas { picture, pixels } in canvases {
+            let frame = match pixels {
+                Pixels::Made(make) => Ok(Arc::new(make())),
+                Pixels::OfClip => read(*picture),
+            };
+            match frame {
+                Ok(frame) => named.frames.push((*picture, frame)),
+                Err(error) => named.missing = named.missing.or(Some((*picture, error))),
+            }
+        }
+        *self.0.borrow_mut() = Some((cursor, canvases.to_vec(), named.clone()));
+        named
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use motionscope_core::Grid;
+
+    use super::*;
+
+    fn at(event: usize) -> Cursor {
+        Cursor { unit: 3, event }
+    }
+
+    #[test]
+    fn a_picture_is_made_once_for_a_step() {
+        let count = Arc::new(AtomicUsize::new(0));
+        // A step makes its canvases anew whenever it is looked at.
+        let canvases = || {
+            let count = Arc::clone(&count);
+            let make = move || {
+                count.fetch_add(1, Ordering::Relaxed);
+                Frame::gray(Grid::new(4, 4, 7))
+            };
+            [Canvas::of_clip(Picture::CURRENT), Canvas::made(Picture::REFERENCE, make)]
+        };
+        let frame = Arc::new(Frame::gray(Grid::new(4, 4, 0)));
+        let read = |_| Ok(Arc::clone(&frame));
+        let last = LastNamed::default();
+        let first = last.of(at(1), &canvases(), read);
+        for _ in 0..5 {
+            let again = last.of(at(1), &canvases(), read);
+            assert!(Arc::ptr_eq(&first.frames[1].1, &again.frames[1].1), "one upload serves them all");
+        }
+        assert_eq!(count.load(Ordering::Relaxed), 1);
+        last.of(at(2), &canvases(), read);
+        assert_eq!(count.load(Ordering::Relaxed), 2);
+        assert_eq!(last.of(at(2), &canvases()[..1], read).frames.len(), 1, "another choice of pictures");
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_told_and_the_rest_is_shown() {
+        let canvases = [Picture::at(-2), Picture::PREVIOUS, Picture::CURRENT].map(Canvas::of_clip);
+        let frame = Arc::new(Frame::gray(Grid::new(4, 4, 0)));
+        let read = |picture: Picture| {
+            if picture == Picture::PREVIOUS { Err(Error::new("it is damaged")) } else { Ok(Arc::clone(&frame)) }
+        };
+        let named = LastNamed::default().of(at(1), &canvases, read);
+        let shown: Vec<Picture> = named.frames.iter().map(|(picture, _)| *picture).collect();
+        assert_eq!(shown, [Picture::at(-2), Picture::CURRENT]);
+        let (picture, error) = named.missing.expect("it is told");
+        assert_eq!((picture, error.to_string()), (Picture::PREVIOUS, "it is damaged".to_owned()));
+    }
+}
