@@ -102,9 +102,9 @@ fn points_are_carried_by_the_flow_that_the_stage_makes() {
 #[test]
 fn no_estimator_is_inside_itself() {
     for (parent, name, child, told) in [
-        ("hierarchical", "coarse", "hierarchical", "has such a stage itself"),
-        ("connected-components", "mask", "connected-components", "has such a stage itself"),
-        ("trajectory-analysis", "tracker", "trajectory-analysis", "has such a stage itself"),
+        ("hierarchical", "coarse", "hierarchical", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
+        ("connected-components", "mask", "connected-components", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
+        ("trajectory-analysis", "tracker", "trajectory-analysis", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
         ("trajectory-analysis", "tracker", "mixture-of-gaussians", "not objects followed over time; choose"),
         ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, and keypoints of"),
         ("klt", "detector", "klt", "makes feature tracks, not keypoints of single frames; choose harris"),
