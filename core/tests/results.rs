@@ -1,11 +1,11 @@
 //! Results hold bit for bit: what every estimator makes of bundled clips, as one number each.
 
 use motionscope_core::{
-    AnyEstimator, BlockField, Clip, Feature, ObjectField, Output, Params, Threads, TrackField, estimators, products,
-    synth,
+    AnyEstimator, BlockField, Clip, Feature, MaskField, ObjectField, Output, Params, Threads, TrackField, estimators,
+    products, synth,
 };
 
-/// Keypoints as the record knows them: scale, orientation and descriptor came later.
+/// Keypoints as the line of an estimator holds them: scale, orientation and descriptor have a line of their own.
 #[derive(Debug)]
 #[expect(dead_code, reason = "what is held is told")]
 struct PointField<'a> {
@@ -21,7 +21,12 @@ impl<'a> PointField<'a> {
     }
 }
 
-/// FNV-1a over what `output` holds, as Rust tells it: floats in as many digits as read back the same.
+/// FNV-1a.
+fn hash(bytes: impl Iterator<Item = u8>) -> u64 {
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+}
+
+/// A number for what `output` holds, as Rust tells it: floats in as many digits as read back the same.
 fn fingerprint(output: &Output) -> u64 {
     let told = format!(
         "{:?}|{:?}|{:?}|{:?}",
@@ -33,9 +38,24 @@ fn fingerprint(output: &Output) -> u64 {
     let field = output.flow().filter(|_| output.motion().is_field());
     let cells = field.map_or(vec![[0.0; 2]], |flow| flow.0.into_cells());
     let bits = cells.iter().flatten().flat_map(|c| if c.is_nan() { u32::MAX } else { c.to_bits() }.to_le_bytes());
-    told.bytes()
-        .chain(bits)
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+    hash(told.bytes().chain(bits))
+}
+
+/// The same for what that leaves out, by name, as far as there is any.
+fn further(output: &Output) -> Vec<(&'static str, u64)> {
+    let masks = output.get::<MaskField>().map(|field| ("masks", format!("{field:?}")));
+    let confidence = output.confidence().map(|confidence| {
+        let bits: Vec<u32> = confidence.values.cells().iter().map(|value| value.to_bits()).collect();
+        ("confidence", format!("{} {:?} {bits:?}", confidence.name, confidence.values.size()))
+    });
+    let keypoints = output.get::<products::PointField>().and_then(|field| {
+        let told = |keypoint: &products::Keypoint| (keypoint.scale_px, keypoint.angle_rad, keypoint.descriptor.clone());
+        let all: Vec<_> = field.keypoints.iter().map(told).collect();
+        let has_any = all.iter().any(|told| *told != (None, None, None));
+        has_any.then(|| ("keypoints", format!("{all:?}")))
+    });
+    let told = [masks, confidence, keypoints].into_iter().flatten();
+    told.map(|(name, told)| (name, hash(told.bytes()))).collect()
 }
 
 fn clip(scene: &str) -> Clip {
@@ -45,9 +65,11 @@ fn clip(scene: &str) -> Clip {
     synth::make(scene.id, &difficulty).expect("a clip")
 }
 
-fn line(estimator: &dyn AnyEstimator, (name, clip): (&str, &Clip)) -> String {
+fn lines_of(estimator: &dyn AnyEstimator, (name, clip): (&str, &Clip)) -> String {
     let output = estimator.run(clip, 1, &Threads::new(2).expect("sound")).expect("a run");
-    format!("{name} {} {:016x}\n", estimator.info().id, fingerprint(&output))
+    let id = estimator.info().id;
+    let further = further(&output).into_iter().map(|(part, hash)| format!("{name} {id} {part} {hash:016x}\n"));
+    format!("{name} {id} {:016x}\n{}", fingerprint(&output), further.collect::<String>())
 }
 
 /// The standard library's functions differ in their last digits from system to system.
@@ -57,7 +79,7 @@ fn results_are_those_on_record() {
     let mut lines = String::new();
     for name in ["pillar", "spin-zoom", "traffic"] {
         let clip = clip(name);
-        lines.extend(estimators().iter().map(|estimator| line(&**estimator, (name, &clip))));
+        lines.extend(estimators().iter().map(|estimator| lines_of(&**estimator, (name, &clip))));
     }
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/results.txt");
     if std::env::var_os("UPDATE_RESULTS").is_some() {

@@ -2,13 +2,16 @@
 
 mod common;
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use common::set;
 use motionscope_core::params::Kind;
 use motionscope_core::products::Reference;
 use motionscope_core::scene::Readout;
 use motionscope_core::{
-    BlockField, Clip, Cursor, Move, ObjectField, Params, ProductKind, Threads, TrackField, Value, estimator,
-    estimators, products, stage, synth,
+    BlockField, Clip, Cursor, Error, Flow, Move, ObjectBox, ObjectField, Params, ProductKind, Stop, Threads, TrackField,
+    Truth, Value, estimator, estimators, products, stage, synth,
 };
 
 fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
@@ -99,9 +102,9 @@ fn points_are_carried_by_the_flow_that_the_stage_makes() {
 #[test]
 fn no_estimator_is_inside_itself() {
     for (parent, name, child, told) in [
-        ("hierarchical", "coarse", "hierarchical", "has such a stage itself"),
-        ("connected-components", "mask", "connected-components", "has such a stage itself"),
-        ("trajectory-analysis", "tracker", "trajectory-analysis", "has such a stage itself"),
+        ("hierarchical", "coarse", "hierarchical", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
+        ("connected-components", "mask", "connected-components", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
+        ("trajectory-analysis", "tracker", "trajectory-analysis", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
         ("trajectory-analysis", "tracker", "mixture-of-gaussians", "not objects followed over time; choose"),
         ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, and keypoints of"),
         ("klt", "detector", "klt", "makes feature tracks, not keypoints of single frames; choose harris"),
@@ -266,4 +269,51 @@ fn detections_of_a_stage_are_the_same_wherever_a_walk_comes_from() {
     walk.jump(Move::To("3.1".parse().expect("a cursor")));
     walk.jump(Move::End);
     assert_eq!((walk.step(None), walk.output()), (steps, run));
+}
+
+/// A truth that cancels the work when it is asked for the objects of a frame, once.
+struct Cancels {
+    truth: Arc<dyn Truth>,
+    frame: usize,
+    stop: Stop,
+    is_armed: AtomicBool,
+}
+
+impl Truth for Cancels {
+    fn flow(&self, t: usize) -> Result<Option<Arc<Flow>>, Error> {
+        self.truth.flow(t)
+    }
+
+    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
+        if t == self.frame && self.is_armed.swap(false, Ordering::Relaxed) {
+            self.stop.set(true);
+        }
+        self.truth.objects(t)
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        self.truth.kinds()
+    }
+}
+
+#[test]
+fn a_stage_that_is_cancelled_inside_a_unit_goes_on_as_if_nothing_had_happened() {
+    let clip = clip("traffic", &[("width", "160"), ("height", "120"), ("frames", "16")]);
+    for tracker in ["kalman-tracker", "blob-tracker"] {
+        let analysis = set("trajectory-analysis", &[("tracker", tracker), ("tracker.source", "truth")]);
+        let undisturbed = analysis.run(&clip, 0, &Threads::single()).expect("a run");
+        let objects = &undisturbed.get::<ObjectField>().expect("objects").frames[9].objects;
+        assert!(!objects.is_empty(), "{tracker} follows objects when it is cancelled");
+        let stop = Stop::default();
+        let truth = Arc::clone(clip.truth().expect("a bundled scene has one"));
+        let truth = Cancels { truth, frame: 9, stop: stop.clone(), is_armed: AtomicBool::new(true) };
+        let clip = clip.clone().with_truth(Arc::new(truth)).until(stop.clone());
+        let mut walk = analysis.walk(&clip, 0).expect("a walk");
+        walk.jump(Move::End);
+        assert!(stop.is_set() && !walk.at_end() && walk.failure().is_none(), "{tracker}: {:?}", walk.failure());
+        stop.set(false);
+        walk.jump(Move::End);
+        assert!(walk.at_end() && walk.failure().is_none(), "{tracker}: {:?}", walk.failure());
+        assert_eq!(walk.output(), undisturbed, "{tracker}");
+    }
 }

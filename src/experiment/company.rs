@@ -74,13 +74,15 @@ impl Company {
         self.follow(leader);
     }
 
-    /// Sets `NAME=VALUE` for `leader` and all that share the parameter, or `ESTIMATOR.NAME=VALUE` for one alone.
+    /// Sets `NAME=VALUE` for `leader` and all that share the parameter, or `ESTIMATOR.NAME=VALUE` for one alone. A dotted name
+    /// that the leader has is that of a parameter of its stage.
     ///
     /// # Errors
     /// If nobody has such a parameter, one alone is to differ in what all share, or the value is out of range.
     pub fn set(&mut self, leader: &mut dyn AnyEstimator, setting: &str) -> Result<(), Error> {
         let (name, value) = setting.split_once('=').unwrap_or((setting, ""));
-        match name.trim().split_once('.').filter(|_| !self.is_empty()) {
+        let is_estimator = |_: &(&str, &str)| !self.is_empty() && leader.get(name.trim()).is_err();
+        match name.trim().split_once('.').filter(is_estimator) {
             Some((id, _)) if id == leader.info().id => source::set(leader, &setting.trim()[id.len() + 1..])?,
             Some((_, name)) if leader.get(name).is_ok() => {
                 return Err(Error::new(format!("{name} is the same for all that go in lockstep; set {name}={value}")));
@@ -150,7 +152,25 @@ mod tests {
         let mut told = |setting: &str| company.set(&mut *leader, setting).unwrap_err().to_string();
         assert!(told("hierarchical.block=4").contains("set block=4"));
         assert!(told("hexagon.levels=4").contains("--beside"));
+        assert!(told("coarse.order=spiral").contains("coarse does not go in lockstep"));
         assert!(told("magic=4").contains("magic") && told("block").contains("NAME=VALUE"));
+    }
+
+    #[test]
+    fn the_stage_of_the_leader_is_set_by_its_name() {
+        let mut leader = estimator("hierarchical").unwrap();
+        let mut company = Company::of(&*leader, &["full-search"], Pace::Block).unwrap();
+        for setting in ["coarse.order=spiral", "full-search.order=spiral", "hierarchical.levels=2"] {
+            company.set(&mut *leader, setting).unwrap();
+        }
+        assert_eq!(leader.get("coarse.order"), Ok(Value::Choice("spiral")));
+        assert_eq!(leader.get("levels"), Ok(Value::Int(2)));
+        assert_eq!(company.beside[0].get("order"), Ok(Value::Choice("spiral")));
+        // The stage of one that stands beside it is set by the estimator and the stage.
+        let mut leader = estimator("diamond").unwrap();
+        let mut company = Company::of(&*leader, &["hierarchical"], Pace::Block).unwrap();
+        company.set(&mut *leader, "hierarchical.coarse.order=spiral").unwrap();
+        assert_eq!(company.beside[0].get("coarse.order"), Ok(Value::Choice("spiral")));
     }
 
     #[test]

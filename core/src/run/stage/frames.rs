@@ -17,13 +17,39 @@ use crate::products::{Followed, ObjectField, ObjectFrame};
 pub struct Frames(Arc<Mutex<Found>>);
 
 struct Found {
-    run: Box<dyn AnyRun>,
+    estimator: Box<dyn AnyEstimator>,
+    clip: Clip,
+    /// `None` behind an error: its state may lie in the middle of a unit.
+    run: Option<Box<dyn AnyRun>>,
     /// The units of a frame.
     units: usize,
     first: usize,
     frames: Vec<Arc<ObjectFrame>>,
     followed: Followed,
     is_over: bool,
+}
+
+impl Found {
+    /// Works on one frame more. A run that failed begins anew, and comes past the frames that are known.
+    fn advance(&mut self) -> Result<(), Error> {
+        let mut run = match self.run.take() {
+            Some(run) => run,
+            None => self.estimator.begin(&self.clip, self.first)?,
+        };
+        for _ in 0..self.units {
+            self.is_over = run.advance()? == Progress::Done;
+            if self.is_over {
+                break;
+            }
+        }
+        if let Some(field) = run.output().get::<ObjectField>() {
+            let new = field.frames.get(self.frames.len()..).unwrap_or_default();
+            self.frames.extend(new.iter().cloned());
+            self.followed = field.followed.clone();
+        }
+        self.run = Some(run);
+        Ok(())
+    }
 }
 
 impl fmt::Debug for Frames {
@@ -45,7 +71,8 @@ impl Frames {
         let units = estimator.units_of(clip.size(), 1).unwrap_or(1);
         let run = estimator.begin(clip, first)?;
         let followed = run.output().get::<ObjectField>().map_or(Followed::Nobody, |field| field.followed.clone());
-        let found = Found { run, units, first, frames: Vec::new(), followed, is_over: false };
+        let (run, clip) = (Some(run), clip.clone());
+        let found = Found { estimator, clip, run, units, first, frames: Vec::new(), followed, is_over: false };
         Ok(Self(Arc::new(Mutex::new(found))))
     }
 
@@ -57,18 +84,7 @@ impl Frames {
         let mut found = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(index) = t.checked_sub(found.first) else { return Ok(None) };
         while found.frames.len() <= index && !found.is_over {
-            for _ in 0..found.units {
-                found.is_over = found.run.advance()? == Progress::Done;
-                if found.is_over {
-                    break;
-                }
-            }
-            let output = found.run.output();
-            if let Some(field) = output.get::<ObjectField>() {
-                let known = found.frames.len();
-                found.frames.extend(field.frames[known..].iter().cloned());
-                found.followed = field.followed.clone();
-            }
+            found.advance()?;
         }
         Ok(found.frames.get(index).cloned())
     }
@@ -81,6 +97,6 @@ impl Frames {
     /// Memory that it takes, in bytes, with all that its run keeps; its copies share it.
     pub fn bytes(&self) -> usize {
         let found = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        found.run.bytes() + size_of_val(&found.frames[..])
+        found.run.as_ref().map_or(0, |run| run.bytes()) + size_of_val(&found.frames[..])
     }
 }

@@ -24,7 +24,8 @@ use chosen::Chosen;
 
 /// What is asked of the estimators that can be a stage.
 pub trait Makes: Clone + Copy + fmt::Debug + Send + Sync + 'static {
-    /// What is asked for, in one word. Who has a stage of this kind cannot be one: so no estimator is inside itself.
+    /// What is asked for, in one word. An estimator with a stage of this kind, or with one that can come to contain such a
+    /// stage, cannot be one itself: so no estimator contains itself.
     const ASKS: &'static str;
     /// The product that they make above all.
     const PRODUCT: &'static ProductKind;
@@ -67,9 +68,10 @@ impl<M: Makes> Stage<M> {
     /// # Panics
     /// If there is none that makes what is asked for: ids are written in declarations.
     pub fn named(id: &str) -> Self {
+        // Whether it suits is not asked: that looks at all estimators, and this is how their defaults are made.
         #[expect(clippy::expect_used, reason = "ids stand in declarations, and a law tries all of them")]
-        let estimator = candidate::<M>(id).expect("a declared stage exists");
-        Self { estimator, makes: PhantomData }
+        let entry = Course::entry(id).expect("a declared stage exists");
+        Self { estimator: prepared::<M>((entry.make)()), makes: PhantomData }
     }
 
     /// The same with a parameter set.
@@ -115,12 +117,58 @@ fn candidate<M: Makes>(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
 
 /// Why an estimator of the right product cannot be a stage of `M`, if it cannot.
 fn unsuited<M: Makes>(estimator: &dyn AnyEstimator) -> Option<String> {
-    let is_circle = |kind: &Kind| matches!(kind, Kind::Stage(kind) if kind.asks == M::ASKS);
     if let Some(what) = M::lacks(estimator) {
         return Some(format!("{what}, and {} are wanted here", M::WORDS));
     }
-    let has_one = estimator.specs().iter().any(|spec| is_circle(&spec.kind));
-    has_one.then(|| format!("has such a stage itself, and none can be inside itself: {} are wanted here", M::WORDS))
+    let below = |product: &str| {
+        let makers = Course::ENTRIES.iter().filter(|entry| entry.produces.first().is_some_and(|made| made.id == product));
+        makers.flat_map(|entry| asked_by(&*(entry.make)())).collect()
+    };
+    let circle = match circle(M::ASKS, asked_by(estimator), below)? {
+        Circle::Own => "has a stage of this kind itself",
+        Circle::Below => "has a stage that can contain one of this kind",
+    };
+    Some(format!("{circle}, and an estimator cannot contain itself"))
+}
+
+/// What a stage asks for, and the id of the product that it is made of.
+type Asked = (&'static str, &'static str);
+
+/// What the stages of an estimator ask for.
+fn asked_by(estimator: &dyn AnyEstimator) -> Vec<Asked> {
+    let kinds = estimator.specs().iter().filter_map(|spec| match &spec.kind {
+        Kind::Stage(kind) => Some((kind.asks, kind.product)),
+        _ => None,
+    });
+    kinds.collect()
+}
+
+/// Where an estimator has a stage of the kind that it would be itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Circle {
+    Own,
+    Below,
+}
+
+/// Where a stage that asks for `asks` can stand in an estimator whose stages ask for `own`; `below` tells what is asked for by
+/// the stages of all that make a product.
+fn circle(asks: &str, own: Vec<Asked>, below: impl Fn(&str) -> Vec<Asked>) -> Option<Circle> {
+    if own.iter().any(|stage| stage.0 == asks) {
+        return Some(Circle::Own);
+    }
+    let (mut reached, mut at) = (own, 0);
+    while let Some((_, product)) = reached.get(at).copied() {
+        for stage in below(product) {
+            if stage.0 == asks {
+                return Some(Circle::Below);
+            }
+            if !reached.contains(&stage) {
+                reached.push(stage);
+            }
+        }
+        at += 1;
+    }
+    None
 }
 
 /// An estimator with the values that suit a stage.
@@ -165,5 +213,40 @@ impl<M: Makes> Parameter for Stage<M> {
     fn from_value(value: Value) -> Option<Self> {
         let Value::Stage(value) = value else { return None };
         Some(Self { estimator: estimator_of(&value)?.boxed_clone(), makes: PhantomData })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An estimator as the search for circles sees it.
+    struct Toy {
+        makes: &'static str,
+        asks: Vec<Asked>,
+    }
+
+    fn circle_in(toys: &[Toy], asks: &str, toy: usize) -> Option<Circle> {
+        let below = |product: &str| {
+            let makers = toys.iter().filter(|toy| toy.makes == product);
+            makers.flat_map(|toy| toy.asks.clone()).collect()
+        };
+        circle(asks, toys[toy].asks.clone(), below)
+    }
+
+    #[test]
+    fn two_estimators_cannot_contain_each_other() {
+        let toys = [
+            Toy { makes: "flow", asks: vec![("points", "points")] },
+            Toy { makes: "points", asks: vec![("flow", "flow")] },
+            Toy { makes: "points", asks: Vec::new() },
+        ];
+        assert_eq!(circle_in(&toys, "points", 1), Some(Circle::Below));
+        assert_eq!(circle_in(&toys, "flow", 0), Some(Circle::Below));
+        assert_eq!(circle_in(&toys, "flow", 1), Some(Circle::Own));
+        assert_eq!(circle_in(&toys, "points", 2), None);
+        // Without the way back each can be the other's stage, and a circle elsewhere does not keep the search going.
+        assert_eq!(circle_in(&toys, "masks", 0), None);
+        assert_eq!(circle_in(&toys[..1], "flow", 0), None);
     }
 }
