@@ -10,8 +10,8 @@ use motionscope_core::params::Kind;
 use motionscope_core::products::Reference;
 use motionscope_core::scene::Readout;
 use motionscope_core::{
-    BlockField, Clip, Cursor, Error, Flow, Move, ObjectBox, ObjectField, Params, ProductKind, Stop, Threads, TrackField,
-    Truth, Value, estimator, estimators, products, stage, synth,
+    BlockField, Clip, Cursor, Error, Flow, Move, ObjectBox, ObjectField, Params, ProductKind, Stop, Threads,
+    TrackField, Truth, Value, estimator, estimators, products, stage, synth,
 };
 
 fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
@@ -102,9 +102,24 @@ fn points_are_carried_by_the_flow_that_the_stage_makes() {
 #[test]
 fn no_estimator_is_inside_itself() {
     for (parent, name, child, told) in [
-        ("hierarchical", "coarse", "hierarchical", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
-        ("connected-components", "mask", "connected-components", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
-        ("trajectory-analysis", "tracker", "trajectory-analysis", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
+        (
+            "hierarchical",
+            "coarse",
+            "hierarchical",
+            "has a stage of this kind itself, and an estimator cannot contain itself; choose",
+        ),
+        (
+            "connected-components",
+            "mask",
+            "connected-components",
+            "has a stage of this kind itself, and an estimator cannot contain itself; choose",
+        ),
+        (
+            "trajectory-analysis",
+            "tracker",
+            "trajectory-analysis",
+            "has a stage of this kind itself, and an estimator cannot contain itself; choose",
+        ),
         ("trajectory-analysis", "tracker", "mixture-of-gaussians", "not objects followed over time; choose"),
         ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, and keypoints of"),
         ("klt", "detector", "klt", "makes feature tracks, not keypoints of single frames; choose harris"),
