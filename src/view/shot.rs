@@ -75,7 +75,8 @@ impl Shot<'_> {
 
     /// How the step is looked at.
     pub(super) fn view(&self) -> View {
-        self.moment.view(self.look, self.estimator.is_of_single_frames())
+        let Self { moment, estimator, look, .. } = *self;
+        look.view_of(&moment.pictures, moment.stands(estimator.is_of_single_frames()))
     }
 
     /// The pictures of the step, with the marks that `scale` pixels for each point have room for.

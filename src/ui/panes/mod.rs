@@ -142,7 +142,7 @@ impl Panes<'_> {
             frame: shown.frame,
             scene: &shown.scene,
             lockstep: self.lockstep(shown),
-            is_single: shown.at_end || shown.subject.experiment.estimator.is_of_single_frames(),
+            stands: shown.stands(shown.subject.experiment.estimator.is_of_single_frames()),
             look: *self.look,
             heat: heat.or(shown.scene.heat).unwrap_or_default(),
             placing: placing.as_ref(),
