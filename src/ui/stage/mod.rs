@@ -394,8 +394,8 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     if let Some(hovered) = state.hovered.filter(|hovered| hovered.on.is_aligned_with(panel.picture())) {
         pixels::cross_hair(&painter, lens, hovered.pixel);
     }
-    if let Some(placing) = input.placing.filter(|_| of_frame_t) {
-        placing::paint(&painter, lens, placing, input.theme());
+    if let Some(placing) = input.placing.and_then(|placing| placing.on(panel.picture())) {
+        placing::paint(&painter, lens, &placing, input.theme());
     }
     if input.lockstep.is_none() {
         caption(ui.painter(), shown, lens, input);
