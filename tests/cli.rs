@@ -932,6 +932,23 @@ fn panes_are_arranged_on_a_sheet_and_its_words_stay_words() {
 }
 
 #[test]
+fn sheets_of_several_steps_have_one_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let one = format!("{SMALL} --estimator kalman-filter");
+    for (name, line) in [
+        ("plain", format!("{one} --steps 0..3 --panes stage,matrices,series")),
+        ("told", format!("{one} --steps 0..3 --panes stage,explanation,matrices,series")),
+        ("search", format!("{SMALL} --estimator full-search --steps 5.1..5.9 --panes stage,surface,tiles")),
+    ] {
+        stdout(here, &format!("export {line} --out {name}"));
+        let all: Vec<_> = fs::read_dir(here.join(name)).unwrap().map(|entry| entry.unwrap().path()).collect();
+        let sizes: Vec<_> = all.iter().map(|path| png_size(path)).collect();
+        assert!(sizes.len() > 2 && sizes.iter().all(|size| *size == sizes[0]), "{name}: {sizes:?}");
+    }
+}
+
+#[test]
 fn a_pane_that_is_not_there_is_told_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let run = format!("run {SMALL} --estimator full-search --overlay a.png --panes");

@@ -19,7 +19,7 @@ use motionscope::ui::drawing::primitives::shapes;
 use motionscope::ui::drawing::style;
 use motionscope::ui::panes::why;
 use motionscope::ui::stage::{self, Zoom};
-use motionscope::view::look::Look;
+use motionscope::view::look::{Look, Stands};
 use motionscope::view::motion::Offer;
 use motionscope_core::block_matching::FullSearch;
 use motionscope_core::scene::{Focus, Picture, Readout, Surface, Tile};
@@ -69,7 +69,7 @@ impl Fixture {
             frame: 12,
             scene: &self.scene,
             lockstep: None,
-            is_single: false,
+            stands: Stands::default(),
             look: Look::of_window(),
             heat: "SAD",
             gpu: None,
@@ -433,7 +433,7 @@ fn tiles_light_the_same_pixel_and_tell_its_numbers() {
     let mut state = tiles::State::default();
     let hovered = Cell::new(None);
     let mut harness = harness(vec2(1400.0, 420.0), Theme::Projector, |ui| {
-        let input = tiles::Input { tiles: shown, is_centred: false, subject: fixture.subject(Theme::Projector) };
+        let input = tiles::Input { tiles: shown, is_centered: false, subject: fixture.subject(Theme::Projector) };
         hovered.set(tiles::show(ui, input, &mut state).hovered);
     });
     let tile = harness.get_by_role_and_label(Node::Image, "candidate").rect();
@@ -452,7 +452,7 @@ fn windows_are_seen_whole_and_read_at_a_click() {
     let (shown, size) = ([tile("Window"), tile("Its place"), tile("δI")], vec2(440.0, 240.0));
     let mut state = tiles::State::default();
     let mut harness = harness(size, Theme::Dark, |ui| {
-        tiles::show(ui, tiles::Input { tiles: &shown, is_centred: true, subject: fresh() }, &mut state);
+        tiles::show(ui, tiles::Input { tiles: &shown, is_centered: true, subject: fresh() }, &mut state);
     });
     let rect = |harness: &Harness<'_>, label| harness.get_by_role_and_label(Node::Image, label).rect();
     for label in ["Window", "Its place", "δI"] {
@@ -605,7 +605,7 @@ impl All {
                         series::show(ui, series::Input { series: lines, subject, logarithmic: false }, &mut self.plot);
                     }
                     Readout::Tiles(shown) => {
-                        tiles::show(ui, tiles::Input { tiles: shown, is_centred: false, subject }, &mut self.tiles);
+                        tiles::show(ui, tiles::Input { tiles: shown, is_centered: false, subject }, &mut self.tiles);
                     }
                     _ => {}
                 });

@@ -11,6 +11,8 @@ use super::{Color, ColorMap, Face, Ink, Look, Theme, flow_color, fonts, layer, m
 /// Width and height of a swatch.
 pub const SWATCH: [f32; 2] = [28.0, 16.0];
 const BAR: [f32; 2] = [128.0, 8.0];
+/// Width of a bar that has little room, at least.
+const SHORTEST_BAR: f32 = 48.0;
 const GAP: f32 = 8.0;
 
 /// One line of a legend.
@@ -267,20 +269,43 @@ impl Strip {
             let at = self.place(left);
             return self.words(low, at);
         }
-        let [x, y] = self.place(left + BAR[0] + right + 2.0 * GAP);
+        let room = self.width - left - right - 2.0 * GAP;
+        if room < SHORTEST_BAR
+            && let Some((label, low)) = low.rsplit_once(' ')
+        {
+            // On a line of its own; the numbers stay beside the bar.
+            let at = self.place(fonts::width(label, Face::Sans, self.size));
+            self.words(label, at);
+            return self.bar(&Bar { ends: [low.to_owned(), high.clone()], ..*bar });
+        }
+        let long = room.clamp(SHORTEST_BAR, BAR[0]).floor();
+        let [x, y] = self.place(left + long + right + 2.0 * GAP);
         self.words(low, [x, y]);
         let min = [(x + left + GAP).round(), y + (self.height - BAR[1]) / 2.0];
-        let rect = Rect::new(min, BAR);
+        let rect = Rect::new(min, [long, BAR[1]]);
         self.out.push(color_bar(bar.colors, rect));
         let stroke = Stroke { width: 1.0, color: self.theme.chrome().line, dash: &[] };
         self.out.push(Primitive::Polyline { points: rect.grown(0.5).corners(), closed: true, stroke });
-        self.words(high, [min[0] + BAR[0] + GAP, y]);
+        self.words(high, [min[0] + long + GAP, y]);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_numbers_of_a_bar_have_room() {
+        let bar = Bar::heat("fourth root of |R|, with its sign", [-19.87, 10.83], ColorMap::Viridis);
+        let laid = |width: f32| strip(&[], std::slice::from_ref(&bar), Theme::Dark, ([16.0; 2], width));
+        let heights = [240.0, 300.0, 364.0, 900.0].map(|width| {
+            let (primitives, height) = laid(width);
+            let end = primitives.iter().map(|primitive| primitive.bounds().max[0]).fold(0.0, f32::max);
+            assert!(end <= 16.0 + width, "{end} in {width}");
+            height
+        });
+        assert!(heights[0] > heights[3], "the label has a line of its own where there is little room");
+    }
 
     #[test]
     fn every_swatch_stays_in_its_box() {

@@ -43,6 +43,17 @@ params! {
     }
 }
 
+/// Where a run stands, as far as the choice of a view depends on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stands {
+    /// Whether its estimator looks at single frames.
+    pub is_of_single_frames: bool,
+    /// Whether it is at its end.
+    pub at_end: bool,
+    /// Whether it is one of several in lockstep.
+    pub is_lockstep: bool,
+}
+
 impl Look {
     /// What there is to choose, in the order in which a person reads it.
     pub fn entries() -> &'static [Spec] {
@@ -60,6 +71,15 @@ impl Look {
         let streak_frames = pictures.streaks.as_ref().filter(|_| streaks.is_some()).map(|all| all.life_frames());
         let arrows = ArrowStyle { lengthen: arrow_scale, spacing_px: arrow_spacing, streak_frames };
         Style { theme, colors, arrows }
+    }
+
+    /// The view that it chooses of `pictures`, or what suits the step: a finished field needs only frame t, as an estimator of
+    /// single frames does; a search needs both. Each of several in lockstep has one picture.
+    pub fn view_of(&self, pictures: &Pictures, stands: Stands) -> View {
+        let Stands { is_of_single_frames, at_end, is_lockstep } = stands;
+        let fitting = if at_end || is_of_single_frames { View::Current } else { View::SideBySide };
+        let view = self.view.unwrap_or(fitting).or_current(pictures);
+        if is_lockstep { view.alone(at_end) } else { view }
     }
 
     /// Whether the pictures of a step stand side by side, one by one or in turn, unless something else is chosen.

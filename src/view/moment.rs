@@ -6,12 +6,12 @@ use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::scene::{Fact, Focus, Picture, Readout};
 use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Role, Scene, Step, Walk};
 
-use super::look::Look;
+use super::look::{Look, Stands};
 use super::motion::{Motion, Offer, Reverse, Site};
 use super::named::{LastNamed, Named};
 use super::tile::{self, Ending, Tile, add_assessment, add_facts, endings, predicted, tiles};
 use crate::experiment::Experiment;
-use crate::paint::{FlowLayer, Pictures, View};
+use crate::paint::{FlowLayer, Pictures};
 
 /// What a run shows where it stands.
 #[derive(Clone)]
@@ -112,12 +112,9 @@ impl Moment {
         })
     }
 
-    /// The view that `look` chooses here, or what suits the step of an estimator that looks at single frames or at pairs: a
-    /// finished field needs only frame t, as an estimator of single frames does; a search needs both.
-    pub fn view(&self, look: &Look, is_of_single_frames: bool) -> View {
-        let fitting = if self.at_end || is_of_single_frames { View::Current } else { View::SideBySide };
-        let view = look.view.unwrap_or(fitting).or_current(&self.pictures);
-        if self.tiles.is_empty() { view } else { view.alone(self.at_end) }
+    /// Where the run of an estimator that looks at single frames, or at pairs, stands for the choice of a view.
+    pub fn stands(&self, is_of_single_frames: bool) -> Stands {
+        Stands { is_of_single_frames, at_end: self.at_end, is_lockstep: !self.tiles.is_empty() }
     }
 
     /// Why it does not show `layer`, as part of a sentence; `None` if it does.

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use motionscope_core::scene::Sentence;
+
 use crate::paint::charts::{Canvas, ChartStyle};
 use crate::paint::primitive::Rect;
 use crate::paint::{Caption, Layer, Plate, heading, paragraph};
@@ -83,8 +85,9 @@ impl Pictures<'_> {
 }
 
 impl Shot<'_> {
-    /// The panes of the step on one sheet, with the marks that `scale` pixels for each point have room for.
-    pub(super) fn sheet(&self, scale: u32) -> Plate {
+    /// The panes of the step on one sheet, with the marks that `scale` pixels for each point have room for; where several
+    /// steps share a layout, the first of them makes it.
+    pub(super) fn sheet(&self, scale: u32, shared: Option<&mut Option<Layout>>) -> Plate {
         let Self { moment, look, panes, .. } = *self;
         let (info, step) = match moment.tiles.first() {
             Some(tile) => (tile.info, &*tile.step),
@@ -107,8 +110,33 @@ impl Shot<'_> {
         let beside = [8.0 * (columns - 1) as f32, above];
         let stage = Pictures { extent, beside, plate: &plate };
         let style = ChartStyle { theme: look.theme, colors: look.colors, density: scale as f32 };
-        arrange(&Contents { told, panes: &panes.panes, caption: self.caption(), style, stage })
+        let contents = Contents { told, panes: &panes.panes, caption: self.caption(), style, stage };
+        match shared {
+            Some(shared) => shared.get_or_insert_with(|| Layout::of(&contents, Spare::FOR_OTHERS)).plate(&contents),
+            None => Layout::of(&contents, Spare::NONE).plate(&contents),
+        }
     }
+}
+
+/// Room that is kept for what other steps have more of.
+#[derive(Clone, Copy)]
+struct Spare {
+    /// Lines that a sentence below the panes has at least.
+    lines: usize,
+    /// How many times as high as an explanation its pane is.
+    explanation: f32,
+}
+
+impl Spare {
+    const NONE: Self = Self { lines: 0, explanation: 1.0 };
+    const FOR_OTHERS: Self = Self { lines: 3, explanation: 1.2 };
+}
+
+/// How large a sheet is, and where its panes stand: steps that share one differ in nothing else.
+pub struct Layout {
+    size: [f32; 2],
+    spare: Spare,
+    arrangement: Arrangement,
 }
 
 /// Where each pane stands, and how good that is.
@@ -118,18 +146,24 @@ struct Arrangement {
     score: f32,
 }
 
-/// Arranges `contents` on a sheet, which is as large as they need.
-pub fn arrange(contents: &Contents<'_>) -> Plate {
-    let mut memory = Memory { contents, rooms: BTreeMap::new() };
-    let mut factor = 1.0;
-    loop {
-        let size = SIZE.map(|side| (side * factor / 4.0).round() * 4.0);
-        let frame = Frame::new(contents, size);
-        let best = memory.best(frame.body);
-        if best.score > 0.0 || factor >= LARGEST {
-            return frame.plate(contents, best);
+impl Layout {
+    /// The best one for `contents`, as large as they need.
+    fn of(contents: &Contents<'_>, spare: Spare) -> Self {
+        let mut memory = Memory { contents, spare, rooms: BTreeMap::new() };
+        let mut factor = 1.0;
+        loop {
+            let size = SIZE.map(|side| (side * factor / 4.0).round() * 4.0);
+            let arrangement = memory.best(Frame::new(contents, size, spare).body);
+            if arrangement.score > 0.0 || factor >= LARGEST {
+                return Self { size, spare, arrangement };
+            }
+            factor *= GROWTH;
         }
-        factor *= GROWTH;
+    }
+
+    /// The sheet with `contents`.
+    fn plate(&self, contents: &Contents<'_>) -> Plate {
+        Frame::new(contents, self.size, self.spare).plate(contents, &self.arrangement)
     }
 }
 
@@ -141,13 +175,15 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(contents: &Contents<'_>, size: [f32; 2]) -> Self {
+    fn new(contents: &Contents<'_>, size: [f32; 2], spare: Spare) -> Self {
         let (theme, width) = (contents.style.theme, size[0] - 2.0 * MARGIN);
         let (mut primitives, height) = heading(&contents.caption, ([MARGIN; 2], width), theme);
         let mut body = Rect::new([MARGIN, MARGIN + height + 4.0], [width, size[1] - 2.0 * MARGIN - height - 4.0]);
         // Where nothing else tells why, a sentence does.
         if !contents.panes.contains(&&EXPLANATION) && !contents.caption.sentence.0.is_empty() {
             let (words, height) = paragraph(&contents.caption.sentence, width, theme);
+            let (_, line) = paragraph(&Sentence::default().text("x"), width, theme);
+            let height = height.max(spare.lines as f32 * line);
             body.max[1] -= height + GAP / 2.0;
             let top = [MARGIN, body.max[1] + GAP / 2.0];
             primitives.extend(words.into_iter().map(|primitive| primitive.moved(top)));
@@ -155,7 +191,7 @@ impl Frame {
         Self { size, body, words: vec![Layer { clip: None, primitives }] }
     }
 
-    fn plate(self, contents: &Contents<'_>, arrangement: Arrangement) -> Plate {
+    fn plate(self, contents: &Contents<'_>, arrangement: &Arrangement) -> Plate {
         let Self { size, words, .. } = self;
         let Contents { told, style, .. } = contents;
         let chrome = style.theme.chrome();
@@ -177,7 +213,7 @@ impl Frame {
                 said.push(pane.title.to_owned());
             } else {
                 let words = format!("{}.", pane.absent(told.info.name));
-                let words = motionscope_core::scene::Sentence::default().text(words);
+                let words = Sentence::default().text(words);
                 let (words, _) = paragraph(&words, rect.size()[0], style.theme);
                 let primitives = words.into_iter().map(|primitive| primitive.moved(rect.min)).collect();
                 layers.push(Layer { clip: None, primitives });
@@ -198,6 +234,7 @@ fn others<'a>(panes: &'a [&'static Pane]) -> impl Iterator<Item = &'static Pane>
 /// What was measured already: many arrangements give a pane the same room.
 struct Memory<'a> {
     contents: &'a Contents<'a>,
+    spare: Spare,
     rooms: BTreeMap<(&'static str, [u32; 2]), f32>,
 }
 
@@ -234,7 +271,8 @@ impl Memory<'_> {
     fn room(&mut self, pane: &'static Pane, size: [f32; 2]) -> f32 {
         let Contents { told, style, .. } = self.contents;
         let key = (pane.id, size.map(|side| side as u32));
-        *self.rooms.entry(key).or_insert_with(|| (pane.room)(*told, size, *style))
+        let spare = if *pane == EXPLANATION { self.spare.explanation } else { 1.0 };
+        *self.rooms.entry(key).or_insert_with(|| (pane.room)(*told, [size[0], size[1] / spare], *style))
     }
 }
 

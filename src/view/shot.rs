@@ -10,6 +10,7 @@ use motionscope_core::{AnyEstimator, Error, Spec, Value};
 use super::look::Look;
 use super::moment::Moment;
 use super::panes::Selection;
+use super::sheet::Layout;
 use crate::paint::{Caption, Part, Plate, PlateOptions, View, export_pdf, export_png, export_svg};
 
 /// An SVG can be looked at from near: it has the marks of a PNG of this scale.
@@ -44,17 +45,29 @@ impl Shot<'_> {
     /// # Errors
     /// If the picture would be larger than can be written.
     pub fn encode(&self, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
+        self.encode_with(format, scale, None)
+    }
+
+    /// The same as one of several whose sheets share a `layout`, which the first of them makes.
+    ///
+    /// # Errors
+    /// As [`Shot::encode`].
+    pub fn encode_in(&self, layout: &mut Option<Layout>, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
+        self.encode_with(format, scale, Some(layout))
+    }
+
+    fn encode_with(&self, format: Format, scale: u32, layout: Option<&mut Option<Layout>>) -> Result<Vec<u8>, Error> {
         match format {
-            Format::Png => export_png(&self.picture(scale), scale),
-            Format::Svg => export_svg(&self.picture(SVG_SCALE)).map(String::into_bytes),
-            Format::Pdf => export_pdf(&self.picture(SVG_SCALE)),
+            Format::Png => export_png(&self.picture(scale, layout), scale),
+            Format::Svg => export_svg(&self.picture(SVG_SCALE, layout)).map(String::into_bytes),
+            Format::Pdf => export_pdf(&self.picture(SVG_SCALE, layout)),
         }
     }
 
     /// The stage alone, or a sheet of the panes that are selected.
-    fn picture(&self, scale: u32) -> Plate {
+    fn picture(&self, scale: u32, layout: Option<&mut Option<Layout>>) -> Plate {
         if !self.panes.panes.is_empty() {
-            return self.sheet(scale);
+            return self.sheet(scale, layout);
         }
         let caption = self.look.caption.then(|| self.caption());
         self.plate(Around { zoom: 1.0, titles: false, caption }, scale)
@@ -62,7 +75,8 @@ impl Shot<'_> {
 
     /// How the step is looked at.
     pub(super) fn view(&self) -> View {
-        self.moment.view(self.look, self.estimator.is_of_single_frames())
+        let Self { moment, estimator, look, .. } = *self;
+        look.view_of(&moment.pictures, moment.stands(estimator.is_of_single_frames()))
     }
 
     /// The pictures of the step, with the marks that `scale` pixels for each point have room for.

@@ -108,12 +108,15 @@ impl Steps {
             self.begin(&mut *viewer.walk, progress)?;
         }
         export::make_folder(folder)?;
-        let mut written = Written::default();
+        let (mut written, mut layout) = (Written::default(), None);
         while viewer.walk.cursor() <= self.to {
             let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*viewer.walk));
             let moment = viewer.moment(focus)?;
-            let picture = Shot { moment: &moment, estimator, look: &self.look, panes: &self.panes }
-                .encode(self.format, self.scale)?;
+            let picture = Shot { moment: &moment, estimator, look: &self.look, panes: &self.panes }.encode_in(
+                &mut layout,
+                self.format,
+                self.scale,
+            )?;
             export::save_result(&folder.join(Self::file_name(written.count, self.format)), &picture)?;
             written.add(layer.and_then(|layer| Some((layer, moment.why_without(layer)?))));
             if let Some(progress) = progress {

@@ -15,7 +15,7 @@ pub struct Input<'a> {
     pub tiles: &'a [Tile],
     /// Whether the pixel that is explained lies in their middle. Such tiles are seen whole, and read at a click where there is
     /// no room for both; blocks are read, and scrolled.
-    pub is_centred: bool,
+    pub is_centered: bool,
     /// Whose they are, and how they look.
     pub subject: Subject<'a>,
 }
@@ -66,17 +66,17 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
 }
 
 fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
-    let Input { tiles, is_centred, subject } = input;
+    let Input { tiles, is_centered, subject } = input;
     // They are laid out from the origin on, and shown wherever they are scrolled to.
     let area = Rect::from_min_size(Pos2::ZERO, ui.available_rect_before_wrap().size());
     let style = subject.style(ui.painter());
-    let data = |closeness| Tiles { tiles, is_centered: is_centred, closeness };
+    let data = |closeness| Tiles { tiles, is_centered, closeness };
     let cell = |closeness| places(data(closeness), rect_of(area), style).cell;
-    let can_be_closer = is_centred && cell(Closeness::Readable) > cell(Closeness::Whole);
+    let can_be_closer = is_centered && cell(Closeness::Readable) > cell(Closeness::Whole);
     let is_whole = can_be_closer && !state.is_close;
     let closeness = if is_whole { Closeness::Whole } else { Closeness::Readable };
     let painter = ui.painter().clone();
-    let places = state.chart.lay_out(&painter, (subject, tiles), (area, (is_centred, closeness)), |area, style| {
+    let places = state.chart.lay_out(&painter, (subject, tiles), (area, (is_centered, closeness)), |area, style| {
         draw(data(closeness), area, style)
     });
     let (rect, whole) = ui.allocate_exact_size(places.size.into(), Sense::hover());

@@ -36,15 +36,6 @@ pub fn gradient(rect: egui::Rect, colors: &[[u8; 4]]) -> Shape {
     ribbon(colors, edge)
 }
 
-/// Colours laid along `rect` from top to bottom, flowing into each other.
-pub fn gradient_down(rect: egui::Rect, colors: &[[u8; 4]]) -> Shape {
-    let edge = |t: f32| {
-        let y = egui::lerp(rect.y_range(), t);
-        [pos2(rect.min.x, y), pos2(rect.max.x, y)]
-    };
-    ribbon(colors, edge)
-}
-
 /// Lines that fade, in one mesh.
 fn ribbons(trails: &Trails, clip: &primitive::Rect) -> Shape {
     /// Corners of the dot at a head.

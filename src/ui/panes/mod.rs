@@ -142,7 +142,7 @@ impl Panes<'_> {
             frame: shown.frame,
             scene: &shown.scene,
             lockstep: self.lockstep(shown),
-            is_single: shown.at_end || shown.subject.experiment.estimator.is_of_single_frames(),
+            stands: shown.stands(shown.subject.experiment.estimator.is_of_single_frames()),
             look: *self.look,
             heat: heat.or(shown.scene.heat).unwrap_or_default(),
             placing: placing.as_ref(),
@@ -386,8 +386,8 @@ impl Panes<'_> {
                     clicked = plots::show(ui, &step.readouts, subject, &mut states.plots);
                 }
                 (Pane::Numbers, Readout::Tiles(tiles)) => {
-                    let is_centred = !shown.subject.experiment.estimator.tests_candidates();
-                    tiles::show(ui, tiles::Input { tiles, is_centred, subject }, &mut states.tiles);
+                    let is_centered = !shown.subject.experiment.estimator.tests_candidates();
+                    tiles::show(ui, tiles::Input { tiles, is_centered, subject }, &mut states.tiles);
                 }
                 (Pane::Numbers, Readout::Matrices(all)) => {
                     matrices::show(ui, all, subject, &mut states.matrices);

@@ -28,7 +28,7 @@ pub use placing::{Gesture, Placing};
 
 use crate::paint::{self, Face, Panel, Placement, Shown, Theme, View};
 use crate::ui::drawing::{ink, primitives};
-use crate::view::look::Look;
+use crate::view::look::{Look, Stands};
 use crate::view::motion::Offer;
 use crate::view::tile::Tile;
 use glide::Glide;
@@ -57,8 +57,8 @@ pub struct Input<'a> {
     pub scene: &'a Arc<Scene>,
     /// Several estimators, if there are.
     pub lockstep: Option<Lockstep<'a>>,
-    /// Whether one of them says all, where a look leaves the view open.
-    pub is_single: bool,
+    /// Where the run stands, which decides the view where a look leaves it open.
+    pub stands: Stands,
     /// How they look.
     pub look: Look,
     /// What the colours of heat stand for, for the legend: `SAD`.
@@ -250,14 +250,10 @@ fn spots<'a>(area: Rect, panels: &[Panel], input: &Input<'a>, state: &State) -> 
     tiles.iter().zip(panes).enumerate().map(spot).collect()
 }
 
-/// The view that the pictures have: each of several estimators has only one.
+/// The view that the pictures have. What blinks on the stage stands still in a picture.
 fn view(input: &Input<'_>) -> View {
-    let fitting = if input.is_single { View::Current } else { View::SideBySide };
-    let view = input.look.view.unwrap_or(fitting).or_current(input.pictures);
-    match input.lockstep {
-        Some(_) if view != View::Blink => view.alone(input.pictures.prediction.is_some()),
-        _ => view,
-    }
+    let view = input.look.view_of(input.pictures, input.stands);
+    if input.look.view == Some(View::Blink) { View::Blink } else { view }
 }
 
 fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response: &mut Response) {
@@ -398,8 +394,8 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     if let Some(hovered) = state.hovered.filter(|hovered| hovered.on.is_aligned_with(panel.picture())) {
         pixels::cross_hair(&painter, lens, hovered.pixel);
     }
-    if let Some(placing) = input.placing.filter(|_| of_frame_t) {
-        placing::paint(&painter, lens, placing, input.theme());
+    if let Some(placing) = input.placing.and_then(|placing| placing.on(panel.picture())) {
+        placing::paint(&painter, lens, &placing, input.theme());
     }
     if input.lockstep.is_none() {
         caption(ui.painter(), shown, lens, input);
