@@ -10,8 +10,8 @@ use motionscope_core::params::Kind;
 use motionscope_core::products::Reference;
 use motionscope_core::scene::Readout;
 use motionscope_core::{
-    BlockField, Clip, Cursor, Error, Flow, Move, ObjectBox, ObjectField, Params, ProductKind, Stop, Threads, TrackField,
-    Truth, Value, estimator, estimators, products, stage, synth,
+    BlockField, Clip, Cursor, Error, Flow, Move, ObjectBox, ObjectField, Params, ProductKind, Stop, Threads,
+    TrackField, Truth, Value, estimator, estimators, products, stage, synth,
 };
 
 fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
@@ -74,7 +74,7 @@ fn a_wrong_stage_is_refused_in_a_sentence_and_changes_nothing() {
         ("detector.min-area", "x", "min-area can be"),
         ("gate.alpha", "3", "is no stage"),
         ("none.alpha", "3", "there is no parameter none"),
-        ("detector.frames", "7", "frames of a stage is that of the estimator that it works for; set frames there"),
+        ("detector.frames", "7", "frames is set by the parent estimator; set frames there"),
     ] {
         let refusal = tracker.set(name, text).expect_err("wrong").to_string();
         assert!(refusal.contains(told), "{name}={text}: {refusal}");
@@ -102,14 +102,29 @@ fn points_are_carried_by_the_flow_that_the_stage_makes() {
 #[test]
 fn no_estimator_is_inside_itself() {
     for (parent, name, child, told) in [
-        ("hierarchical", "coarse", "hierarchical", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
-        ("connected-components", "mask", "connected-components", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
-        ("trajectory-analysis", "tracker", "trajectory-analysis", "has a stage of this kind itself, and an estimator cannot contain itself; choose"),
+        (
+            "hierarchical",
+            "coarse",
+            "hierarchical",
+            "has a stage of this kind itself, and an estimator cannot contain itself; choose",
+        ),
+        (
+            "connected-components",
+            "mask",
+            "connected-components",
+            "has a stage of this kind itself, and an estimator cannot contain itself; choose",
+        ),
+        (
+            "trajectory-analysis",
+            "tracker",
+            "trajectory-analysis",
+            "has a stage of this kind itself, and an estimator cannot contain itself; choose",
+        ),
         ("trajectory-analysis", "tracker", "mixture-of-gaussians", "not objects followed over time; choose"),
         ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, and keypoints of"),
         ("klt", "detector", "klt", "makes feature tracks, not keypoints of single frames; choose harris"),
         ("hierarchical", "coarse", "horn-schunck", "makes dense flow, not block vectors"),
-        ("hierarchical", "coarse.block", "8", "block of a stage is that of the estimator that it works for"),
+        ("hierarchical", "coarse.block", "8", "block is set by the parent estimator"),
     ] {
         let mut estimator = estimator(parent).expect("it");
         let before = estimator.values();

@@ -121,7 +121,8 @@ fn unsuited<M: Makes>(estimator: &dyn AnyEstimator) -> Option<String> {
         return Some(format!("{what}, and {} are wanted here", M::WORDS));
     }
     let below = |product: &str| {
-        let makers = Course::ENTRIES.iter().filter(|entry| entry.produces.first().is_some_and(|made| made.id == product));
+        let makers =
+            Course::ENTRIES.iter().filter(|entry| entry.produces.first().is_some_and(|made| made.id == product));
         makers.flat_map(|entry| asked_by(&*(entry.make)())).collect()
     };
     let circle = match circle(M::ASKS, asked_by(estimator), below)? {
