@@ -65,7 +65,18 @@ impl Names {
             return Some(literal.to_owned());
         }
         let words = literal.split(|c: char| !c.is_ascii_alphanumeric() && c != '-');
-        words.filter(|word| word.contains('-')).find(|word| self.ids.contains(*word)).map(str::to_owned)
+        let found = words.filter(|word| word.contains('-')).find(|word| self.ids.contains(*word));
+        found.or_else(|| self.chosen_in(literal)).map(str::to_owned)
+    }
+
+    /// An id without a hyphen may be a plain word; it is meant as an id where it is quoted, or where an estimator is chosen.
+    fn chosen_in<'a>(&self, literal: &'a str) -> Option<&'a str> {
+        let is_end = |c: char| !c.is_ascii_alphanumeric() && c != '-';
+        let quoted = literal.split('`').skip(1).step_by(2);
+        let behind =
+            |begin: &'static str| literal.split(begin).skip(1).filter_map(move |rest| rest.split(is_end).next());
+        let chosen = ["--estimator ", "--estimator=", "estimator=", "--beside ", "--beside="].map(behind);
+        quoted.chain(chosen.into_iter().flatten()).find(|word| self.ids.contains(*word))
     }
 }
 
@@ -157,5 +168,11 @@ fn texts_are_read_as_the_compiler_reads_them() {
     let names = Names::declared();
     assert_eq!(names.named_in("run CLIP --estimator full-search --x").as_deref(), Some("full-search"));
     assert_eq!(names.named_in("diamond").as_deref(), Some("diamond"));
+    for text in
+        ["run CLIP --estimator klt", "say estimator=klt here", "choose `klt`, for example", "--beside=klt,harris"]
+    {
+        assert_eq!(names.named_in(text).as_deref(), Some("klt"), "{text}");
+    }
+    assert_eq!(names.named_in("the klt of `x`, and a diamond"), None);
     assert_eq!(names.named_in("a full search"), None);
 }

@@ -4,28 +4,9 @@ mod common;
 
 use std::sync::Arc;
 
-use common::waves;
+use common::{Objects, waves};
 use motionscope_core::params::{Kind, Value};
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Detection, Error, Flow, Frame, Grid, Move, ObjectBox, Truth, Walk, estimators,
-};
-
-/// True objects, by frame.
-struct Objects(Vec<Vec<ObjectBox>>);
-
-impl Truth for Objects {
-    fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
-        Ok(None)
-    }
-
-    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
-        Ok(self.0.get(t).cloned())
-    }
-
-    fn kinds(&self) -> Vec<&'static str> {
-        vec!["objects"]
-    }
-}
+use motionscope_core::{AnyEstimator, Bounds, Clip, Detection, Frame, Grid, Move, ObjectBox, Walk, estimators};
 
 const SIZE: (usize, usize) = (64, 48);
 const FRAMES: usize = 4;

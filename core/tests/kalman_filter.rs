@@ -240,10 +240,10 @@ fn what_is_told_is_true_of_the_step() {
         legends.push((meaning(Role::Best), meaning(Role::Estimate)));
     });
     let all = told.join("\n");
-    assert!(all.contains("99.99 % of all measurements"), "{all}");
+    assert!(all.contains("the 99.99 % gate is"), "{all}");
     assert!(all.contains("lies outside the gate, so the prediction stands"), "{all}");
     assert!(all.contains("For 1 frame nothing was measured"), "{all}");
-    assert!(all.contains("was given up, and nothing is measured in frame 5"), "{all}");
+    assert!(all.contains("was deleted, and nothing is measured in frame 5"), "{all}");
     assert!(!all.contains("Nothing was ever measured"), "{all}");
     assert!(legends.iter().any(|(arrow, _)| arrow.is_some_and(|text| text.contains("innovation"))));
     assert!(legends.iter().any(|(_, estimate)| *estimate == Some("filtered")), "{legends:?}");

@@ -103,7 +103,7 @@ fn scores_count_where_a_detector_tells_them() {
 }
 
 #[test]
-fn those_that_are_believed_in_choose_first() {
+fn confirmed_tracks_choose_first() {
     // A false alarm of two frames is nearer to where the walker is found next than the walker's own prediction.
     let mut frames: Vec<Vec<Detection>> = (0..8).map(|_| vec![found([100.0, 200.0], BOX, 0.9)]).collect();
     frames[6] = vec![found([100.0, 200.0], BOX, 0.9), found([122.0, 200.0], BOX, 0.9)];
@@ -123,7 +123,7 @@ fn who_has_stopped_while_hidden_is_found_by_its_last_box() {
     let clip = rows(frames.collect());
     let of = |recover: &str| seen(&run(&[("recover", recover)], &clip), 23);
     assert_eq!((of("on"), of("off")), (vec![1], vec![2]));
-    assert!(sentences(&*set("kalman-tracker", &[]), &clip).contains("overlaps the box in which that was last seen"));
+    assert!(sentences(&*set("kalman-tracker", &[]), &clip).contains("overlaps the track's last box"));
 }
 
 #[test]
@@ -180,7 +180,7 @@ fn a_pair_is_shown_in_a_table_with_names() {
     while !walk.at_end() {
         walk.jump(Move::Rung(2, Way::Forward));
         let step = walk.step(None);
-        let Some(pair) = step.sentence.plain().strip_prefix("Object 19 belongs to ").map(String::from) else {
+        let Some(pair) = step.sentence.plain().strip_prefix("Object 19 is assigned to ").map(String::from) else {
             continue;
         };
         let tables = step.readouts.iter().find_map(|r| if let Readout::Matrices(all) = r { Some(all) } else { None });

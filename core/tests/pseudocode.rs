@@ -6,14 +6,14 @@ mod common;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use common::waves;
+use common::{Objects, waves};
 use motionscope_core::params::{Kind, Placed, Spec, Spot, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
 use motionscope_core::scene::Focus;
 use motionscope_core::scene::Sentence;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Flow, Frame, Grid, Info, Move, ObjectBox, Promise, Step,
-    Truth, Walk, Way, estimators, pseudocode,
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Frame, Grid, Info, Move, ObjectBox, Promise, Step, Walk, Way,
+    estimators, pseudocode,
 };
 
 /// The size of a picture of which each part does something else.
@@ -114,23 +114,6 @@ fn detected(t: usize, all: &[ObjectBox]) -> Vec<Detection> {
     }
     let detection = |(bounds, score): (Bounds, f32)| Detection { bounds, center: bounds.center(), score, blob: None };
     found.into_iter().map(detection).collect()
-}
-
-/// A truth that knows objects alone.
-struct Objects(Vec<Vec<ObjectBox>>);
-
-impl Truth for Objects {
-    fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
-        Ok(None)
-    }
-
-    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
-        Ok(self.0.get(t).cloned())
-    }
-
-    fn kinds(&self) -> Vec<&'static str> {
-        vec!["objects"]
-    }
 }
 
 /// What keeps whole runs small, where there is such a parameter.

@@ -74,7 +74,7 @@ fn a_wrong_stage_is_refused_in_a_sentence_and_changes_nothing() {
         ("detector.min-area", "x", "min-area can be"),
         ("gate.alpha", "3", "is no stage"),
         ("none.alpha", "3", "there is no parameter none"),
-        ("detector.frames", "7", "frames of a stage is that of the estimator that it works for; set frames there"),
+        ("detector.frames", "7", "frames is set by the parent estimator; set frames there"),
     ] {
         let refusal = tracker.set(name, text).expect_err("wrong").to_string();
         assert!(refusal.contains(told), "{name}={text}: {refusal}");
@@ -124,7 +124,7 @@ fn no_estimator_is_inside_itself() {
         ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, and keypoints of"),
         ("klt", "detector", "klt", "makes feature tracks, not keypoints of single frames; choose harris"),
         ("hierarchical", "coarse", "horn-schunck", "makes dense flow, not block vectors"),
-        ("hierarchical", "coarse.block", "8", "block of a stage is that of the estimator that it works for"),
+        ("hierarchical", "coarse.block", "8", "block is set by the parent estimator"),
     ] {
         let mut estimator = estimator(parent).expect("it");
         let before = estimator.values();

@@ -1,10 +1,30 @@
 //! What several tests share.
 #![allow(dead_code, reason = "each test uses its part of it")]
 
+use std::sync::Arc;
+
 use motionscope_core::scene::Focus;
 use motionscope_core::{
-    AnyEstimator, Border, Clip, Cursor, Flow, Frame, Gray, Grid, Move, Threads, estimator, metrics, scene,
+    AnyEstimator, Border, Clip, Cursor, Error, Flow, Frame, Gray, Grid, Move, ObjectBox, Threads, Truth, estimator,
+    metrics, scene,
 };
+
+/// A truth that knows objects alone, by frame.
+pub struct Objects(pub Vec<Vec<ObjectBox>>);
+
+impl Truth for Objects {
+    fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
+        Ok(None)
+    }
+
+    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
+        Ok(self.0.get(t).cloned())
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        vec!["objects"]
+    }
+}
 
 /// The estimator `id` with these parameters.
 pub fn set(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {

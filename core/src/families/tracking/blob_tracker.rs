@@ -374,7 +374,7 @@ pseudocode! {
     TAKE_NEAREST: "  i and j correspond if O(i, j) ≥ min-overlap; else the nearest within max-distance",
     GO_ON: "  one object, one blob: the object goes on",
     MERGE: "  several objects, one blob: they merge into a group, and each keeps its identity",
-    SPLIT: "  several blobs: the object or group splits, and appearance tells who is who",
+    SPLIT: "  several blobs: the object or group splits, and appearance tells them apart",
     COAST_OR_END: "  no blob: the object coasts, or ends if it was not seen for too long",
     BEGIN_OBJECT: "  no object: a new one begins, tentative until it was seen often enough",
 }

@@ -61,7 +61,7 @@ params! {
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
         /// Standard deviation of a measured place along each axis, as the filter takes it to be.
         measurement_noise: f32 = 2.0, 0.01..=100.0, "px";
-        /// Who detects the object.
+        /// Source of the detections.
         source: Source = Source::Auto;
         /// Detector of moving objects, for a source that is what moves.
         detector: Stage<Foreground> = usual_detector();
@@ -71,7 +71,7 @@ params! {
         object: usize = 1, 1..=1000;
         /// Standard deviation of the noise that a true place is measured with.
         added_noise: f32 = 2.0, 0.0..=100.0, "px";
-        /// Which noise that is.
+        /// Random seed. The same seed gives the same noise.
         seed: u32 = 1, 0..=9999;
         /// What measures the object, each sensor by itself: where the first sees nothing, the second goes on.
         sensors: Sensors = Sensors::One;
@@ -85,7 +85,7 @@ params! {
         drop_from: usize = 0, 0..=10_000;
         /// In so many frames the first sensor sees nothing, as if something hid the object.
         drop_frames: usize = 0, 0..=1000;
-        /// After more than so many frames in a row without a measurement the filter gives the object up and begins anew; sooner where it is believed to be outside the picture by more than the picture's size.
+        /// After more than so many frames in a row without a measurement the track is deleted and the filter begins anew; sooner where its estimate lies outside the picture by more than the picture's size.
         patience: usize = 30, 1..=1000;
         /// How fast the object may be at first.
         first_speed: f32 = 30.0, 0.1..=500.0, "px/frame";

@@ -18,7 +18,7 @@ params! {
     pub struct Settings {
         /// At most so many frames, the first one counted; fewer where the clip ends.
         frames: usize = 300, 2..=10_000;
-        /// Who detects the objects.
+        /// Source of the detections.
         source: Source = Source::Auto;
         /// Detector of moving objects, for a source that is what moves.
         detector: Stage<Foreground> = usual_detector();

@@ -1,4 +1,4 @@
-//! The life of an object that is followed: when it is believed in, and when it is given up.
+//! The life of a track: when it is confirmed, and when it is deleted.
 
 use crate::params;
 use crate::products::Life;
@@ -7,13 +7,13 @@ params! {
     /// What decides over lives.
     #[derive(Copy)]
     pub struct Rules {
-        /// An object is believed in once it was seen in so many frames.
+        /// Min hits: matched frames before a tentative track is confirmed.
         confirm: usize = 3, 1..=50;
-        /// An object is given up once it was not seen in more than so many frames in a row; one that is not believed in after the first.
+        /// Max age: missed frames in a row before a confirmed track is deleted; a tentative one is deleted at the first.
         patience: usize = 15, 0..=500;
-        /// Once an object is believed in, it counts from where it was first seen. This looks back in time: a live camera could not tell so early.
+        /// A track counts from its first detection once it is confirmed. With hindsight: in real time it is not known so early.
         backdate: bool = true;
-        /// Where an object comes back after some frames, it is put in between as well, on a straight line. This looks back in time: a live camera would have shown the gap.
+        /// Frames in which a track coasted are filled in on a straight line once it is matched again. With hindsight: in real time there is a gap.
         bridge: bool = true;
     }
 }

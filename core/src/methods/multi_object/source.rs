@@ -135,7 +135,7 @@ impl Detector {
     /// What its measurements are, to follow a place.
     pub fn told(&self) -> &'static str {
         match self.eye {
-            Eye::Clicks(_) => "where someone clicked",
+            Eye::Clicks(_) => "as clicked",
             Eye::Detections => "as the detector says",
             Eye::Truth => "the true place with noise added",
             Eye::Moving(_) => "the middle of what moves there",

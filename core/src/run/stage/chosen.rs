@@ -83,7 +83,7 @@ impl Params for Chosen {
         if spec.parse(text)? == spec.default {
             return Ok(());
         }
-        Err(Error::new(format!("{name} of a stage is that of the estimator that it works for; set {name} there")))
+        Err(Error::new(format!("{name} is set by the parent estimator; set {name} there")))
     }
 }
 

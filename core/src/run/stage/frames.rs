@@ -89,7 +89,7 @@ impl Frames {
         Ok(found.frames.get(index).cloned())
     }
 
-    /// Whom it follows.
+    /// Which objects it follows.
     pub fn followed(&self) -> Followed {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).followed.clone()
     }

@@ -102,7 +102,7 @@ impl Makes for Keypoints {
     const ASKS: &'static str = "keypoints";
     const PRODUCT: &'static ProductKind = PointField::KIND;
     const WORDS: &'static str = "keypoints of single frames";
-    // Who asks for them chooses among all that there are.
+    // The parent chooses among all that there are.
     const DEFAULTS: &'static [(&'static str, &'static str)] = &[("min-distance", "0"), ("max-points", "100000")];
 
     fn lacks(estimator: &dyn AnyEstimator) -> Option<&'static str> {

@@ -123,7 +123,7 @@ impl Command {
                 Menu::Walk,
                 Icon::LogIn,
                 "Into the stage",
-                "Walk the estimator by itself that works inside this one, on the same frame.",
+                "Step through this estimator's stage on its own, on the same frame.",
                 const { &[key(Key::I)] },
             ),
             C::OutOfStage => (

@@ -115,7 +115,7 @@ impl Klt {
             Event::Enough => said.text("Features that were lost are not replaced."),
             Event::Found(found) => said
                 .text(format!(
-                    "There is room for {} features. {}: ",
+                    "{} features may be added. {}: ",
                     self.max_points - state.live.len(),
                     self.detector.estimator().info().name
                 ))
@@ -172,7 +172,7 @@ impl Klt {
             _ => said
                 .ink(Role::Reference, self.name(seen))
                 .text(" cannot be tracked back: ")
-                .ink(Role::Rejected, "nobody knows whether it is right")
+                .ink(Role::Rejected, "the flow back is unknown there")
                 .text("."),
         }
     }

@@ -114,7 +114,7 @@ impl PointTrajectories {
                     px(off.sqrt()),
                     px(limit.sqrt())
                 ),
-                _ => ": nobody knows the flow there.".into(),
+                _ => ": the flow is unknown there.".into(),
             };
             return said.text(" is ").ink(Role::Rejected, "lost").text(why);
         };

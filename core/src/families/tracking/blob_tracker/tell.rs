@@ -109,20 +109,19 @@ impl BlobTracker {
             )),
             What::Decided(decision) => self.decided(decision),
             What::Missed(body) => said.ink(Role::Predicted, named(body)).text(format!(
-                " has no blob and coasts for {}. After more than {} it is given up.",
+                " has no blob and coasts for {}. After more than {} it is deleted.",
                 count(body.members.iter().map(|member| member.age.missed).max().unwrap_or(0), "frame"),
                 count(self.rules.patience, "frame")
             )),
             What::Ended(body) => said.ink(Role::Rejected, named(body)).text(
                 match body.members.iter().all(|member| member.age.life == Life::Tentative) {
-                    true => " was not seen again and is dropped: it was not yet believed in.",
-                    false => " was not seen for too long and is given up.",
+                    true => " was not seen again and is deleted: it was still tentative.",
+                    false => " was not seen for too long and is deleted.",
                 },
             ),
-            What::Begun(body) => said
-                .text("A blob that belongs to nobody begins ")
-                .ink(Role::Reference, named(body).to_lowercase())
-                .text("."),
+            What::Begun(body) => {
+                said.text("An unassigned blob begins ").ink(Role::Reference, named(body).to_lowercase()).text(".")
+            }
             What::Done(done) => said.text(tell::done(frame, done)),
         }
     }
@@ -182,7 +181,7 @@ impl BlobTracker {
         };
         match members.iter().zip(&body.members).find(|(was, is)| was.age.life != is.age.life) {
             Some((was, is)) if was.age.life == Life::Tentative => {
-                said.text(format!(" It was seen in {} now, and is believed in.", count(is.age.seen, "frame")))
+                said.text(format!(" It was matched in {} and is confirmed.", count(is.age.seen, "frame")))
             }
             Some((was, _)) => said.text(format!(" It is back after {}.", count(was.age.missed, "frame"))),
             None => said,

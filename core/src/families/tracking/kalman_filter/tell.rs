@@ -81,7 +81,7 @@ impl KalmanFilter {
         let Now { frame, .. } = now;
         match seen.events.last() {
             None => said
-                .text("A filter believes where an object is and how it moves, and how sure that is. In each frame it ")
+                .text("A filter estimates the place and velocity of an object, and their covariance. In each frame it ")
                 .ink(Role::Predicted, "predicts")
                 .text(", looks at what is ")
                 .ink(Role::Measured, "measured")
@@ -100,26 +100,21 @@ impl KalmanFilter {
             }
             Some(Event::Looked(look)) => looked(frame, look, seen.before.detector.told()),
             Some(Event::Gated(gated)) => {
+                let distance = short(gated.squared_distance);
+                let gate = format!("the {} gate is {}", percent(self.gate), short(gated.limit));
                 let said = said
-                    .ink(
-                        Role::Measured,
-                        format!("{} is a squared distance of {}", sensor(gated), short(gated.squared_distance)),
-                    )
-                    .text(" from what is expected, in units of what is uncertain about both. ");
-                let (share, limit) = (percent(self.gate), short(gated.limit));
+                    .text(format!("{}: squared Mahalanobis distance of the innovation ", sensor(gated)))
+                    .ink(Role::Measured, format!("d² = {distance}"));
                 if gated.is_inside() {
-                    said.text(format!("{share} of all measurements of the object stay within {limit}: it is taken."))
+                    said.text(format!("; {gate}, so the measurement is accepted."))
                 } else {
-                    said.ink(
-                        Role::Error,
-                        format!("{share} of all measurements of the object stay within {limit}: it is not taken."),
-                    )
+                    said.ink(Role::Error, format!("; {gate}, so the measurement is rejected."))
                 }
             }
             Some(Event::Updated(update)) => {
                 let (gated, after) = (&update.0, &update.1);
                 let from = gated.expected.place();
-                said.text("What is believed moves ").ink(Role::Estimate, format!("to {}", place(after.place()))).text(
+                said.text("The state estimate moves ").ink(Role::Estimate, format!("to {}", place(after.place()))).text(
                     format!(
                         ", by {} px; the measurement is {} px away. Its standard deviation goes from {} to {} px.",
                         short(distance(from, after.place())),
@@ -143,9 +138,9 @@ impl KalmanFilter {
                 }),
             Some(Event::Missed(None)) => said.text(match seen.before.begun {
                 0 => format!("Nothing was measured up to frame {frame}: no object has begun yet."),
-                _ => format!(
-                    "The object was given up, and nothing is measured in frame {frame} that could begin another."
-                ),
+                _ => {
+                    format!("The track was deleted, and nothing is measured in frame {frame} that could begin another.")
+                }
             }),
             Some(Event::Missed(Some(filter))) => {
                 let refused = now.gated.len();
@@ -162,16 +157,16 @@ impl KalmanFilter {
             }
             Some(Event::Lost(filter, loss)) => said
                 .text(match loss {
-                    Loss::Unseen => format!("The object was not seen for more than {}", count(self.patience, "frame")),
+                    Loss::Unseen => format!("The object was not seen for more than {},", count(self.patience, "frame")),
                     Loss::Outside => {
-                        format!("The object is believed to be at {}, far outside the picture,", place(filter.place()))
+                        format!("The prediction {} lies far outside the picture,", place(filter.place()))
                     }
                 })
-                .text(" and is given up; the next measurement begins another."),
+                .text(" so the track is deleted; the next measurement begins another."),
             Some(Event::Smoothed(all)) => {
                 let far = distance(all[0].place(), all[1].place());
                 said.text(format!(
-                    "Frame {frame} once more, with what is known of the next: what is believed moves by {} px ",
+                    "Frame {frame} once more, with what is known of the next: the state estimate moves by {} px ",
                     short(far)
                 ))
                 .ink(Role::Result, format!("to {}", place(all[1].place())))
@@ -181,11 +176,10 @@ impl KalmanFilter {
                     short(deviation(&all[1]))
                 ))
             }
-            Some(Event::Kept(Some(_))) => said
-                .text(format!("After frame {frame} nothing more is known of the object: here what is believed stays.")),
-            Some(Event::Kept(None)) => {
-                said.text(format!("In frame {frame} nothing was believed that could be smoothed."))
-            }
+            Some(Event::Kept(Some(_))) => said.text(format!(
+                "After frame {frame} nothing more is known of the object: the state estimate stays as it is."
+            )),
+            Some(Event::Kept(None)) => said.text(format!("In frame {frame} there is no state estimate to smooth.")),
         }
     }
 
@@ -452,7 +446,7 @@ fn looked(frame: &usize, look: &Look, how: &str) -> Sentence {
         }
         None if !look.detections.is_empty() => said
             .ink(Role::Measured, format!("{} in frame {frame}", count(look.detections.len(), "detection")))
-            .text(", and none of them is where someone clicked: the object begins where it is."),
+            .text(", and none of them lies at a clicked place: the object begins where it is."),
         None => said.text(format!("Nothing is detected in frame {frame}.")),
     };
     match second.map(measured) {

@@ -71,13 +71,13 @@ impl KalmanTracker {
                     Some(Turn::LessSure) => {
                         " The detection is less sure; it may only go on with an object seen in the frame before."
                     }
-                    Some(Turn::Tentative) => " Those that are believed in have left it over.",
+                    Some(Turn::Tentative) => " Confirmed tracks have left it unassigned.",
                     Some(Turn::LastBox) => {
-                        " It is not where the object is expected, but overlaps the box in which that was last seen."
+                        " It is outside the gate of the prediction, but overlaps the track's last box."
                     }
                 };
                 said.ink(Role::Predicted, named(&costs.tracks[*row]))
-                    .text(" belongs to ")
+                    .text(" is assigned to ")
                     .ink(Role::Measured, format!("detection {}", column + 1))
                     .text(format!(", at a cost of {}.{why}", short(pair.map_or(0.0, |pair| pair.cost))))
             }
@@ -87,7 +87,7 @@ impl KalmanTracker {
                     said.ink(Role::Estimate, named(after)).text(format!(" moves to its detection: {}.", speed(after)));
                 match (before.age.life, after.age.life) {
                     (Life::Tentative, Life::Confirmed) => {
-                        said.text(format!(" It was seen in {} frames now, and is believed in.", after.age.seen))
+                        said.text(format!(" It was matched in {} frames and is confirmed.", after.age.seen))
                     }
                     (Life::Coasting, _) => {
                         said.text(format!(" It is back after {}.", count(before.age.missed, "frame")))
@@ -96,21 +96,18 @@ impl KalmanTracker {
                 }
             }
             Event::Missed(track) => said.ink(Role::Predicted, named(track)).text(format!(
-                " was not seen for {} and coasts: its ellipse grows. After more than {} it is given up.",
+                " was not seen for {} and coasts: its ellipse grows. After more than {} it is deleted.",
                 count(track.age.missed, "frame"),
                 count(self.rules.patience, "frame")
             )),
             Event::Ended(track) => said.ink(Role::Rejected, named(track)).text(match track.age.life {
-                Life::Tentative => " was not seen again and is dropped: it was not yet believed in.",
-                _ if track.age.missed < self.rules.patience => {
-                    " is believed to be far outside the picture and is given up."
-                }
-                _ => " was not seen for too long and is given up.",
+                Life::Tentative => " was not seen again and is deleted: it was still tentative.",
+                _ if track.age.missed < self.rules.patience => " is predicted far outside the picture and is deleted.",
+                _ => " was not seen for too long and is deleted.",
             }),
-            Event::Begun(track) => said
-                .text("A detection that belongs to nobody begins ")
-                .ink(Role::Reference, named(track).to_lowercase())
-                .text("."),
+            Event::Begun(track) => {
+                said.text("An unassigned detection begins ").ink(Role::Reference, named(track).to_lowercase()).text(".")
+            }
             Event::Done(frame_done) => said.text(tell::done(frame, frame_done)),
         }
     }

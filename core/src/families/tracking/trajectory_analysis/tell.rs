@@ -34,27 +34,27 @@ impl TrajectoryAnalysis {
         let said = Sentence::default();
         let Some(event) = seen.events.last() else {
             return said
-                .text("Objects are tracked, and their ways are read: ")
+                .text("Objects are tracked, and their trajectories are analysed: ")
                 .ink(Role::Result, "speed and heading")
-                .text(", who goes over a ")
+                .text(", crossings of a ")
                 .ink(Role::Window, "line")
-                .text(", how long one stays in a ")
+                .text(", dwell time in a ")
                 .ink(Role::Reference, "zone")
-                .text(", and who goes ")
+                .text(", and objects that go ")
                 .ink(Role::Error, "where the others do not")
                 .text(". Line and zone are placed on the picture from among the parameters.");
         };
-        // What became of an object before it was believed in is known only now.
+        // What became of an object before it was confirmed is known only now.
         let name = |trajectory: &Trajectory| {
             let frame =
                 trajectory.sightings.last().map(|last| last.frame).filter(|frame| *frame != frame_of(seen.before));
-            let when = frame.map_or_else(String::new, |frame| format!("In frame {frame}, not yet believed in: "));
+            let when = frame.map_or_else(String::new, |frame| format!("In frame {frame}, still tentative: "));
             format!("{when}Object {}", trajectory.id)
         };
         match event {
             Event::Tracked(frame) => {
                 let seen = frame.objects.iter().filter(|object| object.life == Life::Confirmed).count();
-                said.ink(Role::Estimate, counted(seen, "object")).text(" seen and believed in.")
+                said.ink(Role::Estimate, counted(seen, "object")).text(" confirmed.")
             }
             Event::Moved(of) => self.moved(said.ink(Role::Estimate, name(of)), of),
             Event::Crossed(of, crossing) => {
