@@ -157,7 +157,8 @@ pub struct PictureArgs {
     pub scale: u32,
     #[command(flatten)]
     pub look: LookFlags,
-    /// The pixel that is explained, from 0, in the place of the one at work, by estimators that explain single pixels.
+    /// The pixel that is explained, from 0, in the place of the one at work, by estimators that explain single pixels; of another
+    /// picture than frame t as t-1:X,Y or reference:X,Y.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pub pixel: Option<Pixel>,
 }

@@ -83,8 +83,11 @@ fn way(window: &Window) -> Vec<&'static str> {
 
 #[test]
 fn the_pipeline_of_the_course_is_assembled_by_choosing_and_each_link_is_walked() {
-    let mut window = tracker();
-    window.click("Estimator: Kalman tracker");
+    // Tall enough for all rows, so that none has to be scrolled to.
+    let start = Start { open: Some("synth:traffic,width=160,height=120,frames=6".into()) };
+    let mut window = Window::with(vec2(1440.0, 2400.0), start);
+    let now = window.app().document().estimator().info().name;
+    window.click(&format!("Estimator: {now}"));
     window.click("Trajectory analysis");
     // A tracker may be in detail already; its detector and that one's mask are chosen a fold deeper each.
     window.click("Kalman tracker in detail");

@@ -72,6 +72,11 @@ pub fn apply(ctx: &egui::Context, interface: Interface) {
         ctx.set_zoom_factor(zoom);
     }
     ctx.all_styles_mut(|style| {
+        // The program as the README builds it is no place for the toolkit's own notes.
+        #[cfg(debug_assertions)]
+        {
+            style.debug.show_unaligned = false;
+        }
         style.text_styles = text_styles(theme);
         style.spacing = spacing(theme);
         style.visuals = visuals(theme);

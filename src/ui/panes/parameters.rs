@@ -148,7 +148,8 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Act
     let mut fold = CollapsingState::load_with_default_open(ui.ctx(), id, false);
     let header = ui.horizontal(|ui| {
         fold.show_toggle_button(ui, collapsing_header::paint_default_icon);
-        let name = egui::Label::new(dim(ui, format!("{} in detail", part.name()))).sense(Sense::click());
+        let name = dim(ui, format!("{} in detail", part.name()));
+        let name = egui::Label::new(name).truncate().sense(Sense::click());
         if ui.add(name).on_hover_text(part.summary()).clicked() {
             fold.toggle(ui);
         }

@@ -4,6 +4,7 @@ use crate::base::Error;
 use crate::choices;
 use crate::data::{Clip, Detection, ObjectBox};
 use crate::geometry::Bounds;
+use crate::params::Parameter as _;
 use crate::params::Spots;
 use crate::run::{Foreground, Frames, Span, Stage};
 use crate::synth::random::{gaussian, hash};
@@ -11,7 +12,8 @@ use crate::synth::random::{gaussian, hash};
 choices! {
     /// Who detects the objects.
     pub enum Source {
-        /// What was clicked, or else the detections beside the clip, or else its truth, or else whatever moves.
+        /// What was clicked, or else the detections beside the clip, or else its truth unless a detector was chosen, or else what
+        /// moves.
         Auto = "auto" "Whatever there is",
         /// Places that someone clicked on the picture.
         Clicks = "clicks" "Clicks",
@@ -98,7 +100,8 @@ impl Detector {
             Source::Detections => Eye::Detections,
             Source::Auto if has_detections => Eye::Detections,
             Source::Truth => Eye::Truth,
-            Source::Auto if has_truth => Eye::Truth,
+            // Whoever has chosen a detector wants to see it at work.
+            Source::Auto if has_truth && stage.to_value() == usual_detector().to_value() => Eye::Truth,
             Source::Auto | Source::Moving => Eye::Moving(stage.frames(clip, span.first, span.most())?),
         };
         Ok(Self { eye, noise })

@@ -363,8 +363,11 @@ impl<M: Background> Subtraction<M> {
             _ => account.draw(scene),
         }
         if let Some((x, y)) = seen.point().and_then(|point| account.frame()?.luma().cell_at(point)) {
-            let pointed = seen.focus.map(|focus| focus.on).filter(|on| *on != Picture::CURRENT);
-            for on in [Picture::CURRENT].into_iter().chain(pointed) {
+            let beside = scene.pictures.iter().map(|canvas| canvas.picture).filter(|on| self.0.explains(*on));
+            let mut all: Vec<_> = beside.chain([Picture::CURRENT]).collect();
+            all.sort();
+            all.dedup();
+            for on in all {
                 scene.mark(on, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
             }
             scene.legend(Role::Reference, "pixel");

@@ -310,7 +310,7 @@ impl KalmanFilter {
                 let value = chi_square::quantile(p, dof) as f32;
                 [0, state.moments.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
             };
-            vec![("95 % lie above", Role::Window, at(0.025)), ("and below", Role::Window, at(0.975))]
+            vec![("95 % lie between", Role::Window, at(0.025)), ("these two", Role::Window, at(0.975))]
         };
         let x_max = state.span.first + state.span.frames().map_or(state.moments.len(), |frames| frames - 1);
         let series = |title, y_label, lines: Vec<Line>| {
