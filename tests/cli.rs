@@ -919,7 +919,7 @@ fn panes_are_arranged_on_a_sheet_and_its_words_stay_words() {
     let pdf = fs::read(here.join("sheet.pdf")).unwrap();
     assert!(pdf.starts_with(b"%PDF-") && String::from_utf8_lossy(&pdf).contains("/ToUnicode"));
     let piped = motionscope(here, &format!("{line} --overlay - --format pdf")).stdout;
-    assert!(piped == pdf, "the same plate gives the same bytes");
+    assert!(piped == pdf, "the same figure gives the same bytes");
     stdout(here, &format!("{line} --overlay one.png"));
     stdout(here, &format!("{line} --overlay two.png --scale 2"));
     let [one, two] = ["one.png", "two.png"].map(|name| png_size(&here.join(name)));

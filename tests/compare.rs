@@ -139,20 +139,20 @@ fn what_cannot_be_compared_is_told() {
 #[test]
 fn the_courses_table_is_measured_cell_by_cell() {
     let clip = "synth:pillar,frames=3";
-    let claims = json(&format!("compare {clip} --course --repeat 1 --json"));
-    let claim = |feature: &str| {
-        let mut all = claims.as_array().unwrap().iter();
-        all.find(|claim| claim["feature"].as_str().unwrap().starts_with(feature)).unwrap()
+    let course_table = json(&format!("compare {clip} --course --repeat 1 --json"));
+    let row = |feature: &str| {
+        let mut all = course_table.as_array().unwrap().iter();
+        all.find(|row| row["feature"].as_str().unwrap().starts_with(feature)).unwrap()
     };
-    assert_eq!(claim("complexity")["sequential"], "289 → 1089 → 4225");
+    assert_eq!(row("complexity")["sequential"], "289 → 1089 → 4225");
     for feature in ["search space", "complexity", "accuracy", "large motion", "memory"] {
-        assert_eq!(claim(feature)["holds"], true, "{feature}");
+        assert_eq!(row(feature)["holds"], true, "{feature}");
     }
     // The cells are those of the table that everyone can ask for.
     let rows = json(&format!("compare {clip} --estimators full-search,quadrant-search,hierarchical --json"));
     for (i, name) in ["sequential", "logarithmic", "hierarchical"].into_iter().enumerate() {
         let percent = format!("{:.1}", rows[i]["kept_in_noise_percent"].as_f64().unwrap());
-        assert_eq!(claim("noise")[name], percent, "{name}");
+        assert_eq!(row("noise")[name], percent, "{name}");
     }
     let table = stdout(&format!("compare {clip} --course --repeat 1"));
     assert!(table.contains("the course says") || !table.contains("does not hold"), "{table}");

@@ -1,4 +1,4 @@
-//! The app is told what an estimator is by its declaration: no estimator, family, rung or parameter is named in `src/`.
+//! The app is told what an estimator is by its declaration: no estimator, family, granularity or parameter is named in `src/`.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,7 +9,7 @@ use motionscope_core::estimators;
 /// Files that hold nothing but data about chosen estimators, and what they are for.
 const DATA: [(&str, &str); 3] = [
     ("src/cli/examples.rs", "examples in the help"),
-    ("src/experiment/claims.rs", "the course's own table of three searches"),
+    ("src/experiment/course_table.rs", "the course's own table of three searches"),
     ("src/experiment/first.rs", "what is opened, or stands beside another, where nothing is named"),
 ];
 
@@ -31,9 +31,9 @@ const OTHERWISE: [(&str, &str, &str); 20] = [
     ("src/session/read.rs", "step", "a key of the session"),
     ("src/ui/dialogs/open.rs", "open", "a window"),
     ("src/ui/model/document.rs", "stage", "a change that is undone"),
-    ("src/ui/panes/rungs.rs", "run", "the whole run, above all rungs"),
-    ("src/ui/panes/rungs.rs", "step", "any rung"),
-    ("src/ui/panes/timeline.rs", "step", "any rung"),
+    ("src/ui/panes/granularities.rs", "run", "the whole run, above all granularities"),
+    ("src/ui/panes/granularities.rs", "step", "any granularity"),
+    ("src/ui/panes/timeline.rs", "step", "any granularity"),
     ("src/view/panes.rs", "stage", "a pane"),
 ];
 
@@ -41,7 +41,7 @@ const OTHERWISE: [(&str, &str, &str); 20] = [
 struct Names {
     /// Ids of estimators: not even inside a longer text.
     ids: BTreeSet<String>,
-    /// Families, rungs and parameters: many of them are plain words, so only as a whole.
+    /// Families, granularities and parameters: many of them are plain words, so only as a whole.
     others: BTreeSet<String>,
 }
 
@@ -52,7 +52,7 @@ impl Names {
             let info = estimator.info();
             ids.insert(info.id.to_owned());
             others.extend([info.name, info.family].map(str::to_owned));
-            others.extend(info.rungs.iter().map(|rung| (*rung).to_owned()));
+            others.extend(info.granularities.iter().map(|granularity| (*granularity).to_owned()));
             others.extend(estimator.all_values().into_iter().map(|(name, _)| name));
         }
         Self { ids, others }

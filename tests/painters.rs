@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use motionscope::paint::{
-    ArrowStyle, Caption, ColorMap, Face, FlowLayer, Lengthen, Pictures, Plate, PlateOptions, Primitive, Scalars, Style,
-    Theme, Tint, View, export_png, export_svg, primitive,
+    ArrowStyle, Caption, ColorMap, Face, Figure, FigureOptions, FlowLayer, Lengthen, Pictures, Primitive, Scalars,
+    Style, Theme, Tint, View, export_png, export_svg, primitive,
 };
 use motionscope_core::scene::{Arrow, Picture, Sentence, Shape};
 use motionscope_core::{Clip, Cursor, Flow, Frame, Grid, Move, Role, Scene, Streaks, estimator};
@@ -55,8 +55,8 @@ fn small(picture: &Rgb) -> Vec<u8> {
     bytes
 }
 
-fn check_png(name: &str, plate: &Plate, scale: u32) {
-    let found = export_png(plate, scale).expect("a PNG picture");
+fn check_png(name: &str, figure: &Figure, scale: u32) {
+    let found = export_png(figure, scale).expect("a PNG picture");
     let found = decode(&found);
     let expected = decode(&expected(name, &small(&found)));
     assert_eq!(found.size, expected.size, "{name}");
@@ -67,8 +67,8 @@ fn check_png(name: &str, plate: &Plate, scale: u32) {
     assert!(a.abs_diff(*b) <= TOLERANCE, "{name} at {place:?}: {a}, not {b}");
 }
 
-fn check_svg(name: &str, plate: &Plate) {
-    let found = export_svg(plate).expect("an SVG picture");
+fn check_svg(name: &str, figure: &Figure) {
+    let found = export_svg(figure).expect("an SVG picture");
     let expected = expected(name, found.as_bytes());
     let lines = found.lines().zip(std::str::from_utf8(&expected).expect("SVG is text").lines()).enumerate();
     for (i, (found, expected)) in lines {
@@ -122,7 +122,7 @@ fn role_name(role: Role) -> &'static str {
     }
 }
 
-fn specimen_plate(theme: Theme) -> Plate {
+fn specimen_plate(theme: Theme) -> Figure {
     let (frames, scene) = specimen();
     let sentence = Sentence::default()
         .text("Every shape in every role: ")
@@ -136,7 +136,7 @@ fn specimen_plate(theme: Theme) -> Plate {
         place: "step 35.412".into(),
         sentence,
     };
-    let options = PlateOptions {
+    let options = FigureOptions {
         view: View::Current,
         style: Style {
             theme,
@@ -147,9 +147,9 @@ fn specimen_plate(theme: Theme) -> Plate {
         legend: true,
         heat: "SAD".into(),
         caption: Some(caption),
-        ..PlateOptions::default()
+        ..FigureOptions::default()
     };
-    Plate::new(&Pictures::of(frames.clone()), &scene, &options)
+    Figure::new(&Pictures::of(frames.clone()), &scene, &options)
 }
 
 /// A textured picture that moves by (5, −3), on which full search is seen at `step`.
@@ -175,8 +175,8 @@ fn search(step: Cursor) -> ([Arc<Frame>; 2], Scene) {
 #[test]
 fn every_shape_in_every_role_looks_as_it_did() {
     for theme in Theme::ALL {
-        let plate = specimen_plate(theme);
-        check_png(&format!("specimen-{}.png", theme.name().to_lowercase()), &plate, 1);
+        let figure = specimen_plate(theme);
+        check_png(&format!("specimen-{}.png", theme.name().to_lowercase()), &figure, 1);
     }
     check_svg("specimen.svg", &specimen_plate(Theme::Light));
 }
@@ -184,22 +184,22 @@ fn every_shape_in_every_role_looks_as_it_did() {
 #[test]
 fn full_search_in_the_middle_of_a_block_looks_as_it_did() {
     let (frames, scene) = search(MIDDLE);
-    let framed = PlateOptions {
+    let framed = FigureOptions {
         zoom: 3.0,
         frame: Some(12),
         legend: true,
         heat: "SAD".into(),
         caption: Some(Caption { title: "Full search".into(), ..Caption::default() }),
-        ..PlateOptions::default()
+        ..FigureOptions::default()
     };
-    check_png("full-search.png", &Plate::new(&Pictures::of(frames.clone()), &scene, &framed), 1);
-    check_svg("full-search.svg", &Plate::new(&Pictures::of(frames.clone()), &scene, &framed));
-    let bare = PlateOptions {
+    check_png("full-search.png", &Figure::new(&Pictures::of(frames.clone()), &scene, &framed), 1);
+    check_svg("full-search.svg", &Figure::new(&Pictures::of(frames.clone()), &scene, &framed));
+    let bare = FigureOptions {
         view: View::Blend,
         style: Style { colors: ColorMap::Turbo, ..Style::default() },
-        ..PlateOptions::default()
+        ..FigureOptions::default()
     };
-    check_png("full-search-bare.png", &Plate::new(&Pictures::of(frames.clone()), &scene, &bare), 4);
+    check_png("full-search-bare.png", &Figure::new(&Pictures::of(frames.clone()), &scene, &bare), 4);
 }
 
 /// A field that turns about the middle of a picture and is not known in a corner, and how far off it is.
@@ -225,14 +225,14 @@ fn turning() -> (Arc<Frame>, Scene, Arc<Flow>, Scalars) {
 #[test]
 fn layers_of_motion_look_as_they_did() {
     let (frame, scene, flow, scalars) = turning();
-    let framed = PlateOptions { view: View::Current, zoom: 2.0, legend: true, ..PlateOptions::default() };
+    let framed = FigureOptions { view: View::Current, zoom: 2.0, legend: true, ..FigureOptions::default() };
     let pictures = Pictures::of([frame.clone(), frame]);
     let wheel = Tint::wheel(std::slice::from_ref(&flow), None).pop().map(Arc::new);
-    let plate = Plate::new(&Pictures { layer: wheel, ..pictures.clone() }, &scene, &framed);
-    check_png("flow-wheel.png", &plate, 1);
-    check_svg("flow-wheel.svg", &plate);
+    let figure = Figure::new(&Pictures { layer: wheel, ..pictures.clone() }, &scene, &framed);
+    check_png("flow-wheel.png", &figure, 1);
+    check_svg("flow-wheel.svg", &figure);
     let layer = Tint::scale(scalars, ColorMap::Viridis, None).pop().map(Arc::new);
-    let light = PlateOptions {
+    let light = FigureOptions {
         style: Style {
             theme: Theme::Light,
             arrows: ArrowStyle { spacing_px: Some(20), ..ArrowStyle::default() },
@@ -240,11 +240,11 @@ fn layers_of_motion_look_as_they_did() {
         },
         ..framed.clone()
     };
-    check_png("flow-consistency.png", &Plate::new(&Pictures { layer, ..pictures.clone() }, &scene, &light), 1);
+    check_png("flow-consistency.png", &Figure::new(&Pictures { layer, ..pictures.clone() }, &scene, &light), 1);
     let streaks = Some(Arc::new(Streaks::new(&flow, 6)));
     let arrows = ArrowStyle { streak_frames: Some(32), ..ArrowStyle::default() };
-    let moving = PlateOptions { style: Style { arrows, ..Style::default() }, phase: 0.5, ..framed };
-    check_png("flow-streaks.png", &Plate::new(&Pictures { streaks, ..pictures }, &scene, &moving), 1);
+    let moving = FigureOptions { style: Style { arrows, ..Style::default() }, phase: 0.5, ..framed };
+    check_png("flow-streaks.png", &Figure::new(&Pictures { streaks, ..pictures }, &scene, &moving), 1);
 }
 
 #[test]
@@ -257,9 +257,9 @@ fn a_larger_picture_has_room_for_more_displacements() {
     scene.legend(Role::Result, "displacement found");
     let pictures = Pictures::of([frame.clone(), frame]);
     let drawn = |scale| {
-        let options = PlateOptions { view: View::Current, legend: true, scale, ..PlateOptions::default() };
-        let plate = Plate::new(&pictures, &scene, &options);
-        let all = || plate.layers.iter().flat_map(|layer| &layer.primitives);
+        let options = FigureOptions { view: View::Current, legend: true, scale, ..FigureOptions::default() };
+        let figure = Figure::new(&pictures, &scene, &options);
+        let all = || figure.layers.iter().flat_map(|layer| &layer.primitives);
         let in_the_picture = |primitive: &Primitive| match primitive {
             Primitive::Arrows(arrows) => arrows.iter().filter(|arrow| arrow.from[1] < 92.0).count(),
             _ => 0,
@@ -274,10 +274,10 @@ fn a_larger_picture_has_room_for_more_displacements() {
 #[test]
 fn without_words_the_picture_is_the_frame() {
     let (frames, _) = search(Cursor::default());
-    let options = PlateOptions { view: View::Next, ..PlateOptions::default() };
-    let plate = Plate::new(&Pictures::of(frames.clone()), &Scene::default(), &options);
+    let options = FigureOptions { view: View::Next, ..FigureOptions::default() };
+    let figure = Figure::new(&Pictures::of(frames.clone()), &Scene::default(), &options);
     for scale in [1, 2, 8] {
-        let picture = decode(&export_png(&plate, scale).expect("a PNG picture"));
+        let picture = decode(&export_png(&figure, scale).expect("a PNG picture"));
         assert_eq!(picture.size, (112 * scale, 80 * scale));
         let color = frames[1].color().expect("colours");
         for (i, pixel) in picture.samples.chunks(3).enumerate() {
@@ -289,15 +289,15 @@ fn without_words_the_picture_is_the_frame() {
 
 #[test]
 fn the_same_plate_gives_the_same_bytes() {
-    let plate = specimen_plate(Theme::Dark);
-    assert_eq!(export_png(&plate, 3), export_png(&plate, 3));
-    assert_eq!(export_svg(&plate), export_svg(&plate));
+    let figure = specimen_plate(Theme::Dark);
+    assert_eq!(export_png(&figure, 3), export_png(&figure, 3));
+    assert_eq!(export_svg(&figure), export_svg(&figure));
 }
 
 #[test]
 fn larger_is_sharper_and_not_another_picture() {
-    let plate = specimen_plate(Theme::Dark);
-    let (small, large) = [1, 4].map(|scale| decode(&export_png(&plate, scale).expect("a PNG picture"))).into();
+    let figure = specimen_plate(Theme::Dark);
+    let (small, large) = [1, 4].map(|scale| decode(&export_png(&figure, scale).expect("a PNG picture"))).into();
     let mean = |x: u32, y: u32, channel: usize| {
         let at = |i: u32, j: u32| (((y * 4 + j) * large.size.0 + x * 4 + i) * 3) as usize + channel;
         (0..16).map(|k| f64::from(large.samples[at(k % 4, k / 4)])).sum::<f64>() / 16.0
@@ -328,37 +328,37 @@ fn rendered(svg: &str) -> Rgb {
 #[test]
 fn the_svg_shows_what_the_png_shows() {
     let (frames, scene) = search(MIDDLE);
-    let side_by_side = PlateOptions { zoom: 2.0, legend: true, ..PlateOptions::default() };
-    let plates = Theme::ALL.map(specimen_plate).into_iter().chain([Plate::new(
+    let side_by_side = FigureOptions { zoom: 2.0, legend: true, ..FigureOptions::default() };
+    let figures = Theme::ALL.map(specimen_plate).into_iter().chain([Figure::new(
         &Pictures::of(frames.clone()),
         &scene,
         &side_by_side,
     )]);
-    for (i, plate) in plates.enumerate() {
-        let png = decode(&export_png(&plate, 1).expect("a PNG picture"));
-        let svg = rendered(&export_svg(&plate).expect("an SVG picture"));
+    for (i, figure) in figures.enumerate() {
+        let png = decode(&export_png(&figure, 1).expect("a PNG picture"));
+        let svg = rendered(&export_svg(&figure).expect("an SVG picture"));
         assert_eq!(png.size, svg.size);
         let off: u64 = png.samples.iter().zip(&svg.samples).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
         let off = off as f64 / png.samples.len() as f64;
-        assert!(off < 0.1, "plate {i}: the mean difference is {off} of 255");
+        assert!(off < 0.1, "figure {i}: the mean difference is {off} of 255");
     }
 }
 
 #[test]
 fn words_stay_on_the_plate() {
     for theme in Theme::ALL {
-        let plate = specimen_plate(theme);
-        for layer in plate.layers.iter().filter(|layer| layer.clip.is_none()) {
+        let figure = specimen_plate(theme);
+        for layer in figure.layers.iter().filter(|layer| layer.clip.is_none()) {
             for primitive in &layer.primitives {
                 if let Primitive::Text(line) = primitive {
                     let [x, y] = line.start();
-                    let inside = x >= 16.0 && x + line.width() <= plate.size[0] - 16.0 + 0.5;
-                    assert!(inside && y < plate.size[1], "{theme:?}: {line:?}");
+                    let inside = x >= 16.0 && x + line.width() <= figure.size[0] - 16.0 + 0.5;
+                    assert!(inside && y < figure.size[1], "{theme:?}: {line:?}");
                 }
             }
         }
-        assert!(plate.size.iter().all(|side| side % 4.0 == 0.0), "{theme:?}: {:?} is off the grid", plate.size);
-        let whole = primitive::Rect::new([0.0; 2], plate.size);
-        assert!(plate.layers.iter().filter_map(|layer| layer.clip).all(|clip| clip.meets(&whole)));
+        assert!(figure.size.iter().all(|side| side % 4.0 == 0.0), "{theme:?}: {:?} is off the grid", figure.size);
+        let whole = primitive::Rect::new([0.0; 2], figure.size);
+        assert!(figure.layers.iter().filter_map(|layer| layer.clip).all(|clip| clip.meets(&whole)));
     }
 }

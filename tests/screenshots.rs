@@ -15,7 +15,7 @@ use egui_kittest::Harness;
 use egui_kittest::wgpu::WgpuTestRenderer;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageEncoder as _, Rgb, RgbImage};
-use motionscope::paint::{Caption, Pictures, Plate, PlateOptions, Theme, View, export_png};
+use motionscope::paint::{Caption, Figure, FigureOptions, Pictures, Theme, View, export_png};
 use motionscope::ui::app::App;
 use motionscope::ui::app::commands::Command;
 use motionscope::ui::{self, Start};
@@ -163,9 +163,9 @@ fn worst_tile(a: &RgbImage, b: &RgbImage) -> ([u32; 2], usize) {
 fn written(number: u32) -> RgbImage {
     let frame = Arc::new(Frame::gray(Grid::new(64, 8, 0)));
     let caption = Some(Caption { details: number.to_string(), ..Caption::default() });
-    let options = PlateOptions { view: View::Current, caption, ..PlateOptions::default() };
-    let plate = Plate::new(&Pictures::of([frame.clone(), frame]), &scene::Scene::default(), &options);
-    image::load_from_memory(&export_png(&plate, 1).expect("a picture")).expect("a PNG file").to_rgb8()
+    let options = FigureOptions { view: View::Current, caption, ..FigureOptions::default() };
+    let figure = Figure::new(&Pictures::of([frame.clone(), frame]), &scene::Scene::default(), &options);
+    image::load_from_memory(&export_png(&figure, 1).expect("a picture")).expect("a PNG file").to_rgb8()
 }
 
 #[test]

@@ -17,10 +17,10 @@ use motionscope::ui::charts::{heat_map, series, surface3d, tiles};
 use motionscope::ui::drawing::chart::{Subject, rect_of};
 use motionscope::ui::drawing::primitives::shapes;
 use motionscope::ui::drawing::style;
-use motionscope::ui::panes::why;
+use motionscope::ui::panes::explanation;
 use motionscope::ui::stage::{self, Zoom};
 use motionscope::view::look::{Look, Stands};
-use motionscope::view::motion::Offer;
+use motionscope::view::motion::AvailableLayers;
 use motionscope_core::block_matching::FullSearch;
 use motionscope_core::scene::{Focus, Picture, Readout, Surface, Tile};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Params, Role, Scene, Step, Walk};
@@ -31,7 +31,7 @@ struct Fixture {
     pictures: Pictures,
     scene: Arc<Scene>,
     step: Arc<Step>,
-    offer: Offer,
+    available: AvailableLayers,
 }
 
 fn fixture(cursor: Cursor) -> Fixture {
@@ -44,7 +44,7 @@ fn fixture(cursor: Cursor) -> Fixture {
     walk.jump(Move::To(cursor));
     let (scene, step) = (Arc::new(walk.scene(None)), Arc::new(walk.step(None)));
     let pictures = Pictures::of(clip.pair(0).expect("a pair"));
-    Fixture { walk, pictures, scene, step, offer: Offer::default() }
+    Fixture { walk, pictures, scene, step, available: AvailableLayers::default() }
 }
 
 /// A cursor in the middle of the second block.
@@ -74,7 +74,7 @@ impl Fixture {
             heat: "SAD",
             gpu: None,
             placing: None,
-            offer: &self.offer,
+            available: &self.available,
             checking: false,
             animate: false,
             flows: false,
@@ -116,9 +116,10 @@ fn fresh() -> Subject<'static> {
 #[test]
 fn the_explanation_tells_why_in_words_symbols_and_numbers() {
     let fixture = fixture(MIDDLE);
-    let mut state = why::State::default();
-    let input = why::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Light };
-    let harness = harness(vec2(360.0, 900.0), Theme::Light, move |ui| why::show(ui, input, &mut state));
+    let mut state = explanation::State::default();
+    let input =
+        explanation::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Light };
+    let harness = harness(vec2(360.0, 900.0), Theme::Light, move |ui| explanation::show(ui, input, &mut state));
     let sentence = fixture.step.sentence.plain();
     assert!(harness.query_by_label(&sentence).is_some(), "{sentence}");
     assert!(harness.query_by_label_contains("Tested: ").is_some());
@@ -137,11 +138,12 @@ fn the_explanation_tells_why_in_words_symbols_and_numbers() {
 fn the_explanation_does_not_jump_from_step_to_step() {
     let (long, short) = (fixture(MIDDLE), fixture(Cursor { unit: 1, event: 1 }));
     let which = Cell::new(&long);
-    let mut state = why::State::default();
+    let mut state = explanation::State::default();
     let mut harness = harness(vec2(320.0, 1200.0), Theme::Dark, |ui| {
         let shown = which.get();
-        let input = why::Input { info: shown.walk.info(), step: &shown.step, at_end: false, theme: Theme::Dark };
-        why::show(ui, input, &mut state);
+        let input =
+            explanation::Input { info: shown.walk.info(), step: &shown.step, at_end: false, theme: Theme::Dark };
+        explanation::show(ui, input, &mut state);
     });
     // Once each kind of step was seen, there is room for all of them.
     let citations = [&short, &long, &short, &long].map(|shown| {
@@ -160,9 +162,10 @@ const SMALL_PANE: Vec2 = vec2(440.0, 490.0);
 #[test]
 fn a_small_pane_shows_words_numbers_symbols_and_the_line_at_work() {
     let fixture = fixture(MIDDLE);
-    let mut state = why::State::default();
-    let input = why::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Projector };
-    let mut harness = harness(SMALL_PANE, Theme::Projector, move |ui| why::show(ui, input, &mut state));
+    let mut state = explanation::State::default();
+    let input =
+        explanation::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Projector };
+    let mut harness = harness(SMALL_PANE, Theme::Projector, move |ui| explanation::show(ui, input, &mut state));
     harness.run();
     let equation = fixture.step.readouts.iter().find_map(|readout| match readout {
         Readout::Equation(lines) => lines.last().map(|line| line.plain()),
@@ -185,11 +188,12 @@ fn the_explanation_stays_where_it_was_scrolled() {
     let (first, second) = (fixture(MIDDLE), fixture(Cursor { unit: 1, event: 1 }));
     assert_ne!(first.step.line, second.step.line);
     let which = Cell::new(&first);
-    let mut state = why::State::default();
+    let mut state = explanation::State::default();
     let mut harness = harness(SMALL_PANE, Theme::Projector, |ui| {
         let shown = which.get();
-        let input = why::Input { info: shown.walk.info(), step: &shown.step, at_end: false, theme: Theme::Projector };
-        why::show(ui, input, &mut state);
+        let input =
+            explanation::Input { info: shown.walk.info(), step: &shown.step, at_end: false, theme: Theme::Projector };
+        explanation::show(ui, input, &mut state);
     });
     // Once each kind of step was seen, there is room for both.
     for shown in [&second, &first] {
@@ -351,14 +355,18 @@ fn painted(ui: &Ui, primitives: Vec<Layer>) -> Vec<Shape> {
 #[test]
 fn the_explanation_is_painted_wherever_its_pane_lies() {
     let fixture = fixture(MIDDLE);
-    let mut state = why::State::default();
+    let mut state = explanation::State::default();
     let pane = Rect::from_min_size(Pos2::new(900.0, 60.0), vec2(300.0, 600.0));
     let mut harness = harness(vec2(1280.0, 720.0), Theme::Dark, |ui| {
         ui.scope_builder(UiBuilder::new().max_rect(pane), |ui| {
             ui.set_clip_rect(pane);
-            let input =
-                why::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Dark };
-            why::show(ui, input, &mut state);
+            let input = explanation::Input {
+                info: fixture.walk.info(),
+                step: &fixture.step,
+                at_end: false,
+                theme: Theme::Dark,
+            };
+            explanation::show(ui, input, &mut state);
         });
     });
     harness.run();
@@ -563,7 +571,7 @@ fn frame_in(shape: &Shape, role: Role, theme: Theme) -> Option<Rect> {
 #[derive(Default)]
 struct All {
     stage: stage::State,
-    why: why::State,
+    why: explanation::State,
     map: heat_map::State,
     plot: series::State,
     tiles: tiles::State,
@@ -589,9 +597,9 @@ impl All {
                 );
             });
             part(ui, &mut |ui| {
-                why::show(
+                explanation::show(
                     ui,
-                    why::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme },
+                    explanation::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme },
                     &mut self.why,
                 );
             });

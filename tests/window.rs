@@ -40,7 +40,7 @@ use motionscope::paint::{ColorMap, Lengthen, LevelShown, Theme, View};
 use motionscope::results::EXPORTS;
 use motionscope::session::Session;
 use motionscope::ui::app::App;
-use motionscope::ui::app::commands::{Command, Menu, Rungs};
+use motionscope::ui::app::commands::{Command, Granularities, Menu};
 use motionscope::ui::charts::heat_map;
 use motionscope::ui::model::document::Owner;
 use motionscope::ui::model::snapshot::Snapshot;
@@ -227,7 +227,7 @@ fn a_step_there_and_back_shows_the_same() {
 fn the_ladder_has_buttons_with_the_estimators_names() {
     let mut window = Window::usual();
     let before = window.cursor();
-    let event = window.shown().info.rungs[2];
+    let event = window.shown().info.granularities[2];
     window.click(&format!("Next {event}"));
     assert_eq!(window.cursor(), Cursor { event: before.event + 1, ..before });
     window.click(&format!("Previous {event}"));
@@ -413,6 +413,13 @@ fn the_palette_runs_a_command() {
     window.key(Key::Escape);
     assert!(!window.app().settings().lecture);
 
+    // A command is found by its menu as well.
+    window.press(Modifiers::COMMAND, Key::K);
+    window.harness.get_by_label("What to find").type_text("export");
+    window.settle();
+    assert!(window.harness.query_by_label_contains("Nothing is called that").is_none());
+    window.key(Key::Escape);
+
     window.press(Modifiers::COMMAND, Key::K);
     window.harness.get_by_label("What to find").type_text("barber");
     window.settle();
@@ -425,10 +432,10 @@ fn the_palette_runs_a_command() {
 fn the_shortcut_sheet_lists_every_command_with_a_key() {
     let mut window = Window::new(vec2(1600.0, 2400.0));
     window.key(Key::F1);
-    let rungs = Rungs::new(window.shown().info.rungs);
-    let listed = |command: &&Command| command.is_listed(&rungs) && !command.face().keys.is_empty();
+    let granularities = Granularities::new(window.shown().info.granularities);
+    let listed = |command: &&Command| command.is_listed(&granularities) && !command.info().keys.is_empty();
     for command in Command::ALL.iter().filter(listed) {
-        let text = command.text(&rungs);
+        let text = command.text(&granularities);
         assert!(window.harness.query_all_by_label(&text).next().is_some(), "{text} is not on the sheet");
     }
 }
@@ -537,7 +544,7 @@ fn what_is_still_being_written_is_not_cut_short_by_the_next() {
     };
     let mut window = Window::usual();
     let (from, to) = (Cursor { unit: 0, event: 1 }, Cursor { unit: 0, event: 12 });
-    let steps = What::Steps { from, to, rung: 2, format: Format::Png };
+    let steps = What::Steps { from, to, granularity: 2, format: Format::Png };
     window.harness.state_mut().write(order(steps, "steps"));
     window.harness.state_mut().write(order(What::Picture, "one.png"));
     assert!(window.app().message().is_some_and(|text| text.contains("still being written")));

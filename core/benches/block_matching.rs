@@ -4,7 +4,7 @@
 //! whole runs on one and on two threads, and one step back in the middle of a walk.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Threads, Way, estimators};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Direction, Frame, Grid, Move, Threads, estimators};
 
 fn clip(width: usize, height: usize) -> Clip {
     let texture = |x: i64, y: i64| {
@@ -42,14 +42,14 @@ fn steps_back(c: &mut Criterion) {
     let clip = clip(1920, 1080);
     for estimator in block_searches() {
         let mut walk = estimator.walk(&clip, 0).expect("a walk");
-        let innermost = walk.info().rungs.len() - 1;
+        let innermost = walk.info().granularities.len() - 1;
         c.bench_function(&format!("{} 1080p one step back over a unit's start", walk.info().id), |b| {
             walk.jump(Move::End);
             b.iter(|| {
                 let unit = walk.cursor().unit;
                 // From the first event of a unit to the last of the one before: that unit must be run again.
                 walk.jump(Move::To(Cursor { unit: if unit < 3 { 4000 } else { unit }, event: 1 }));
-                walk.jump(Move::Rung(innermost, Way::Back));
+                walk.jump(Move::Granularity(innermost, Direction::Back));
                 (walk.step(None), walk.scene(None))
             });
         });

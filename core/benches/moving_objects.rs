@@ -9,7 +9,7 @@ use std::time::Instant;
 use criterion::{Criterion, criterion_group, criterion_main};
 use motionscope_core::objects::{Connectivity, Labelling};
 use motionscope_core::{
-    Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Gray, Grid, Mask, Move, Promise, Stop, Threads, estimator,
+    Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Gray, Grid, Guarantee, Mask, Move, Stop, Threads, estimator,
     estimators,
 };
 
@@ -41,7 +41,7 @@ fn clip_of((width, height): (usize, usize), in_color: bool, frames: usize) -> Cl
 fn detection(c: &mut Criterion) {
     for (name, in_color) in [("gray", false), ("colour", true)] {
         let clip = clip((640, 480), in_color);
-        for estimator in estimators().into_iter().filter(|e| e.promise() == Promise::Objects) {
+        for estimator in estimators().into_iter().filter(|e| e.guarantee() == Guarantee::Objects) {
             for threads in [1, 2] {
                 let pool = Threads::new(threads).expect("threads");
                 let id = estimator.info().id;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use motionscope_core::memory::Need;
 use motionscope_core::scene::{Picture, Sentence, Shape};
 use motionscope_core::{
-    AnyEstimator, BlockField, BlockGrid, BlockVector, Border, Clip, Error, Estimator, Footprint, Frame, Info,
-    Interpolation, Move, Observer, Output, Product, ProductKind, Progress, Role, Rung, Scene, Seen, Step, params,
+    AnyEstimator, BlockField, BlockGrid, BlockVector, Border, Clip, Error, Estimator, Footprint, Frame, Granularity,
+    Info, Interpolation, Move, Observer, Output, Product, ProductKind, Progress, Role, Scene, Seen, Step, params,
     pseudocode, synth,
 };
 
@@ -39,7 +39,7 @@ impl Estimator for Still {
         summary: "Leaves every block where it is: what every search must beat.",
         source: "The zero motion vector of every video coding standard",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
@@ -68,8 +68,11 @@ impl Estimator for Still {
         Some(state.blocks.len())
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
-        vec![Rung { index: 0, of: Some(1) }, Rung { index: state.costs.len(), of: Some(state.blocks.len()) }]
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        vec![
+            Granularity { index: 0, of: Some(1) },
+            Granularity { index: state.costs.len(), of: Some(state.blocks.len()) },
+        ]
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {

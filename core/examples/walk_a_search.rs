@@ -4,7 +4,7 @@
 //! cargo run -p motionscope-core --example walk_a_search [ESTIMATOR]
 //! ```
 
-use motionscope_core::{Cursor, Error, Move, Way, estimator, synth};
+use motionscope_core::{Cursor, Direction, Error, Move, estimator, synth};
 
 fn main() -> Result<(), Error> {
     let id = std::env::args().nth(1).unwrap_or_else(|| "diamond".into());
@@ -14,18 +14,18 @@ fn main() -> Result<(), Error> {
     println!("{} on \"{}\", frame 0 → 1\n", search.info().name, sample.title);
 
     let mut walk = search.walk(&clip, 0)?;
-    let event = walk.info().rungs.len() - 1;
+    let event = walk.info().granularities.len() - 1;
     walk.jump(Move::To(Cursor { unit: 34, event: 1 }));
     loop {
         println!("{:>6}  {}", walk.cursor().to_string(), walk.step(None).sentence.plain());
         if walk.cursor().event == walk.events() {
             break;
         }
-        walk.jump(Move::Rung(event, Way::Forward));
+        walk.jump(Move::Granularity(event, Direction::Forward));
     }
 
     // Going back is as cheap, and leads through the same states.
-    walk.jump(Move::Rung(event, Way::Back));
+    walk.jump(Move::Granularity(event, Direction::Back));
     println!("\nOne step back: {}", walk.step(None).sentence.plain());
     Ok(())
 }

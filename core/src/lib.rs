@@ -22,7 +22,7 @@
 //! The same run can be walked through, in both directions, with a sentence for every step:
 //!
 //! ```
-//! use motionscope_core::{Cursor, Move, Way, estimator, synth};
+//! use motionscope_core::{Cursor, Move, Direction, estimator, synth};
 //!
 //! # let sample = synth::scene("pillar")?;
 //! # let clip = synth::make(sample.id, &sample.difficulty())?;
@@ -30,9 +30,9 @@
 //! walk.jump(Move::To(Cursor { unit: 34, event: 2 }));
 //! let there = walk.step(None).sentence;
 //! println!("{}", there.plain());
-//! let event = walk.info().rungs.len() - 1;
-//! walk.jump(Move::Rung(event, Way::Forward));
-//! walk.jump(Move::Rung(event, Way::Back));
+//! let event = walk.info().granularities.len() - 1;
+//! walk.jump(Move::Granularity(event, Direction::Forward));
+//! walk.jump(Move::Granularity(event, Direction::Back));
 //! assert_eq!(walk.step(None).sentence, there);
 //! # Ok::<(), motionscope_core::Error>(())
 //! ```
@@ -91,12 +91,12 @@ pub use methods::kalman;
 pub use params::{Params, Spec, Value};
 pub use products::{
     Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,
-    Feature, Followed, Keypoint, Life, MaskField, Object, ObjectField, ObjectFrame, Output, PointField, Product,
-    ProductKind, Status, Streak, Streaks, Track, TrackField, metrics, predict, table,
+    Feature, Followed, Keypoint, MaskField, Object, ObjectField, ObjectFrame, Output, PointField, Product, ProductKind,
+    Status, Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict, table,
 };
 pub use run::{
-    AnyEstimator, AnyRun, Beside, Cursor, Estimator, Explained, Extent, FRAMES, Footprint, Info, LEVEL, Lockstep, Move,
-    Pace, Pointed, Progress, Promise, Rung, Seen, StageView, TestsCandidates, Timeline, Walk, Way, lockstep,
-    run_observed, stage,
+    AnyEstimator, AnyRun, Beside, Cursor, Direction, Estimator, Explained, Extent, FRAMES, Footprint, Granularity,
+    Guarantee, Info, LEVEL, Lockstep, Move, Pace, Pointed, Progress, Seen, StageView, TestsCandidates, Timeline, Walk,
+    lockstep, run_observed, stage,
 };
 pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use common::{set, waves};
 use motionscope_core::scene::Focus;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Mask, Move, ObjectField, Promise,
+    AnyEstimator, Bounds, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Guarantee, Mask, Move, ObjectField,
     Stop, Threads, estimators, synth,
 };
 
@@ -261,8 +261,8 @@ fn the_mixture_decides_as_its_papers_say() {
 
 /// All that find objects by a model of the background.
 fn subtractions() -> Vec<Box<dyn AnyEstimator>> {
-    let all = estimators().into_iter().filter(|e| e.promise() == Promise::Objects && e.get("open").is_ok());
-    all.filter(|estimator| estimator.info().rungs.last() == Some(&"stage")).collect()
+    let all = estimators().into_iter().filter(|e| e.guarantee() == Guarantee::Objects && e.get("open").is_ok());
+    all.filter(|estimator| estimator.info().granularities.last() == Some(&"stage")).collect()
 }
 
 #[test]
@@ -292,7 +292,7 @@ fn what_is_told_of_a_pixel_is_what_was_decided() {
 #[test]
 fn threads_change_nothing() {
     let clip = colorful(25);
-    for estimator in estimators().into_iter().filter(|e| e.promise() == Promise::Objects) {
+    for estimator in estimators().into_iter().filter(|e| e.guarantee() == Guarantee::Objects) {
         let alone = estimator.run(&clip, 0, &Threads::single()).expect("a run");
         for threads in [2, 3] {
             let together = estimator.run(&clip, 0, &Threads::new(threads).expect("threads")).expect("a run");
@@ -444,7 +444,7 @@ fn a_damaged_frame_ends_the_run_and_what_was_done_stays() {
     let unknown =
         |damaged| Clip::new(ClipInfo { frames: None, ..info.clone() }, Arc::new(Broken(clip.clone(), damaged)));
     let (endless, whole) = (unknown(7), unknown(FRAMES));
-    for estimator in estimators().into_iter().filter(|e| e.promise() == Promise::Objects) {
+    for estimator in estimators().into_iter().filter(|e| e.guarantee() == Guarantee::Objects) {
         let id = estimator.info().id;
         let error = estimator.run(&broken, 0, &Threads::single()).expect_err("a damaged frame").to_string();
         assert!(error.contains("damaged"), "{id}: {error}");

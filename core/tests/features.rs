@@ -5,7 +5,7 @@ mod common;
 use common::{set, waves};
 use motionscope_core::scene::Focus;
 use motionscope_core::{
-    Border, Clip, Cursor, DenseField, Feature, Frame, Gray, Grid, Move, PointField, Status, Threads, Way, scene,
+    Border, Clip, Cursor, DenseField, Direction, Feature, Frame, Gray, Grid, Move, PointField, Status, Threads, scene,
 };
 
 fn clip(frames: [Gray; 2]) -> Clip {
@@ -300,7 +300,7 @@ fn a_faint_corner_is_no_less_one_and_ties_are_told_as_such() {
     let mut told = Vec::new();
     walk.jump(Move::To(Cursor { unit: 120, event: 1 }));
     while !walk.at_end() {
-        walk.jump(Move::Rung(3, Way::Forward));
+        walk.jump(Move::Granularity(3, Direction::Forward));
         told.push(walk.step(None).sentence.plain());
     }
     assert!(told[0].contains("is kept: corner 1"), "{}", told[0]);
@@ -357,7 +357,7 @@ fn walking_along_every_pixel_comes_to_what_a_run_comes_to() {
     let mut walk = estimator.walk(&clip, 0).expect("a walk");
     assert_eq!(walk.units(), Some(2 * 34), "a row on a level each");
     while !walk.at_end() {
-        walk.jump(Move::Rung(2, Way::Forward));
+        walk.jump(Move::Granularity(2, Direction::Forward));
     }
     for threads in 1..4 {
         let run = estimator.run(&clip, 0, &Threads::new(threads).expect("threads")).expect("a run");

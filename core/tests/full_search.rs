@@ -1,7 +1,7 @@
 //! Full search against a plain reference, and against what the issue of ties and borders demands.
 
 use motionscope_core::scene::Readout;
-use motionscope_core::{BlockField, Clip, Cursor, Frame, Gray, Grid, Move, Threads, Walk, Way, estimator};
+use motionscope_core::{BlockField, Clip, Cursor, Direction, Frame, Gray, Grid, Move, Threads, Walk, estimator};
 use proptest::prelude::*;
 
 /// What a search is asked for.
@@ -141,7 +141,7 @@ fn sentences(clip: &Clip, settings: &[(&str, &str)], unit: usize, start: &str) -
     let mut found = Vec::new();
     walk.jump(Move::To(Cursor { unit, event: 0 }));
     while walk.cursor().unit <= unit && !walk.at_end() {
-        walk.jump(Move::Rung(2, Way::Forward));
+        walk.jump(Move::Granularity(2, Direction::Forward));
         let told = walk.step(None).sentence.plain();
         if walk.cursor().unit == unit && told.starts_with(start) {
             found.push(told);
@@ -219,7 +219,7 @@ fn an_early_exit_stops_at_the_first_row_that_is_too_much() {
     };
     let mut seen = [false; 2];
     while walk.cursor().event < walk.events() || walk.cursor() == Cursor::default() {
-        walk.jump(Move::Rung(2, Way::Forward));
+        walk.jump(Move::Granularity(2, Direction::Forward));
         let is_given_up = walk.step(None).sentence.plain().contains("given up early");
         assert!(!is_given_up || bounds(&*walk), "{}", walk.cursor());
         seen[usize::from(is_given_up)] |= bounds(&*walk) == is_given_up;

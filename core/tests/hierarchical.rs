@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use common::halved;
 use motionscope_core::scene::Focus;
 use motionscope_core::{
-    BlockField, BlockGrid, Border, Clip, Cursor, Frame, Gray, Grid, Move, Threads, Way, estimator, synth,
+    BlockField, BlockGrid, Border, Clip, Cursor, Direction, Frame, Gray, Grid, Move, Threads, estimator, synth,
 };
 use proptest::prelude::*;
 
@@ -208,20 +208,20 @@ fn too_many_levels_are_refused_with_the_limit() {
 }
 
 #[test]
-fn levels_are_rungs_and_say_where_they_are() {
+fn levels_are_granularities_and_say_where_they_are() {
     let clip = synth::make("translation", &synth::scene("translation").expect("sound").difficulty()).expect("sound");
     let search = estimator("hierarchical").expect("sound");
     let mut walk = search.walk(&clip, 0).expect("sound");
     assert_eq!(walk.units(), Some(300 + 80 + 20));
-    walk.jump(Move::Rung(3, Way::Forward));
+    walk.jump(Move::Granularity(3, Direction::Forward));
     let told = walk.step(None).sentence.plain();
     assert!(told.starts_with("Level 2 of the pyramid is 80×60 px large. Block 1 is the 16×16 px at (0, 0)"), "{told}");
     // Level by level.
     for (units, level) in [(20, 0), (100, 1), (400, 2)] {
         assert_eq!(walk.place()[1].index, level);
-        walk.jump(Move::Rung(1, Way::Forward));
+        walk.jump(Move::Granularity(1, Direction::Forward));
         assert_eq!(walk.cursor().unit + 1, units);
-        walk.jump(Move::Rung(3, Way::Forward));
+        walk.jump(Move::Granularity(3, Direction::Forward));
     }
     walk.jump(Move::To(Cursor { unit: 19, event: usize::MAX }));
     let told = walk.step(None).sentence.plain();

@@ -1,7 +1,7 @@
 //! The histogram of displacements against the field that a run leaves.
 
 use motionscope_core::scene::Readout;
-use motionscope_core::{BlockField, Clip, Coding, Cursor, Frame, Grid, Histogram, Move, Walk, Way, estimator};
+use motionscope_core::{BlockField, Clip, Coding, Cursor, Direction, Frame, Grid, Histogram, Move, Walk, estimator};
 
 fn clip() -> Clip {
     let texture = |x: usize, y: usize| ((x * x * 3 + y * 37 + x * y * 5) % 251) as u8;
@@ -40,7 +40,7 @@ fn the_counts_sum_to_the_blocks_done() {
         walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
         let done = histogram(&*walk).expect("a block is done");
         assert_eq!((done.total() as usize, done.newest.is_some()), (unit + 1, true));
-        walk.jump(Move::Rung(2, Way::Forward));
+        walk.jump(Move::Granularity(2, Direction::Forward));
         let next = histogram(&*walk).expect("blocks were done");
         assert_eq!((next.total() as usize, next.newest), (unit + 1, None), "the next block is not found yet");
     }

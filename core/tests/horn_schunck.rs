@@ -4,7 +4,7 @@ mod common;
 
 use common::{central, equation, fact, flow, linear_motion, numbers, plane, plotted, point, set, told};
 use motionscope_core::scene::Focus;
-use motionscope_core::{Clip, Cursor, DenseField, Flow, Frame, Move, Threads, Way, synth};
+use motionscope_core::{Clip, Cursor, DenseField, Direction, Flow, Frame, Move, Threads, synth};
 
 /// Horn and Schunck's method as plainly as can be: one level, central differences, Jacobi iterations, all in f64.
 fn plain_horn_schunck(clip: &Clip, alpha: f64, iterations: usize) -> Vec<[f64; 2]> {
@@ -123,7 +123,7 @@ fn the_update_that_is_told_is_the_one_that_is_done() {
         if let [.., result] = &numbers(&said)[..] {
             assert!((result - f64::from(after[1])).abs() < 2e-3, "{said}");
         }
-        walk.jump(Move::Rung(4, Way::Back));
+        walk.jump(Move::Granularity(4, Direction::Back));
         assert!(walk.step(Some(Focus::current(focus))).sentence.plain().contains("pixel (40, 30)"));
     }
 }

@@ -6,7 +6,9 @@ use common::set;
 use motionscope_core::kalman::chi_square;
 use motionscope_core::objects::score::scores;
 use motionscope_core::scene::{Matrix, Readout, Series};
-use motionscope_core::{AnyEstimator, Bounds, Clip, Detection, Life, Move, ObjectField, Role, Threads, Walk, synth};
+use motionscope_core::{
+    AnyEstimator, Bounds, Clip, Detection, Move, ObjectField, Role, Threads, TrackStatus, Walk, synth,
+};
 
 fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
     let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
@@ -39,9 +41,9 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 /// What the steps of a run show, from the first to the last.
 fn steps(estimator: &dyn AnyEstimator, clip: &Clip, mut look: impl FnMut(&dyn Walk)) {
     let mut walk = estimator.walk(clip, 0).expect("a run");
-    let step = walk.info().rungs.len() - 1;
+    let step = walk.info().granularities.len() - 1;
     while !walk.at_end() {
-        walk.jump(Move::Rung(step, motionscope_core::Way::Forward));
+        walk.jump(Move::Granularity(step, motionscope_core::Direction::Forward));
         look(&*walk);
     }
 }
@@ -206,7 +208,10 @@ fn a_second_sensor_bridges_what_hides_the_first() {
     let of = |sensors| run(&*set("kalman-filter", &[&hidden[..], &[("sensors", sensors)]].concat()), &clip);
     let (one, two) = (of("one"), of("two-positions"));
     for t in 8..14 {
-        assert_eq!([&one, &two].map(|field| field.frames[t].objects[0].life), [Life::Coasting, Life::Confirmed]);
+        assert_eq!(
+            [&one, &two].map(|field| field.frames[t].objects[0].life),
+            [TrackStatus::Coasting, TrackStatus::Confirmed]
+        );
     }
     let deviation = |field: &ObjectField| field.frames[13].objects[0].covariance.expect("it is known")[0][0].sqrt();
     assert!(deviation(&two) < 0.6 * deviation(&one), "{} and {} px", deviation(&two), deviation(&one));

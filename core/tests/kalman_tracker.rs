@@ -9,8 +9,8 @@ use common::set;
 use motionscope_core::objects::score::{scores, scores_on};
 use motionscope_core::scene::Readout;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Error, Flow, Life, Move, ObjectBox, ObjectField, Stop, Threads,
-    Truth, Walk, Way, synth,
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Error, Flow, Move, ObjectBox, ObjectField, Stop, Threads,
+    TrackStatus, Truth, Walk, synth,
 };
 
 fn run(settings: &[(&str, &str)], clip: &Clip) -> ObjectField {
@@ -28,7 +28,7 @@ fn rows(frames: Vec<Vec<Detection>>) -> Clip {
 
 /// The identities in a frame that are seen there.
 fn seen(field: &ObjectField, t: usize) -> Vec<u32> {
-    let objects = field.frames[t].objects.iter().filter(|object| object.life == Life::Confirmed);
+    let objects = field.frames[t].objects.iter().filter(|object| object.life == TrackStatus::Confirmed);
     objects.map(|object| object.id).collect()
 }
 
@@ -43,7 +43,7 @@ fn walker(frames: usize, hidden: std::ops::Range<usize>) -> Clip {
 fn sentences(estimator: &dyn AnyEstimator, clip: &Clip) -> String {
     let (mut walk, mut told): (Box<dyn Walk>, _) = (estimator.walk(clip, 0).expect("a run"), String::new());
     while !walk.at_end() {
-        walk.jump(Move::Rung(2, Way::Forward));
+        walk.jump(Move::Granularity(2, Direction::Forward));
         told += &format!("{}\n", walk.step(None).sentence.plain());
     }
     told
@@ -178,7 +178,7 @@ fn a_pair_is_shown_in_a_table_with_names() {
     let mut walk = set("kalman-tracker", &[]).walk(&rows((0..3).map(crowd).collect()), 0).expect("a run");
     let mut about = 0;
     while !walk.at_end() {
-        walk.jump(Move::Rung(2, Way::Forward));
+        walk.jump(Move::Granularity(2, Direction::Forward));
         let step = walk.step(None);
         let Some(pair) = step.sentence.plain().strip_prefix("Object 19 is assigned to ").map(String::from) else {
             continue;

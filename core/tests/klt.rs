@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use motionscope_core::{
-    AnyEstimator, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Move, Role, Status, Stop, Threads,
-    TrackField, Way, estimator, scene,
+    AnyEstimator, Clip, ClipInfo, Cursor, Direction, Error, Frame, FrameSource, Grid, Move, Role, Status, Stop,
+    Threads, TrackField, estimator, scene,
 };
 
 const SIZE: (usize, usize) = (120, 90);
@@ -159,16 +159,16 @@ fn every_step_of_a_feature_is_told() {
     let mut lines = Vec::new();
     while walk.cursor().unit < 2 {
         lines.push(walk.step(None).line.as_str());
-        walk.jump(Move::Rung(3, Way::Forward));
+        walk.jump(Move::Granularity(3, Direction::Forward));
     }
     let expected = ["detect", "take-strongest", "track", "track-back", "fit-first-view", "move"];
     for line in expected {
         assert!(lines.contains(&line), "line {line} is never lit: {lines:?}");
     }
     // The end of the first pair, and the next one after it.
-    walk.jump(Move::Rung(1, Way::Forward));
+    walk.jump(Move::Granularity(1, Direction::Forward));
     assert_eq!((walk.at_frame(), walk.cursor().unit), (0, 12));
-    walk.jump(Move::Rung(3, Way::Forward));
+    walk.jump(Move::Granularity(3, Direction::Forward));
     assert_eq!(walk.at_frame(), 1);
     walk.jump(Move::To(Cursor { unit: 15, event: usize::MAX }));
     let trails = walk.scene(None);

@@ -10,9 +10,9 @@ use motionscope_core::products::{KINDS, Motion, Reference, Score};
 use motionscope_core::scene::Focus;
 use motionscope_core::stage::value_of;
 use motionscope_core::{
-    AnyEstimator, BlockField, Bounds, Clip, Cursor, DenseField, Detection, Explained, Followed, Frame, Grid, Life,
-    Move, ObjectBox, ObjectField, Output, PointField, ProductKind, Promise, Scene, Step, Stop, Threads, Walk, Way,
-    estimators,
+    AnyEstimator, BlockField, Bounds, Clip, Cursor, DenseField, Detection, Direction, Explained, Followed, Frame, Grid,
+    Guarantee, Move, ObjectBox, ObjectField, Output, PointField, ProductKind, Scene, Step, Stop, Threads, TrackStatus,
+    Walk, estimators,
 };
 use proptest::prelude::*;
 
@@ -93,8 +93,8 @@ impl View {
     }
 }
 
-fn into(way: Way, walk: &mut dyn Walk) {
-    walk.jump(Move::Rung(walk.info().rungs.len() - 1, way));
+fn into(way: Direction, walk: &mut dyn Walk) {
+    walk.jump(Move::Granularity(walk.info().granularities.len() - 1, way));
 }
 
 /// Parameters small enough that whole runs can be walked.
@@ -129,7 +129,7 @@ fn run_equals_stepping_on_any_number_of_threads() {
         let clip = clip_for(&*estimator, moving(50, 41, (1, -2), 2));
         let mut walk = estimator.walk(&clip, 0).unwrap();
         while !walk.at_end() {
-            into(Way::Forward, &mut *walk);
+            into(Direction::Forward, &mut *walk);
         }
         for threads in 1..4 {
             let run = estimator.run(&clip, 0, &Threads::new(threads).unwrap()).unwrap();
@@ -150,14 +150,14 @@ fn seeking_anywhere_equals_walking_there() {
         let mut walk = estimator.walk(&clip, 0).unwrap();
         let mut views = vec![View::of(&*walk)];
         while !walk.at_end() {
-            into(Way::Forward, &mut *walk);
+            into(Direction::Forward, &mut *walk);
             views.push(View::of(&*walk));
         }
         let extent = estimator.extent(&clip, 0).unwrap();
         assert_eq!(views.len() as u64, extent.events + 1, "one stop for each event, and the start");
         for view in views.iter().rev() {
             assert!(view.same(&View::of(&*walk)), "walking back: {}", view.cursor);
-            into(Way::Back, &mut *walk);
+            into(Direction::Back, &mut *walk);
         }
         // A fixed order that visits every stop from an unrelated one.
         for i in 0..views.len() {
@@ -226,9 +226,9 @@ fn the_clip_of_the_laws_has_tracks_that_confirm_coast_come_back_and_end() {
             field.frames.iter().flat_map(|frame| frame.objects.iter().map(|object| object.id)).collect();
         assert_eq!(ids.len(), 2, "{id}: one track each, none is torn");
         let told: Vec<Vec<_>> = ids.into_iter().map(|id| lives(id).collect()).collect();
-        assert!(told.iter().all(|lives| lives.contains(&Some(Life::Confirmed))), "{id}: {told:?}");
-        assert!(told.iter().any(|lives| lives.contains(&Some(Life::Coasting))), "{id}: {told:?}");
-        assert_eq!(told[0][19], Some(Life::Confirmed), "{id}: it comes back");
+        assert!(told.iter().all(|lives| lives.contains(&Some(TrackStatus::Confirmed))), "{id}: {told:?}");
+        assert!(told.iter().any(|lives| lives.contains(&Some(TrackStatus::Coasting))), "{id}: {told:?}");
+        assert_eq!(told[0][19], Some(TrackStatus::Confirmed), "{id}: it comes back");
         assert_eq!(told[1][19], None, "{id}: it ends");
         trackers += 1;
     });
@@ -244,10 +244,10 @@ fn seeking_among_thinned_checkpoints_equals_walking_there() {
         let room = estimator.need(&clip).walk + (64 << 10);
         let clip = clip.within(room);
         let mut walk = estimator.walk(&clip, 0).unwrap();
-        let unit = walk.info().rungs.len() - 2;
+        let unit = walk.info().granularities.len() - 2;
         let mut views = vec![View::of(&*walk)];
         while !walk.at_end() {
-            walk.jump(Move::Rung(unit, Way::Forward));
+            walk.jump(Move::Granularity(unit, Direction::Forward));
             views.push(View::of(&*walk));
         }
         assert!(walk.failure().is_none(), "{}: {:?}", estimator.info().id, walk.failure());
@@ -276,7 +276,7 @@ fn steps_show_the_charts_that_are_declared_and_no_others() {
         let mut walk = estimator.walk(&clip, 0).unwrap();
         let mut shown = std::collections::HashSet::new();
         while !walk.at_end() {
-            into(Way::Forward, &mut *walk);
+            into(Direction::Forward, &mut *walk);
             shown.extend(
                 walk.step(Some(Focus::current([20.0, 20.0]))).readouts.iter().filter_map(|readout| readout.chart()),
             );
@@ -290,25 +290,25 @@ fn steps_show_the_charts_that_are_declared_and_no_others() {
 }
 
 #[test]
-fn rungs_lead_to_ends_of_units_and_back() {
+fn granularities_lead_to_ends_of_units_and_back() {
     each(|estimator| {
         let clip = clip_for(&*estimator, moving(40, 24, (0, 1), 2));
         let mut walk = estimator.walk(&clip, 0).unwrap();
-        let unit = walk.info().rungs.len() - 2;
+        let unit = walk.info().granularities.len() - 2;
         let mut ends = vec![walk.cursor()];
         while !walk.at_end() {
-            walk.jump(Move::Rung(unit, Way::Forward));
+            walk.jump(Move::Granularity(unit, Direction::Forward));
             assert_eq!(walk.cursor().event, walk.events());
             ends.push(walk.cursor());
         }
         assert_eq!(Some(ends.len() - 1), walk.units());
         for end in ends.iter().rev() {
             assert_eq!(walk.cursor(), *end);
-            walk.jump(Move::Rung(unit, Way::Back));
+            walk.jump(Move::Granularity(unit, Direction::Back));
         }
-        walk.jump(Move::Rung(0, Way::Forward));
-        assert!(walk.at_end(), "the outermost rung is the whole run");
-        walk.jump(Move::Rung(0, Way::Back));
+        walk.jump(Move::Granularity(0, Direction::Forward));
+        assert!(walk.at_end(), "the outermost granularity is the whole run");
+        walk.jump(Move::Granularity(0, Direction::Back));
         assert_eq!(walk.cursor(), Cursor::default());
         walk.jump(Move::To(Cursor { unit: usize::MAX, event: usize::MAX }));
         assert!(walk.at_end(), "a place beyond the end is the end");
@@ -336,7 +336,7 @@ fn sliced_seeking_arrives_at_the_same_place() {
         assert!(slices > 10, "one unit a slice");
         assert!(View::of(&*direct).same(&View::of(&*sliced)));
         // To the end of the run, however it is asked for, it is known how far that is.
-        for to in [Move::End, Move::Rung(0, Way::Forward)] {
+        for to in [Move::End, Move::Granularity(0, Direction::Forward)] {
             let mut fresh = estimator.walk(&clip, 0).unwrap();
             fresh.go(to);
             assert!(!fresh.work(&mut || false));
@@ -350,19 +350,19 @@ fn sliced_seeking_arrives_at_the_same_place() {
 fn known_translations_are_recovered_as_far_as_promised() {
     let mut ran = 0;
     each(|mut estimator| {
-        let (texture, off_px): (fn(i64, i64) -> u8, _) = match estimator.promise() {
-            Promise::Translation => (texture, 0),
-            Promise::SmoothTranslation { off_px } => {
+        let (texture, off_px): (fn(i64, i64) -> u8, _) = match estimator.guarantee() {
+            Guarantee::Translation => (texture, 0),
+            Guarantee::SmoothTranslation { off_px } => {
                 // Blocks large enough to hold waves in all directions.
                 estimator.set("block", "16").unwrap();
                 (smooth_texture, off_px)
             }
-            Promise::Better
-            | Promise::SubPixel { .. }
-            | Promise::Features { .. }
-            | Promise::Places
-            | Promise::Objects
-            | Promise::AlongGradient => return,
+            Guarantee::Better
+            | Guarantee::SubPixel { .. }
+            | Guarantee::Features { .. }
+            | Guarantee::Places
+            | Guarantee::Objects
+            | Guarantee::AlongGradient => return,
         };
         for motion in [(0, 0), (2, -1), (-2, 2)] {
             let clip = moving_texture(texture, (96, 80), motion, 2);
@@ -384,11 +384,13 @@ fn known_fractions_of_a_pixel_are_recovered_as_far_as_promised() {
     let mut ran = 0;
     for estimator in estimators() {
         let id = estimator.info().id;
-        let is_along_gradient = estimator.promise() == Promise::AlongGradient;
-        let most = match estimator.promise() {
-            Promise::SubPixel { off_centi_px } | Promise::Features { off_centi_px } => f32::from(off_centi_px) / 100.0,
+        let is_along_gradient = estimator.guarantee() == Guarantee::AlongGradient;
+        let most = match estimator.guarantee() {
+            Guarantee::SubPixel { off_centi_px } | Guarantee::Features { off_centi_px } => {
+                f32::from(off_centi_px) / 100.0
+            }
             // The waves bend: over a pixel their gradient is not quite the same.
-            Promise::AlongGradient => 0.03,
+            Guarantee::AlongGradient => 0.03,
             _ => continue,
         };
         for motion in [(0.0, 0.0), (0.4, -0.3), (-0.25, 0.6)] {
@@ -420,7 +422,7 @@ fn known_fractions_of_a_pixel_are_recovered_as_far_as_promised() {
 
 #[test]
 fn features_of_a_moved_picture_are_moved_alike() {
-    for estimator in estimators().into_iter().filter(|estimator| estimator.promise() == Promise::Places) {
+    for estimator in estimators().into_iter().filter(|estimator| estimator.guarantee() == Guarantee::Places) {
         let clip = moving_texture(smooth_texture, (96, 80), (3, -2), 3);
         let features = |frame| {
             let output = estimator.run(&clip, frame, &Threads::single()).unwrap();
@@ -453,7 +455,7 @@ fn square_on_background(frames: usize) -> (Clip, Vec<Bounds>) {
 
 #[test]
 fn what_moves_before_a_background_is_found_in_its_place() {
-    for estimator in estimators().into_iter().filter(|estimator| estimator.promise() == Promise::Objects) {
+    for estimator in estimators().into_iter().filter(|estimator| estimator.guarantee() == Guarantee::Objects) {
         let (clip, bounds) = square_on_background(24);
         let output = estimator.run(&clip, 0, &Threads::single()).unwrap();
         let field = output.get::<ObjectField>().expect("objects");
@@ -555,7 +557,7 @@ fn every_mark_is_finite_and_every_event_is_told() {
         let mut walk = estimator.walk(&clip, 0).unwrap();
         let info = estimator.info();
         while !walk.at_end() {
-            into(Way::Forward, &mut *walk);
+            into(Direction::Forward, &mut *walk);
             let step = walk.step(Some(Focus::current([9.0, 9.0])));
             assert!(info.line(step.line).is_some(), "{}: {}", walk.cursor(), step.line);
             assert!(step.sentence.plain().len() > 10, "{}: {}", walk.cursor(), step.sentence.plain());
@@ -582,7 +584,7 @@ fn a_pixel_is_not_explained_before_its_turn() {
         walk.jump(Move::To(turn));
         let at_work = told(&*walk, None);
         assert!(told(&*walk, Some(point)) == at_work, "{id}: at {turn} another pixel is at work");
-        into(Way::Forward, &mut *walk);
+        into(Direction::Forward, &mut *walk);
         assert!(told(&*walk, Some(point)) != told(&*walk, None), "{id}: a pixel that is done is not explained");
         ran += 1;
     });
@@ -597,7 +599,7 @@ fn declarations_are_complete() {
         let info = estimator.info();
         files.push(format!("{}/{}.rs", family_of(info), info.id.replace('-', "_")));
         assert!(info.pseudocode.iter().all(|line| !has_lone_index(line.text)), "{}", info.id);
-        assert!(info.rungs.len() >= 3 && !info.pseudocode.is_empty() && !info.source.is_empty());
+        assert!(info.granularities.len() >= 3 && !info.pseudocode.is_empty() && !info.source.is_empty());
         for (i, spec) in estimator.specs().iter().enumerate() {
             assert!(spec.doc.ends_with('.'), "{}: the doc of {} is a sentence", info.id, spec.name);
             assert!(!has_lone_index(&spec.doc), "{}: {}", info.id, spec.doc);
@@ -692,10 +694,10 @@ proptest! {
                 estimator.set("levels", "2").expect("a pyramid");
             }
             let mut walk = estimator.walk(&clip, 0).expect("small blocks fit");
-            let unit = walk.info().rungs.len() - 2;
+            let unit = walk.info().granularities.len() - 2;
             let mut events = 0;
             while !walk.at_end() {
-                walk.jump(Move::Rung(unit, Way::Forward));
+                walk.jump(Move::Granularity(unit, Direction::Forward));
                 events += walk.events() as u64;
             }
             prop_assert_eq!(walk.output(), estimator.run(&clip, 0, &Threads::single()).expect("a run"));
@@ -852,7 +854,7 @@ fn a_walk_that_nobody_wants_stays_where_it_is_and_can_go_on() {
         let stop = Stop::default();
         let clip = moving(50, 41, (1, -2), 4).until(stop.clone());
         let mut walk = estimator.walk(&clip, 0).unwrap();
-        into(Way::Forward, &mut *walk);
+        into(Direction::Forward, &mut *walk);
         let here = walk.cursor();
         stop.set(true);
         walk.jump(Move::To(Cursor { unit: 2, event: 1 }));

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use common::halved;
 use motionscope_core::scene::{Picture, Readout, Shape};
 use motionscope_core::{
-    Clip, Cursor, Floor, Frame, Gray, Grid, Levels, Move, Role, Scene, Stack, Walk, Way, estimator,
+    Clip, Cursor, Direction, Floor, Frame, Gray, Grid, Levels, Move, Role, Scene, Stack, Walk, estimator,
 };
 
 fn texture(x: usize, y: usize) -> u8 {
@@ -45,11 +45,11 @@ fn the_levels_are_those_of_the_pyramid_and_every_step_shares_them() {
         }
     }
     loop {
-        walk.jump(Move::Rung(2, Way::Forward));
+        walk.jump(Move::Granularity(2, Direction::Forward));
         let scene = walk.scene(None);
         assert!(Arc::ptr_eq(&levels(&scene).all, all), "nothing is copied");
-        let rung = walk.place()[1];
-        let counted = rung.of.expect("levels are known") - 1 - rung.index;
+        let granularity = walk.place()[1];
+        let counted = granularity.of.expect("levels are known") - 1 - granularity.index;
         assert_eq!(levels(&scene).at_work, counted, "{}", walk.cursor());
         if walk.at_end() {
             break;
@@ -104,7 +104,7 @@ fn a_stack_has_what_each_level_found_where_the_block_lies() {
     // What was found, by level and by the middle of the block.
     let mut found: Vec<(usize, [f32; 2], [f32; 2])> = Vec::new();
     loop {
-        walk.jump(Move::Rung(2, Way::Forward));
+        walk.jump(Move::Granularity(2, Direction::Forward));
         let Stack { levels, floors } = stack(&*walk);
         let level = levels.at_work;
         let middles: Vec<_> = floors.iter().map(|floor| floor.middle().expect("a block is at hand")).collect();

@@ -3,8 +3,8 @@
 use motionscope_core::scene::Focus;
 use motionscope_core::scene::Readout;
 use motionscope_core::{
-    AnyEstimator, Beside, BlockField, Clip, Cursor, Frame, Grid, Lockstep, Move, Pace, Scene, Step, Threads, Walk, Way,
-    estimator,
+    AnyEstimator, Beside, BlockField, Clip, Cursor, Direction, Frame, Grid, Lockstep, Move, Pace, Scene, Step, Threads,
+    Walk, estimator,
 };
 
 const TEAMS: [&[&str]; 4] = [
@@ -66,7 +66,7 @@ fn alone(id: &str) -> Vec<Stop> {
     };
     let mut stops = vec![stop(&*walk)];
     while !walk.at_end() {
-        walk.jump(Move::Rung(walk.info().rungs.len() - 1, Way::Forward));
+        walk.jump(Move::Granularity(walk.info().granularities.len() - 1, Direction::Forward));
         stops.push(stop(&*walk));
     }
     stops
@@ -108,7 +108,7 @@ fn shows(member: &Beside, stop: &Stop) -> bool {
 }
 
 fn forward(walk: &mut Lockstep) {
-    walk.jump(Move::Rung(2, Way::Forward));
+    walk.jump(Move::Granularity(2, Direction::Forward));
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn back_is_forward_reversed_and_seeking_is_walking() {
         }
         for (cursor, view) in views.iter().rev() {
             assert!(*view == told(&walk), "walking back to {cursor}");
-            walk.jump(Move::Rung(2, Way::Back));
+            walk.jump(Move::Granularity(2, Direction::Back));
         }
         for i in 0..60 {
             let (cursor, view) = &views[(i * 7919 + 13) % views.len()];
@@ -166,13 +166,13 @@ fn back_is_forward_reversed_and_seeking_is_walking() {
         walk.jump(Move::End);
         assert!(walk.at_end() && Some(walk.cursor().unit + 1) == walk.units());
         let end = walk.cursor();
-        for rung in 0..3 {
-            walk.jump(Move::Rung(rung, Way::Forward));
+        for granularity in 0..3 {
+            walk.jump(Move::Granularity(granularity, Direction::Forward));
             assert_eq!(walk.cursor(), end, "there is nothing beyond the end");
         }
-        walk.jump(Move::Rung(1, Way::Back));
+        walk.jump(Move::Granularity(1, Direction::Back));
         assert_eq!((walk.cursor().unit + 1, walk.cursor().event), (end.unit, walk.events()));
-        walk.jump(Move::Rung(0, Way::Back));
+        walk.jump(Move::Granularity(0, Direction::Back));
         assert_eq!(walk.cursor(), Cursor::default());
     }
 }

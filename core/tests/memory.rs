@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use common::set;
 use motionscope_core::scene::Focus;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, ClipInfo, Detection, Error, Frame, FrameSource, Grid, Move, Stop, Threads, Way,
+    AnyEstimator, Bounds, Clip, ClipInfo, Detection, Direction, Error, Frame, FrameSource, Grid, Move, Stop, Threads,
     estimators,
 };
 
@@ -139,9 +139,9 @@ fn a_run_takes_no_more_than_it_said_before() {
             walk.jump(Move::End);
             assert!(walk.failure().is_none(), "{id}: {:?}", walk.failure());
             // Over some beginnings of whatever takes memory anew.
-            let unit = walk.info().rungs.len() - 2;
-            (0..5).for_each(|_| walk.jump(Move::Rung(unit, Way::Back)));
-            (0..5).for_each(|_| walk.jump(Move::Rung(unit, Way::Forward)));
+            let unit = walk.info().granularities.len() - 2;
+            (0..5).for_each(|_| walk.jump(Move::Granularity(unit, Direction::Back)));
+            (0..5).for_each(|_| walk.jump(Move::Granularity(unit, Direction::Forward)));
             drop((walk.step(Some(Focus::current([30.0, 40.0]))), walk.scene(None), walk.output()));
         });
         if most > need.walk {

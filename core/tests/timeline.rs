@@ -3,8 +3,9 @@
 use motionscope_core::memory::Need;
 use motionscope_core::scene::Sentence;
 use motionscope_core::{
-    BlockField, BlockGrid, BlockVector, Border, Clip, Cursor, Error, Estimator, Footprint, Frame, Grid, Info, Move,
-    Observer, Output, Product, ProductKind, Progress, Rung, Scene, Seen, Step, Timeline, Walk, Way, params, pseudocode,
+    BlockField, BlockGrid, BlockVector, Border, Clip, Cursor, Direction, Error, Estimator, Footprint, Frame,
+    Granularity, Grid, Info, Move, Observer, Output, Product, ProductKind, Progress, Scene, Seen, Step, Timeline, Walk,
+    params, pseudocode,
 };
 
 params! {
@@ -31,7 +32,7 @@ impl Estimator for Toy {
         summary: "Counts.",
         source: "none",
         pseudocode: line::ALL,
-        rungs: &["run", "level", "item", "event"],
+        granularities: &["run", "level", "item", "event"],
         frames: 1,
     };
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
@@ -63,9 +64,9 @@ impl Estimator for Toy {
         None
     }
 
-    fn place(&self, state: &Self::State) -> Vec<Rung> {
-        let rung = |index| Rung { index, of: None };
-        vec![rung(0), rung(state.0 / self.items), rung(state.0 % self.items)]
+    fn place(&self, state: &Self::State) -> Vec<Granularity> {
+        let granularity = |index| Granularity { index, of: None };
+        vec![granularity(0), granularity(state.0 / self.items), granularity(state.0 % self.items)]
     }
 
     fn step(&self, _: &Seen<Self>) -> Step {
@@ -119,7 +120,7 @@ fn the_end_is_found_where_nobody_knew_it() {
     assert_eq!((walk.units(), walk.cursor()), (None, Cursor::default()));
     walk.jump(Move::End);
     assert!(walk.at_end() && end_of(&walk, 20) && walk.units() == Some(21) && done(&walk) == 21);
-    walk.jump(Move::Rung(3, Way::Forward));
+    walk.jump(Move::Granularity(3, Direction::Forward));
     assert!(end_of(&walk, 20), "there is nothing beyond the end");
 }
 
@@ -127,20 +128,20 @@ fn the_end_is_found_where_nobody_knew_it() {
 fn levels_end_where_they_end_in_both_directions() {
     let mut walk = toy(7, 3, 1000);
     for unit in [6, 13, 20] {
-        walk.jump(Move::Rung(1, Way::Forward));
+        walk.jump(Move::Granularity(1, Direction::Forward));
         assert!(end_of(&walk, unit), "{}", walk.cursor());
     }
     for unit in [13, 6] {
-        walk.jump(Move::Rung(1, Way::Back));
+        walk.jump(Move::Granularity(1, Direction::Back));
         assert!(end_of(&walk, unit), "{}", walk.cursor());
     }
-    walk.jump(Move::Rung(2, Way::Forward));
-    walk.jump(Move::Rung(1, Way::Back));
+    walk.jump(Move::Granularity(2, Direction::Forward));
+    walk.jump(Move::Granularity(1, Direction::Back));
     assert!(end_of(&walk, 6), "from the middle of a level to the end of the one before");
-    walk.jump(Move::Rung(1, Way::Back));
+    walk.jump(Move::Granularity(1, Direction::Back));
     assert_eq!(walk.cursor(), Cursor::default());
     walk.jump(Move::To(Cursor { unit: 9, event: 1 }));
-    walk.jump(Move::Rung(1, Way::Forward));
+    walk.jump(Move::Granularity(1, Direction::Forward));
     assert!(end_of(&walk, 13), "out of the middle of a level to its end");
 }
 
@@ -151,7 +152,7 @@ fn a_damaged_frame_ends_the_run_and_what_was_done_stays() {
         walk.jump(to);
         assert!(end_of(&walk, 11) && walk.at_end() && done(&walk) == 12);
         assert_eq!(walk.failure().unwrap().to_string(), "frame 5 is damaged");
-        walk.jump(Move::Rung(3, Way::Back));
+        walk.jump(Move::Granularity(3, Direction::Back));
         assert_eq!(walk.cursor(), Cursor { unit: 11, event: 2 });
     }
     assert!(Timeline::new(Toy { items: 2, levels: 1, damaged: 1 }, clip(), 0).is_ok());
@@ -166,7 +167,7 @@ fn checkpoints_keep_to_their_budget() {
         walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
         assert!(end_of(&walk, unit) && done(&walk) == unit as u64 + 1);
         let mut slices = 0;
-        walk.go(Move::Rung(2, Way::Back));
+        walk.go(Move::Granularity(2, Direction::Back));
         while !walk.work(&mut || false) {
             slices += 1;
         }
@@ -179,7 +180,7 @@ fn a_new_move_replaces_an_unfinished_one() {
     let mut walk = toy(100, 10, 1000);
     walk.go(Move::To(Cursor { unit: 900, event: 1 }));
     assert!(!walk.work(&mut || false));
-    walk.jump(Move::Rung(3, Way::Forward));
+    walk.jump(Move::Granularity(3, Direction::Forward));
     assert_eq!(walk.cursor(), Cursor { unit: 0, event: 1 });
 }
 

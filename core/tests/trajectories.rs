@@ -110,10 +110,10 @@ fn a_step_never_knows_what_comes_later() {
     let objects = [(0, [20.0, 60.0], [4.0, 0.0], 40), (3, [250.0, 90.0], [-4.0, 0.0], 40)];
     let (analysis, clip) = (analysis(&[("line", "160,239,160,0")]), clip(&objects, 45));
     let mut walk = analysis.walk(&clip, 0).expect("it starts");
-    let unit = walk.info().rungs.len() - 2;
+    let unit = walk.info().granularities.len() - 2;
     let mut counted = Vec::new();
     while !walk.at_end() {
-        walk.jump(Move::Rung(unit, motionscope_core::Way::Forward));
+        walk.jump(Move::Granularity(unit, motionscope_core::Direction::Forward));
         let step = walk.step(None);
         let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None });
         let fact = facts.and_then(|facts| facts.iter().find(|fact| fact.label == "Counted")).expect("it counts");

@@ -141,7 +141,7 @@ pub struct TaskArgs {
     /// Truth given by hand; otherwise it is looked for beside the clip.
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
-    /// What someone detected in the clip: MOTChallenge rows, as det.txt.
+    /// The detections in the clip: MOTChallenge rows, as det.txt.
     #[arg(long, value_name = "FILE.txt")]
     pub detections: Option<PathBuf>,
     /// First and last frame of a run through the clip, from 0, in the place of --frame and --set frames.
@@ -222,7 +222,7 @@ pub struct ExportArgs {
     /// Writes pictures even over files that the run reads, or among the frames.
     #[arg(long)]
     pub force: bool,
-    /// The rung whose stops are written, by the estimator's own name, e.g. block; every event unless given.
+    /// The granularity whose stops are written, by the estimator's own name, e.g. block; every event unless given.
     #[arg(long, value_name = "RUNG")]
     pub every: Option<String>,
     /// png, svg or pdf.

@@ -7,8 +7,8 @@ use motionscope_core::{Clip, Error, Stop, Threads};
 use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
 use super::say;
-use crate::experiment::claims;
 use crate::experiment::comparison::{self, Arena, Round, Row};
+use crate::experiment::course_table;
 use crate::experiment::source::Source;
 use crate::media::export::{self, Inputs, Target, What};
 use crate::media::{Given, Open};
@@ -84,11 +84,13 @@ fn tell_truth(clip: &Clip) {
 fn course(args: &CompareArgs, source: &Source, frame: usize) -> Result<(), Error> {
     let clip = source.open(&Open::default())?;
     let threads = Threads::new(args.threads as usize)?;
-    let claims =
-        claims::claims(&Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat }, &Stop::default())?;
+    let course_table = course_table::course_table(
+        &Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat },
+        &Stop::default(),
+    )?;
     match (args.json, args.markdown) {
-        (true, _) => say(&claims::json(&claims).to_string()),
-        (_, true) => say(&claims::markdown(&claims)),
-        _ => say(&claims::text(&claims)),
+        (true, _) => say(&course_table::json(&course_table).to_string()),
+        (_, true) => say(&course_table::markdown(&course_table)),
+        _ => say(&course_table::text(&course_table)),
     }
 }

@@ -19,11 +19,11 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
     let (look, pixel) = (task::look(&session), task::pixel(session.position, &args.picture));
     let prepared = task::prepare(&args.task, session.experiment)?;
     let info = prepared.experiment.info();
-    let rung = args.every.as_deref().map(|name| rung(info, name)).transpose()?;
+    let granularity = args.every.as_deref().map(|name| granularity(info, name)).transpose()?;
     let steps = Steps {
         from: args.steps.0,
         to: args.steps.1,
-        rung: rung.unwrap_or(info.rungs.len() - 1),
+        granularity: granularity.unwrap_or(info.granularities.len() - 1),
         format: args.format,
         scale: args.picture.scale,
         look,
@@ -37,10 +37,11 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
     say(&format!("{} in {}{}", written.pictures(), args.out.display(), written.without()))
 }
 
-/// The rung called `name`; the run as a whole has but one stop.
-fn rung(info: &Info, name: &str) -> Result<usize, Error> {
-    let rungs = &info.rungs[1..];
-    let found = rungs.iter().position(|rung| *rung == name);
-    let told = || Error::new(format!("{} has no rung {name}; its steps are {}", info.id, rungs.join(", ")));
+/// The granularity called `name`; the run as a whole has but one stop.
+fn granularity(info: &Info, name: &str) -> Result<usize, Error> {
+    let granularities = &info.granularities[1..];
+    let found = granularities.iter().position(|granularity| *granularity == name);
+    let told =
+        || Error::new(format!("{} has no granularity {name}; its steps are {}", info.id, granularities.join(", ")));
     found.map(|index| index + 1).ok_or_else(told)
 }

@@ -12,7 +12,7 @@ pub fn text() -> String {
     for estimator in estimators() {
         let info = estimator.info();
         text += &format!("{}  ({})\n  {}\n  Source: {}\n", info.id, info.family, info.summary, info.source);
-        text += &format!("  Steps: {}\n\n", info.rungs.join(" › "));
+        text += &format!("  Steps: {}\n\n", info.granularities.join(" › "));
         text += &parameters(estimator.specs());
     }
     text
@@ -50,7 +50,7 @@ pub fn json() -> String {
                 "summary": info.summary,
                 "source": info.source,
                 "pseudocode": info.pseudocode.iter().map(line).collect::<Vec<_>>(),
-                "rungs": info.rungs,
+                "granularities": info.granularities,
                 "frames": info.frames,
                 "produces": estimator.produces().iter().map(|kind| kind.id).collect::<Vec<_>>(),
                 "params": estimator.specs().iter().map(spec).collect::<Vec<_>>(),

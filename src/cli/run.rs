@@ -49,7 +49,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     clip.pair_or_last(frame)?;
     let (output, times) = timed(&prepared, &threads, args.repeat)?;
     let extent = estimator.extent(clip, frame)?;
-    if let Some(step) = args.step.filter(|step| experiment.company.is_empty() && step.unit >= extent.units) {
+    if let Some(step) = args.step.filter(|step| experiment.side_by_side.is_empty() && step.unit >= extent.units) {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
     let assessment = output.assess(&Reference { clip, frame })?;
@@ -205,7 +205,7 @@ impl Overlay<'_> {
         let focus = task::pixel(*position, picture).map_or(Ok(None), |pixel| pixel.here(walk, clip))?;
         let moment = viewer.moment(focus)?;
         let asked = asked(args);
-        if let Some((layer, why)) = asked.layer.and_then(|layer| Some((layer, moment.offer.why_not(layer)?))) {
+        if let Some((layer, why)) = asked.layer.and_then(|layer| Some((layer, moment.available.why_not(layer)?))) {
             return Err(Error::new(format!("there is no layer {} here: {why}; choose another --layer", layer.id())));
         }
         if let LevelShown::Number(level) = asked.level {

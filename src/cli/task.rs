@@ -6,8 +6,8 @@ use std::sync::Arc;
 use motionscope_core::{AnyEstimator, Error, FRAMES, estimator};
 
 use super::args::{PictureArgs, TaskArgs};
-use crate::experiment::company::Company;
 use crate::experiment::pixel::Chosen;
+use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::{Experiment, Position, Prepared};
 use crate::media::export::{Inputs, What};
 use crate::media::{self, Given, Open};
@@ -31,13 +31,13 @@ pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error>
             Session { experiment, position: Position::default(), look: Changes::default(), sight: None }
         }
     };
-    let Experiment { estimator, company, frame, .. } = &mut session.experiment;
+    let Experiment { estimator, side_by_side, frame, .. } = &mut session.experiment;
     // Its own estimator once more, with the parameters that it gives, or another one.
     if let Some(other) = chosen.filter(|chosen| chosen.info().id != estimator.info().id) {
         let before = std::mem::replace(estimator, other);
-        company.relieve(&*before, &**estimator);
+        side_by_side.relieve(&*before, &**estimator);
     }
-    keep_company(args, &**estimator, company)?;
+    keep_company(args, &**estimator, side_by_side)?;
     *frame = args.frame.unwrap_or(*frame);
     session.look = session.look.then(&picture.look.0);
     if picture.look.0.has("blend") && look(&session).view != Some(View::Blend) {
@@ -62,15 +62,15 @@ fn named(args: &TaskArgs) -> Result<Named, Error> {
 }
 
 /// Has those go in lockstep with `leader` that `args` name.
-fn keep_company(args: &TaskArgs, leader: &dyn AnyEstimator, company: &mut Company) -> Result<(), Error> {
-    let pace = args.pace.unwrap_or(company.pace);
+fn keep_company(args: &TaskArgs, leader: &dyn AnyEstimator, side_by_side: &mut SideBySide) -> Result<(), Error> {
+    let pace = args.pace.unwrap_or(side_by_side.pace);
     if !args.beside.is_empty() {
-        *company = Company::of(leader, &args.beside, pace)?;
+        *side_by_side = SideBySide::of(leader, &args.beside, pace)?;
     }
-    if args.pace.is_some() && company.is_empty() {
+    if args.pace.is_some() && side_by_side.is_empty() {
         return Err(Error::new("--pace is that of several estimators in lockstep; give --beside as well"));
     }
-    company.pace = pace;
+    side_by_side.pace = pace;
     Ok(())
 }
 
@@ -95,7 +95,7 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
         inputs.add(What::Session, session);
         prepared.inputs = Arc::new(inputs);
     }
-    let Prepared { experiment: Experiment { estimator, company, frame, .. }, clip, .. } = &mut prepared;
+    let Prepared { experiment: Experiment { estimator, side_by_side, frame, .. }, clip, .. } = &mut prepared;
     if let Some((first, last)) = args.frames {
         if let Some(count) = clip.info().frames.filter(|&count| last >= count) {
             let end = count.saturating_sub(1);
@@ -111,8 +111,8 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
         estimator.set(FRAMES, &(last - first + 1).to_string())?;
     }
     for setting in &args.set {
-        company.set(&mut **estimator, setting)?;
+        side_by_side.set(&mut **estimator, setting)?;
     }
-    company.check(&**estimator)?;
+    side_by_side.check(&**estimator)?;
     Ok(prepared)
 }

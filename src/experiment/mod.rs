@@ -1,10 +1,10 @@
 //! What is run: a clip by its name, the estimators, a pixel to be explained, and estimators compared on one pair.
 
-pub mod claims;
-pub mod company;
 pub mod comparison;
+pub mod course_table;
 pub mod first;
 pub mod pixel;
+pub mod side_by_side;
 pub mod source;
 pub mod sweeps;
 
@@ -14,8 +14,8 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Walk, estimators
 
 use crate::media::export::Inputs;
 use crate::media::{Given, Open};
-use company::Company;
 use pixel::Pixel;
+use side_by_side::SideBySide;
 use source::Source;
 
 /// What is run: the same in the window, on the command line, in a session and beside others in a comparison.
@@ -27,7 +27,7 @@ pub struct Experiment {
     /// The estimator with its parameters and its stages.
     pub estimator: Box<dyn AnyEstimator>,
     /// Those that go in lockstep with it.
-    pub company: Company,
+    pub side_by_side: SideBySide,
     /// Frame t, on which the run begins.
     pub frame: usize,
 }
@@ -44,7 +44,7 @@ pub struct Position {
 impl Experiment {
     /// The estimator by itself on `source`, from its first frame on, with nothing given by hand.
     pub fn new(source: Source, estimator: Box<dyn AnyEstimator>) -> Self {
-        Self { source, given: Given::default(), estimator, company: Company::default(), frame: 0 }
+        Self { source, given: Given::default(), estimator, side_by_side: SideBySide::default(), frame: 0 }
     }
 
     /// The first estimator of the course on `source`.
@@ -54,7 +54,7 @@ impl Experiment {
 
     /// What there is to say about the run.
     pub fn info(&self) -> &'static Info {
-        self.company.info(&*self.estimator)
+        self.side_by_side.info(&*self.estimator)
     }
 
     /// The run on `clip`, which is the one that the source names.
@@ -62,25 +62,25 @@ impl Experiment {
     /// # Errors
     /// If an estimator cannot run there.
     pub fn walk(&self, clip: &Clip) -> Result<Box<dyn Walk>, Error> {
-        self.company.walk(&*self.estimator, clip, self.frame)
+        self.side_by_side.walk(&*self.estimator, clip, self.frame)
     }
 }
 
 impl Clone for Experiment {
     fn clone(&self) -> Self {
-        let Self { source, given, estimator, company, frame } = self;
-        let (source, given, company) = (source.clone(), given.clone(), company.clone());
-        Self { source, given, estimator: estimator.boxed_clone(), company, frame: *frame }
+        let Self { source, given, estimator, side_by_side, frame } = self;
+        let (source, given, side_by_side) = (source.clone(), given.clone(), side_by_side.clone());
+        Self { source, given, estimator: estimator.boxed_clone(), side_by_side, frame: *frame }
     }
 }
 
 impl PartialEq for Experiment {
     fn eq(&self, other: &Self) -> bool {
-        let Self { source, given, estimator, company, frame } = self;
+        let Self { source, given, estimator, side_by_side, frame } = self;
         is_same(&**estimator, &*other.estimator)
             && *source == other.source
             && *given == other.given
-            && *company == other.company
+            && *side_by_side == other.side_by_side
             && *frame == other.frame
     }
 }

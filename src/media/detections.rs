@@ -1,4 +1,4 @@
-//! What someone detected: MOTChallenge's rows, beside a clip or by themselves.
+//! Detections: MOTChallenge's rows, beside a clip or by themselves.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};

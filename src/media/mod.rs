@@ -148,7 +148,7 @@ pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Error> {
     }
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX || width.saturating_mul(height) > MAX_AREA_PX {
         return Err(Error::new(format!(
-            "its header claims pictures of {width}×{height} px; up to {MAX_SIDE_PX} px a side and 128 megapixels can \
+            "its header course_table pictures of {width}×{height} px; up to {MAX_SIDE_PX} px a side and 128 megapixels can \
              be opened, so the file is damaged or must be scaled down first"
         )));
     }

@@ -3,11 +3,12 @@
 //! [`resolve`] turns a scene's marks into [`Primitive`]s in points: filled polygons, strokes, circles, arrows,
 //! words and pictures. Every painter walks that one list: the window's stage, [`export_png`], [`export_svg`] and
 //! [`export_pdf`].
-//! A [`Plate`] is what one exported picture consists of. Nothing here needs a window or a GPU.
+//! A [`Figure`] is what one exported picture consists of. Nothing here needs a window or a GPU.
 
 pub mod charts;
 mod color;
 mod color_map;
+mod figure;
 mod flow_color;
 pub mod fonts;
 mod layer;
@@ -16,7 +17,6 @@ mod marks;
 mod number;
 mod panel;
 mod pdf;
-mod plate;
 mod png;
 pub mod primitive;
 mod raster;
@@ -27,6 +27,7 @@ mod wrap;
 
 pub use color::Color;
 pub use color_map::ColorMap;
+pub use figure::{Caption, Figure, FigureOptions, Layer, Part, heading, paragraph};
 pub use flow_color::flow_color;
 pub use fonts::Face;
 pub use layer::{FlowLayer, Opacity, Scalars, Tint, TintKey};
@@ -34,7 +35,6 @@ pub use marks::{ArrowStyle, Lengthen, Look, Placement, Style, ellipse, is_length
 pub use number::{grouped, number};
 pub use panel::{LevelShown, Panel, Phase, Pictures, Share, Shown, View};
 pub use pdf::export_pdf;
-pub use plate::{Caption, Layer, Part, Plate, PlateOptions, heading, paragraph};
 pub use png::export_png;
 pub use primitive::Primitive;
 pub use reduced::reduced;

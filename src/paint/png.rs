@@ -5,7 +5,7 @@ use std::io::Write;
 
 use motionscope_core::Error;
 
-use super::Plate;
+use super::Figure;
 use super::raster::{self, BoundedLayer};
 
 /// The longest side of an exported picture in px.
@@ -15,21 +15,21 @@ const MAX_PIXELS: u64 = 512 << 20;
 /// Rows that are painted at a time: memory does not grow with the picture.
 const STRIP: u32 = 128;
 
-/// `plate` as a PNG file, `scale` pixels to the point: frames as sharp squares, marks and words drawn anew.
+/// `figure` as a PNG file, `scale` pixels to the point: frames as sharp squares, marks and words drawn anew.
 ///
-/// The same plate gives the same bytes.
+/// The same figure gives the same bytes.
 ///
 /// # Errors
 /// If the picture would be too large.
-pub fn export_png(plate: &Plate, scale: u32) -> Result<Vec<u8>, Error> {
-    let size = fitting_size(plate, scale)?;
-    paint(plate, scale, size)
+pub fn export_png(figure: &Figure, scale: u32) -> Result<Vec<u8>, Error> {
+    let size = fitting_size(figure, scale)?;
+    paint(figure, scale, size)
         .map_err(|reason| Error::new(format!("the picture of {}×{} px could not be made: {reason}", size.0, size.1)))
 }
 
 /// Width and height in px, if they are sane.
-fn fitting_size(plate: &Plate, scale: u32) -> Result<(u32, u32), Error> {
-    let [width, height] = plate.size.map(|side| side as u64 * u64::from(scale));
+fn fitting_size(figure: &Figure, scale: u32) -> Result<(u32, u32), Error> {
+    let [width, height] = figure.size.map(|side| side as u64 * u64::from(scale));
     let fits = width.max(height) <= MAX_SIDE && width * height <= MAX_PIXELS;
     match (u32::try_from(width), u32::try_from(height)) {
         (Ok(width @ 1..), Ok(height @ 1..)) if fits => Ok((width, height)),
@@ -41,7 +41,7 @@ fn fitting_size(plate: &Plate, scale: u32) -> Result<(u32, u32), Error> {
     }
 }
 
-fn paint(plate: &Plate, scale: u32, (width, height): (u32, u32)) -> Result<Vec<u8>, String> {
+fn paint(figure: &Figure, scale: u32, (width, height): (u32, u32)) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut encoder = ::png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(::png::ColorType::Rgb);
@@ -51,7 +51,7 @@ fn paint(plate: &Plate, scale: u32, (width, height): (u32, u32)) -> Result<Vec<u
     encoder.add_text_chunk("Software".into(), "Motionscope".into()).map_err(text)?;
     let mut writer = encoder.write_header().map_err(text)?;
     let mut stream = writer.stream_writer().map_err(text)?;
-    strips(plate, scale, height, |rows| stream.write_all(rows).map_err(|e| e.to_string()))?;
+    strips(figure, scale, height, |rows| stream.write_all(rows).map_err(|e| e.to_string()))?;
     stream.finish().map_err(text)?;
     writer.finish().map_err(text)?;
     Ok(bytes)
@@ -59,12 +59,12 @@ fn paint(plate: &Plate, scale: u32, (width, height): (u32, u32)) -> Result<Vec<u
 
 /// Paints strip after strip, some ahead of the one that is taken, on as many threads as there are cores.
 fn strips(
-    plate: &Plate,
+    figure: &Figure,
     scale: u32,
     height: u32,
     mut take: impl FnMut(&[u8]) -> Result<(), String>,
 ) -> Result<(), String> {
-    let layers: Vec<_> = plate.layers.iter().map(BoundedLayer::new).collect();
+    let layers: Vec<_> = figure.layers.iter().map(BoundedLayer::new).collect();
     let ahead = std::thread::available_parallelism().map_or(1, usize::from).min(8);
     let mut tops = (0..height).step_by(STRIP as usize);
     std::thread::scope(|scope| {
@@ -74,7 +74,7 @@ fn strips(
                 let Some(top) = tops.next() else { break };
                 let layers = &layers;
                 let rows = (top, STRIP.min(height - top));
-                painting.push_back(scope.spawn(move || raster::strip(plate, layers, scale, rows)));
+                painting.push_back(scope.spawn(move || raster::strip(figure, layers, scale, rows)));
             }
             let Some(strip) = painting.pop_front() else { return Ok(()) };
             match strip.join() {
@@ -91,24 +91,24 @@ mod tests {
     use super::*;
     use crate::paint::Color;
 
-    fn plate(width: f32, height: f32) -> Plate {
+    fn figure(width: f32, height: f32) -> Figure {
         let (layers, panels) = (Vec::new(), Vec::new());
-        Plate { size: [width, height], background: Color::BLACK, layers, panels, description: String::new() }
+        Figure { size: [width, height], background: Color::BLACK, layers, panels, description: String::new() }
     }
 
     #[test]
     fn too_large_a_picture_is_refused_with_what_to_do() {
-        let refused = |plate: &Plate, scale| export_png(plate, scale).expect_err("refused").to_string();
-        assert!(refused(&plate(7680.0, 4320.0), 8).contains("61440×34560"));
-        assert!(refused(&plate(30_000.0, 30_000.0), 1).contains("smaller scale"));
-        assert!(refused(&plate(8.0, 8.0), u32::MAX).contains("smaller scale"));
-        assert!(refused(&plate(8.0, 8.0), 0).contains("without pixels"));
-        assert!(fitting_size(&plate(1920.0, 1080.0), 8).is_ok());
+        let refused = |figure: &Figure, scale| export_png(figure, scale).expect_err("refused").to_string();
+        assert!(refused(&figure(7680.0, 4320.0), 8).contains("61440×34560"));
+        assert!(refused(&figure(30_000.0, 30_000.0), 1).contains("smaller scale"));
+        assert!(refused(&figure(8.0, 8.0), u32::MAX).contains("smaller scale"));
+        assert!(refused(&figure(8.0, 8.0), 0).contains("without pixels"));
+        assert!(fitting_size(&figure(1920.0, 1080.0), 8).is_ok());
     }
 
     #[test]
     fn a_picture_says_what_made_it() {
-        let bytes = export_png(&plate(3.0, 200.0), 2).expect("a small picture");
+        let bytes = export_png(&figure(3.0, 200.0), 2).expect("a small picture");
         let reader = ::png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG file");
         assert_eq!(reader.info().size(), (6, 400));
         let texts = &reader.info().uncompressed_latin1_text;

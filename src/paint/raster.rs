@@ -1,4 +1,4 @@
-//! Primitives become pixels: a strip of a plate at a scale.
+//! Primitives become pixels: a strip of a figure at a scale.
 
 use ab_glyph::{Font, OutlineCurve};
 use tiny_skia::{
@@ -6,9 +6,9 @@ use tiny_skia::{
 };
 
 use super::primitive::{Arrow, Line, Point, Primitive, Rect, Stroke};
-use super::{Color, Layer, Plate, fonts};
+use super::{Color, Figure, Layer, fonts};
 
-/// Pixels of a plate, from row `top` of the whole down.
+/// Pixels of a figure, from row `top` of the whole down.
 pub(super) struct Canvas {
     pixmap: Pixmap,
     left: i32,
@@ -16,10 +16,10 @@ pub(super) struct Canvas {
     scale: f32,
 }
 
-/// A primitive of a plate with its bounds, worked out once for all strips.
+/// A primitive of a figure with its bounds, worked out once for all strips.
 pub(super) struct Bounded<'a>(Rect, &'a Primitive);
 
-/// A layer of a plate with the bounds of what it holds.
+/// A layer of a figure with the bounds of what it holds.
 pub(super) struct BoundedLayer<'a> {
     clip: Option<Rect>,
     primitives: Vec<Bounded<'a>>,
@@ -32,16 +32,16 @@ impl<'a> BoundedLayer<'a> {
     }
 }
 
-/// Rows `top` to `top + height` of `plate`, `scale` pixels to the point. `None` if they do not fit into memory.
+/// Rows `top` to `top + height` of `figure`, `scale` pixels to the point. `None` if they do not fit into memory.
 pub(super) fn strip(
-    plate: &Plate,
+    figure: &Figure,
     layers: &[BoundedLayer<'_>],
     scale: u32,
     (top, height): (u32, u32),
 ) -> Option<Vec<u8>> {
-    let width = plate.size[0] as u32 * scale;
+    let width = figure.size[0] as u32 * scale;
     let mut canvas = Canvas { pixmap: Pixmap::new(width, height)?, left: 0, top: top as i32, scale: scale as f32 };
-    let [r, g, b, a] = plate.background.0;
+    let [r, g, b, a] = figure.background.0;
     canvas.pixmap.fill(tiny_skia::Color::from_rgba8(r, g, b, a));
     for layer in layers {
         match layer.clip {
@@ -57,7 +57,7 @@ pub(super) fn strip(
 }
 
 impl Canvas {
-    /// What of the plate it covers, in points.
+    /// What of the figure it covers, in points.
     fn covers(&self) -> Rect {
         let min = [self.left as f32 / self.scale, self.top as f32 / self.scale];
         Rect::new(min, [self.pixmap.width() as f32 / self.scale, self.pixmap.height() as f32 / self.scale])

@@ -9,21 +9,21 @@ use ::svg::node::{Blob, Node};
 use motionscope_core::{Error, Grid};
 
 use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Stroke};
-use super::{Color, Face, Plate};
+use super::{Color, Face, Figure};
 
 const SANS: &str = "Inter, Helvetica, Arial, sans-serif";
 const MONO: &str = " font-family=\"JetBrains Mono, Menlo, Consolas, monospace\"";
 
-/// `plate` as an SVG file that browsers and drawing programs open. The same plate gives the same bytes.
+/// `figure` as an SVG file that browsers and drawing programs open. The same figure gives the same bytes.
 ///
 /// # Errors
 /// If a frame cannot be encoded.
-pub fn export_svg(plate: &Plate) -> Result<String, Error> {
-    let [width, height] = plate.size;
+pub fn export_svg(figure: &Figure) -> Result<String, Error> {
+    let [width, height] = figure.size;
     let paper = Rectangle::new().set("width", width).set("height", height);
     let mut clips = Definitions::new();
     let mut groups = Vec::new();
-    for (i, layer) in plate.layers.iter().enumerate() {
+    for (i, layer) in figure.layers.iter().enumerate() {
         let mut group = Group::new();
         if let Some(clip) = layer.clip {
             let id = format!("panel{i}");
@@ -42,9 +42,9 @@ pub fn export_svg(plate: &Plate) -> Result<String, Error> {
         .set("xmlns:xlink", "http://www.w3.org/1999/xlink")
         .set("style", "font-variant-numeric:tabular-nums")
         .add(Title::new("Motionscope"))
-        .add(Description::new().add(::svg::node::Text::new(&plate.description)))
+        .add(Description::new().add(::svg::node::Text::new(&figure.description)))
         .add(clips)
-        .add(fill(paper, plate.background));
+        .add(fill(paper, figure.background));
     for group in groups {
         document = document.add(group);
     }
@@ -237,18 +237,18 @@ mod tests {
         }
     }
 
-    /// A plate with words in a color.
+    /// A figure with words in a color.
     fn written(words: &str, color: Color, halo: Option<Color>) -> String {
         let runs = vec![super::super::primitive::Run::new(words, color)];
         let line = Line { at: [0.0; 2], anchor: Anchor::Start, size: 12.0, runs, halo };
-        let plate = Plate {
+        let figure = Figure {
             size: [10.0, 10.0],
             background: Color::WHITE,
             layers: vec![super::super::Layer { clip: None, primitives: vec![Primitive::Text(line)] }],
             panels: Vec::new(),
             description: "a < b & c".into(),
         };
-        export_svg(&plate).expect("a small plate")
+        export_svg(&figure).expect("a small figure")
     }
 
     #[test]

@@ -59,7 +59,7 @@ pub enum PointShape {
 pub struct Chrome {
     /// Behind pictures and between panels.
     pub background: Color,
-    /// Panels, and the paper of an exported plate.
+    /// Panels, and the paper of an exported figure.
     pub panel: Color,
     /// Buttons, fields and whatever lies on a panel.
     pub raised: Color,
@@ -127,7 +127,7 @@ impl Theme {
     /// What it is for, in one sentence.
     pub fn tip(self) -> &'static str {
         match self {
-            Theme::Dark => "Light on dark, for the desk.",
+            Theme::Dark => "Light on dark, for the control.",
             Theme::Light => "Dark on light, for print and bright rooms.",
             Theme::Projector => {
                 "Large type and thick lines, for the last row; what is not shown to a class is folded away."

@@ -1,6 +1,6 @@
 //! The tracks of objects, as MOTChallenge rows, as a table and as an array.
 
-use motionscope_core::{Error, Followed, Life, Object, ObjectField, Output, Product};
+use motionscope_core::{Error, Followed, Object, ObjectField, Output, Product, TrackStatus};
 
 use super::{Export, Format, Made, table};
 use crate::media::export::{mot_rect, npy_of};
@@ -46,14 +46,14 @@ fn as_csv(output: &Output) -> Result<Made, Error> {
 /// pixels counted from 1. Tentative objects and those that coast are left out.
 ///
 /// # Errors
-/// If nobody is followed.
+/// If no object is followed.
 fn mot(field: &ObjectField) -> Result<String, Error> {
     if field.followed == Followed::Nobody {
         return Err(Error::new(
             "each frame was looked at by itself, so there are no tracks; choose a tracker, or --table",
         ));
     }
-    let seen = |object: &&Object| object.life == Life::Confirmed;
+    let seen = |object: &&Object| object.life == TrackStatus::Confirmed;
     let row = |t: usize, object: &Object| {
         let ([x, y], [width, height]) = (object.bounds.min, object.bounds.size());
         let [left, top, width, height] = mot_rect([x, y, width, height]);
@@ -75,9 +75,9 @@ fn npy(field: &ObjectField) -> Vec<u8> {
         let ([x, y], [u, v]) = (object.position, object.velocity.unwrap_or([f64::NAN; 2]));
         let ([left, top], [width, height]) = (object.bounds.min.map(f64::from), object.bounds.size().map(f64::from));
         let life = match object.life {
-            Life::Tentative => 0.0,
-            Life::Confirmed => 1.0,
-            Life::Coasting => 2.0,
+            TrackStatus::Tentative => 0.0,
+            TrackStatus::Confirmed => 1.0,
+            TrackStatus::Coasting => 2.0,
         };
         [frame as f64, f64::from(object.id), x, y, u, v, left, top, width, height, life]
     };
@@ -114,7 +114,11 @@ mod tests {
             covariance: Some([[4.0, 0.0], [0.0, 2.25]]),
             detection: None,
         };
-        let all = vec![object(3, Life::Confirmed), object(4, Life::Coasting), object(5, Life::Tentative)];
+        let all = vec![
+            object(3, TrackStatus::Confirmed),
+            object(4, TrackStatus::Coasting),
+            object(5, TrackStatus::Tentative),
+        ];
         let frames = vec![
             Arc::new(ObjectFrame { mask: None, detections: vec![found], objects: Vec::new() }),
             Arc::new(ObjectFrame { mask: None, detections: Vec::new(), objects: all }),

@@ -6,7 +6,7 @@ use motionscope_core::{AnyEstimator, Error, Pace, estimator};
 
 use super::toml_text::{Entry, Section};
 use super::{Session, Sight, VERSION, key, pace};
-use crate::experiment::company::Company;
+use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
 use crate::media::Given;
@@ -35,12 +35,12 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
         leader.set(&name, &value.plain()?).map_err(|why| value.wrong(why))?;
     }
     let pace = top.take("pace").map_or(Ok(Pace::Block), |entry| entry.parsed(pace))?;
-    let company = company(&mut top, &mut *leader, pace)?;
+    let side_by_side = side_by_side(&mut top, &mut *leader, pace)?;
     let experiment = Experiment {
         source,
         given,
         estimator: leader,
-        company,
+        side_by_side,
         frame: top.take("frame").map_or(Ok(0), |frame| frame.count())?,
     };
     let position = Position {
@@ -63,24 +63,24 @@ fn section<'a>(of: &mut Section<'a>, key: &'static str) -> Result<Section<'a>, E
 }
 
 /// Those that go in lockstep with `leader`.
-fn company(top: &mut Section<'_>, leader: &mut dyn AnyEstimator, pace: Pace) -> Result<Company, Error> {
-    let Some(entry) = top.take("beside") else { return Ok(Company::default()) };
+fn side_by_side(top: &mut Section<'_>, leader: &mut dyn AnyEstimator, pace: Pace) -> Result<SideBySide, Error> {
+    let Some(entry) = top.take("beside") else { return Ok(SideBySide::default()) };
     let (mut ids, mut settings) = (Vec::new(), Vec::new());
     for mut one in entry.sections()? {
         let id = one.need("estimator")?;
         ids.push(id.text()?.to_owned());
         // One after the other, so that the line of the one that cannot be is known.
-        Company::of(leader, &ids, pace).map_err(|why| id.wrong(why))?;
+        SideBySide::of(leader, &ids, pace).map_err(|why| id.wrong(why))?;
         settings.push(section(&mut one, "set")?.all());
         one.end()?;
     }
-    let mut company = Company::of(leader, &ids, pace)?;
+    let mut side_by_side = SideBySide::of(leader, &ids, pace)?;
     for (id, settings) in ids.iter().zip(settings) {
         for (name, value) in settings {
-            company.set(leader, &format!("{id}.{name}={}", value.plain()?)).map_err(|why| value.wrong(why))?;
+            side_by_side.set(leader, &format!("{id}.{name}={}", value.plain()?)).map_err(|why| value.wrong(why))?;
         }
     }
-    Ok(company)
+    Ok(side_by_side)
 }
 
 /// The entries of a look that `picture` sets.

@@ -7,7 +7,7 @@ use motionscope_core::{Cursor, Pace, Params, Value, estimator, estimators};
 
 use super::write::{relative, slashed};
 use super::*;
-use crate::experiment::company::Company;
+use crate::experiment::side_by_side::SideBySide;
 use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
 use crate::view::look::Look;
 
@@ -15,8 +15,8 @@ fn session(source: Source) -> Session {
     let mut estimator = estimator("full-search").unwrap();
     estimator.set("block", "8").unwrap();
     estimator.set("early-exit", "on").unwrap();
-    let mut company = Company::of(&*estimator, &["diamond", "hierarchical"], Pace::Budget).unwrap();
-    company.set(&mut *estimator, "hierarchical.levels=4").unwrap();
+    let mut side_by_side = SideBySide::of(&*estimator, &["diamond", "hierarchical"], Pace::Budget).unwrap();
+    side_by_side.set(&mut *estimator, "hierarchical.levels=4").unwrap();
     let look = Look {
         view: Some(View::Blend),
         level: LevelShown::Number(2),
@@ -28,7 +28,7 @@ fn session(source: Source) -> Session {
     let sight = Some(Sight { center: [10.5, 3.0], zoom: 4.0 });
     let position =
         Position { cursor: Some(Cursor { unit: 35, event: 412 }), pixel: Some("303,202".parse().expect("a pixel")) };
-    let experiment = Experiment { company, frame: 12, ..Experiment::new(source, estimator) };
+    let experiment = Experiment { side_by_side, frame: 12, ..Experiment::new(source, estimator) };
     Session { experiment, position, look: look.into(), sight }
 }
 
@@ -289,11 +289,11 @@ fn every_estimator_with_any_parameters_comes_back() {
 fn those_beside_it_keep_the_parameters_of_their_stages() {
     for leader in estimators() {
         for (i, other) in estimators().into_iter().enumerate() {
-            let Ok(mut company) = Company::of(&*leader, &[other.info().id], Pace::Block) else { continue };
-            vary(&mut *company.beside[0], i as u64);
-            company.follow(&*leader);
+            let Ok(mut side_by_side) = SideBySide::of(&*leader, &[other.info().id], Pace::Block) else { continue };
+            vary(&mut *side_by_side.beside[0], i as u64);
+            side_by_side.follow(&*leader);
             let mut saved = session(Source::parse("synth:pillar").unwrap());
-            saved.experiment = Experiment { estimator: leader.boxed_clone(), company, ..saved.experiment };
+            saved.experiment = Experiment { estimator: leader.boxed_clone(), side_by_side, ..saved.experiment };
             let read = Session::parse(&saved.text(Path::new(".")).unwrap(), Path::new(".")).unwrap();
             assert!(read == saved, "{} beside {}", other.info().id, leader.info().id);
         }

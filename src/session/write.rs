@@ -68,7 +68,7 @@ impl Serialize for Picture<'_> {
 /// The text of `session` in a file in `folder`.
 pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
     let Session { experiment, position: Position { cursor, pixel }, look, sight } = session;
-    let Experiment { source, given: Given { truth, detections }, estimator, company, frame } = experiment;
+    let Experiment { source, given: Given { truth, detections }, estimator, side_by_side, frame } = experiment;
     let path = |path: &PathBuf| slashed(&relative(path, folder));
     let text = Text {
         motionscope: VERSION,
@@ -82,9 +82,9 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
         frame: *frame,
         step: cursor.map(|cursor| cursor.to_string()),
         pixel: pixel.map(|pixel| pixel.to_string()),
-        pace: (!company.is_empty()).then(|| company.pace.to_value().to_string()),
+        pace: (!side_by_side.is_empty()).then(|| side_by_side.pace.to_value().to_string()),
         set: estimator.all_values().into_iter().map(|(name, value)| (name, told(&value))).collect(),
-        beside: company.beside.iter().map(|one| Companion::of(&**one, &**estimator)).collect(),
+        beside: side_by_side.beside.iter().map(|one| Companion::of(&**one, &**estimator)).collect(),
         picture: Picture(look),
         sight: *sight,
     };

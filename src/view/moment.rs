@@ -7,7 +7,7 @@ use motionscope_core::scene::{Fact, Focus, Picture, Readout};
 use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Role, Scene, Step, Walk};
 
 use super::look::{Look, Stands};
-use super::motion::{Motion, Offer, Reverse, Site};
+use super::motion::{AvailableLayers, Motion, Reverse, Site};
 use super::named::{LastNamed, Named};
 use super::tile::{self, Ending, Tile, add_assessment, add_facts, endings, predicted, tiles};
 use crate::experiment::Experiment;
@@ -31,7 +31,7 @@ pub struct Moment {
     /// Each of those that go in lockstep; none where there is but one.
     pub tiles: Vec<Tile>,
     /// Which layers tell of motion.
-    pub offer: Offer,
+    pub available: AvailableLayers,
     /// Why a picture that the step names is not among them, if one is not.
     pub missing: Option<Error>,
 }
@@ -107,7 +107,7 @@ impl Moment {
             scene: Arc::new(scene),
             pictures,
             tiles,
-            offer: motion.offer,
+            available: motion.available,
             missing,
         })
     }
@@ -121,7 +121,7 @@ impl Moment {
     pub fn why_without(&self, layer: FlowLayer) -> Option<&'static str> {
         let mut shown = self.pictures.layer.iter().chain(self.tiles.iter().filter_map(|tile| tile.layer.as_ref()));
         let is_shown = shown.any(|tint| tint.kind == layer);
-        (!is_shown).then(|| self.offer.why_not(layer).unwrap_or("nothing has moved there yet"))
+        (!is_shown).then(|| self.available.why_not(layer).unwrap_or("nothing has moved there yet"))
     }
 
     /// The pyramid on which the step works, if it does.

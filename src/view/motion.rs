@@ -18,7 +18,7 @@ use crate::view::tile::Tile;
 
 /// Which layers there are where a run stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Offer {
+pub struct AvailableLayers {
     known: Known,
     at_end: bool,
     /// Whether there are several estimators.
@@ -30,10 +30,10 @@ pub struct Offer {
     has_truth: bool,
 }
 
-impl Offer {
+impl AvailableLayers {
     /// Which there are at `site`.
     pub fn at(site: Site<'_>) -> Self {
-        Found::at(site).offer(site)
+        Found::at(site).available(site)
     }
 
     /// Whether there is a field at all.
@@ -98,7 +98,7 @@ pub struct Site<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
     /// Which layers there are.
-    pub offer: Offer,
+    pub available: AvailableLayers,
     /// The layer of colours: one, or one for each of several estimators.
     pub layers: Vec<Arc<Tint>>,
     /// What is wanted in their place and comes with the end of the run.
@@ -123,10 +123,10 @@ impl Motion {
         backward: impl FnOnce() -> Result<Option<&'a Flow>, Error>,
     ) -> Result<Self, Error> {
         let found = Found::at(site);
-        let offer = found.offer(site);
-        let layer = offer.layer(look.layer);
-        let shows_streaks = look.streaks.is_some() && offer.has_field();
-        let mut motion = Self { offer, awaited: offer.awaited(look.layer), ..Self::default() };
+        let available = found.available(site);
+        let layer = available.layer(look.layer);
+        let shows_streaks = look.streaks.is_some() && available.has_field();
+        let mut motion = Self { available, awaited: available.awaited(look.layer), ..Self::default() };
         if layer == FlowLayer::None && !shows_streaks {
             return Ok(motion);
         }
@@ -244,13 +244,13 @@ impl<'a> Found<'a> {
         }
     }
 
-    fn offer(&self, Site { walk, clip, .. }: Site<'_>) -> Offer {
+    fn available(&self, Site { walk, clip, .. }: Site<'_>) -> AvailableLayers {
         let known = match self {
             Self::Drawn(..) => Known::Pixels,
             Self::Output(output) => output.motion(),
             Self::Several(outputs) => outputs.iter().map(Output::motion).min().unwrap_or_default(),
         };
-        Offer {
+        AvailableLayers {
             known,
             at_end: walk.at_end(),
             several: matches!(self, Self::Several(_)),
@@ -359,16 +359,16 @@ mod tests {
 
     #[test]
     fn what_cannot_be_shown_is_told_why_and_something_else_is_shown() {
-        let dense = Offer { known: Known::Pixels, is_pair: true, ..Offer::default() };
-        let why = |offer: Offer, layer| offer.why_not(layer).unwrap_or_default();
+        let dense = AvailableLayers { known: Known::Pixels, is_pair: true, ..AvailableLayers::default() };
+        let why = |available: AvailableLayers, layer| available.why_not(layer).unwrap_or_default();
         assert_eq!((dense.layer(None), dense.layer(Some(FlowLayer::Error))), (FlowLayer::Wheel, FlowLayer::Wheel));
         assert!(why(dense, FlowLayer::Error).contains("no true flow"));
-        let known = Offer { has_truth: true, ..dense };
+        let known = AvailableLayers { has_truth: true, ..dense };
         assert!(why(known, FlowLayer::Error).contains("end of a run"));
-        let ended = Offer { at_end: true, ..known };
+        let ended = AvailableLayers { at_end: true, ..known };
         assert_eq!(ended.layer(Some(FlowLayer::Error)), FlowLayer::Error);
-        for (offer, awaited) in [(dense, None), (known, Some(FlowLayer::Error)), (ended, None)] {
-            assert_eq!(offer.awaited(Some(FlowLayer::Error)), awaited, "only what will be there is awaited");
+        for (available, awaited) in [(dense, None), (known, Some(FlowLayer::Error)), (ended, None)] {
+            assert_eq!(available.awaited(Some(FlowLayer::Error)), awaited, "only what will be there is awaited");
         }
         let wheel = Some(FlowLayer::Wheel);
         assert_eq!([known.chosen(Some(FlowLayer::Error)), known.chosen(wheel)], [FlowLayer::Error, FlowLayer::Wheel]);
@@ -377,11 +377,13 @@ mod tests {
             [FlowLayer::Wheel, FlowLayer::None]
         );
         assert!(why(ended, FlowLayer::Confidence).contains("tells no confidence"));
-        assert!(why(Offer { several: true, ..ended }, FlowLayer::Consistency).contains("by itself"));
-        assert!(why(Offer { is_pair: false, ..ended }, FlowLayer::Consistency).contains("more than two frames"));
-        let blocks = Offer { known: Known::Blocks, ..ended };
+        assert!(why(AvailableLayers { several: true, ..ended }, FlowLayer::Consistency).contains("by itself"));
+        assert!(
+            why(AvailableLayers { is_pair: false, ..ended }, FlowLayer::Consistency).contains("more than two frames")
+        );
+        let blocks = AvailableLayers { known: Known::Blocks, ..ended };
         assert_eq!((blocks.layer(None), blocks.layer(Some(FlowLayer::Wheel))), (FlowLayer::None, FlowLayer::Wheel));
-        let points = Offer { known: Known::Points, ..ended };
+        let points = AvailableLayers { known: Known::Points, ..ended };
         assert!(!points.has_field() && why(points, FlowLayer::Wheel).contains("single points"));
         assert_eq!(points.layer(Some(FlowLayer::Wheel)), FlowLayer::None);
     }

@@ -71,7 +71,7 @@ impl PartialEq for Pane {
     }
 }
 
-/// The pictures and the marks over them; it is painted with the plate.
+/// The pictures and the marks over them; it is painted with the figure.
 pub const STAGE: Pane = Pane {
     id: "stage",
     title: "Stage",

@@ -6,7 +6,7 @@ use motionscope_core::scene::Sentence;
 
 use crate::paint::charts::{Canvas, ChartStyle};
 use crate::paint::primitive::Rect;
-use crate::paint::{Caption, Layer, Plate, heading, paragraph};
+use crate::paint::{Caption, Figure, Layer, heading, paragraph};
 
 use super::panes::{EXPLANATION, Pane, STAGE, Told};
 use super::shot::{Around, Shot};
@@ -45,8 +45,8 @@ pub struct Pictures<'a> {
     pub extent: [f32; 2],
     /// What stands between and around them, in points.
     pub beside: [f32; 2],
-    /// The plate at so many points per pixel of the clip.
-    pub plate: &'a dyn Fn(f32) -> Plate,
+    /// The figure at so many points per pixel of the clip.
+    pub figure: &'a dyn Fn(f32) -> Figure,
 }
 
 impl Pictures<'_> {
@@ -64,30 +64,30 @@ impl Pictures<'_> {
         self.extent[0] * self.extent[1] * zoom * zoom
     }
 
-    /// The plate that has room in `size`, and what it needs of that.
-    fn fitting(&self, size: [f32; 2]) -> (Plate, [f32; 2]) {
+    /// The figure that has room in `size`, and what it needs of that.
+    fn fitting(&self, size: [f32; 2]) -> (Figure, [f32; 2]) {
         let mut around = self.beside;
-        let net = |plate: &Plate| plate.size.map(|side| side - 2.0 * MARGIN);
+        let net = |figure: &Figure| figure.size.map(|side| side - 2.0 * MARGIN);
         for _ in 0..3 {
             let zoom = self.zoom(size, around);
-            let plate = (self.plate)(zoom);
-            let taken = net(&plate);
+            let figure = (self.figure)(zoom);
+            let taken = net(&figure);
             if taken[1] <= size[1] {
-                return (plate, taken);
+                return (figure, taken);
             }
             // A narrower picture may have a longer legend.
             around[1] = taken[1] - self.extent[1] * zoom + 2.0;
         }
-        let plate = (self.plate)(self.zoom(size, around));
-        let taken = net(&plate);
-        (plate, taken)
+        let figure = (self.figure)(self.zoom(size, around));
+        let taken = net(&figure);
+        (figure, taken)
     }
 }
 
 impl Shot<'_> {
     /// The panes of the step on one sheet, with the marks that `scale` pixels for each point have room for; where several
     /// steps share a layout, the first of them makes it.
-    pub(super) fn sheet(&self, scale: u32, shared: Option<&mut Option<Layout>>) -> Plate {
+    pub(super) fn sheet(&self, scale: u32, shared: Option<&mut Option<Layout>>) -> Figure {
         let Self { moment, look, panes, .. } = *self;
         let (info, step) = match moment.tiles.first() {
             Some(tile) => (tile.info, &*tile.step),
@@ -95,7 +95,7 @@ impl Shot<'_> {
         };
         let is_centered = !self.estimator.tests_candidates();
         let told = Told { info, step, is_centered, level: look.level, angles: panes.angles };
-        let plate = |zoom: f32| self.plate(Around { zoom, titles: true, caption: None }, scale);
+        let figure = |zoom: f32| self.figure(Around { zoom, titles: true, caption: None }, scale);
         let across = self.view().panels(&moment.pictures).len();
         let [columns, rows] = match (moment.tiles.len(), across) {
             (0 | 1, 4) => [2, 2],
@@ -106,14 +106,14 @@ impl Shot<'_> {
         let extent = [(columns * width) as f32, (rows * height) as f32];
         // What stands around the pictures, as measured where they have about half of the sheet.
         let zoom = 0.5 * SIZE[0] / extent[0];
-        let above = plate(zoom).size[1] - 2.0 * MARGIN - extent[1] * zoom;
+        let above = figure(zoom).size[1] - 2.0 * MARGIN - extent[1] * zoom;
         let beside = [8.0 * (columns - 1) as f32, above];
-        let stage = Pictures { extent, beside, plate: &plate };
+        let stage = Pictures { extent, beside, figure: &figure };
         let style = ChartStyle { theme: look.theme, colors: look.colors, density: scale as f32 };
         let contents = Contents { told, panes: &panes.panes, caption: self.caption(), style, stage };
         match shared {
-            Some(shared) => shared.get_or_insert_with(|| Layout::of(&contents, Spare::FOR_OTHERS)).plate(&contents),
-            None => Layout::of(&contents, Spare::NONE).plate(&contents),
+            Some(shared) => shared.get_or_insert_with(|| Layout::of(&contents, Spare::FOR_OTHERS)).figure(&contents),
+            None => Layout::of(&contents, Spare::NONE).figure(&contents),
         }
     }
 }
@@ -162,8 +162,8 @@ impl Layout {
     }
 
     /// The sheet with `contents`.
-    fn plate(&self, contents: &Contents<'_>) -> Plate {
-        Frame::new(contents, self.size, self.spare).plate(contents, &self.arrangement)
+    fn figure(&self, contents: &Contents<'_>) -> Figure {
+        Frame::new(contents, self.size, self.spare).figure(contents, &self.arrangement)
     }
 }
 
@@ -191,7 +191,7 @@ impl Frame {
         Self { size, body, words: vec![Layer { clip: None, primitives }] }
     }
 
-    fn plate(self, contents: &Contents<'_>, arrangement: &Arrangement) -> Plate {
+    fn figure(self, contents: &Contents<'_>, arrangement: &Arrangement) -> Figure {
         let Self { size, words, .. } = self;
         let Contents { told, style, .. } = contents;
         let chrome = style.theme.chrome();
@@ -222,7 +222,7 @@ impl Frame {
         layers.splice(0..0, rules.into_layers());
         said.push(contents.caption.sentence.plain());
         said.retain(|words| !words.is_empty());
-        Plate { size, background: chrome.panel, layers, panels: Vec::new(), description: said.join(". ") }
+        Figure { size, background: chrome.panel, layers, panels: Vec::new(), description: said.join(". ") }
     }
 }
 

@@ -11,7 +11,7 @@ use super::look::Look;
 use super::moment::Moment;
 use super::panes::Selection;
 use super::sheet::Layout;
-use crate::paint::{Caption, Part, Plate, PlateOptions, View, export_pdf, export_png, export_svg};
+use crate::paint::{Caption, Figure, FigureOptions, Part, View, export_pdf, export_png, export_svg};
 
 /// An SVG can be looked at from near: it has the marks of a PNG of this scale.
 const SVG_SCALE: u32 = 2;
@@ -65,12 +65,12 @@ impl Shot<'_> {
     }
 
     /// The stage alone, or a sheet of the panes that are selected.
-    fn picture(&self, scale: u32, layout: Option<&mut Option<Layout>>) -> Plate {
+    fn picture(&self, scale: u32, layout: Option<&mut Option<Layout>>) -> Figure {
         if !self.panes.panes.is_empty() {
             return self.sheet(scale, layout);
         }
         let caption = self.look.caption.then(|| self.caption());
-        self.plate(Around { zoom: 1.0, titles: false, caption }, scale)
+        self.figure(Around { zoom: 1.0, titles: false, caption }, scale)
     }
 
     /// How the step is looked at.
@@ -80,7 +80,7 @@ impl Shot<'_> {
     }
 
     /// The pictures of the step, with the marks that `scale` pixels for each point have room for.
-    pub(super) fn plate(&self, around: Around, scale: u32) -> Plate {
+    pub(super) fn figure(&self, around: Around, scale: u32) -> Figure {
         let Self { moment, look, .. } = *self;
         let Moment { scene, pictures, tiles, .. } = moment;
         let heat = moment.step.readouts.iter().find_map(|readout| match readout {
@@ -88,7 +88,7 @@ impl Shot<'_> {
             _ => None,
         });
         let view = self.view();
-        let options = PlateOptions {
+        let options = FigureOptions {
             view,
             style: look.style(pictures),
             phase: look.streaks.unwrap_or_default().get(),
@@ -103,14 +103,14 @@ impl Shot<'_> {
         };
         if tiles.is_empty() {
             let pictures = pictures.on_level(scene.levels.as_ref(), look.level, view);
-            return Plate::new(&pictures, scene, &options);
+            return Figure::new(&pictures, scene, &options);
         }
         let parts = tiles.iter().map(|tile| Part {
             pictures: tile.pictures(pictures, look.level, view),
             scene: &tile.scene,
             heading: Some((tile.info.name, tile.is_done, &tile.words)),
         });
-        Plate::of(&parts.collect::<Vec<_>>(), scene, &options)
+        Figure::of(&parts.collect::<Vec<_>>(), scene, &options)
     }
 
     pub(super) fn caption(&self) -> Caption {

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use motionscope_core::{Clip, Cursor, Error, Move, Walk, Way};
+use motionscope_core::{Clip, Cursor, Direction, Error, Move, Walk};
 
 use super::look::Look;
 use super::moment::Viewer;
-use super::motion::{Offer, Reverse, Site};
+use super::motion::{AvailableLayers, Reverse, Site};
 use super::panes::Selection;
 use super::shot::{Format, Shot};
 use super::tile::{self, tiles};
@@ -21,8 +21,8 @@ pub struct Steps {
     pub from: Cursor,
     /// The last step; beyond the end of the run, its end.
     pub to: Cursor,
-    /// The rung whose stops are written.
-    pub rung: usize,
+    /// The granularity whose stops are written.
+    pub granularity: usize,
     /// What they are written as.
     pub format: Format,
     /// Pixels for each pixel of the clip.
@@ -125,7 +125,12 @@ impl Steps {
             if viewer.walk.at_end() {
                 break;
             }
-            travel(&mut *viewer.walk, Move::Rung(self.rung, Way::Forward), written.count, progress)?;
+            travel(
+                &mut *viewer.walk,
+                Move::Granularity(self.granularity, Direction::Forward),
+                written.count,
+                progress,
+            )?;
         }
         viewer.walk.failure().map_or(Ok(written), |failure| Err(failure.clone()))
     }
@@ -138,8 +143,8 @@ impl Steps {
                 || Error::new(format!("the run ends at {}, before the first step {}", walk.cursor(), self.from));
             return Err(walk.failure().cloned().unwrap_or_else(short));
         }
-        if self.rung + 1 < walk.info().rungs.len() && walk.cursor().event < walk.events() {
-            travel(walk, Move::Rung(self.rung, Way::Forward), 0, progress)?;
+        if self.granularity + 1 < walk.info().granularities.len() && walk.cursor().event < walk.events() {
+            travel(walk, Move::Granularity(self.granularity, Direction::Forward), 0, progress)?;
         }
         Ok(())
     }
@@ -154,7 +159,7 @@ impl Steps {
     ) -> Result<(), Error> {
         let why_not = |walk: &dyn Walk| {
             let scene = tile::scene(walk, None, &tiles(walk, None, &[]));
-            Offer::at(Site { walk, clip, scene: &scene }).why_not(layer)
+            AvailableLayers::at(Site { walk, clip, scene: &scene }).why_not(layer)
         };
         let Some(why) = why_not(walk) else { return Ok(()) };
         travel(walk, Move::To(self.to), 0, progress)?;
@@ -165,7 +170,7 @@ impl Steps {
                 if why_not(walk).is_none() {
                     return Ok(());
                 }
-                travel(walk, Move::Rung(self.rung, Way::Forward), 0, progress)?;
+                travel(walk, Move::Granularity(self.granularity, Direction::Forward), 0, progress)?;
             }
         }
         let refused = format!("none of these steps has the layer {}: {why}; choose another --layer", layer.id());

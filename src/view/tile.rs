@@ -131,8 +131,8 @@ pub fn best(step: &Step) -> Option<&Fact> {
 fn counted(member: &Beside) -> [String; 3] {
     let here = grouped(member.candidates);
     let (leg, of) = member.leg;
-    let rung = member.info.rungs.iter().rev().nth(2).filter(|_| of > 1);
-    let at = rung.map_or_else(String::new, |rung| format!(", {rung} {leg} of {of}"));
+    let granularity = member.info.granularities.iter().rev().nth(2).filter(|_| of > 1);
+    let at = granularity.map_or_else(String::new, |granularity| format!(", {granularity} {leg} of {of}"));
     [format!("{here} candidates{at}"), format!("{here}{at}"), here]
 }
 

@@ -67,10 +67,10 @@ fn walk_through(id: &str) {
 
     window.key(Key::PageDown);
     window.press(Modifiers::SHIFT, Key::ArrowRight);
-    let (rungs, events) = (window.shown().info.rungs, window.shown().events);
-    let rung = rungs.last().expect("a rung");
+    let (granularities, events) = (window.shown().info.granularities, window.shown().events);
+    let granularity = granularities.last().expect("a granularity");
     let middle = (events / 2).max(1);
-    window.harness.get_by_label(&format!("Timeline, {rung}s")).set_value_accesskit(middle as f64);
+    window.harness.get_by_label(&format!("Timeline, {granularity}s")).set_value_accesskit(middle as f64);
     window.settle();
     assert_eq!(window.cursor().event, middle, "{id}");
     check_picture(&mut window, &format!("{id}{}.png", NAMES[0]));

@@ -48,8 +48,8 @@ fn a_range_of_steps_is_exported() {
     window.harness.get_by_label("First step").set_text_value_accesskit(&step(10));
     window.harness.get_by_label("Last step").set_text_value_accesskit(&step(13));
     window.settle();
-    let rung = window.shown().info.rungs[2];
-    window.click_role(Role::Button, rung);
+    let granularity = window.shown().info.granularities[2];
+    window.click_role(Role::Button, granularity);
     window.click_role(Role::Button, "1×");
     write_to(&mut window, folder.path());
     let mut files: Vec<_> =
@@ -59,7 +59,7 @@ fn a_range_of_steps_is_exported() {
     assert_eq!(files, names, "{:?}", window.app().message());
     // Each is the picture of its step.
     for (event, file) in (10..).zip(&files) {
-        window.harness.get_by_label(&format!("Timeline, {rung}s")).set_value_accesskit(event as f64);
+        window.harness.get_by_label(&format!("Timeline, {granularity}s")).set_value_accesskit(event as f64);
         window.settle();
         assert_eq!(window.cursor(), Cursor { unit, event });
         window.command(Command::ExportPicture);

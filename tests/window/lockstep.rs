@@ -86,11 +86,11 @@ fn the_budget_is_shared_and_parameters_are() {
     window.harness.get_by_role_and_label(Role::Slider, "Range").set_value_accesskit(4.0);
     window.settle();
     let all = |window: &Window, name: &str| -> Vec<Value> {
-        window.app().document().company().beside.iter().map(|one| one.get(name).expect("they have it")).collect()
+        window.app().document().side_by_side().beside.iter().map(|one| one.get(name).expect("they have it")).collect()
     };
     assert_eq!(all(&window, "range"), [Value::Int(4), Value::Int(4)]);
     window.click("same budget");
-    assert_eq!(window.app().document().company().pace, Pace::Budget);
+    assert_eq!(window.app().document().side_by_side().pace, Pace::Budget);
     window.key(Key::End);
     let shown = window.shown();
     assert!(shown.at_end && shown.tiles.iter().all(|tile| tile.is_done), "full search, which leads, spends most");

@@ -92,7 +92,7 @@ fn blocks_have_colours_where_they_are_wanted() {
     assert!(keys.windows(2).all(|pair| pair[0] == pair[1]), "on one scale");
     assert!(!Command::ConsistencyLayer.enabled(&motionscope::ui::app::commands::Now {
         has_run: true,
-        offer: window.shown().offer,
+        available: window.shown().available,
         ..Default::default()
     }));
 }

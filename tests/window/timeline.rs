@@ -27,7 +27,7 @@ fn the_timeline_is_scrubbed() {
     window.drag(at(rail, 0.1), at(rail, 0.9));
     let there = window.cursor();
     assert!(there.unit > unit && there.event == window.shown().events, "{there}");
-    let event = window.shown().info.rungs[2];
+    let event = window.shown().info.granularities[2];
     let rail = window.harness.get_by_label(&format!("Timeline, {event}s")).rect();
     window.drag(at(rail, 0.9), at(rail, 0.5));
     let half = window.shown().events / 2;
@@ -35,11 +35,11 @@ fn the_timeline_is_scrubbed() {
     assert!(window.cursor().event.abs_diff(half) <= half / 20 + 2, "{}", window.cursor());
 }
 
-/// The number that the tip under the pointer gives to a `rung`.
-fn tip(window: &Window, rung: &str) -> Option<usize> {
-    let words = window.harness.query_all_by_label_contains(rung);
+/// The number that the tip under the pointer gives to a `granularity`.
+fn tip(window: &Window, granularity: &str) -> Option<usize> {
+    let words = window.harness.query_all_by_label_contains(granularity);
     let texts = words.filter_map(|node| node.accesskit_node().value().or(node.accesskit_node().label()));
-    let numbers = texts.filter_map(|text| text.strip_prefix(rung)?.trim().replace('\u{202f}', "").parse().ok());
+    let numbers = texts.filter_map(|text| text.strip_prefix(granularity)?.trim().replace('\u{202f}', "").parse().ok());
     numbers.collect::<Vec<_>>().pop()
 }
 
@@ -48,7 +48,7 @@ fn a_place_on_the_timeline_is_called_what_a_click_goes_to() {
     let mut window = Window::usual();
     window.key(Key::Home);
     window.key(Key::ArrowRight);
-    for name in ["block", window.shown().info.rungs[2]] {
+    for name in ["block", window.shown().info.granularities[2]] {
         let rail = window.harness.get_by_label(&format!("Timeline, {name}s")).rect();
         for share in [0.213, 0.487, 0.756] {
             let place = Pos2::new(rail.left() + share * rail.width(), rail.center().y);
@@ -85,7 +85,7 @@ fn holding_the_timeline_still_asks_once() {
 #[test]
 fn the_timeline_is_moved_by_keys_and_screen_readers() {
     let mut window = Window::usual();
-    let (before, event) = (window.cursor(), window.shown().info.rungs[2]);
+    let (before, event) = (window.cursor(), window.shown().info.granularities[2]);
     let track = format!("Timeline, {event}s");
     window.harness.get_by_label(&track).focus();
     window.settle();

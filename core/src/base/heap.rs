@@ -15,7 +15,7 @@ pub(crate) fn keep() {
     ONCE.call_once(|| drop(black_box(Vec::<u8>::with_capacity(LARGEST))));
 }
 
-/// The bytes of memory that are taken to be free where nobody tells.
+/// The bytes of memory that are taken to be free where the system does not tell.
 pub const ASSUMED_FREE: u64 = 8 << 30;
 
 /// Who tells how much is free.

@@ -5,7 +5,7 @@ pub trait Observer<E> {
     /// Whether anything that it is shown is seen.
     const WATCHES: bool = true;
 
-    /// Sees `event`, which is only made if someone looks.
+    /// Sees `event`, which is only made for an observer that looks.
     fn see(&mut self, event: impl FnOnce() -> E);
 }
 

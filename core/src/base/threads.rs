@@ -125,14 +125,14 @@ impl Threads {
     pub(crate) fn sweep<T: Copy + Default + Send + Sync, D>(
         &self,
         ((columns, rows), wanted): ((usize, usize), impl Fn() -> Result<(), Error> + Sync),
-        desk: impl Fn() -> D + Sync,
+        control: impl Fn() -> D + Sync,
         f: impl Fn(&mut D, usize, Earlier<T>) -> T + Sync,
     ) -> Result<Vec<T>, Error> {
         let Some(pool) = &self.0 else {
-            let (mut done, mut desk) = (Vec::with_capacity(columns * rows), desk());
+            let (mut done, mut control) = (Vec::with_capacity(columns * rows), control());
             for index in 0..columns * rows {
                 wanted()?;
-                done.push(f(&mut desk, index, Earlier::All(&done)));
+                done.push(f(&mut control, index, Earlier::All(&done)));
             }
             return Ok(done);
         };
@@ -141,7 +141,7 @@ impl Threads {
         // Rows are taken in order, so the first that is not finished waits for nobody: there is always one that goes on.
         pool.broadcast(|_| {
             let _guard = OnPanic(&end.is_lost);
-            let mut desk = desk();
+            let mut control = control();
             loop {
                 let row = next_row.fetch_add(1, Ordering::Relaxed);
                 if row >= rows {
@@ -155,7 +155,7 @@ impl Threads {
                     if end.given_up.get().is_some() {
                         return;
                     }
-                    let value = f(&mut desk, index, Earlier::SoFar { cells: &cells, columns, end: &end });
+                    let value = f(&mut control, index, Earlier::SoFar { cells: &cells, columns, end: &end });
                     // Nobody else takes this row.
                     let _ = cells[index].set(value);
                 }
@@ -173,7 +173,7 @@ impl Threads {
 pub(crate) struct End {
     /// Whether one of the threads has panicked.
     is_lost: AtomicBool,
-    /// Why nobody wants it any more.
+    /// Why it is cancelled.
     given_up: OnceLock<Error>,
 }
 

@@ -285,7 +285,7 @@ impl Clip {
         self
     }
 
-    /// The same clip with what someone detected in its frames beside it, from frame 0 on; in later ones nothing.
+    /// The same clip with detections in its frames beside it, from frame 0 on; in later ones nothing.
     pub fn with_detections(mut self, detections: Vec<Vec<Detection>>) -> Self {
         self.detections = Some(Arc::new(detections));
         self
@@ -331,7 +331,7 @@ impl Clip {
         Self { budget: whole.budget, ..self.until(whole.stop.clone()) }
     }
 
-    /// Ends work on the clip with `?` when nobody wants it any more.
+    /// Ends work on the clip with `?` when it is cancelled.
     ///
     /// # Errors
     /// If it was given up (see [`Clip::until`]).
@@ -344,7 +344,7 @@ impl Clip {
         &self.info
     }
 
-    /// Whether there are no pictures, but only what someone detected: see [`Clip::blank`].
+    /// Whether there are no pictures, but only detections: see [`Clip::blank`].
     pub fn is_blank(&self) -> bool {
         self.frames.is_blank()
     }
@@ -354,7 +354,7 @@ impl Clip {
         self.truth.as_ref()
     }
 
-    /// What someone detected in frame `t`; `None` for a clip without detections.
+    /// The detections in frame `t`; `None` for a clip without detections.
     pub fn detections(&self, t: usize) -> Option<&[Detection]> {
         self.detections.as_ref().map(|frames| frames.get(t).map_or(&[][..], Vec::as_slice))
     }

@@ -29,7 +29,7 @@ pub use dense_flow::DenseField;
 pub use keypoints::{Descriptor, Feature, Keypoint, PointField, Status};
 pub use mask::MaskField;
 pub use metrics::FlowError;
-pub use objects::{Followed, Life, Object, ObjectField, ObjectFrame};
+pub use objects::{Followed, Object, ObjectField, ObjectFrame, TrackStatus};
 pub use output::Output;
 pub use prediction::{PSNR, predict};
 pub use product::{AnyProduct, Confidence, Motion, Product, ProductKind, Tested};

@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use super::estimator::run_observed;
-use super::{Estimator, Footprint, Info, Need, Progress, Promise, StageView, Timeline, Walk, need};
+use super::{Estimator, Footprint, Guarantee, Info, Need, Progress, StageView, Timeline, Walk, need};
 use crate::base::{Error, Threads, heap};
 use crate::data::Clip;
 use crate::params::Params;
@@ -47,7 +47,7 @@ pub trait AnyEstimator: Params + Send + Sync {
     fn produces(&self) -> &'static [&'static ProductKind];
 
     /// What it can be relied on to find: for tests.
-    fn promise(&self) -> Promise;
+    fn guarantee(&self) -> Guarantee;
 
     /// Whether it is about each frame by itself, and nothing is said of how pixels of one lie in the next.
     fn is_of_single_frames(&self) -> bool {
@@ -166,8 +166,8 @@ impl<E: Estimator> AnyEstimator for E {
         E::PRODUCES
     }
 
-    fn promise(&self) -> Promise {
-        E::PROMISE
+    fn guarantee(&self) -> Guarantee {
+        E::GUARANTEE
     }
 
     fn units_of(&self, picture: (usize, usize), frames: usize) -> Option<usize> {

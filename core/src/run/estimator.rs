@@ -25,8 +25,8 @@ pub struct Info {
     pub source: &'static str,
     /// The algorithm, line by line, as [`pseudocode!`](crate::pseudocode!) declares it.
     pub pseudocode: &'static [Line],
-    /// Names of the ladder's rungs, outermost first. The last is an event, the one before it a unit.
-    pub rungs: &'static [&'static str],
+    /// Names of the ladder's granularities, outermost first. The last is an event, the one before it a unit.
+    pub granularities: &'static [&'static str],
     /// How many frames a run looks at, from the one that it starts on.
     pub frames: usize,
 }
@@ -34,7 +34,7 @@ pub struct Info {
 /// What an estimator finds where the whole picture moves alike, by a whole number of px unless it says otherwise, and not
 /// farther than it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Promise {
+pub enum Guarantee {
     /// That displacement, on any texture that differs from place to place.
     Translation,
     /// That displacement, give or take a few px each way, where the texture is smooth, so that the cost falls from all
@@ -70,12 +70,12 @@ impl Info {
     }
 }
 
-/// The rung of the levels of a pyramid: they are counted down to 0, the picture itself.
+/// The granularity of the levels of a pyramid: they are counted down to 0, the picture itself.
 pub const LEVEL: &str = "level";
 
-/// Where a run stands on one rung of the ladder.
+/// Where a run stands on one granularity of the ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rung {
+pub struct Granularity {
     /// Which one, from 0.
     pub index: usize,
     /// How many there are, if that is known.
@@ -123,7 +123,7 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     /// The kinds of products that a run may make, the one that matters most first.
     const PRODUCES: &'static [&'static ProductKind];
     /// What it can be relied on to find: for tests.
-    const PROMISE: Promise = Promise::Translation;
+    const GUARANTEE: Guarantee = Guarantee::Translation;
     /// Whether the end of a run tells how far its field is trusted.
     const TELLS_CONFIDENCE: bool = false;
     /// Whether it looks at pictures: some take what others have detected.
@@ -155,8 +155,8 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     /// How many units the run has, if that is known beforehand.
     fn units(&self, state: &Self::State) -> Option<usize>;
 
-    /// Where the next unit of `state` stands: one entry for each of [`Info::rungs`] but the innermost.
-    fn place(&self, state: &Self::State) -> Vec<Rung>;
+    /// Where the next unit of `state` stands: one entry for each of [`Info::granularities`] but the innermost.
+    fn place(&self, state: &Self::State) -> Vec<Granularity>;
 
     /// The frame that the next unit of `state` works on, for those that go through a clip: the first of a pair, or one by
     /// itself. `None` where that is always the pair of the run.

@@ -6,7 +6,7 @@
 //! diamond             ●   ●   ●   ●   found           one that is done waits
 //! ```
 
-use super::{AnyEstimator, Beside, Cursor, Info, Move, Rung, Walk, Way};
+use super::{AnyEstimator, Beside, Cursor, Direction, Granularity, Info, Move, Walk};
 use crate::base::{Error, Threads};
 use crate::choices;
 use crate::data::Clip;
@@ -121,7 +121,7 @@ impl Lockstep {
         summary: "Several estimators on the same pair of frames, in lockstep.",
         source: "that of each estimator",
         pseudocode: &[],
-        rungs: &["frame", "block", "candidate"],
+        granularities: &["frame", "block", "candidate"],
         frames: 2,
     };
 
@@ -183,15 +183,15 @@ impl Lockstep {
         let goal = match to {
             Move::To(Cursor { unit, event: 0 }) if unit > 0 => end_of(unit - 1),
             Move::To(cursor) => cursor,
-            Move::End | Move::Rung(0, Way::Forward) => end_of(usize::MAX),
-            Move::Rung(0, Way::Back) => Cursor::default(),
-            Move::Rung(1, Way::Forward) if event < self.events => end_of(unit),
-            Move::Rung(1, Way::Forward) => end_of(unit + 1),
-            Move::Rung(_, Way::Forward) if event < self.events => Cursor { unit, event: event + 1 },
-            Move::Rung(_, Way::Forward) if unit + 1 == self.units => self.cursor,
-            Move::Rung(_, Way::Forward) => Cursor { unit: unit + 1, event: 1 },
-            Move::Rung(2.., Way::Back) if event > 1 => Cursor { unit, event: event - 1 },
-            Move::Rung(_, Way::Back) => back(),
+            Move::End | Move::Granularity(0, Direction::Forward) => end_of(usize::MAX),
+            Move::Granularity(0, Direction::Back) => Cursor::default(),
+            Move::Granularity(1, Direction::Forward) if event < self.events => end_of(unit),
+            Move::Granularity(1, Direction::Forward) => end_of(unit + 1),
+            Move::Granularity(_, Direction::Forward) if event < self.events => Cursor { unit, event: event + 1 },
+            Move::Granularity(_, Direction::Forward) if unit + 1 == self.units => self.cursor,
+            Move::Granularity(_, Direction::Forward) => Cursor { unit: unit + 1, event: 1 },
+            Move::Granularity(2.., Direction::Back) if event > 1 => Cursor { unit, event: event - 1 },
+            Move::Granularity(_, Direction::Back) => back(),
         };
         if goal.unit < self.units { goal } else { end_of(self.units - 1) }
     }
@@ -363,8 +363,8 @@ impl Walk for Lockstep {
         self.cursor == Cursor { unit: self.units - 1, event: self.events }
     }
 
-    fn place(&self) -> Vec<Rung> {
-        vec![Rung { index: 0, of: Some(1) }, Rung { index: self.cursor.unit, of: Some(self.units) }]
+    fn place(&self) -> Vec<Granularity> {
+        vec![Granularity { index: 0, of: Some(1) }, Granularity { index: self.cursor.unit, of: Some(self.units) }]
     }
 
     fn go(&mut self, to: Move) {

@@ -13,11 +13,11 @@ mod walk;
 
 pub use any::{AnyEstimator, AnyRun, Extent};
 pub use cursor::Cursor;
-pub use estimator::{Estimator, Info, LEVEL, Progress, Promise, Rung, Seen, run_observed};
+pub use estimator::{Estimator, Granularity, Guarantee, Info, LEVEL, Progress, Seen, run_observed};
 pub use facets::{Explained, Footprint, Pointed, StageView, TestsCandidates};
 pub use lockstep::{Lockstep, Pace};
 pub use need::Need;
 pub use span::{FRAMES, Span};
 pub use stage::{BlockVectors, Course, DenseFlow, Entries, Entry, Foreground, Frames, Keypoints, Masks, Stage, Tracks};
 pub use timeline::Timeline;
-pub use walk::{Beside, Move, Walk, Way};
+pub use walk::{Beside, Direction, Move, Walk};

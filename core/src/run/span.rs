@@ -1,6 +1,6 @@
 //! The frames that a run goes through.
 
-use super::Rung;
+use super::Granularity;
 use crate::base::Error;
 use crate::data::Clip;
 
@@ -41,8 +41,8 @@ impl Span {
     }
 
     /// Where a run stands that has frames for units and `done` of them behind it: in the clip, and at a frame.
-    pub fn place(&self, done: usize) -> Vec<Rung> {
-        vec![Rung { index: 0, of: Some(1) }, Rung { index: done, of: self.frames() }]
+    pub fn place(&self, done: usize) -> Vec<Granularity> {
+        vec![Granularity { index: 0, of: Some(1) }, Granularity { index: done, of: self.frames() }]
     }
 
     /// Whether there is no frame `next`. One that is damaged is no end: whoever goes on to it is told of it.

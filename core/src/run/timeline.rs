@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Cursor, Estimator, Explained, Info, Move, Progress, Rung, Seen, Walk, Way};
+use super::{Cursor, Direction, Estimator, Explained, Granularity, Info, Move, Progress, Seen, Walk};
 use crate::base::{Error, Stop};
 use crate::data::Clip;
 use crate::products::Output;
@@ -38,8 +38,8 @@ struct Journey<E: Estimator> {
 enum Goal {
     /// A cursor.
     Cursor(Cursor),
-    /// The last unit of the group to which unit `from` belongs on a rung.
-    GroupEnd { rung: usize, from: usize },
+    /// The last unit of the group to which unit `from` belongs on a granularity.
+    GroupEnd { granularity: usize, from: usize },
 }
 
 impl Goal {
@@ -86,7 +86,7 @@ impl<S> Checkpoints<S> {
     }
 }
 
-/// Where the groups of each rung begin, as far as the run was ever done.
+/// Where the groups of each granularity begin, as far as the run was ever done.
 struct Groups {
     starts: Vec<Vec<usize>>,
     place: Vec<usize>,
@@ -94,30 +94,30 @@ struct Groups {
 }
 
 impl Groups {
-    fn note(&mut self, index: usize, place: &[Rung]) {
+    fn note(&mut self, index: usize, place: &[Granularity]) {
         if index < self.explored {
             return;
         }
         self.explored = index + 1;
-        // A group begins where its own index, or that of a rung further out, changes.
+        // A group begins where its own index, or that of a granularity further out, changes.
         let mut changed = self.place.is_empty();
-        for (rung, starts) in self.starts.iter_mut().enumerate() {
-            changed |= self.place.get(rung) != place.get(rung).map(|r| &r.index);
+        for (granularity, starts) in self.starts.iter_mut().enumerate() {
+            changed |= self.place.get(granularity) != place.get(granularity).map(|r| &r.index);
             if changed {
                 starts.push(index);
             }
         }
-        self.place = place.iter().map(|rung| rung.index).collect();
+        self.place = place.iter().map(|granularity| granularity.index).collect();
     }
 
-    fn is_start(&self, rung: usize, index: usize) -> bool {
-        self.starts[rung].binary_search(&index).is_ok()
+    fn is_start(&self, granularity: usize, index: usize) -> bool {
+        self.starts[granularity].binary_search(&index).is_ok()
     }
 
     /// First unit of the group to which unit `index` belongs.
-    fn start_of(&self, rung: usize, index: usize) -> usize {
-        let after = self.starts[rung].partition_point(|&start| start <= index);
-        self.starts[rung][..after].last().copied().unwrap_or(0)
+    fn start_of(&self, granularity: usize, index: usize) -> usize {
+        let after = self.starts[granularity].partition_point(|&start| start <= index);
+        self.starts[granularity][..after].last().copied().unwrap_or(0)
     }
 }
 
@@ -151,7 +151,11 @@ impl<E: Estimator> Timeline<E> {
         let units = if progress == Progress::Done { Some(1) } else { estimator.units(&unit.before) };
         let mut timeline = Self {
             checkpoints: Checkpoints { states: BTreeMap::new(), stride: 1, bytes: 0, budget_bytes: Self::BUDGET_BYTES },
-            groups: Groups { starts: vec![Vec::new(); E::INFO.rungs.len() - 1], place: Vec::new(), explored: 0 },
+            groups: Groups {
+                starts: vec![Vec::new(); E::INFO.granularities.len() - 1],
+                place: Vec::new(),
+                explored: 0,
+            },
             estimator,
             clip,
             frame,
@@ -209,32 +213,34 @@ impl<E: Estimator> Timeline<E> {
     fn goal(&mut self, to: Move) -> Option<Goal> {
         let all = self.unit.events.len();
         let unit = self.unit.index;
-        let innermost = E::INFO.rungs.len() - 1;
+        let innermost = E::INFO.granularities.len() - 1;
         match to {
             Move::To(Cursor { unit, event: 0 }) if unit > 0 => Some(Goal::end_of(unit - 1)),
             Move::To(cursor) => Some(Goal::Cursor(cursor)),
             Move::End => Some(Goal::end_of(usize::MAX)),
-            Move::Rung(rung, Way::Forward) if self.seen < all && rung + 1 >= innermost => {
-                self.seen = if rung == innermost { self.seen + 1 } else { all };
+            Move::Granularity(granularity, Direction::Forward) if self.seen < all && granularity + 1 >= innermost => {
+                self.seen = if granularity == innermost { self.seen + 1 } else { all };
                 None
             }
-            Move::Rung(_, Way::Forward) if self.at_end() => None,
-            // The group of the outermost rung is the whole run, whose length may be known.
-            Move::Rung(0, Way::Forward) => Some(Goal::end_of(usize::MAX)),
-            Move::Rung(rung, Way::Forward) if rung == innermost => {
+            Move::Granularity(_, Direction::Forward) if self.at_end() => None,
+            // The group of the outermost granularity is the whole run, whose length may be known.
+            Move::Granularity(0, Direction::Forward) => Some(Goal::end_of(usize::MAX)),
+            Move::Granularity(granularity, Direction::Forward) if granularity == innermost => {
                 Some(Goal::Cursor(Cursor { unit: unit + 1, event: 1 }))
             }
-            Move::Rung(rung, Way::Forward) if rung + 1 == innermost => Some(Goal::end_of(unit + 1)),
-            Move::Rung(rung, Way::Forward) => {
-                let from = if self.seen == all { unit + 1 } else { unit };
-                Some(Goal::GroupEnd { rung, from })
+            Move::Granularity(granularity, Direction::Forward) if granularity + 1 == innermost => {
+                Some(Goal::end_of(unit + 1))
             }
-            Move::Rung(rung, Way::Back) if rung == innermost && self.seen > 1 => {
+            Move::Granularity(granularity, Direction::Forward) => {
+                let from = if self.seen == all { unit + 1 } else { unit };
+                Some(Goal::GroupEnd { granularity, from })
+            }
+            Move::Granularity(granularity, Direction::Back) if granularity == innermost && self.seen > 1 => {
                 self.seen -= 1;
                 None
             }
-            Move::Rung(rung, Way::Back) => {
-                let start = if rung + 1 >= innermost { unit } else { self.groups.start_of(rung, unit) };
+            Move::Granularity(granularity, Direction::Back) => {
+                let start = if granularity + 1 >= innermost { unit } else { self.groups.start_of(granularity, unit) };
                 match start.checked_sub(1) {
                     Some(previous) => Some(Goal::end_of(previous)),
                     None => Some(Goal::Cursor(Cursor::default())),
@@ -264,8 +270,8 @@ impl<E: Estimator> Timeline<E> {
                 journey.index += 1;
                 self.come_by(journey.index, &journey.state);
                 Some(match journey.goal {
-                    Goal::GroupEnd { rung, from }
-                        if journey.index > from && self.groups.is_start(rung, journey.index) =>
+                    Goal::GroupEnd { granularity, from }
+                        if journey.index > from && self.groups.is_start(granularity, journey.index) =>
                     {
                         self.depart(Goal::end_of(journey.index - 1))
                     }
@@ -341,7 +347,7 @@ impl<E: Estimator> Walk for Timeline<E> {
         self.unit_is_over() && self.units == Some(self.unit.index + 1)
     }
 
-    fn place(&self) -> Vec<Rung> {
+    fn place(&self) -> Vec<Granularity> {
         self.estimator.place(&self.unit.before)
     }
 

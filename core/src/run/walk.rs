@@ -1,13 +1,13 @@
 //! Walking through a run in both directions, whatever is run.
 
-use super::{Cursor, Explained, Info, Rung};
+use super::{Cursor, Explained, Granularity, Info};
 use crate::base::Error;
 use crate::products::Output;
 use crate::scene::{Focus, Picture, Role, Scene, Step};
 
 /// A direction in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum Direction {
     /// Towards the start.
     Back,
     /// Towards the end.
@@ -19,9 +19,9 @@ pub enum Way {
 pub enum Move {
     /// To this cursor, or the nearest there is: `event` beyond the unit's last means its end.
     To(Cursor),
-    /// To the next or previous stop of a rung of [`Info::rungs`]: an event for the innermost, the end of a
+    /// To the next or previous stop of a granularity of [`Info::granularities`]: an event for the innermost, the end of a
     /// unit for the one before it, the end of a level or of the whole run for those further out.
-    Rung(usize, Way),
+    Granularity(usize, Direction),
     /// To the end of the run.
     End,
 }
@@ -51,8 +51,8 @@ pub trait Walk: Send {
     fn units(&self) -> Option<usize>;
     /// Whether the cursor is at the end of the run.
     fn at_end(&self) -> bool;
-    /// Where the unit at hand stands on each rung but the innermost.
-    fn place(&self) -> Vec<Rung>;
+    /// Where the unit at hand stands on each granularity but the innermost.
+    fn place(&self) -> Vec<Granularity>;
     /// Asks for a move; it replaces one that is not finished.
     fn go(&mut self, to: Move);
     /// Works on the move while `more` says so; gives whether it is finished.

@@ -19,7 +19,7 @@ pub enum Role {
     Predicted,
     /// What was measured.
     Measured,
-    /// What is believed after prediction and measurement.
+    /// The estimate after prediction and measurement.
     Estimate,
     /// What is truly so.
     Truth,

@@ -99,7 +99,7 @@ impl<'a> Placed<'a> {
 
 /// An object at one moment: its edges in the picture, and how much of it can be seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sighting {
+pub struct TrackPoint {
     /// Its number.
     pub id: u32,
     /// Left, top, right and bottom edge in px.
@@ -222,7 +222,7 @@ impl Moment<'_> {
     }
 
     /// The objects whose edges are at least partly in the picture, in the order of their numbers.
-    pub fn sightings(&self) -> Vec<Sighting> {
+    pub fn sightings(&self) -> Vec<TrackPoint> {
         let objects = self.layers.iter().enumerate();
         let mut seen: Vec<_> = objects.filter_map(|(i, p)| Some(self.sighting(i, p, p.layer.object?))).collect();
         seen.retain(|s| self.meets_picture(s.bounds));
@@ -235,7 +235,7 @@ impl Moment<'_> {
         right >= -0.5 && bottom >= -0.5 && left < d.width as f64 - 0.5 && top < d.height as f64 - 0.5
     }
 
-    fn sighting(&self, index: usize, placed: &Placed, id: u32) -> Sighting {
+    fn sighting(&self, index: usize, placed: &Placed, id: u32) -> TrackPoint {
         let (mut all, mut visible) = (0u32, 0u32);
         let [left, top, right, bottom] = placed.bounds;
         for y in top.ceil() as i64..=bottom.floor() as i64 {
@@ -247,7 +247,7 @@ impl Moment<'_> {
                 }
             }
         }
-        Sighting { id, bounds: placed.bounds, visible: f64::from(visible) / f64::from(all.max(1)) }
+        TrackPoint { id, bounds: placed.bounds, visible: f64::from(visible) / f64::from(all.max(1)) }
     }
 }
 

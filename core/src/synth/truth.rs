@@ -65,7 +65,7 @@ impl Truth for ExactTruth {
         if t >= self.difficulty.frames || !self.stage.has_objects() {
             return Ok(None);
         }
-        let boxed = |s: &super::layer::Sighting| {
+        let boxed = |s: &super::layer::TrackPoint| {
             let [left, top, right, bottom] = s.bounds;
             ObjectBox {
                 id: s.id,

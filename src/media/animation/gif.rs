@@ -112,7 +112,7 @@ impl Gif {
     /// Keeps the canvas of `position` where that is due.
     fn keep(&mut self, position: &Position) -> Result<(), Error> {
         match self.stops.binary_search(&position.next) {
-            Ok(place) => self.kept.offer((position.next, place), &position.canvas),
+            Ok(place) => self.kept.available((position.next, place), &position.canvas),
             Err(_) => Ok(()),
         }
     }
@@ -305,7 +305,7 @@ struct Kept {
 
 impl Kept {
     /// Keeps the canvas before picture `number`, which is the one of `place` among those where that is due.
-    fn offer(&mut self, (number, place): (usize, usize), canvas: &Canvas) -> Result<(), Error> {
+    fn available(&mut self, (number, place): (usize, usize), canvas: &Canvas) -> Result<(), Error> {
         if !place.is_multiple_of(self.every) || self.canvases.contains_key(&number) {
             return Ok(());
         }

@@ -11,15 +11,15 @@ use flate2::write::ZlibEncoder;
 use motionscope_core::{Error, Grid};
 use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 
-use super::Plate;
+use super::Figure;
 use page::Page;
 
-/// `plate` as a PDF file of one page, as large as the plate. The same plate gives the same bytes.
+/// `figure` as a PDF file of one page, as large as the figure. The same figure gives the same bytes.
 ///
 /// # Errors
 /// If a part of it cannot be packed.
-pub fn export_pdf(plate: &Plate) -> Result<Vec<u8>, Error> {
-    write(plate).map_err(|reason| Error::new(format!("the PDF could not be made: {reason}")))
+pub fn export_pdf(figure: &Figure) -> Result<Vec<u8>, Error> {
+    write(figure).map_err(|reason| Error::new(format!("the PDF could not be made: {reason}")))
 }
 
 /// Numbers of the objects of a file, one after the other.
@@ -32,8 +32,8 @@ impl Numbers {
     }
 }
 
-fn write(plate: &Plate) -> Result<Vec<u8>, String> {
-    let page = Page::of(plate);
+fn write(figure: &Figure) -> Result<Vec<u8>, String> {
+    let page = Page::of(figure);
     let mut numbers = Numbers(0);
     let [catalog, pages, page_id, contents, info] = [(); 5].map(|()| numbers.next());
     let mut pdf = Pdf::new();
@@ -53,7 +53,7 @@ fn write(plate: &Plate) -> Result<Vec<u8>, String> {
         pdf.ext_graphics(*id).non_stroking_alpha(share).stroking_alpha(share);
     }
     let mut sheet = pdf.page(page_id);
-    sheet.parent(pages).media_box(Rect::new(0.0, 0.0, plate.size[0], plate.size[1])).contents(contents);
+    sheet.parent(pages).media_box(Rect::new(0.0, 0.0, figure.size[0], figure.size[1])).contents(contents);
     let mut resources = sheet.resources();
     let mut all = resources.fonts();
     fonts.iter().for_each(|(name, id)| _ = all.pair(Name(name), *id));
@@ -69,7 +69,7 @@ fn write(plate: &Plate) -> Result<Vec<u8>, String> {
     let packed = packed(&page.content.finish())?;
     pdf.stream(contents, &packed).filter(Filter::FlateDecode);
     let mut about = pdf.document_info(info);
-    about.title(TextStr("Motionscope")).subject(TextStr(&plate.description)).creator(TextStr("Motionscope"));
+    about.title(TextStr("Motionscope")).subject(TextStr(&figure.description)).creator(TextStr("Motionscope"));
     about.finish();
     Ok(pdf.finish())
 }

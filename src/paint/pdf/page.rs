@@ -8,7 +8,7 @@ use pdf_writer::types::{LineJoinStyle, TextRenderingMode};
 use pdf_writer::{Content, Name, Str};
 
 use super::super::primitive::{Arrow, Line, Point, Primitive, Rect, Stroke};
-use super::super::{Color, Layer, Plate, fonts::place};
+use super::super::{Color, Figure, Layer, fonts::place};
 use super::fonts::Fonts;
 
 /// How far the two inner points of a quarter of a circle lie from its ends, in radii.
@@ -37,8 +37,8 @@ pub fn opacity(alpha: u8) -> Vec<u8> {
 }
 
 impl Page {
-    /// The page of a plate.
-    pub fn of(plate: &Plate) -> Self {
+    /// The page of a figure.
+    pub fn of(figure: &Figure) -> Self {
         let mut page = Self {
             content: Content::new(),
             fonts: Fonts::default(),
@@ -46,14 +46,14 @@ impl Page {
             // Full opacity is what everything returns to.
             opacities: BTreeSet::from([255]),
         };
-        let [width, height] = plate.size;
+        let [width, height] = figure.size;
         // Points run down from the upper left corner, as everywhere else.
         page.content.transform([1.0, 0.0, 0.0, -1.0, 0.0, height]);
         page.paint(&Primitive::Polygon {
             points: Rect::new([0.0; 2], [width, height]).corners(),
-            color: plate.background,
+            color: figure.background,
         });
-        plate.layers.iter().for_each(|layer| page.layer(layer));
+        figure.layers.iter().for_each(|layer| page.layer(layer));
         page
     }
 

@@ -44,21 +44,21 @@ fn characters(pdf: &[u8]) -> Vec<BTreeMap<u16, char>> {
     maps.filter(|map| map.contains("beginbfchar")).map(pairs).collect()
 }
 
-fn plate() -> Plate {
+fn figure() -> Figure {
     let runs = vec![Run::new("SAD (−3, 2) is ", Color::BLACK), Run::new("812", Color::hex(0x00_9e73)).face(Face::Bold)];
     let line = Line { at: [20.0, 40.0], anchor: Anchor::Start, size: 14.0, runs, halo: Some(Color::WHITE) };
     let pixels = Arc::new(Grid::from_fn(3, 2, |x, y| [x as u8, y as u8, 7, if x == 0 { 0 } else { 255 }]));
     let image = Primitive::Image { pixels, rect: super::super::primitive::Rect::new([5.0, 50.0], [30.0, 20.0]) };
     let layers = vec![Layer { clip: None, primitives: vec![Primitive::Text(line), image] }];
     let description = "A line and a picture".into();
-    Plate { size: [200.0, 100.0], background: Color::WHITE, layers, panels: Vec::new(), description }
+    Figure { size: [200.0, 100.0], background: Color::WHITE, layers, panels: Vec::new(), description }
 }
 
 #[test]
 fn words_stay_words_and_the_same_plate_gives_the_same_bytes() {
-    let pdf = export_pdf(&plate()).expect("a small plate");
+    let pdf = export_pdf(&figure()).expect("a small figure");
     assert!(pdf.starts_with(b"%PDF-"));
-    assert_eq!(pdf, export_pdf(&plate()).expect("a small plate"));
+    assert_eq!(pdf, export_pdf(&figure()).expect("a small figure"));
     let mut all: Vec<char> = characters(&pdf).into_iter().flat_map(BTreeMap::into_values).collect();
     all.sort_unstable();
     let mut wanted: Vec<char> = "SAD (−3, 2) is ".chars().collect();
@@ -83,10 +83,10 @@ fn operators(pdf: &[u8]) -> String {
 
 #[test]
 fn a_picture_is_opaque_whatever_was_painted_before() {
-    let mut plate = plate();
+    let mut figure = figure();
     let points = vec![[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]];
-    plate.layers[0].primitives.insert(1, Primitive::Polygon { points, color: Color::BLACK.alpha(40) });
-    let all = operators(&export_pdf(&plate).expect("a small plate"));
+    figure.layers[0].primitives.insert(1, Primitive::Polygon { points, color: Color::BLACK.alpha(40) });
+    let all = operators(&export_pdf(&figure).expect("a small figure"));
     let before = all.split("/I0 Do").next().expect("the operators before the picture");
     let last = before.lines().rev().find(|line| line.ends_with(" gs"));
     assert!(before.contains("/A40 gs") && last == Some("/A255 gs"), "{before}");
@@ -94,7 +94,7 @@ fn a_picture_is_opaque_whatever_was_painted_before() {
 
 #[test]
 fn a_picture_with_clear_pixels_has_a_mask() {
-    let pdf = export_pdf(&plate()).expect("a small plate");
+    let pdf = export_pdf(&figure()).expect("a small figure");
     let text = String::from_utf8_lossy(&pdf);
     assert!(text.contains("/SMask") && text.contains("/MediaBox [0 0 200 100]"));
     let [colors, alpha] = [[0, 0, 7, 1, 0, 7].as_slice(), &[0, 255, 255, 0, 255, 255]];

@@ -2,10 +2,10 @@
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Cursor, Error, Move, Params, Way, estimator, stage};
+use motionscope_core::{AnyEstimator, Cursor, Direction, Error, Move, Params, estimator, stage};
 
-use crate::experiment::company::Company;
 use crate::experiment::comparison::Row;
+use crate::experiment::side_by_side::SideBySide;
 use crate::paint::{FlowLayer, Phase, Theme, View};
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::Command;
@@ -35,8 +35,8 @@ impl App {
             Action::Visit(row) => self.visit(&row),
             Action::Lockstep(ids) => self.lockstep(&ids),
             Action::Pace(pace) => {
-                let company = Company { pace, ..self.document.company().clone() };
-                self.keep_company(self.document.estimator().boxed_clone(), company);
+                let side_by_side = SideBySide { pace, ..self.document.side_by_side().clone() };
+                self.keep_company(self.document.estimator().boxed_clone(), side_by_side);
             }
             Action::Set(owner, index, value) => {
                 if let Err(error) = self.document.set(owner, index, value) {
@@ -152,18 +152,18 @@ impl App {
     fn step(&mut self, command: Command) {
         use Command as C;
         self.player.pause();
-        let rungs = self.rungs();
-        let (rung, way) = match command {
-            C::Into => (rungs.event(), Way::Forward),
-            C::IntoBack => (rungs.event(), Way::Back),
-            C::Over | C::NextUnit => (rungs.unit(), Way::Forward),
-            C::OverBack | C::PreviousUnit => (rungs.unit(), Way::Back),
-            C::Out => (rungs.group(), Way::Forward),
-            C::OutBack => (rungs.group(), Way::Back),
+        let granularities = self.granularities();
+        let (granularity, way) = match command {
+            C::Into => (granularities.event(), Direction::Forward),
+            C::IntoBack => (granularities.event(), Direction::Back),
+            C::Over | C::NextUnit => (granularities.unit(), Direction::Forward),
+            C::OverBack | C::PreviousUnit => (granularities.unit(), Direction::Back),
+            C::Out => (granularities.group(), Direction::Forward),
+            C::OutBack => (granularities.group(), Direction::Back),
             C::Start => return self.walker.go(Move::To(Cursor::default())),
             _ => return self.walker.go(Move::End),
         };
-        self.walker.go(Move::Rung(rung, way));
+        self.walker.go(Move::Granularity(granularity, way));
     }
 
     fn edit(&mut self, command: Command) {
@@ -210,9 +210,9 @@ impl App {
     fn next_layer(&mut self) {
         let Some(shown) = self.view.shown.as_deref() else { return };
         let look = &mut self.settings.look;
-        let now = shown.offer.chosen(look.layer);
+        let now = shown.available.chosen(look.layer);
         let mut round = FlowLayer::ALL.into_iter().cycle().skip_while(|layer| *layer != now).skip(1);
-        look.layer = round.find(|layer| shown.offer.why_never(*layer).is_none());
+        look.layer = round.find(|layer| shown.available.why_never(*layer).is_none());
     }
 
     fn next_theme(&mut self) {
@@ -276,7 +276,7 @@ impl App {
 
     /// Walks a stage of the estimator by itself, where that stands.
     fn enter(&mut self, index: usize) {
-        let Some(shown) = self.view.shown.clone().filter(|_| self.document.company().is_empty()) else { return };
+        let Some(shown) = self.view.shown.clone().filter(|_| self.document.side_by_side().is_empty()) else { return };
         let was_single = self.is_of_single_frames();
         match self.document.enter(index, &shown) {
             Ok(place) => self.change_stage(place, was_single),
@@ -322,16 +322,16 @@ impl App {
     /// Has the estimators called `ids` go in lockstep: that which is chosen leads if it is among them, else the first.
     fn lockstep(&mut self, ids: &[&str]) {
         let now = self.document.estimator();
-        let pace = self.document.company().pace;
+        let pace = self.document.side_by_side().pace;
         let leader = ids.iter().find(|id| **id == now.info().id).or(ids.first());
-        let company = || {
+        let side_by_side = || {
             let leader = changed_alike(now, estimator(leader.copied().unwrap_or_default())?);
             let others: Vec<_> = ids.iter().filter(|id| **id != leader.info().id).collect();
-            let company = Company::of(&*leader, &others, pace)?;
-            Ok::<_, Error>((leader, company))
+            let side_by_side = SideBySide::of(&*leader, &others, pace)?;
+            Ok::<_, Error>((leader, side_by_side))
         };
-        match company() {
-            Ok((leader, company)) => self.keep_company(leader, company),
+        match side_by_side() {
+            Ok((leader, side_by_side)) => self.keep_company(leader, side_by_side),
             Err(error) => self.toasts.fail(error.to_string()),
         }
     }
@@ -339,38 +339,38 @@ impl App {
     /// Goes on with one estimator alone, or in lockstep with those of the last time.
     fn toggle_lockstep(&mut self) {
         let leader = self.document.estimator().boxed_clone();
-        if !self.document.company().is_empty() {
-            self.company = self.document.company().clone();
-            return self.keep_company(leader, Company::default());
+        if !self.document.side_by_side().is_empty() {
+            self.side_by_side = self.document.side_by_side().clone();
+            return self.keep_company(leader, SideBySide::default());
         }
         let id = leader.info().id;
-        let mut company = self.company.clone();
-        company.beside.retain(|estimator| estimator.info().id != id);
-        company.follow(&*leader);
-        let company = if company.is_empty() {
-            Company::of(&*leader, &Company::usual(id), company.pace)
+        let mut side_by_side = self.side_by_side.clone();
+        side_by_side.beside.retain(|estimator| estimator.info().id != id);
+        side_by_side.follow(&*leader);
+        let side_by_side = if side_by_side.is_empty() {
+            SideBySide::of(&*leader, &SideBySide::usual(id), side_by_side.pace)
         } else {
-            company.check(&*leader).map(|()| company)
+            side_by_side.check(&*leader).map(|()| side_by_side)
         };
-        match company {
-            Ok(company) => self.keep_company(leader, company),
+        match side_by_side {
+            Ok(side_by_side) => self.keep_company(leader, side_by_side),
             Err(error) => self.toasts.fail(error.to_string()),
         }
     }
 
-    /// Has `leader` go on with `company`, or alone, from where it stands.
-    fn keep_company(&mut self, leader: Box<dyn AnyEstimator>, company: Company) {
-        self.document.keep_company(leader, company);
+    /// Has `leader` go on with `the estimators side by side`, or alone, from where it stands.
+    fn keep_company(&mut self, leader: Box<dyn AnyEstimator>, side_by_side: SideBySide) {
+        self.document.keep_company(leader, side_by_side);
         self.states.explained = 0;
         self.restart();
     }
 
     /// Goes to the first block that was missed, with the estimator that missed it.
     fn visit(&mut self, row: &Row) {
-        if !self.document.company().is_empty() {
-            self.company = self.document.company().clone();
+        if !self.document.side_by_side().is_empty() {
+            self.side_by_side = self.document.side_by_side().clone();
         }
-        self.document.keep_company(row.estimator.boxed_clone(), Company::default());
+        self.document.keep_company(row.estimator.boxed_clone(), SideBySide::default());
         self.states.explained = 0;
         let unit = row.figures.first_missed_unit().unwrap_or(0);
         let place = Place { cursor: Cursor { unit, event: usize::MAX }, ..Place::default() };

@@ -6,11 +6,11 @@ use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
 use crate::paint::{ColorMap, FlowLayer, Theme, View};
-use crate::view::motion::Offer;
+use crate::view::motion::AvailableLayers;
 
-mod faces;
+mod info;
 
-pub use crate::ui::panes::rungs::Rungs;
+pub use crate::ui::panes::granularities::Granularities;
 
 macro_rules! commands {
     ($( $(#[doc = $doc:literal])+ $name:ident, )+) => {
@@ -132,7 +132,7 @@ commands! {
     Over,
     /// End of the previous unit.
     OverBack,
-    /// End of the rung further out.
+    /// End of the granularity further out.
     Out,
     /// The same backwards.
     OutBack,
@@ -233,7 +233,7 @@ pub enum Submenu {
 
 impl Submenu {
     /// Its name and its icon.
-    pub fn face(self) -> (&'static str, Icon) {
+    pub fn info(self) -> (&'static str, Icon) {
         match self {
             Submenu::Pictures => ("Pictures", Icon::Images),
             Submenu::Zoom => ("Zoom", Icon::ZoomIn),
@@ -248,12 +248,12 @@ impl Submenu {
 }
 
 /// How a command is shown and called.
-pub struct Face {
+pub struct CommandInfo {
     /// The menu that it lies in.
     pub menu: Menu,
     /// Its icon, where it has a button or a line in a menu.
     pub icon: Icon,
-    /// Its name; `{into}`, `{over}` and `{out}` stand for the estimator's rungs.
+    /// Its name; `{into}`, `{over}` and `{out}` stand for the estimator's granularities.
     pub text: &'static str,
     /// What it does, in one sentence.
     pub tip: &'static str,
@@ -262,19 +262,19 @@ pub struct Face {
 }
 
 impl Command {
-    /// Its name, with the estimator's own names for the rungs of the ladder.
-    pub fn text(self, rungs: &Rungs) -> String {
-        rungs.fill(self.face().text)
+    /// Its name, with the estimator's own names for the granularities of the ladder.
+    pub fn text(self, granularities: &Granularities) -> String {
+        granularities.fill(self.info().text)
     }
 
-    /// What it does, with the estimator's own names for the rungs of the ladder.
-    pub fn tip(self, rungs: &Rungs) -> String {
-        rungs.fill(self.face().tip)
+    /// What it does, with the estimator's own names for the granularities of the ladder.
+    pub fn tip(self, granularities: &Granularities) -> String {
+        granularities.fill(self.info().tip)
     }
 
     /// The key that calls it, in words; nothing if there is none.
     pub fn key(self) -> String {
-        self.face().keys.first().map_or_else(String::new, |key| key_text(*key))
+        self.info().keys.first().map_or_else(String::new, |key| key_text(*key))
     }
 
     /// `tip` with the key that calls the command below it.
@@ -286,19 +286,19 @@ impl Command {
     }
 
     /// Every key that does the same, the one to show first.
-    pub fn keys(self, rungs: &Rungs) -> Vec<KeyboardShortcut> {
+    pub fn keys(self, granularities: &Granularities) -> Vec<KeyboardShortcut> {
         let twin = match self {
             Command::Start => Command::OutBack,
             Command::End => Command::Out,
             _ => self,
         };
-        let others = if twin.is_listed(rungs) { &[] } else { twin.face().keys };
-        [self.face().keys, others].concat()
+        let others = if twin.is_listed(granularities) { &[] } else { twin.info().keys };
+        [self.info().keys, others].concat()
     }
 
-    /// Whether it is shown beside the others: out of the outermost rung is the end of the run, which is there already.
-    pub fn is_listed(self, rungs: &Rungs) -> bool {
-        !(matches!(self, Command::Out | Command::OutBack) && rungs.group() == 0)
+    /// Whether it is shown beside the others: out of the outermost granularity is the end of the run, which is there already.
+    pub fn is_listed(self, granularities: &Granularities) -> bool {
+        !(matches!(self, Command::Out | Command::OutBack) && granularities.group() == 0)
     }
 
     /// The menu within its menu that it lies in.
@@ -378,14 +378,14 @@ impl Command {
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => now.has_run,
             C::Prediction | C::Residual => now.has_run && now.at_end,
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
-            C::NextLayer | C::Streaks => now.has_run && now.offer.has_field(),
+            C::NextLayer | C::Streaks => now.has_run && now.available.has_field(),
             C::NoLayer
             | C::WheelLayer
             | C::MagnitudeLayer
             | C::ErrorLayer
             | C::ConfidenceLayer
             | C::ConsistencyLayer => {
-                now.has_run && self.layer().is_some_and(|layer| now.offer.why_never(layer).is_none())
+                now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none())
             }
             C::Open | C::PastePath | C::Samples | C::Quit => true,
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
@@ -424,7 +424,7 @@ impl Command {
 
     /// The command that a key calls.
     pub fn of_key(key: Key, modifiers: Modifiers, repeat: bool) -> Option<Command> {
-        let called = |command: &Command| command.face().keys.iter().any(|shortcut| presses(*shortcut, key, modifiers));
+        let called = |command: &Command| command.info().keys.iter().any(|shortcut| presses(*shortcut, key, modifiers));
         Self::ALL.iter().copied().find(called).filter(|command| !repeat || command.repeats())
     }
 }
@@ -467,7 +467,7 @@ pub struct Now {
     /// A parameter is being placed on the picture.
     pub is_placing: bool,
     /// Which layers tell of motion.
-    pub offer: Offer,
+    pub available: AvailableLayers,
     /// There is a change to take back.
     pub can_undo: bool,
     /// There is a change to make again.
@@ -517,7 +517,7 @@ mod tests {
 
     #[test]
     fn no_two_commands_share_a_key() {
-        let keys = |c: &Command| c.face().keys.iter().map(|k| (*k, *c)).collect::<Vec<_>>();
+        let keys = |c: &Command| c.info().keys.iter().map(|k| (*k, *c)).collect::<Vec<_>>();
         let all: Vec<_> = Command::ALL.iter().flat_map(keys).collect();
         for (shortcut, command) in &all {
             assert_eq!(Command::of_key(shortcut.logical_key, shortcut.modifiers, false), Some(*command));
@@ -526,13 +526,13 @@ mod tests {
 
     #[test]
     fn every_command_is_named_and_explained() {
-        let rungs = Rungs::new(&["frame", "block", "probe"]);
-        let mut names: Vec<_> = Command::ALL.iter().map(|c| c.text(&rungs)).collect();
+        let granularities = Granularities::new(&["frame", "block", "probe"]);
+        let mut names: Vec<_> = Command::ALL.iter().map(|c| c.text(&granularities)).collect();
         assert!(names.iter().all(|name| !name.contains('{')) && names.contains(&"Next probe".to_owned()));
         names.sort();
         names.dedup();
         assert_eq!(names.len(), Command::ALL.len());
-        assert!(Command::ALL.iter().all(|c| c.tip(&rungs).ends_with('.')));
+        assert!(Command::ALL.iter().all(|c| c.tip(&granularities).ends_with('.')));
     }
 
     #[test]
@@ -548,10 +548,12 @@ mod tests {
 
     #[test]
     fn a_short_ladder_lists_the_end_of_the_run_once() {
-        let (long, short) =
-            (Rungs::new(&["frame", "level", "block", "probe"]), Rungs::new(&["frame", "block", "probe"]));
+        let (long, short) = (
+            Granularities::new(&["frame", "level", "block", "probe"]),
+            Granularities::new(&["frame", "block", "probe"]),
+        );
         assert!(Command::Out.is_listed(&long) && !Command::Out.is_listed(&short));
-        let keys = |rungs| Command::End.keys(rungs).into_iter().map(key_text).collect::<Vec<_>>();
+        let keys = |granularities| Command::End.keys(granularities).into_iter().map(key_text).collect::<Vec<_>>();
         assert_eq!((keys(&long), keys(&short)), (vec!["End".to_owned()], vec!["End".to_owned(), "U".to_owned()]));
     }
 

@@ -7,9 +7,9 @@ use eframe::egui::{self, Align, CentralPanel, Frame, Label, Layout, Margin, Pane
 use eframe::egui_wgpu::RenderState;
 use motionscope_core::Error;
 
-use crate::experiment::company::Company;
+use crate::experiment::side_by_side::SideBySide;
 use crate::ui::app::action::{Action, Actions, Browse};
-use crate::ui::app::commands::{Command, Now, Rungs};
+use crate::ui::app::commands::{Command, Granularities, Now};
 use crate::ui::app::keys;
 use crate::ui::dialogs::{compare, gallery, open as open_dialog, palette, save as save_dialog, sheet};
 use crate::ui::drawing::style;
@@ -68,7 +68,7 @@ pub struct App {
     /// What is being written.
     pub(super) writing: Option<Writing>,
     /// Who went in lockstep last.
-    pub(super) company: Company,
+    pub(super) side_by_side: SideBySide,
     /// Where was written last.
     pub(super) folder: Option<PathBuf>,
     /// The interface that egui was told last.
@@ -106,7 +106,7 @@ impl App {
             gallery: gallery::State::default(),
             browsing: None,
             writing: None,
-            company: Company::default(),
+            side_by_side: SideBySide::default(),
             folder: None,
             played: 0.0,
             ctx: ctx.clone(),
@@ -179,9 +179,9 @@ impl App {
         }
     }
 
-    /// The names of the ladder's rungs.
-    pub(super) fn rungs(&self) -> Rungs {
-        Rungs::new(self.document.company().info(self.document.estimator()).rungs)
+    /// The names of the ladder's granularities.
+    pub(super) fn granularities(&self) -> Granularities {
+        Granularities::new(self.document.side_by_side().info(self.document.estimator()).granularities)
     }
 
     /// Why there is no run of what is set now, if there is none.
@@ -202,12 +202,12 @@ impl App {
             checking: self.view.checking,
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
-            in_lockstep: !self.document.company().is_empty(),
+            in_lockstep: !self.document.side_by_side().is_empty(),
             has_stage: !motionscope_core::stage::stages(self.document.estimator()).is_empty(),
             in_stage: self.document.parents().len() > 0,
             is_placing: self.states.stage.placing.is_some(),
             holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),
-            offer: shown.map(|shown| shown.offer).unwrap_or_default(),
+            available: shown.map(|shown| shown.available).unwrap_or_default(),
             can_undo: self.document.can_undo(),
             can_redo: self.document.can_redo(),
             is_tuned: self.document.is_tuned(Owner::Estimator),
@@ -259,7 +259,7 @@ impl App {
             document: &self.document,
             at_frame: shown.map(|shown| shown.frame),
             now: self.now(),
-            rungs: self.rungs(),
+            granularities: self.granularities(),
             folded: self.folded(),
             reduced_motion: self.settings.reduced_motion,
             recent: &self.settings.recent,
@@ -272,7 +272,7 @@ impl App {
         let input = transport::Input {
             shown: self.view.shown.as_deref(),
             now: self.now(),
-            rungs: self.rungs(),
+            granularities: self.granularities(),
             player: self.player,
             theme: self.settings.look.theme,
         };
@@ -302,7 +302,7 @@ impl App {
             let text = self.view.shown.as_deref().map_or_else(nothing, status::line);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if ui.available_width() > 70.0 * small.size {
-                    let keys = status::keys(self.rungs());
+                    let keys = status::keys(self.granularities());
                     ui.label(RichText::new(keys).small().color(dim));
                 }
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -340,9 +340,9 @@ impl App {
     /// The charts that the estimator may ever have something for on this clip.
     fn offered(&self) -> Vec<Pane> {
         let charts = self.document.estimator().charts();
-        let offer = self.view.shown.as_deref().map(|shown| shown.offer).unwrap_or_default();
+        let available = self.view.shown.as_deref().map(|shown| shown.available).unwrap_or_default();
         // Who finds places and no motion has nothing to be compared with the truth.
-        let has_errors = offer.has_errors() && !self.document.estimator().is_of_single_frames();
+        let has_errors = available.has_errors() && !self.document.estimator().is_of_single_frames();
         let is_offered = |pane: &Pane| {
             pane.charts().iter().any(|chart| charts.contains(chart)) || *pane == Pane::Histogram && has_errors
         };
@@ -355,14 +355,14 @@ impl App {
         let open = match &mut overlay {
             Overlay::None => false,
             Overlay::Palette(state) => {
-                let (now, rungs, recent) = (self.now(), self.rungs(), self.settings.recent.as_slice());
-                let (chosen, open) = palette::show(ctx, state, &palette::Input { now, rungs, recent, theme });
+                let (now, granularities, recent) = (self.now(), self.granularities(), self.settings.recent.as_slice());
+                let (chosen, open) = palette::show(ctx, state, &palette::Input { now, granularities, recent, theme });
                 actions.0.extend(chosen);
                 open
             }
-            Overlay::Shortcuts => sheet::shortcuts(ctx, &self.rungs(), theme),
+            Overlay::Shortcuts => sheet::shortcuts(ctx, &self.granularities(), theme),
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
-            Overlay::Save(state) => save_dialog::show(ctx, state, self.rungs(), actions),
+            Overlay::Save(state) => save_dialog::show(ctx, state, self.granularities(), actions),
             Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
             Overlay::Samples => gallery::show(ctx, &mut self.gallery, theme, actions),
             Overlay::About => sheet::about(ctx),
@@ -395,7 +395,7 @@ impl App {
         }
         let area = egui::Area::new(egui::Id::unique("lecture")).anchor(egui::Align2::RIGHT_TOP, [-8.0, 6.0]);
         area.show(ui.ctx(), |ui| {
-            let face = Command::Lecture.face();
+            let face = Command::Lecture.info();
             let button = widgets::icon_button(ui, face.icon, "Leave the lecture", true);
             if button.on_hover_text(Command::Lecture.with_key("Show everything again")).clicked() {
                 actions.command(Command::Lecture);

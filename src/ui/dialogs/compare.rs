@@ -7,9 +7,9 @@ use motionscope_core::compare::changed_alike;
 use motionscope_core::scene::Series;
 use motionscope_core::{AnyEstimator, Error, Role, Threads, estimators, lockstep};
 
-use crate::experiment::claims::{self, Claim};
-use crate::experiment::company::Company;
 use crate::experiment::comparison::{self, Arena, Column, Row};
+use crate::experiment::course_table::{self, CourseRow};
+use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::experiment::sweeps::{self, Sweep};
 use crate::paint::{ColorMap, Theme};
@@ -44,7 +44,7 @@ pub struct State {
     /// Why nothing can be compared so.
     refused: Option<Error>,
     /// The course's own table, while it is shown.
-    course: Option<Background<Vec<Claim>>>,
+    course: Option<Background<Vec<CourseRow>>>,
     /// Rows that the table was laid out for.
     laid_out: usize,
 }
@@ -60,7 +60,7 @@ impl State {
                 let kin = estimators.iter().filter(|other| other.info().family == own.info().family);
                 chosen.extend(kin.map(|other| other.info().id).filter(|other| *other != id).take(MOST - 2));
             }
-            None => chosen.extend(Company::usual(id)),
+            None => chosen.extend(SideBySide::usual(id)),
         }
         // In the order of the course.
         chosen.sort_by_key(|id| all.iter().position(|other| other == id));
@@ -80,7 +80,7 @@ impl State {
     /// Whether nothing is being worked on.
     pub fn is_settled(&self) -> bool {
         match &self.course {
-            Some(course) => course.look(|claims| claims.is_some()),
+            Some(course) => course.look(|course_table| course_table.is_some()),
             None => self.begun.is_some() && self.comparing.as_ref().is_none_or(|comparing| !comparing.is_busy()),
         }
     }
@@ -144,9 +144,12 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
             state.course = Some(Background::new(
                 "measure",
                 move || ctx.request_repaint(),
-                move |desk| {
-                    let (clip, threads) = (clip.until(desk.stop.clone()), Threads::single());
-                    claims::claims(&Arena { clip: &clip, frame, threads: &threads, repeat: 3 }, &desk.stop)
+                move |control| {
+                    let (clip, threads) = (clip.until(control.stop.clone()), Threads::single());
+                    course_table::course_table(
+                        &Arena { clip: &clip, frame, threads: &threads, repeat: 3 },
+                        &control.stop,
+                    )
                 },
             ));
         }
@@ -155,40 +158,40 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
 }
 
 /// The course's table, as far as it was measured.
-fn measured(ui: &mut Ui, course: &Background<Vec<Claim>>) {
+fn measured(ui: &mut Ui, course: &Background<Vec<CourseRow>>) {
     course.look(|outcome| match outcome {
         None => drop(ui.spinner()),
         Some(Err(error)) => drop(ui.label(RichText::new(error.to_string()).color(ui.visuals().error_fg_color))),
-        Some(Ok(claims)) => {
+        Some(Ok(course_table)) => {
             Grid::new("course").striped(true).spacing([16.0, 6.0]).show(ui, |ui| {
                 for heading in ["Measured", "Sequential", "Logarithmic", "Hierarchical", "The course"] {
                     ui.label(RichText::new(heading).small().family(style::bold()));
                 }
                 ui.end_row();
-                claims.iter().for_each(|claim| line(ui, claim));
+                course_table.iter().for_each(|row| line(ui, row));
             });
             ui.add_space(8.0);
-            ui.label(RichText::new(claims::key()).small().weak());
+            ui.label(RichText::new(course_table::key()).small().weak());
         }
     });
 }
 
 /// One feature: what is measured, three numbers, and whether the course is right.
-fn line(ui: &mut Ui, claim: &Claim) {
+fn line(ui: &mut Ui, row: &CourseRow) {
     ui.vertical(|ui| {
         ui.set_max_width(24.0 * TextStyle::Body.resolve(ui.style()).size);
-        let (what, unit) = claim.feature.split_once(": ").unwrap_or((&claim.feature, ""));
+        let (what, unit) = row.feature.split_once(": ").unwrap_or((&row.feature, ""));
         ui.label(RichText::new(what).family(style::bold()));
         ui.add(Label::new(RichText::new(unit).small().weak()).wrap());
     });
-    for cell in &claim.measured {
+    for cell in &row.measured {
         ui.label(RichText::new(cell).monospace());
     }
     ui.vertical(|ui| {
         ui.set_max_width(24.0 * TextStyle::Body.resolve(ui.style()).size);
-        let verdict = RichText::new(claim.verdict());
-        ui.label(if claim.holds { verdict } else { verdict.family(style::bold()) });
-        ui.add(Label::new(RichText::new(claim.said).small().weak()).wrap());
+        let verdict = RichText::new(row.verdict());
+        ui.label(if row.holds { verdict } else { verdict.family(style::bold()) });
+        ui.add(Label::new(RichText::new(row.said).small().weak()).wrap());
     });
     ui.end_row();
 }

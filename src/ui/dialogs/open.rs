@@ -96,7 +96,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
                     done = true;
                 }
             }
-            if ui.button((widgets::icon(ui, Command::Samples.face().icon), "Samples…")).clicked() {
+            if ui.button((widgets::icon(ui, Command::Samples.info().icon), "Samples…")).clicked() {
                 actions.command(Command::Samples);
                 done = true;
             }

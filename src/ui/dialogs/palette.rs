@@ -12,7 +12,7 @@ use motionscope_core::{estimators, synth};
 use super::fuzzy;
 use crate::paint::Theme;
 use crate::ui::app::action::Action;
-use crate::ui::app::commands::{Command, Now, Rungs};
+use crate::ui::app::commands::{Command, Granularities, Now};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
 
@@ -39,7 +39,7 @@ pub struct Input<'a> {
     /// What is the case just now.
     pub now: Now,
     /// The names of the ladder.
-    pub rungs: Rungs,
+    pub granularities: Granularities,
     /// Clips that were open lately.
     pub recent: &'a [PathBuf],
     /// The look.
@@ -138,10 +138,11 @@ fn found(query: &str, input: &Input) -> Vec<Entry> {
 }
 
 fn entries(input: &Input) -> Vec<Entry> {
-    let wanted = |c: &&Command| **c != Command::Palette && c.is_listed(&input.rungs) && c.enabled(&input.now);
+    let wanted = |c: &&Command| **c != Command::Palette && c.is_listed(&input.granularities) && c.enabled(&input.now);
     let commands = Command::ALL.iter().filter(wanted).map(|command| {
-        let (text, keys, tip) = (command.text(&input.rungs), command.key(), String::new());
-        Entry { icon: command.face().icon, text, tip, also: "", keys, action: Action::Command(*command) }
+        let (text, keys, tip) = (command.text(&input.granularities), command.key(), String::new());
+        let face = command.info();
+        Entry { icon: face.icon, text, tip, also: face.menu.name(), keys, action: Action::Command(*command) }
     });
     let estimators = estimators().into_iter().map(|estimator| {
         let info = estimator.info();

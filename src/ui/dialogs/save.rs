@@ -9,7 +9,7 @@ use motionscope_core::{Cursor, Params, ProductKind, Value};
 use crate::media::export::Inputs;
 use crate::results::{self, Export};
 use crate::ui::app::action::{Action, Actions, Browse};
-use crate::ui::app::commands::Rungs;
+use crate::ui::app::commands::Granularities;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{self, Order, What};
 use crate::ui::parts::widgets;
@@ -116,7 +116,7 @@ pub struct State {
     absent: Vec<&'static str>,
     from: String,
     to: String,
-    rung: usize,
+    granularity: usize,
     focused: bool,
     /// All files that the clip is read from.
     inputs: Arc<Inputs>,
@@ -155,7 +155,7 @@ impl State {
             absent,
             from: from.to_string(),
             to: to.to_string(),
-            rung: Rungs::new(shown.info.rungs).event(),
+            granularity: Granularities::new(shown.info.granularities).event(),
             focused: false,
             inputs: Arc::clone(&shown.subject.inputs),
             found: None,
@@ -254,7 +254,7 @@ impl State {
                 if to < from {
                     return Err("The last step lies before the first.".into());
                 }
-                What::Steps { from, to, rung: self.rung, format: self.format() }
+                What::Steps { from, to, granularity: self.granularity, format: self.format() }
             }
         };
         Ok(Order { what, path, scale: self.scale, look: self.look, panes: self.selection() })
@@ -284,7 +284,7 @@ impl State {
 }
 
 /// Shows the dialog; gives whether it is still open.
-pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, actions: &mut Actions) -> bool {
+pub fn show(ctx: &egui::Context, state: &mut State, granularities: Granularities, actions: &mut Actions) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let mut done = false;
     let modal = widgets::modal(ctx, "save", vec2(40.0 * size, 30.0 * size)).show(ctx, |ui| {
@@ -292,7 +292,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, rungs: Rungs, actions: &mut 
         ui.heading(state.kind.title());
         ui.label(RichText::new(state.explained()).weak());
         ui.add_space(8.0);
-        options(ui, state, rungs);
+        options(ui, state, granularities);
         ui.add_space(4.0);
         let entered = path_row(ui, state, actions);
         ui.add_space(12.0);
@@ -316,7 +316,7 @@ fn line(ui: &mut Ui, label: &str, add: impl FnOnce(&mut Ui)) {
     });
 }
 
-fn options(ui: &mut Ui, state: &mut State, rungs: Rungs) {
+fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
     if state.choices.len() > 1 {
         let mut chosen = state.chosen;
         line(ui, "Format", |ui| {
@@ -332,7 +332,7 @@ fn options(ui: &mut Ui, state: &mut State, rungs: Rungs) {
         }
     }
     if state.kind == Kind::Steps {
-        range(ui, state, rungs);
+        range(ui, state, granularities);
     }
     if !matches!(state.kind, Kind::Picture | Kind::Steps) {
         return;
@@ -384,7 +384,7 @@ fn panes(ui: &mut Ui, state: &mut State) {
     });
 }
 
-fn range(ui: &mut Ui, state: &mut State, rungs: Rungs) {
+fn range(ui: &mut Ui, state: &mut State, granularities: Granularities) {
     line(ui, "Steps", |ui| {
         for (text, name) in [(&mut state.from, "First step"), (&mut state.to, "Last step")] {
             let response = ui.add(TextEdit::singleline(text).desired_width(90.0)).accessible_name(name);
@@ -394,9 +394,9 @@ fn range(ui: &mut Ui, state: &mut State, rungs: Rungs) {
     });
     line(ui, "Every", |ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        for rung in [rungs.event(), rungs.unit()] {
-            if ui.selectable_label(state.rung == rung, rungs.name(rung)).clicked() {
-                state.rung = rung;
+        for granularity in [granularities.event(), granularities.unit()] {
+            if ui.selectable_label(state.granularity == granularity, granularities.name(granularity)).clicked() {
+                state.granularity = granularity;
             }
         }
     });

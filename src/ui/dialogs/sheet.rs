@@ -4,12 +4,12 @@ use eframe::egui::style::ScrollStyle;
 use eframe::egui::{self, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use crate::paint::Theme;
-use crate::ui::app::commands::{Command, Menu, Rungs, key_text};
+use crate::ui::app::commands::{Command, Granularities, Menu, key_text};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
 
 /// Shows the shortcut sheet; gives whether it is still open.
-pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {
+pub fn shortcuts(ctx: &egui::Context, granularities: &Granularities, theme: Theme) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let screen = ctx.content_rect();
     let modal = widgets::modal(ctx, "shortcuts", vec2(62.0 * size, 70.0 * size)).show(ctx, |ui| {
@@ -22,8 +22,8 @@ pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             ui.columns(2, |columns| {
                 let (left, right) = columns.split_at_mut(1);
-                column(&mut left[0], &[Menu::Walk, Menu::Export, Menu::Help], rungs, theme);
-                column(&mut right[0], &[Menu::File, Menu::Edit, Menu::View], rungs, theme);
+                column(&mut left[0], &[Menu::Walk, Menu::Export, Menu::Help], granularities, theme);
+                column(&mut right[0], &[Menu::File, Menu::Edit, Menu::View], granularities, theme);
             });
         });
         ui.add_space(8.0);
@@ -33,28 +33,31 @@ pub fn shortcuts(ctx: &egui::Context, rungs: &Rungs, theme: Theme) -> bool {
 }
 
 /// Groups below each other; their keys and names stand in line.
-fn column(ui: &mut Ui, menus: &[Menu], rungs: &Rungs, theme: Theme) {
+fn column(ui: &mut Ui, menus: &[Menu], granularities: &Granularities, theme: Theme) {
     let size = TextStyle::Body.resolve(ui.style()).size;
     for &menu in menus {
         widgets::heading(ui, menu.name());
         ui.add_space(2.0);
-        group(ui, menu, rungs, (theme, 9.0 * size));
+        group(ui, menu, granularities, (theme, 9.0 * size));
         ui.add_space(14.0);
     }
 }
 
 /// The keys of a menu, in a column of a given width, and what they do.
-fn group(ui: &mut Ui, menu: Menu, rungs: &Rungs, (theme, keys): (Theme, f32)) {
+fn group(ui: &mut Ui, menu: Menu, granularities: &Granularities, (theme, keys): (Theme, f32)) {
     Grid::new(menu.name()).num_columns(2).spacing([16.0, 4.0]).min_col_width(keys).show(ui, |ui| {
-        let here = Command::ALL.iter().filter(|command| command.face().menu == menu && command.is_listed(rungs));
-        for (command, keys) in here.map(|command| (command, command.keys(rungs))).filter(|(_, keys)| !keys.is_empty()) {
+        let here =
+            Command::ALL.iter().filter(|command| command.info().menu == menu && command.is_listed(granularities));
+        for (command, keys) in
+            here.map(|command| (command, command.keys(granularities))).filter(|(_, keys)| !keys.is_empty())
+        {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 for key in keys.iter().take(2) {
                     widgets::key_cap(ui, &key_text(*key), theme);
                 }
             });
-            ui.label(command.text(rungs)).on_hover_text(command.tip(rungs));
+            ui.label(command.text(granularities)).on_hover_text(command.tip(granularities));
             ui.end_row();
         }
     });

@@ -8,7 +8,7 @@ use motionscope_core::{Error, Stop};
 use crate::media::Progress;
 
 /// What passes between the work and whoever waits for it.
-pub struct Desk {
+pub struct Control {
     /// Set when the work is not wanted any more.
     pub stop: Stop,
     /// Share of the work that is done, from 0 to 1, as the bits of an `f32`.
@@ -16,7 +16,7 @@ pub struct Desk {
     changed: Box<dyn Fn() + Send + Sync>,
 }
 
-impl Progress for Desk {
+impl Progress for Control {
     fn report(&self, fraction: f32) {
         let before = f32::from_bits(self.fraction.swap(fraction.to_bits(), Ordering::Relaxed));
         // Told as often as a bar can be seen to grow, however small the steps are.
@@ -33,7 +33,7 @@ impl Progress for Desk {
 
 /// Work that comes to a `T`, or to why there is none. Dropping it gives the work up.
 pub struct Background<T> {
-    desk: Arc<Desk>,
+    control: Arc<Control>,
     outcome: Arc<Mutex<Option<Result<T, Error>>>>,
 }
 
@@ -42,19 +42,19 @@ impl<T: Send + 'static> Background<T> {
     pub fn new(
         purpose: &str,
         changed: impl Fn() + Send + Sync + 'static,
-        work: impl FnOnce(&Arc<Desk>) -> Result<T, Error> + Send + 'static,
+        work: impl FnOnce(&Arc<Control>) -> Result<T, Error> + Send + 'static,
     ) -> Self {
-        let desk = Desk { stop: Stop::default(), fraction: AtomicU32::new(0), changed: Box::new(changed) };
-        let new = Self { desk: Arc::new(desk), outcome: Arc::default() };
-        let (desk, outcome) = (Arc::clone(&new.desk), Arc::clone(&new.outcome));
+        let control = Control { stop: Stop::default(), fraction: AtomicU32::new(0), changed: Box::new(changed) };
+        let new = Self { control: Arc::new(control), outcome: Arc::default() };
+        let (control, outcome) = (Arc::clone(&new.control), Arc::clone(&new.outcome));
         let run = move || {
-            let result = work(&desk);
+            let result = work(&control);
             *lock(&outcome) = Some(result);
-            (desk.changed)();
+            (control.changed)();
         };
         if let Err(error) = std::thread::Builder::new().name(purpose.to_owned()).spawn(run) {
             *lock(&new.outcome) = Some(Err(Error::new(format!("no thread could be started to {purpose}: {error}"))));
-            (new.desk.changed)();
+            (new.control.changed)();
         }
         new
     }
@@ -71,18 +71,18 @@ impl<T: Send + 'static> Background<T> {
 
     /// Share of the work that is done, from 0 to 1.
     pub fn fraction(&self) -> f32 {
-        f32::from_bits(self.desk.fraction.load(Ordering::Relaxed))
+        f32::from_bits(self.control.fraction.load(Ordering::Relaxed))
     }
 
     /// Gives it up at the next chance; the outcome tells how far it came.
     pub fn cancel(&self) {
-        self.desk.stop.set(true);
+        self.control.stop.set(true);
     }
 }
 
 impl<T> Drop for Background<T> {
     fn drop(&mut self) {
-        self.desk.stop.set(true);
+        self.control.stop.set(true);
     }
 }
 
@@ -103,10 +103,10 @@ mod tests {
         let work = Background::new(
             "count",
             move || news.send(()).unwrap_or_default(),
-            move |desk| {
-                desk.report(0.5);
+            move |control| {
+                control.report(0.5);
                 wait.recv().map_err(|_| Error::new("nobody waits"))?;
-                Ok(if desk.cancelled() { 0 } else { 7 })
+                Ok(if control.cancelled() { 0 } else { 7 })
             },
         );
         heard.recv().expect("half of it");
@@ -122,8 +122,8 @@ mod tests {
         let work = Background::new(
             "count",
             move || news.send(()).unwrap_or_default(),
-            |desk| {
-                (1..=5000).for_each(|step| desk.report(step as f32 / 5000.0));
+            |control| {
+                (1..=5000).for_each(|step| control.report(step as f32 / 5000.0));
                 Ok(())
             },
         );
@@ -138,8 +138,8 @@ mod tests {
         drop(Background::new(
             "wait",
             || {},
-            move |desk| {
-                while !desk.cancelled() {
+            move |control| {
+                while !control.cancelled() {
                     std::thread::yield_now();
                 }
                 stopped.send(()).map_err(|_| Error::new("nobody waits"))

@@ -31,13 +31,13 @@ impl Comparing {
         let total = plan.rounds.iter().map(|round| round.contenders.len()).sum();
         let rows = Arc::<Mutex<Vec<_>>>::default();
         let done = Arc::clone(&rows);
-        let work = Background::new("compare", changed, move |desk| {
+        let work = Background::new("compare", changed, move |control| {
             let add = |row| {
                 let mut rows = done.lock().unwrap_or_else(PoisonError::into_inner);
                 rows.push(Arc::new(row));
-                desk.report(rows.len() as f32 / total as f32);
+                control.report(rows.len() as f32 / total as f32);
             };
-            compare(&plan, add, &desk.stop)
+            compare(&plan, add, &control.stop)
         });
         Self { rows, work, total }
     }

@@ -10,7 +10,7 @@ use motionscope_core::{AnyEstimator, Clip, Error, Info, Params, Value, estimator
 use super::history::History;
 use super::nested::Nested;
 use super::snapshot::{Job, Place, Snapshot};
-use crate::experiment::company::Company;
+use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Prepared};
 use crate::media::Given;
@@ -91,8 +91,8 @@ impl Document {
     }
 
     /// Who goes in lockstep with it.
-    pub fn company(&self) -> &Company {
-        &self.experiment().company
+    pub fn side_by_side(&self) -> &SideBySide {
+        &self.experiment().side_by_side
     }
 
     /// The parameters of one owner, if it has any.
@@ -161,7 +161,7 @@ impl Document {
     pub fn choose(&mut self, estimator: Box<dyn AnyEstimator>) {
         let mut next = self.alone();
         let before = std::mem::replace(&mut next.estimator, estimator);
-        next.company.relieve(&*before, &*next.estimator);
+        next.side_by_side.relieve(&*before, &*next.estimator);
         self.take("estimator", Nested::alone(next));
         self.go_to_frame(self.frame());
     }
@@ -171,10 +171,10 @@ impl Document {
         Experiment { frame: self.setup.now().outermost().frame, ..self.experiment().clone() }
     }
 
-    /// Has `estimator` go in lockstep with `company` from now on, or alone; undo brings back what was before.
-    pub fn keep_company(&mut self, estimator: Box<dyn AnyEstimator>, company: Company) {
-        let experiment = Experiment { estimator, company, ..self.alone() };
-        self.take("company", Nested::alone(experiment));
+    /// Has `estimator` go in lockstep with `the estimators side by side` from now on, or alone; undo brings back what was before.
+    pub fn keep_company(&mut self, estimator: Box<dyn AnyEstimator>, side_by_side: SideBySide) {
+        let experiment = Experiment { estimator, side_by_side, ..self.alone() };
+        self.take("side_by_side", Nested::alone(experiment));
     }
 
     /// Makes a change that is none of a gesture.
@@ -216,11 +216,11 @@ impl Document {
     /// A sentence with the range if the value is not allowed; then nothing changes.
     pub fn set(&mut self, owner: Owner, index: usize, value: Value) -> Result<(), Error> {
         let mut next = self.setup.now().clone();
-        let Experiment { estimator, company, source, .. } = &mut next.experiment;
+        let Experiment { estimator, side_by_side, source, .. } = &mut next.experiment;
         match (owner, source) {
             (Owner::Estimator, _) => {
                 estimator.set_value(index, value)?;
-                company.follow(&**estimator);
+                side_by_side.follow(&**estimator);
             }
             (Owner::Difficulty, Source::Synth { difficulty, .. }) => difficulty.set_value(index, value)?,
             (Owner::Difficulty, Source::File(_)) => {}
@@ -238,13 +238,13 @@ impl Document {
     /// Sets every parameter of `owner` as it was at first.
     pub fn reset(&mut self, owner: Owner) {
         let mut next = self.setup.now().clone();
-        let Experiment { estimator, company, source, .. } = &mut next.experiment;
+        let Experiment { estimator, side_by_side, source, .. } = &mut next.experiment;
         match (owner, source) {
             (Owner::Estimator, _) => {
                 let id = estimator.info().id;
                 if let Some(fresh) = estimators().into_iter().find(|e| e.info().id == id) {
                     *estimator = fresh;
-                    company.follow(&**estimator);
+                    side_by_side.follow(&**estimator);
                 }
             }
             (Owner::Difficulty, Source::Synth { id, difficulty }) => {
@@ -342,7 +342,7 @@ impl Document {
     /// The run of what is set now, from where the last one stands: as `shown` shows it, or on its way there.
     pub fn job(&mut self, shown: Option<&Snapshot>) -> Option<Job> {
         let place = shown.filter(|shown| self.is_run(shown)).map_or(self.place, |shown| {
-            let (before, now) = (&shown.subject.experiment.company, self.company());
+            let (before, now) = (&shown.subject.experiment.side_by_side, self.side_by_side());
             match (before.is_empty(), now.is_empty()) {
                 (false, true) => Place::alone(shown),
                 (true, false) => Place::in_lockstep(shown, now.pace),

@@ -47,8 +47,8 @@ impl Loading {
     /// `changed` is called from another thread whenever there is news.
     pub fn new(name: OsString, beside: Option<Beside>, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let wanted = name.clone();
-        let work = Background::new("open the clip", changed, move |desk| {
-            open(&wanted, beside, Arc::clone(desk) as Arc<dyn Progress>)
+        let work = Background::new("open the clip", changed, move |control| {
+            open(&wanted, beside, Arc::clone(control) as Arc<dyn Progress>)
         });
         Self { name, work }
     }

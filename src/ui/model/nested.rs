@@ -4,7 +4,7 @@ use motionscope_core::stage::{self, Opened};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error};
 
 use super::snapshot::{Place, Snapshot};
-use crate::experiment::company::Company;
+use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::{Experiment, is_same};
 
 /// Everything that undo takes back: an experiment, and those that wait while one of their stages is run by itself.
@@ -80,7 +80,7 @@ impl Nested {
         let Opened { estimator, clip: own, frame, cursor } = opened;
         // A parent may stand at the last frame, of which there is no pair.
         let frame = frame.min(last_frame(own.as_ref().unwrap_or(clip), &*estimator));
-        let experiment = Experiment { estimator, company: Company::default(), frame, ..now.clone() };
+        let experiment = Experiment { estimator, side_by_side: SideBySide::default(), frame, ..now.clone() };
         let (own, opened) = (own.or_else(|| seen.clone()), (experiment.clone(), cursor));
         parents.push(Parent { experiment: now, index, frames, cursor: shown.leader(), opened, clip: seen });
         Ok(Some((Self { experiment, parents, clip: own }, Place::at(cursor))))

@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn speeds_are_named_after_the_rungs() {
+    fn speeds_are_named_after_the_granularities() {
         assert_eq!(SPEEDS[0].text("probe", "block"), "1 probe/s");
         assert_eq!(SPEEDS[9].text("probe", "block"), "10 blocks/s");
         let mut player = Player::default();

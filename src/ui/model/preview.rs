@@ -1,4 +1,4 @@
-//! What is known of a run before its first step is there: its frames, and what someone detected in them.
+//! What is known of a run before its first step is there: its frames and its detections.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use motionscope_core::{Clip, Cursor, Error, Role, Scene, Step};
 use super::snapshot::Snapshot;
 use crate::experiment::Prepared;
 use crate::view::moment::{self, Moment};
-use crate::view::motion::Offer;
+use crate::view::motion::AvailableLayers;
 
 /// The run of `subject` before its first step, with frames of `clip`, which is that of the subject.
 ///
@@ -24,7 +24,7 @@ pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> 
         scene: Arc::new(detected(subject)),
         pictures: moment::pair(clip, experiment.frame)?,
         tiles: Vec::new(),
-        offer: Offer::default(),
+        available: AvailableLayers::default(),
         missing: None,
     };
     Ok(Snapshot {

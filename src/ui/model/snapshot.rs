@@ -4,7 +4,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use motionscope_core::scene::{Focus, Picture, Shape};
-use motionscope_core::{Cursor, Error, Info, Pace, Role, Rung};
+use motionscope_core::{Cursor, Error, Granularity, Info, Pace, Role};
 
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Pixel;
@@ -106,8 +106,8 @@ pub struct Snapshot {
     pub events: usize,
     /// Units of the run, if that is known by now.
     pub units: Option<usize>,
-    /// Where the unit stands on each rung but the innermost.
-    pub place: Vec<Rung>,
+    /// Where the unit stands on each granularity but the innermost.
+    pub place: Vec<Granularity>,
     /// Events worth a mark, and their role.
     pub landmarks: Vec<(usize, Role)>,
     /// What ended the run early, if anything did.

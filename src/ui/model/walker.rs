@@ -3,7 +3,7 @@
 //! Nothing here knows the window. A request never waits for an earlier one that takes long: it replaces it. What cannot be
 //! interrupted is left behind: another thread takes over, with what was shown last, and the old one ends when it can.
 
-mod way;
+mod long_move;
 
 use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::VecDeque;
@@ -15,9 +15,9 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use long_move::LongMove;
 use motionscope_core::scene::{Focus, Picture};
 use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Move, Output, Stop, Walk};
-use way::Way;
 
 use super::preview::{preview, stopped};
 use super::snapshot::{Hold, Job, Place, Pointed, Snapshot};
@@ -27,7 +27,7 @@ use crate::paint::{FlowLayer, Pictures};
 use crate::ui::app::action::Side;
 use crate::view::look::Look;
 use crate::view::moment::{End, LastPair, Moment, Standing};
-use crate::view::motion::{Motion, Offer, Site, backward};
+use crate::view::motion::{AvailableLayers, Motion, Site, backward};
 use crate::view::named::LastNamed;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
@@ -91,17 +91,17 @@ enum Request {
     Visit(Visit),
 }
 
-/// The desk between the window and the worker.
+/// The mailbox between the window and the worker.
 #[derive(Default)]
-struct Desk {
+struct Mailbox {
     job: Option<Job>,
     /// What was run when the work was left behind: it is taken up where it was when somebody wants to go on.
     dormant: Option<Job>,
     /// What is run, or about to be.
     subject: Option<Arc<Prepared>>,
-    /// When the work at hand was to stop, or another job was laid on the desk.
+    /// When the work at hand was to stop, or another job was laid on the mailbox.
     unwanted: Option<Instant>,
-    /// A job is on the desk or in hand: small moves wait until it stands at its place.
+    /// A job is on the mailbox or in hand: small moves wait until it stands at its place.
     starting: bool,
     requests: VecDeque<Request>,
     focus: Option<Focus>,
@@ -120,7 +120,7 @@ struct Desk {
 }
 
 struct Shared {
-    desk: Mutex<Desk>,
+    mailbox: Mutex<Mailbox>,
     wake: Condvar,
     idle: Condvar,
     /// The move at work is to be given up.
@@ -135,7 +135,7 @@ type Changed = Arc<dyn Fn() + Send + Sync>;
 impl Shared {
     fn new(changed: Changed) -> Self {
         Self {
-            desk: Mutex::default(),
+            mailbox: Mutex::default(),
             wake: Condvar::new(),
             idle: Condvar::new(),
             superseded: AtomicBool::new(false),
@@ -144,8 +144,8 @@ impl Shared {
         }
     }
 
-    fn desk(&self) -> MutexGuard<'_, Desk> {
-        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    fn mailbox(&self) -> MutexGuard<'_, Mailbox> {
+        self.mailbox.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -170,20 +170,20 @@ impl Walker {
 
     /// Starts another run; the picture of the old one stays until the new one has something to show.
     pub fn start(&self, job: Job) {
-        self.ask(true, |desk| {
+        self.ask(true, |mailbox| {
             self.shared.stop.set(true);
-            desk.stop_check.set(true);
-            desk.requests.clear();
-            desk.starting = true;
-            desk.dormant = None;
-            desk.unwanted = desk.unwanted.or(desk.since.map(|_| Instant::now()));
+            mailbox.stop_check.set(true);
+            mailbox.requests.clear();
+            mailbox.starting = true;
+            mailbox.dormant = None;
+            mailbox.unwanted = mailbox.unwanted.or(mailbox.since.map(|_| Instant::now()));
             let is_other = |subject: &Arc<Prepared>| !std::ptr::eq(subject.clip.info(), job.subject.clip.info());
-            if desk.subject.as_ref().is_none_or(is_other) {
+            if mailbox.subject.as_ref().is_none_or(is_other) {
                 // What was wrong with another clip is no news of this one.
-                (desk.view.refused, desk.view.coming) = (None, None);
+                (mailbox.view.refused, mailbox.view.coming) = (None, None);
             }
-            desk.subject = Some(Arc::clone(&job.subject));
-            desk.job = Some(job);
+            mailbox.subject = Some(Arc::clone(&job.subject));
+            mailbox.job = Some(job);
         });
     }
 
@@ -192,9 +192,9 @@ impl Walker {
     pub fn tend(&mut self) {
         self.left.retain(|thread| !thread.is_finished());
         let is_stuck = {
-            let desk = self.shared.desk();
-            let is_late = desk.unwanted.is_some_and(|since| since.elapsed() > GRACE);
-            is_late && desk.since.is_some() && (desk.job.is_none() || self.left.len() < LEFT)
+            let mailbox = self.shared.mailbox();
+            let is_late = mailbox.unwanted.is_some_and(|since| since.elapsed() > GRACE);
+            is_late && mailbox.since.is_some() && (mailbox.job.is_none() || self.left.len() < LEFT)
         };
         if is_stuck {
             self.leave();
@@ -207,29 +207,29 @@ impl Walker {
         let Ok(thread) = spawn(&shared) else { return };
         let old = std::mem::replace(&mut self.shared, Arc::clone(&shared));
         self.left.extend(self.thread.replace(thread));
-        let mut old_desk = old.desk();
+        let mut old_desk = old.mailbox();
         old.stop.set(true);
         old.superseded.store(true, Ordering::Relaxed);
         old_desk.stop_check.set(true);
         old_desk.quit = true;
-        let mut desk = shared.desk();
+        let mut mailbox = shared.mailbox();
         let shown = old_desk.stopped();
         let subject = old_desk.subject.take();
-        (desk.job, desk.starting) = (old_desk.job.take(), old_desk.starting);
-        if desk.job.is_none() {
+        (mailbox.job, mailbox.starting) = (old_desk.job.take(), old_desk.starting);
+        if mailbox.job.is_none() {
             let place = |shown: &Snapshot| Place { hold: Hold::Set(shown.held()), ..Place::at(shown.cursor) };
             let job = |subject| Job { place: shown.as_deref().map_or(Place::default(), place), subject };
-            (desk.dormant, desk.starting) = (subject.clone().map(job), false);
+            (mailbox.dormant, mailbox.starting) = (subject.clone().map(job), false);
         }
-        (desk.focus, desk.look, desk.subject) = (old_desk.focus, old_desk.look, subject);
-        let refused = (shown.is_none() && desk.job.is_none()).then(|| {
+        (mailbox.focus, mailbox.look, mailbox.subject) = (old_desk.focus, old_desk.look, subject);
+        let refused = (shown.is_none() && mailbox.job.is_none()).then(|| {
             Error::new(
                 "the run was stopped before its frames were there; change a parameter or the frame to start it again",
             )
         });
-        desk.view = View { shown, refused, busy: desk.job.is_some(), ..View::default() };
+        mailbox.view = View { shown, refused, busy: mailbox.job.is_some(), ..View::default() };
         drop(old_desk);
-        drop(desk);
+        drop(mailbox);
         shared.wake.notify_one();
         (shared.changed)();
     }
@@ -237,37 +237,37 @@ impl Walker {
     /// Asks for a move. One to a place replaces all others; small moves queue up unless one takes long. A run that
     /// starts comes to its place before a small move goes on from there.
     pub fn go(&self, to: Move) {
-        let mut desk = self.shared.desk();
-        desk.take_up();
-        let slow = !desk.starting && desk.since.is_some_and(|since| since.elapsed() > PATIENCE);
-        let replaces = slow || !matches!(to, Move::Rung(..));
-        if !replaces && desk.requests.len() >= QUEUE {
+        let mut mailbox = self.shared.mailbox();
+        mailbox.take_up();
+        let slow = !mailbox.starting && mailbox.since.is_some_and(|since| since.elapsed() > PATIENCE);
+        let replaces = slow || !matches!(to, Move::Granularity(..));
+        if !replaces && mailbox.requests.len() >= QUEUE {
             return;
         }
         if replaces {
-            desk.requests.retain(|request| matches!(request, Request::Visit(_)));
+            mailbox.requests.retain(|request| matches!(request, Request::Visit(_)));
         }
-        desk.requests.push_back(Request::Go(to));
-        self.wake(desk, replaces);
+        mailbox.requests.push_back(Request::Go(to));
+        self.wake(mailbox, replaces);
     }
 
     /// Goes to the end or the start of the unit whose result lies at pixel `point` of frame t. Where single pixels are
     /// explained, that one is from now on, until the run moves on to others; if its turn has not come, the run goes there.
     pub fn go_at(&self, focus: Focus, side: Side) {
-        self.ask(true, |desk| {
-            desk.take_up();
-            desk.requests.push_back(Request::GoAt(focus, side));
+        self.ask(true, |mailbox| {
+            mailbox.take_up();
+            mailbox.requests.push_back(Request::GoAt(focus, side));
         });
     }
 
     /// Gives up the move at work, and the check with the reverse pair; the run stays where it stands, a new one at its start.
     pub fn stop(&self) {
-        self.ask(true, |desk| {
-            desk.stop_check.set(true);
-            desk.requests.retain(|request| matches!(request, Request::Visit(_)));
-            desk.requests.push_front(Request::Stay);
-            desk.unwanted = desk.unwanted.or(desk.since.map(|_| Instant::now()));
-            if let Some(job) = &mut desk.job {
+        self.ask(true, |mailbox| {
+            mailbox.stop_check.set(true);
+            mailbox.requests.retain(|request| matches!(request, Request::Visit(_)));
+            mailbox.requests.push_front(Request::Stay);
+            mailbox.unwanted = mailbox.unwanted.or(mailbox.since.map(|_| Instant::now()));
+            if let Some(job) = &mut mailbox.job {
                 job.place = Place { hold: job.place.hold, ..Place::default() };
             }
         });
@@ -275,34 +275,34 @@ impl Walker {
 
     /// Explains the pixel `focus` from now on.
     pub fn focus(&self, focus: Option<Focus>) {
-        if self.shared.desk().focus != focus {
-            self.ask(false, |desk| {
-                desk.focus = focus;
-                desk.focus_moved = true;
+        if self.shared.mailbox().focus != focus {
+            self.ask(false, |mailbox| {
+                mailbox.focus = focus;
+                mailbox.focus_moved = true;
             });
         }
     }
 
     /// Explains the pixel at work again, or the one pointed at.
     pub fn release(&self) {
-        self.ask(false, |desk| desk.requests.push_back(Request::Release));
+        self.ask(false, |mailbox| mailbox.requests.push_back(Request::Release));
     }
 
     /// Shows what `look` does from now on, as far as that is worked out before it is drawn.
     pub fn look(&self, look: &Look) {
-        if !self.shared.desk().look.shows_same_step(look) {
-            self.ask(false, |desk| {
-                desk.look = *look;
-                desk.look_changed = true;
+        if !self.shared.mailbox().look.shows_same_step(look) {
+            self.ask(false, |mailbox| {
+                mailbox.look = *look;
+                mailbox.look_changed = true;
             });
         }
     }
 
     /// Has `visit` look at the run, on the walker's thread, after what was asked for before.
     pub fn visit(&self, visit: impl FnOnce(&Arc<Prepared>, &dyn Walk) + Send + 'static) {
-        self.ask(false, |desk| {
-            desk.take_up();
-            desk.requests.push_back(Request::Visit(Box::new(visit)));
+        self.ask(false, |mailbox| {
+            mailbox.take_up();
+            mailbox.requests.push_back(Request::Visit(Box::new(visit)));
         });
     }
 
@@ -321,10 +321,15 @@ impl Walker {
 
     /// What there is to show just now.
     pub fn view(&self) -> View {
-        let desk = self.shared.desk();
-        let busy_for = desk.since.filter(|_| desk.view.busy).map(|since| since.elapsed());
-        let stopping = desk.unwanted.is_some() && desk.job.is_none();
-        View { busy_for, stopping, reading: self.shared.stop.told().filter(|_| desk.view.busy), ..desk.view.clone() }
+        let mailbox = self.shared.mailbox();
+        let busy_for = mailbox.since.filter(|_| mailbox.view.busy).map(|since| since.elapsed());
+        let stopping = mailbox.unwanted.is_some() && mailbox.job.is_none();
+        View {
+            busy_for,
+            stopping,
+            reading: self.shared.stop.told().filter(|_| mailbox.view.busy),
+            ..mailbox.view.clone()
+        }
     }
 
     /// Waits until nothing is left to do.
@@ -334,19 +339,19 @@ impl Walker {
 
     /// Waits until nothing is left to do, but no longer than that; gives whether nothing is.
     pub fn wait_for(&self, longest: Duration) -> bool {
-        let is_busy = |desk: &mut Desk| desk.view.busy || desk.view.checking;
-        let waited = self.shared.idle.wait_timeout_while(self.shared.desk(), longest, is_busy);
+        let is_busy = |mailbox: &mut Mailbox| mailbox.view.busy || mailbox.view.checking;
+        let waited = self.shared.idle.wait_timeout_while(self.shared.mailbox(), longest, is_busy);
         !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
-    fn ask(&self, replaces: bool, put: impl FnOnce(&mut Desk)) {
-        let mut desk = self.shared.desk();
-        put(&mut desk);
-        self.wake(desk, replaces);
+    fn ask(&self, replaces: bool, put: impl FnOnce(&mut Mailbox)) {
+        let mut mailbox = self.shared.mailbox();
+        put(&mut mailbox);
+        self.wake(mailbox, replaces);
     }
 
-    fn wake(&self, mut desk: MutexGuard<'_, Desk>, replaces: bool) {
-        desk.view.busy = true;
+    fn wake(&self, mut mailbox: MutexGuard<'_, Mailbox>, replaces: bool) {
+        mailbox.view.busy = true;
         if replaces {
             self.shared.superseded.store(true, Ordering::Relaxed);
         }
@@ -356,10 +361,10 @@ impl Walker {
 
 impl Drop for Walker {
     fn drop(&mut self) {
-        self.ask(true, |desk| {
+        self.ask(true, |mailbox| {
             self.shared.stop.set(true);
-            desk.stop_check.set(true);
-            desk.quit = true;
+            mailbox.stop_check.set(true);
+            mailbox.quit = true;
         });
         // Whatever cannot be interrupted ends with the program.
         let asked = Instant::now();
@@ -380,7 +385,7 @@ fn spawn(shared: &Arc<Shared>) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("walker".into()).spawn(move || Worker::new(&shared).run())
 }
 
-impl Desk {
+impl Mailbox {
     /// Somebody wants to go on: what was left behind is run again.
     fn take_up(&mut self) {
         if let Some(job) = self.dormant.take() {
@@ -467,42 +472,42 @@ impl<'a> Worker<'a> {
 
     /// The next thing to do, or `None` at the end of the session.
     fn next_task(&self) -> Option<Task> {
-        let mut desk = self.shared.desk();
-        desk.since = None;
+        let mut mailbox = self.shared.mailbox();
+        mailbox.since = None;
         loop {
-            if desk.quit {
+            if mailbox.quit {
                 return None;
             }
-            let job = desk.job.take().map(Task::Start);
+            let job = mailbox.job.take().map(Task::Start);
             self.shared.stop.set(false);
-            if job.is_some() || !desk.requests.is_empty() {
+            if job.is_some() || !mailbox.requests.is_empty() {
                 self.shared.superseded.store(false, Ordering::Relaxed);
             }
-            let task = job.or_else(|| desk.requests.pop_front().map(Task::Request));
+            let task = job.or_else(|| mailbox.requests.pop_front().map(Task::Request));
             if task.is_some() {
-                (desk.since, desk.unwanted) = (Some(Instant::now()), None);
+                (mailbox.since, mailbox.unwanted) = (Some(Instant::now()), None);
                 return task;
             }
-            if let Some((subject, flow)) = desk.backward.take() {
-                desk.view.checking = false;
-                desk.view.busy = true;
-                (desk.since, desk.unwanted) = (Some(Instant::now()), None);
+            if let Some((subject, flow)) = mailbox.backward.take() {
+                mailbox.view.checking = false;
+                mailbox.view.busy = true;
+                (mailbox.since, mailbox.unwanted) = (Some(Instant::now()), None);
                 return Some(Task::Backward(subject, flow));
             }
-            if std::mem::take(&mut desk.look_changed) {
-                (desk.since, desk.unwanted) = (Some(Instant::now()), None);
+            if std::mem::take(&mut mailbox.look_changed) {
+                (mailbox.since, mailbox.unwanted) = (Some(Instant::now()), None);
                 return Some(Task::Look);
             }
-            if std::mem::take(&mut desk.focus_moved) {
-                (desk.since, desk.unwanted) = (Some(Instant::now()), None);
+            if std::mem::take(&mut mailbox.focus_moved) {
+                (mailbox.since, mailbox.unwanted) = (Some(Instant::now()), None);
                 return Some(Task::Focus);
             }
-            let was_busy = std::mem::replace(&mut desk.view.busy, false) | desk.view.progress.take().is_some();
+            let was_busy = std::mem::replace(&mut mailbox.view.busy, false) | mailbox.view.progress.take().is_some();
             self.shared.idle.notify_all();
             if was_busy {
                 (self.shared.changed)();
             }
-            desk = self.shared.wake.wait(desk).unwrap_or_else(PoisonError::into_inner);
+            mailbox = self.shared.wake.wait(mailbox).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
@@ -510,9 +515,9 @@ impl<'a> Worker<'a> {
         match task {
             Task::Start(job) => {
                 let opened = self.open(job);
-                let mut desk = self.shared.desk();
-                desk.starting = desk.job.is_some();
-                drop(desk);
+                let mut mailbox = self.shared.mailbox();
+                mailbox.starting = mailbox.job.is_some();
+                drop(mailbox);
                 match opened {
                     Ok(true) => self.publish(),
                     // It is on its way to another place, another job waits, or the end.
@@ -549,7 +554,7 @@ impl<'a> Worker<'a> {
             // What is held stays, wherever the pointer goes.
             Task::Focus if self.held().is_some() => {}
             Task::Focus => {
-                let focus = self.shared.desk().focus;
+                let focus = self.shared.mailbox().focus;
                 if self.run.as_ref().is_some_and(|run| run.is_told_otherwise(focus)) {
                     self.publish();
                 }
@@ -564,32 +569,32 @@ impl<'a> Worker<'a> {
     }
 
     /// Has the reverse pair of `run` run on a thread of its own if `look` shows the check with it; one at a time.
-    fn check(&self, run: &Run, look: &Look, offer: &Offer) {
-        let is_wanted = offer.layer(look.layer) == FlowLayer::Consistency && run.backward.is_none();
+    fn check(&self, run: &Run, look: &Look, available: &AvailableLayers) {
+        let is_wanted = available.layer(look.layer) == FlowLayer::Consistency && run.backward.is_none();
         let stop = Stop::default();
         {
-            let mut desk = self.shared.desk();
-            if !is_wanted || std::mem::replace(&mut desk.view.checking, true) {
+            let mut mailbox = self.shared.mailbox();
+            if !is_wanted || std::mem::replace(&mut mailbox.view.checking, true) {
                 return;
             }
-            desk.stop_check = stop.clone();
+            mailbox.stop_check = stop.clone();
         }
         let (subject, clip, shared) = (Arc::clone(&run.subject), run.clip.clone().until(stop), Arc::clone(self.shared));
         let work = move || {
             let Experiment { estimator, frame, .. } = &subject.experiment;
             let work = AssertUnwindSafe(|| backward(&**estimator, &clip, *frame));
             let flow = catch_unwind(work).unwrap_or_else(|panic| Err(panicked(panic.as_ref())));
-            shared.desk().backward = Some((subject, flow));
+            shared.mailbox().backward = Some((subject, flow));
             shared.wake.notify_one();
         };
         if std::thread::Builder::new().name("backward".into()).spawn(work).is_err() {
-            self.shared.desk().view.checking = false;
+            self.shared.mailbox().view.checking = false;
         }
     }
 
     /// Has a check that failed, or was given up, be tried anew when it is chosen the next time.
     fn forget_failed_check(&mut self) {
-        let is_wanted = self.shared.desk().look.layer == Some(FlowLayer::Consistency);
+        let is_wanted = self.shared.mailbox().look.layer == Some(FlowLayer::Consistency);
         if let Some(run) = self.run.as_mut().filter(|run| !is_wanted && matches!(run.backward, Some(Err(_)))) {
             run.backward = None;
         }
@@ -630,9 +635,9 @@ impl<'a> Worker<'a> {
 
     /// Has what is known of a run at hand before it has anything to show.
     fn announce(&self, subject: &Arc<Prepared>, clip: &Clip) -> Result<(), Error> {
-        self.shared.desk().view.phase = Phase::Starting;
+        self.shared.mailbox().view.phase = Phase::Starting;
         let coming = Arc::new(preview(subject, clip)?);
-        self.shared.desk().view.coming = Some(coming);
+        self.shared.mailbox().view.coming = Some(coming);
         Ok(())
     }
 
@@ -666,10 +671,10 @@ impl<'a> Worker<'a> {
     /// Works on a move until it is done or another one is wanted more; gives whether it is done. A long one shows now and
     /// then how far it has come.
     fn travel(&mut self, to: Move) -> bool {
-        self.shared.desk().view.phase = Phase::Running;
-        let Some(mut way) = self.run.as_ref().map(|run| Way::new(run, to)) else { return false };
+        self.shared.mailbox().view.phase = Phase::Running;
+        let Some(mut long_move) = self.run.as_ref().map(|run| LongMove::new(run, to)) else { return false };
         loop {
-            match self.leg(&mut way) {
+            match self.leg(&mut long_move) {
                 Leg::NotWanted => return false,
                 Leg::There => break,
                 Leg::Part => {
@@ -677,15 +682,15 @@ impl<'a> Worker<'a> {
                     if !self.turn() {
                         return false;
                     }
-                    self.show(way.goal);
-                    way.go_on(begun.elapsed());
+                    self.show(long_move.goal);
+                    long_move.go_on(begun.elapsed());
                 }
             }
         }
         if !self.turn() {
             return false;
         }
-        if way.is_long && self.run.as_ref().is_some_and(|run| run.walk.at_end()) {
+        if long_move.is_long && self.run.as_ref().is_some_and(|run| run.walk.at_end()) {
             self.run.iter().for_each(|run| run.is_brief.set(true));
             self.show(None);
             self.run.iter().for_each(|run| run.is_brief.set(false));
@@ -694,26 +699,26 @@ impl<'a> Worker<'a> {
     }
 
     /// Goes the next part of a way.
-    fn leg(&mut self, way: &mut Way) -> Leg {
+    fn leg(&mut self, long_move: &mut LongMove) -> Leg {
         let Some(run) = &mut self.run else { return Leg::NotWanted };
         let shared = self.shared;
-        let asked = way.begun;
+        let asked = long_move.begun;
         let wanted = || asked.elapsed() < PATIENCE || !shared.superseded.load(Ordering::Relaxed);
         let begun = Instant::now();
-        run.walk.go(way.next);
+        run.walk.go(long_move.next);
         loop {
             let slice = Instant::now();
             if run.walk.work(&mut || slice.elapsed() < NEWS && wanted()) {
                 let at = run.walk.cursor();
-                return if way.comes_to(at, run.walk.at_end(), begun.elapsed()) { Leg::There } else { Leg::Part };
+                return if long_move.comes_to(at, run.walk.at_end(), begun.elapsed()) { Leg::There } else { Leg::Part };
             }
             if !wanted() {
                 return Leg::NotWanted;
             }
             let progress = run.walk.progress();
-            shared.desk().view.progress = way.progress(progress);
+            shared.mailbox().view.progress = long_move.progress(progress);
             (shared.changed)();
-            if let Some(reached) = way.breaks_off(begun.elapsed(), progress) {
+            if let Some(reached) = long_move.breaks_off(begun.elapsed(), progress) {
                 run.walk.go(reached);
             }
         }
@@ -728,9 +733,9 @@ impl<'a> Worker<'a> {
     fn publish(&self) {
         if self.run.is_some() {
             self.show(None);
-            let mut desk = self.shared.desk();
-            desk.view.refused = None;
-            desk.view.progress = None;
+            let mut mailbox = self.shared.mailbox();
+            mailbox.view.refused = None;
+            mailbox.view.progress = None;
         }
     }
 
@@ -738,18 +743,18 @@ impl<'a> Worker<'a> {
     fn show(&self, bound_for: Option<Cursor>) {
         let Some(run) = &self.run else { return };
         let (focus, look) = {
-            let mut desk = self.shared.desk();
-            (desk.focus_moved, desk.look_changed) = (false, false);
-            (desk.focus, desk.look)
+            let mut mailbox = self.shared.mailbox();
+            (mailbox.focus_moved, mailbox.look_changed) = (false, false);
+            (mailbox.focus, mailbox.look)
         };
         let held = self.held();
         let pointed =
             held.or(focus.filter(|at| is_explained(&*run.walk, *at))).map(|at| Pointed { at, is_held: held.is_some() });
         if run.walk.at_end() && !run.is_brief.get() {
-            self.shared.desk().view.phase = Phase::Measuring;
+            self.shared.mailbox().view.phase = Phase::Measuring;
         }
         let mut shown = Snapshot { pointed, bound_for, ..run.snapshot(held.or(focus), &look) };
-        let before = self.shared.desk().view.shown.clone();
+        let before = self.shared.mailbox().view.shown.clone();
         // What looks the same is the same, so that nobody paints it anew.
         if let Some(before) = before {
             let Moment { scene, tiles, .. } = &mut shown.moment;
@@ -760,16 +765,16 @@ impl<'a> Worker<'a> {
                 }
             }
         }
-        self.check(run, &look, &shown.offer);
-        let mut desk = self.shared.desk();
-        desk.view.shown = Some(Arc::new(shown));
-        desk.view.coming = None;
-        drop(desk);
+        self.check(run, &look, &shown.available);
+        let mut mailbox = self.shared.mailbox();
+        mailbox.view.shown = Some(Arc::new(shown));
+        mailbox.view.coming = None;
+        drop(mailbox);
         (self.shared.changed)();
     }
 
     fn refuse(&self, error: Error) {
-        self.shared.desk().view.refused = Some(error);
+        self.shared.mailbox().view.refused = Some(error);
         (self.shared.changed)();
     }
 }

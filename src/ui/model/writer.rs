@@ -25,14 +25,14 @@ const POLL: Duration = Duration::from_millis(50);
 pub enum What {
     /// The step that is shown.
     Picture,
-    /// Steps from one cursor to another, at the stops of a rung.
+    /// Steps from one cursor to another, at the stops of a granularity.
     Steps {
         /// The first.
         from: Cursor,
         /// The last.
         to: Cursor,
-        /// The rung.
-        rung: usize,
+        /// The granularity.
+        granularity: usize,
         /// What they are written as.
         format: Format,
     },
@@ -99,7 +99,7 @@ impl Writing {
         changed: impl Fn() + Send + Sync + 'static,
         write: impl FnOnce(&dyn Progress) -> Result<String, Error> + Send + 'static,
     ) -> Self {
-        Self { folder, work: Background::new("write", changed, move |desk| write(&**desk)) }
+        Self { folder, work: Background::new("write", changed, move |control| write(&**control)) }
     }
 }
 
@@ -120,10 +120,10 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
 /// # Errors
 /// As [`Steps::write`].
 pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
-    let What::Steps { from, to, rung, format } = order.what else { return picture(order, shown) };
+    let What::Steps { from, to, granularity, format } = order.what else { return picture(order, shown) };
     let pixel = shown.held().map(Chosen::Held);
     let (panes, scale) = (order.panes.clone(), order.scale);
-    let steps = Steps { from, to, rung, format, scale, look: order.look, panes, pixel, must_have_layer: false };
+    let steps = Steps { from, to, granularity, format, scale, look: order.look, panes, pixel, must_have_layer: false };
     let written = steps.write(&shown.subject, &order.path, Some(progress))?;
     Ok(format!("Wrote {} into {}{}.", written.pictures(), order.path.display(), written.without()))
 }

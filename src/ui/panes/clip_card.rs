@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, document: &Document, actions: &mut Actions) {
         widgets::heading(ui, "Clip");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             for command in [Command::Open, Command::Samples] {
-                let face = command.face();
+                let face = command.info();
                 if widgets::icon_button(ui, face.icon, face.text, false).on_hover_text(face.tip).clicked() {
                     actions.command(command);
                 }
@@ -74,7 +74,7 @@ pub fn facts(document: &Document) -> String {
 
 /// A small button to another pair of frames.
 fn to_frame(ui: &mut Ui, glyph: Icon, command: Command, actions: &mut Actions) {
-    let face = command.face();
+    let face = command.info();
     if widgets::icon_button(ui, glyph, face.text, false).on_hover_text(command.with_key(face.tip)).clicked() {
         actions.command(command);
     }

@@ -1,14 +1,14 @@
 //! What lies in the panes, and how their tabs look.
 
 pub mod clip_card;
+pub mod explanation;
+pub mod granularities;
 pub mod layout;
 pub mod parameters;
-pub mod rungs;
 pub mod status;
 pub mod timeline;
 pub mod topbar;
 pub mod transport;
-pub mod why;
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ use crate::ui::drawing::style;
 use crate::ui::panes::layout::Pane;
 use crate::ui::stage;
 use crate::view::look::Look;
-use crate::view::panes::Angles;
+use crate::view::panes::{self, Angles, PANES};
 
 /// What the panes remember between frames, and of it from one day to the next how they are looked at.
 #[derive(Default, Serialize, Deserialize)]
@@ -51,7 +51,7 @@ pub struct States {
     pub explained: usize,
     /// The explanation.
     #[serde(skip)]
-    pub why: why::State,
+    pub why: explanation::State,
     /// The cost surface as a heat map.
     #[serde(skip)]
     pub heat_map: heat_map::State,
@@ -147,7 +147,7 @@ impl Panes<'_> {
             heat: heat.or(shown.scene.heat).unwrap_or_default(),
             placing: placing.as_ref(),
             gpu: self.gpu,
-            offer: &shown.offer,
+            available: &shown.available,
             checking: self.view.checking,
             animate: self.animate,
             flows: self.flows,
@@ -212,7 +212,7 @@ impl Panes<'_> {
     fn lockstep<'a>(&self, shown: &'a Snapshot) -> Option<stage::Lockstep<'a>> {
         let tiles = &shown.tiles[..];
         let explained = self.states.explained.min(tiles.len().checked_sub(1)?);
-        Some(stage::Lockstep { tiles, explained, pace: shown.subject.experiment.company.pace })
+        Some(stage::Lockstep { tiles, explained, pace: shown.subject.experiment.side_by_side.pace })
     }
 
     /// The estimator that is explained, and what it tells.
@@ -308,7 +308,7 @@ impl Panes<'_> {
             ui.horizontal(|ui| {
                 ui.add_space((ui.available_width() - 17.0 * size).max(0.0) / 2.0);
                 for command in [Command::Open, Command::Samples] {
-                    let face = command.face();
+                    let face = command.info();
                     let button = Button::new((widgets::icon(ui, face.icon), face.text));
                     if ui.add(button.min_size(vec2(8.0 * size, 2.4 * size))).clicked() {
                         self.actions.command(command);
@@ -322,8 +322,8 @@ impl Panes<'_> {
         match &self.view.shown {
             Some(shown) => {
                 let (info, step) = self.told(shown);
-                let input = why::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
-                why::show(ui, input, &mut self.states.why);
+                let input = explanation::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
+                explanation::show(ui, input, &mut self.states.why);
             }
             None => empty(ui, &self.before("No step is explained")),
         }
@@ -477,41 +477,14 @@ fn errors(ui: &mut Ui, step: &Step, subject: Subject<'_>, states: &mut States) -
     true
 }
 
-/// What will stand in a chart that this step has nothing for, and what to do.
+/// What a chart shows that this step has nothing for, and when it does: as the panes of a sheet have it.
 fn absent(pane: Pane, charts: &[Chart]) -> String {
-    let candidates = charts.contains(&Chart::Surface);
-    let (command, what, until) = match pane {
-        Pane::Surface if !candidates => {
-            (Command::Into, "stands what pixels say of their displacement (u, v)", "one of them is asked")
-        }
-        Pane::Surface3d if !candidates => {
-            (Command::Into, "stands the pyramid with what is found on each level", "one of them is worked on")
-        }
-        Pane::Surface | Pane::Surface3d => {
-            (Command::Into, "stands the cost of every displacement tested", "a candidate is tested")
-        }
-        Pane::Histogram if charts.contains(&Chart::Histogram) => {
-            let until = "the first block is done";
-            (Command::Over, "stands how many blocks have each displacement", until)
-        }
-        Pane::Histogram => {
-            let key = Command::End.key();
-            return format!(
-                "Here displacements are counted, and their errors where the truth is known, at the end of the run ({key})."
-            );
-        }
-        Pane::Plot if candidates => {
-            (Command::Into, "stands how the cost goes from candidate to candidate", "there are some")
-        }
-        Pane::Plot => (Command::Into, "stands how quantities go from step to step", "there are some"),
-        Pane::Numbers if charts.contains(&Chart::Matrices) => {
-            (Command::Into, "stand the matrices of the filter, as numbers", "it has worked with them")
-        }
-        _ if candidates => (Command::Into, "stand the pixels that are compared, as numbers", "a block is compared"),
-        _ => return "Here stand the numbers behind a pixel. Point at one on the picture; a click holds it.".into(),
-    };
-    let verb = if command == Command::Over { "Step over" } else { "Step on" };
-    format!("Here {what}. {verb} ({}) until {until}.", command.key())
+    let is_had = |of: &&panes::Pane| of.chart.is_none_or(|chart| charts.contains(&chart));
+    let is_here = |of: &&panes::Pane| of.chart.is_some_and(|chart| pane.charts().contains(&chart));
+    let own = PANES.into_iter().filter(is_had).find(|of| of.title == pane.title());
+    let shown = own.or_else(|| PANES.into_iter().filter(is_had).find(is_here));
+    let what = shown.map_or_else(|| "Nothing is shown here".into(), |of| format!("Shows {}, {}", of.doc, of.when));
+    format!("{what}. Step on ({}), or to the end of the run ({}).", Command::Into.key(), Command::End.key())
 }
 
 /// An error as a sentence: a full stop, and a capital letter unless it begins with a name.
@@ -609,7 +582,7 @@ impl Behavior<Pane> for Panes<'_> {
             Some(_) => Command::ShowCharts,
         };
         ui.add_space(8.0);
-        let name = format!("Fold away {}", command.face().text.to_lowercase());
+        let name = format!("Fold away {}", command.info().text.to_lowercase());
         let button = widgets::cross(ui, &name);
         if button.on_hover_text(format!("{name}. The buttons at the top bring it back.")).clicked() {
             self.actions.command(command);

@@ -8,7 +8,7 @@ use motionscope_core::{Cursor, LEVEL};
 
 use crate::paint::grouped;
 use crate::ui::app::action::Actions;
-use crate::ui::app::commands::{Command, Rungs, key_text};
+use crate::ui::app::commands::{Command, Granularities, key_text};
 use crate::ui::model::snapshot::{Pointed, Snapshot};
 use crate::ui::model::walker::{Phase, View};
 use crate::view::tile;
@@ -55,7 +55,7 @@ pub fn progress(ui: &mut Ui, work: &Work, actions: &mut Actions) {
         None => drop(ui.spinner()),
     }
     ui.label(RichText::new(&work.what).small());
-    let stop = format!("{} ({})", Command::Stop.face().text, Command::Stop.key());
+    let stop = format!("{} ({})", Command::Stop.info().text, Command::Stop.key());
     if ui.add(Button::new(RichText::new(stop).small()).small()).clicked() {
         actions.command(Command::Stop);
     }
@@ -63,23 +63,27 @@ pub fn progress(ui: &mut Ui, work: &Work, actions: &mut Actions) {
 
 /// Where the run stands: `block 35 of 1200 · probe 412 of 1104 · Best so far 812 at (−3, 2) · 38 % of the work`.
 pub fn line(shown: &Snapshot) -> String {
-    let rungs = shown.info.rungs;
+    let granularities = shown.info.granularities;
     if shown.cursor == Cursor::default() {
-        let unit = rungs.len().checked_sub(2).and_then(|rung| rungs.get(rung)).unwrap_or(&"unit");
+        let unit = granularities
+            .len()
+            .checked_sub(2)
+            .and_then(|granularity| granularities.get(granularity))
+            .unwrap_or(&"unit");
         let of = shown.units.map_or_else(String::new, |units| format!("  ·  {} {unit}s to do", grouped(units)));
         return format!("not started{of}");
     }
     let mut parts = Vec::new();
-    for (rung, name) in shown.place.iter().zip(rungs) {
-        match (*name, rung.of) {
-            // A rung of one is no news.
+    for (granularity, name) in shown.place.iter().zip(granularities) {
+        match (*name, granularity.of) {
+            // A granularity of one is no news.
             (_, Some(1)) => {}
             // Levels are called by their number in the pyramid, as everywhere else: the last is the picture itself.
-            (LEVEL, Some(of)) => parts.push(format!("level {} of {} to 0", of - 1 - rung.index, of - 1)),
-            (name, of) => parts.push(counted(name, rung.index + 1, of)),
+            (LEVEL, Some(of)) => parts.push(format!("level {} of {} to 0", of - 1 - granularity.index, of - 1)),
+            (name, of) => parts.push(counted(name, granularity.index + 1, of)),
         }
     }
-    if let Some(name) = rungs.last() {
+    if let Some(name) = granularities.last() {
         parts.push(counted(name, shown.cursor.event, Some(shown.events)));
     }
     // What is told of the pixel pointed at is not where the run stands.
@@ -99,12 +103,12 @@ fn explained(Pointed { at: Focus { on, at: [x, y] }, is_held }: Pointed) -> Stri
 }
 
 /// The keys that matter most: `→ step   Shift+→ block   Space play   ? all keys`.
-pub fn keys(rungs: Rungs) -> String {
-    let (event, unit) = (rungs.name(rungs.event()), rungs.name(rungs.unit()));
+pub fn keys(granularities: Granularities) -> String {
+    let (event, unit) = (granularities.name(granularities.event()), granularities.name(granularities.unit()));
     let named =
         [(Command::Into, event), (Command::Over, unit), (Command::Play, "play"), (Command::Shortcuts, "all keys")];
     let told = named.iter().filter_map(|(command, name)| {
-        let key = command.face().keys.first()?;
+        let key = command.info().keys.first()?;
         Some(format!("{} {name}", key_text(*key)))
     });
     told.collect::<Vec<_>>().join("   ")

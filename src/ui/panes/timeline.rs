@@ -3,7 +3,7 @@
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, Rect, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
-use motionscope_core::{Cursor, Role, Rung};
+use motionscope_core::{Cursor, Granularity, Role};
 
 use crate::paint::{Theme, grouped};
 use crate::ui::drawing::style;
@@ -42,8 +42,9 @@ enum Counts {
 /// Draws both tracks into `rect`; gives the cursor that the person drags to.
 pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<Cursor> {
     let (upper, lower) = rect.split_top_bottom_at_fraction(0.5);
-    let rungs = shown.info.rungs;
-    let name = |from_inside: usize| rungs.len().checked_sub(from_inside).and_then(|i| rungs.get(i)).copied();
+    let granularities = shown.info.granularities;
+    let name =
+        |from_inside: usize| granularities.len().checked_sub(from_inside).and_then(|i| granularities.get(i)).copied();
     let Cursor { unit, event } = shown.cursor;
     let about = expected(unit, &shown.place);
     let units = shown.units.or(about).unwrap_or(0).max(unit + 1);
@@ -90,12 +91,12 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
 
 /// About how many units a run has that does not know: as many as there are if each group of them that is left is as large as
 /// the one at hand, or where that is not known as those before were.
-fn expected(unit: usize, place: &[Rung]) -> Option<usize> {
-    let [outer @ .., Rung { index, of }] = place else { return None };
+fn expected(unit: usize, place: &[Granularity]) -> Option<usize> {
+    let [outer @ .., Granularity { index, of }] = place else { return None };
     let mean = || unit.saturating_sub(*index).checked_div(outer.last()?.index);
     let mut size = (*of).or_else(mean)?;
     let mut left = size.saturating_sub(*index);
-    for Rung { index, of } in outer.iter().rev() {
+    for Granularity { index, of } in outer.iter().rev() {
         left += (*of)?.saturating_sub(index + 1) * size;
         size *= (*of)?;
     }
@@ -279,14 +280,14 @@ mod tests {
     #[test]
     fn a_run_that_does_not_know_its_length_is_told_about_how_long_it_is() {
         let place = |[pair, feature]: [usize; 2], [pairs, features]: [Option<usize>; 2]| {
-            let rung = |index, of| Rung { index, of };
-            [rung(0, Some(1)), rung(pair, pairs), rung(feature, features)]
+            let granularity = |index, of| Granularity { index, of };
+            [granularity(0, Some(1)), granularity(pair, pairs), granularity(feature, features)]
         };
         assert_eq!(expected(19, &place([0, 19], [Some(23), Some(200)])), Some(23 * 200));
         assert_eq!(expected(400, &place([2, 0], [Some(10), None])), Some(400 + 8 * 200), "as before");
         assert_eq!(expected(0, &place([0, 0], [Some(10), None])), None, "the first tells nothing");
         assert_eq!(expected(9, &place([0, 9], [None, Some(200)])), None, "nor does a clip of unknown length");
-        let warps = [(0, 1), (1, 3), (2, 5), (40, 100)].map(|(index, of)| Rung { index, of: Some(of) });
+        let warps = [(0, 1), (1, 3), (2, 5), (40, 100)].map(|(index, of)| Granularity { index, of: Some(of) });
         assert_eq!(expected(740, &warps), Some(1500), "levels of warps of iterations");
         assert_eq!(expected(9, &[]), None);
     }

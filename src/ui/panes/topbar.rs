@@ -6,7 +6,7 @@ use motionscope_core::Params;
 
 use crate::paint::Theme;
 use crate::ui::app::action::Actions;
-use crate::ui::app::commands::{Command, Menu, Now, Rungs};
+use crate::ui::app::commands::{Command, Granularities, Menu, Now};
 use crate::ui::dialogs::open as open_dialog;
 use crate::ui::drawing::style;
 use crate::ui::model::document::Document;
@@ -24,7 +24,7 @@ pub struct Input<'a> {
     /// What can be done just now.
     pub now: Now,
     /// The names of the ladder.
-    pub rungs: Rungs,
+    pub granularities: Granularities,
     /// What is folded away.
     pub folded: Folded,
     /// Whether things change at once.
@@ -105,7 +105,7 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         ui.add_space(8.0);
     }
     let info = input.document.estimator().info();
-    let beside = input.document.company().beside.len();
+    let beside = input.document.side_by_side().beside.len();
     let name = if beside == 0 { info.name.to_owned() } else { format!("{} and {beside} more", info.name) };
     for parent in input.document.parents() {
         let name = widgets::elide(parent.name, 16);
@@ -141,7 +141,7 @@ fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
     let search = search.fill(style::color(input.look.theme.chrome().raised));
     let response = ui.add(search.min_size(egui::vec2(11.0 * TextStyle::Body.resolve(ui.style()).size, 0.0)));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Find a command"));
-    if transport::tooltip(response, Command::Palette, &input.rungs).clicked() {
+    if transport::tooltip(response, Command::Palette, &input.granularities).clicked() {
         actions.command(Command::Palette);
     }
     ui.add_space(8.0);
@@ -150,16 +150,16 @@ fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
 fn button(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
     // What is on is bright, what is folded away is dim: a bar at rest is quiet.
     let dim = is_on(command, input) == Some(false);
-    let text = command.text(&input.rungs);
+    let text = command.text(&input.granularities);
     let response = ui.scope(|ui| {
         if dim {
             ui.visuals_mut().widgets.inactive.fg_stroke.color = ui.visuals().weak_text_color();
         }
-        ui.add_enabled_ui(command.enabled(&input.now), |ui| widgets::icon_button(ui, command.face().icon, &text, false))
+        ui.add_enabled_ui(command.enabled(&input.now), |ui| widgets::icon_button(ui, command.info().icon, &text, false))
             .inner
     });
     let response = response.inner;
-    if transport::tooltip(response, command, &input.rungs).clicked() {
+    if transport::tooltip(response, command, &input.granularities).clicked() {
         actions.command(command);
     }
 }
@@ -178,7 +178,7 @@ fn theme(ui: &mut Ui, now: Theme, actions: &mut Actions) {
             (Theme::Light, Command::LightTheme),
             (Theme::Projector, Command::ProjectorTheme),
         ] {
-            if ui.selectable_label(theme == now, theme.name()).on_hover_text(command.face().tip).clicked() {
+            if ui.selectable_label(theme == now, theme.name()).on_hover_text(command.info().tip).clicked() {
                 actions.command(command);
             }
         }
@@ -195,7 +195,7 @@ fn is_on(command: Command, input: &Input) -> Option<bool> {
         Command::ReducedMotion => Some(input.reduced_motion),
         Command::Lockstep => Some(input.now.in_lockstep),
         Command::Streaks => Some(input.look.streaks.is_some()),
-        _ if command.layer().is_some() => Some(command.layer() == Some(input.now.offer.chosen(input.look.layer))),
+        _ if command.layer().is_some() => Some(command.layer() == Some(input.now.available.chosen(input.look.layer))),
         _ => {
             let (name, value) = command.look()?;
             input.look.get(name).ok().map(|now| now.to_string() == value)
@@ -211,7 +211,7 @@ fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
 }
 
 fn all_items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
-    let listed = |command: &Command| command.face().menu == menu && command.is_listed(&input.rungs);
+    let listed = |command: &Command| command.info().menu == menu && command.is_listed(&input.granularities);
     let commands: Vec<Command> = Command::ALL.iter().copied().filter(listed).collect();
     for (index, group) in commands.chunk_by(|a, b| section(*a) == section(*b)).enumerate() {
         if index > 0 {
@@ -220,7 +220,7 @@ fn all_items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
         for together in group.chunk_by(|a, b| a.submenu().is_some() && a.submenu() == b.submenu()) {
             match together[0].submenu() {
                 Some(submenu) => {
-                    let (name, glyph) = submenu.face();
+                    let (name, glyph) = submenu.info();
                     let icon = widgets::icon(ui, glyph).color(ui.visuals().weak_text_color());
                     ui.menu_button((icon, name), |ui| {
                         together.iter().for_each(|command| item(ui, *command, input, actions));
@@ -260,17 +260,17 @@ fn section(command: Command) -> u8 {
 }
 
 fn item(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
-    let face = command.face();
+    let face = command.info();
     let glyph = match is_on(command, input) {
         Some(true) => Icon::Check,
         _ => face.icon,
     };
     let dim = ui.visuals().weak_text_color();
-    let (text, enabled) = (command.text(&input.rungs), command.enabled(&input.now));
+    let (text, enabled) = (command.text(&input.granularities), command.enabled(&input.now));
     let button = Button::new((widgets::icon(ui, glyph).color(dim), text.as_str())).shortcut_text(command.key());
     let response = ui.add_enabled(enabled, button);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::MenuItem, enabled, &text));
-    if response.on_hover_text(command.tip(&input.rungs)).clicked() {
+    if response.on_hover_text(command.tip(&input.granularities)).clicked() {
         actions.command(command);
         ui.close();
     }

@@ -7,7 +7,7 @@ use lucide_icons::Icon;
 
 use crate::paint::Theme;
 use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::{Command, Now, Rungs};
+use crate::ui::app::commands::{Command, Granularities, Now};
 use crate::ui::drawing::style;
 use crate::ui::model::player::{Player, SPEEDS};
 use crate::ui::model::snapshot::Snapshot;
@@ -21,7 +21,7 @@ pub struct Input<'a> {
     /// What can be done just now.
     pub now: Now,
     /// The names of the ladder.
-    pub rungs: Rungs,
+    pub granularities: Granularities,
     /// Play and its speed.
     pub player: Player,
     /// The look.
@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let named = ui.available_width() / size > ROOMY;
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        let listed = |command: &Command| command.is_listed(&input.rungs);
+        let listed = |command: &Command| command.is_listed(&input.granularities);
         let back = [Command::Start, Command::OutBack, Command::OverBack, Command::IntoBack];
         for command in back.into_iter().filter(listed) {
             step(ui, command, named, input, actions);
@@ -63,25 +63,25 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
 }
 
 /// A tooltip for a command: what it does, and its key.
-pub fn tooltip(response: Response, command: Command, rungs: &Rungs) -> Response {
-    response.on_hover_text(command.with_key(&command.tip(rungs)))
+pub fn tooltip(response: Response, command: Command, granularities: &Granularities) -> Response {
+    response.on_hover_text(command.with_key(&command.tip(granularities)))
 }
 
-/// What a command of the ladder is called on its button: the rung that it moves on, or where it leads.
-fn button_name(command: Command, rungs: &Rungs) -> Option<String> {
+/// What a command of the ladder is called on its button: the granularity that it moves on, or where it leads.
+fn button_name(command: Command, granularities: &Granularities) -> Option<String> {
     use Command as C;
     match command {
-        C::Into | C::IntoBack => Some(rungs.name(rungs.event()).to_owned()),
-        C::Over | C::OverBack => Some(rungs.name(rungs.unit()).to_owned()),
-        C::Out => Some(format!("{} end", rungs.outer())),
-        C::OutBack => Some(format!("{} start", rungs.outer())),
+        C::Into | C::IntoBack => Some(granularities.name(granularities.event()).to_owned()),
+        C::Over | C::OverBack => Some(granularities.name(granularities.unit()).to_owned()),
+        C::Out => Some(format!("{} end", granularities.outer())),
+        C::OutBack => Some(format!("{} start", granularities.outer())),
         _ => None,
     }
 }
 
 fn step(ui: &mut Ui, command: Command, named: bool, input: &Input, actions: &mut Actions) {
-    let glyph = widgets::icon(ui, command.face().icon);
-    let name = button_name(command, &input.rungs).filter(|_| named);
+    let glyph = widgets::icon(ui, command.info().icon);
+    let name = button_name(command, &input.granularities).filter(|_| named);
     let back = matches!(command, Command::IntoBack | Command::OverBack | Command::OutBack | Command::Start);
     let height = ui.spacing().interact_size.y * 1.25;
     let button = match (name, back) {
@@ -92,9 +92,9 @@ fn step(ui: &mut Ui, command: Command, named: bool, input: &Input, actions: &mut
     let button = button.frame_when_inactive(false).gap(4.0).min_size(vec2(height, height));
     let enabled = command.enabled(&input.now);
     let response = ui.add_enabled(enabled, button);
-    let text = command.text(&input.rungs);
+    let text = command.text(&input.granularities);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled, &text));
-    if tooltip(response, command, &input.rungs).clicked() {
+    if tooltip(response, command, &input.granularities).clicked() {
         actions.command(command);
     }
 }
@@ -119,13 +119,14 @@ fn play(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     if response.has_focus() {
         ui.painter().circle_stroke(rect.center(), side / 2.0 + 2.0, Stroke::new(1.5, style::color(chrome.text)));
     }
-    if tooltip(response, Command::Play, &input.rungs).clicked() {
+    if tooltip(response, Command::Play, &input.granularities).clicked() {
         actions.command(Command::Play);
     }
 }
 
 fn speed(ui: &mut Ui, input: &Input, actions: &mut Actions) {
-    let (event, unit) = (input.rungs.name(input.rungs.event()), input.rungs.name(input.rungs.unit()));
+    let (event, unit) =
+        (input.granularities.name(input.granularities.event()), input.granularities.name(input.granularities.unit()));
     let size = TextStyle::Body.resolve(ui.style()).size;
     let chosen = input.player.speed().text(event, unit);
     let combo = ComboBox::from_id_salt("speed").selected_text(&chosen).width(8.5 * size);

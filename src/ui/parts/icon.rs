@@ -13,8 +13,8 @@ const SIDE: u32 = 128;
 pub fn icon() -> IconData {
     let Some(mut pixmap) = Pixmap::new(SIDE, SIDE) else { return IconData::default() };
     let theme = Theme::Dark;
-    let plate = rounded(4.0, 4.0, 120.0, 28.0);
-    fill(&mut pixmap, plate, theme.chrome().raised);
+    let figure = rounded(4.0, 4.0, 120.0, 28.0);
+    fill(&mut pixmap, figure, theme.chrome().raised);
     outline(&mut pixmap, rounded(22.0, 60.0, 44.0, 4.0), theme.ink(Role::Reference).color, 8.0);
     outline(&mut pixmap, rounded(62.0, 24.0, 44.0, 4.0), theme.ink(Role::Best).color, 8.0);
     let mut arrow = PathBuilder::new();

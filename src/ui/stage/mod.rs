@@ -29,7 +29,7 @@ pub use placing::{Gesture, Placing};
 use crate::paint::{self, Face, Panel, Placement, Shown, Theme, View};
 use crate::ui::drawing::{ink, primitives};
 use crate::view::look::{Look, Stands};
-use crate::view::motion::Offer;
+use crate::view::motion::AvailableLayers;
 use crate::view::tile::Tile;
 use glide::Glide;
 use marks::Marks;
@@ -64,7 +64,7 @@ pub struct Input<'a> {
     /// What the colours of heat stand for, for the legend: `SAD`.
     pub heat: &'a str,
     /// Which layers tell of motion.
-    pub offer: &'a Offer,
+    pub available: &'a AvailableLayers,
     /// Whether the reverse pair is being run.
     pub checking: bool,
     /// The window's graphics card, if it has one.

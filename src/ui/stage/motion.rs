@@ -36,15 +36,15 @@ pub fn button(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut 
 fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
     ui.set_width(19.0 * input.theme().sizes().body);
     ui.label(RichText::new("Colours over the picture").small().weak());
-    let now = input.offer.chosen(look.layer);
+    let now = input.available.chosen(look.layer);
     for layer in FlowLayer::ALL {
-        let why = input.offer.why_never(layer);
+        let why = input.available.why_never(layer);
         let item = ui.add_enabled(why.is_none(), Button::selectable(now == layer, layer.name()).min_size(wide(ui)));
         let is_now = now == layer;
         item.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, why.is_none(), is_now, layer.name()));
         let told = match why {
             Some(why) => format!("{} Not here: {why}.", layer.tip()),
-            None if input.offer.awaited(Some(layer)).is_some() => {
+            None if input.available.awaited(Some(layer)).is_some() => {
                 format!("{} It is there at the end of the run.", layer.tip())
             }
             None => layer.tip().into(),
@@ -70,7 +70,7 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
                 Command::Streaks.with_key("Particles carried along by the motion, which leave a trail."),
             ),
         ] {
-            let can_be = !streaks || input.offer.has_field();
+            let can_be = !streaks || input.available.has_field();
             let shown = ui.add_enabled(can_be, Button::selectable(look.streaks.is_some() == streaks, name));
             if shown.on_hover_text(&tip).on_disabled_hover_text("Only single points are known to move here.").clicked()
             {

@@ -47,7 +47,7 @@ impl BlockSearch for AdaptiveRood {
         source: "Y. Nie and K.-K. Ma, Adaptive rood pattern search for fast block-matching motion estimation, \
                  IEEE Trans. Image Processing 11(12), 2002",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
 

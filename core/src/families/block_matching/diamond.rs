@@ -45,7 +45,7 @@ impl BlockSearch for Diamond {
         source: "S. Zhu and K.-K. Ma, A new diamond search algorithm for fast block-matching motion estimation, \
                  IEEE Trans. Image Processing 9(2), 2000",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
 

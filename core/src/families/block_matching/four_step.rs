@@ -41,7 +41,7 @@ impl BlockSearch for FourStep {
                  IEEE Trans. Circuits and Systems for Video Technology 6(3), 1996 \
                  (±7 px with 3 squares; here as many as reach the edge of the window)",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
 

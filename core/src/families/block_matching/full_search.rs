@@ -20,7 +20,7 @@ use crate::methods::{
     },
     cost,
 };
-use crate::run::{Info, Promise};
+use crate::run::{Guarantee, Info};
 use crate::{choices, pseudocode};
 
 choices! {
@@ -64,10 +64,10 @@ impl BlockSearch for FullSearch {
         source: "A. K. Jain, Fundamentals of Digital Image Processing, Prentice Hall 1989; \
                  early exit: C.-D. Bei and R. M. Gray, IEEE Trans. Communications 33(10), 1985",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::Translation;
+    const GUARANTEE: Guarantee = Guarantee::Translation;
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let Tester {

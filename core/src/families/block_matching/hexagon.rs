@@ -15,7 +15,7 @@ use crate::base::Observer;
 use crate::methods::block_search::{
     BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector,
 };
-use crate::run::{Info, Promise};
+use crate::run::{Guarantee, Info};
 
 block_search_params! {
     /// Hexagon search: as diamond search, with a rounder pattern of fewer points.
@@ -41,11 +41,11 @@ impl BlockSearch for Hexagon {
         source: "C. Zhu, X. Lin and L.-P. Chau, Hexagon-based search pattern for fast block motion estimation, \
                  IEEE Trans. Circuits and Systems for Video Technology 12(5), 2002",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
     /// The points of the hexagon leave gaps, and only four of the eight neighbours are looked at in the end.
-    const PROMISE: Promise = Promise::SmoothTranslation { off_px: 1 };
+    const GUARANTEE: Guarantee = Guarantee::SmoothTranslation { off_px: 1 };
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let lines = Downhill { test: line::TEST_HEXAGON, decide: line::MOVE_CENTER };

@@ -26,7 +26,7 @@ use crate::params::{Parameter as _, Value};
 use crate::products::{Block, BlockField, BlockGrid, Output, Product, ProductKind};
 use crate::pseudocode;
 use crate::run::{
-    BlockVectors, Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Stage, StageView,
+    BlockVectors, Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Stage, StageView,
     TestsCandidates,
 };
 use crate::scene::{Chart, Fact, Floor, Focus, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
@@ -319,10 +319,10 @@ impl Estimator for Hierarchical {
                  Communications and Image Processing, 1988; pyramid: P. J. Burt and E. H. Adelson, The Laplacian pyramid \
                  as a compact image code, IEEE Trans. Communications 31(4), 1983",
         pseudocode: line::ALL,
-        rungs: &["frame", "level", "block", "step"],
+        granularities: &["frame", "level", "block", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
+    const GUARANTEE: Guarantee = Guarantee::SmoothTranslation { off_px: 0 };
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram, Chart::Stack];
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
@@ -342,11 +342,11 @@ impl Estimator for Hierarchical {
         Some(state.levels.iter().map(|pair| pair.blocks.len()).sum())
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
+    fn place(&self, state: &State) -> Vec<Granularity> {
         let count = state.levels.len();
-        let level = Rung { index: count - 1 - state.level, of: Some(count) };
-        let block = Rung { index: state.index(), of: Some(state.pair().blocks.len()) };
-        vec![Rung { index: 0, of: Some(1) }, level, block]
+        let level = Granularity { index: count - 1 - state.level, of: Some(count) };
+        let block = Granularity { index: state.index(), of: Some(state.pair().blocks.len()) };
+        vec![Granularity { index: 0, of: Some(1) }, level, block]
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {

@@ -43,7 +43,7 @@ impl BlockSearch for LogSearch {
         source: "J. R. Jain and A. K. Jain, Displacement measurement and its application in interframe image coding, \
                  IEEE Trans. Communications 29(12), 1981",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
 

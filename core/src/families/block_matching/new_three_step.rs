@@ -44,7 +44,7 @@ impl BlockSearch for NewThreeStep {
         source: "R. Li, B. Zeng and M. L. Liou, A new three-step search algorithm for block motion estimation, \
                  IEEE Trans. Circuits and Systems for Video Technology 4(4), 1994",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
 

@@ -57,7 +57,7 @@ impl BlockSearch for Predictive {
         source: "A. M. Tourapis, Enhanced predictive zonal search for single and multiple frame motion estimation, \
                  Proc. SPIE 4671, Visual Communications and Image Processing, 2002",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
 

@@ -16,7 +16,7 @@ use crate::base::Observer;
 use crate::methods::block_search::{
     BlockSearch, Displacement, Event, Tester, Window, block_search_params, search_pseudocode, vector,
 };
-use crate::run::{Info, Promise};
+use crate::run::{Guarantee, Info};
 
 block_search_params! {
     /// Logarithmic search by quadrants: the window is quartered again and again, always keeping the quadrant with the
@@ -46,11 +46,11 @@ impl BlockSearch for QuadrantSearch {
         source: "the course's logarithmic search; the idea is that of J. R. Jain and A. K. Jain, Displacement measurement \
                  and its application in interframe image coding, IEEE Trans. Communications 29(12), 1981",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
     /// A quadrant that was left is never looked at again, although the best match may lie right behind its edge.
-    const PROMISE: Promise = Promise::Better;
+    const GUARANTEE: Guarantee = Guarantee::Better;
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let range = self.matching.range as i32;

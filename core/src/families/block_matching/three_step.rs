@@ -43,7 +43,7 @@ impl BlockSearch for ThreeStep {
                  video conferencing, Proc. National Telecommunications Conference, 1981 \
                  (±6 px in steps of 3, 2 and 1; here as many steps as reach the edge of the window)",
         pseudocode: line::ALL,
-        rungs: &["frame", "block", "step"],
+        granularities: &["frame", "block", "step"],
         frames: 2,
     };
 

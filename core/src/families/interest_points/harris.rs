@@ -37,7 +37,7 @@ impl Measure for Harris {
         summary: "Finds the places where gradients point in several directions, without asking for eigenvalues.",
         source: "C. Harris and M. Stephens, A combined corner and edge detector, Proc. 4th Alvey Vision Conference, 1988",
         pseudocode: line::ALL,
-        rungs: &["frame", "stage", "row", "step"],
+        granularities: &["frame", "stage", "row", "step"],
         frames: 1,
     };
 

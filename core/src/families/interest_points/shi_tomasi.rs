@@ -27,7 +27,7 @@ impl Measure for ShiTomasi {
         summary: "Finds the places that can be tracked best: where even the weaker direction has much gradient.",
         source: "J. Shi and C. Tomasi, Good features to track, CVPR 1994",
         pseudocode: line::ALL,
-        rungs: &["frame", "stage", "row", "step"],
+        granularities: &["frame", "stage", "row", "step"],
         frames: 1,
     };
 

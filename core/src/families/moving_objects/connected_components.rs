@@ -1,6 +1,6 @@
 //! Connected components, row by row: labels that grow, and labels that meet.
 
-mod tell;
+mod explain;
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::geometry::Grid;
 use crate::methods::subtraction::{Settings, cleaned, need_of_blobs, sifted};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
 use crate::run::{
-    Estimator, Footprint, Frames, Info, Masks, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, need,
+    Estimator, Footprint, Frames, Granularity, Guarantee, Info, Masks, Need, Pointed, Progress, Seen, Span, Stage, need,
 };
 use crate::scene::{Chart, Focus, Scene, Step};
 use crate::{choices, params, pseudocode};
@@ -151,10 +151,10 @@ impl Estimator for ConnectedComponents {
         source: "A. Rosenfeld and J. L. Pfaltz, Sequential operations in digital picture processing, J. ACM 1966; by runs: L. He, \
                  Y. Chao and K. Suzuki, A run-based two-scan labeling algorithm, IEEE Trans. Image Processing 2008",
         pseudocode: line::ALL,
-        rungs: &["clip", "frame", "row", "run"],
+        granularities: &["clip", "frame", "row", "run"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::Objects;
+    const GUARANTEE: Guarantee = Guarantee::Objects;
     const CHARTS: &'static [Chart] = &[Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[MaskField::KIND, ObjectField::KIND];
     type State = State;
@@ -194,9 +194,9 @@ impl Estimator for ConnectedComponents {
         state.span.frames().map(|frames| frames * (state.picture.1 + 1))
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
+    fn place(&self, state: &State) -> Vec<Granularity> {
         let mut place = state.span.place(state.frame - state.span.first);
-        place.push(Rung { index: state.row, of: Some(state.picture.1 + 1) });
+        place.push(Granularity { index: state.row, of: Some(state.picture.1 + 1) });
         place
     }
 

@@ -108,7 +108,7 @@ impl Background for FlowMagnitude {
                  for person tracking systems, Pattern Recognition Letters 28, 2007; displaced against undisplaced frame \
                  difference: A. M. Tekalp, Digital video processing, 1995",
         pseudocode: line::ALL,
-        rungs: &["clip", "frame", "stage"],
+        granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
     const SHOWN: &'static str = "|w| in px/frame";

@@ -75,7 +75,7 @@ impl Background for FrameDifference {
                  scenes, PAMI 1979; three frames: R. Collins et al., A system for video surveillance and monitoring, \
                  CMU-RI-TR-00-12, 2000",
         pseudocode: line::ALL,
-        rungs: &["clip", "frame", "stage"],
+        granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
     const SHOWN: &'static str = "|I(t) − B|, B the frame before, of two the nearer one";

@@ -60,7 +60,7 @@ impl Background for MedianBackground {
                  Applications 8, 1995; the median itself: R. Cucchiara, C. Grana, M. Piccardi and A. Prati, Detecting moving \
                  objects, ghosts, and shadows in video streams, PAMI 2003",
         pseudocode: line::ALL,
-        rungs: &["clip", "frame", "stage"],
+        granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
     const SHOWN: &'static str = "|I − B|";

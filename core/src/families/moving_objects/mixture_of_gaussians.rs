@@ -1,7 +1,7 @@
 //! Mixture of Gaussians: a pixel may have several looks, and those that it has mostly are the background.
 
+mod explain;
 mod model;
-mod tell;
 
 use std::sync::Arc;
 
@@ -63,7 +63,7 @@ impl Background for MixtureOfGaussians {
                  modes: Z. Zivkovic, Improved adaptive Gaussian mixture model for background subtraction, ICPR 2004; shadows: \
                  A. Prati, I. Mikić, M. Trivedi and R. Cucchiara, Detecting moving shadows, PAMI 2003",
         pseudocode: line::ALL,
-        rungs: &["clip", "frame", "stage"],
+        granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
     const SHOWN: &'static str = "|I − μ| / σ of the nearest mode of the background";

@@ -61,7 +61,7 @@ impl Background for RunningAverage {
         source: "J. Heikkilä and O. Silvén, A real-time system for monitoring of cyclists and pedestrians, VS 1999; selective: \
                  D. Koller et al., Towards robust automatic traffic scene analysis in real-time, ICPR 1994",
         pseudocode: line::ALL,
-        rungs: &["clip", "frame", "stage"],
+        granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
     const SHOWN: &'static str = "|I − B|";

@@ -78,7 +78,7 @@ impl Background for SingleGaussian {
         source: "C. Wren, A. Azarbayejani, T. Darrell and A. Pentland, Pfinder: real-time tracking of the human body, PAMI 1997; here \
                  on gray values",
         pseudocode: line::ALL,
-        rungs: &["clip", "frame", "stage"],
+        granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
     const SHOWN: &'static str = "|I − μ| / σ";

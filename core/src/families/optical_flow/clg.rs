@@ -5,10 +5,10 @@ use std::sync::OnceLock;
 use crate::base::{Threads, words};
 use crate::geometry::filter;
 use crate::methods::{
-    differential::{Field, Linear, relax, tell},
+    differential::{Field, Linear, explain, relax},
     variational::{Local, Looked, Model, MotionTensor, Settings, Solver, Told, Warp},
 };
-use crate::run::{Info, Promise};
+use crate::run::{Guarantee, Info};
 use crate::scene::{Constraint, Fact, Math, Name, Role, Sentence};
 use crate::{params, pseudocode};
 
@@ -60,10 +60,10 @@ impl Model for Clg {
                  methods, International Journal of Computer Vision 61(3), 2005; medians: D. Sun, S. Roth and M. J. Black, \
                  Secrets of optical flow estimation and their principles, CVPR 2010",
         pseudocode: line::ALL,
-        rungs: &["frame", "level", "warp", "iteration", "step"],
+        granularities: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
+    const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const STEPS: &'static [Name] = &[line::AVERAGE, line::SOLVE];
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints of a window \
@@ -175,7 +175,7 @@ impl Clg {
         let line = |(place, weight): ((usize, usize), f32)| {
             let ([a, b, c], [other_u, other_v]) = (factors.at(place), start.at(place.0, place.1));
             // What is left to find there, of the displacement here.
-            tell::line([a, b, c + a * (other_u - u) + b * (other_v - v)], weight, Role::Candidate)
+            explain::line([a, b, c + a * (other_u - u) + b * (other_v - v)], weight, Role::Candidate)
         };
         places.filter_map(line).collect()
     }

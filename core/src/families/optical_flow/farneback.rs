@@ -6,11 +6,11 @@ use crate::base::{Error, Observer, Threads, words};
 use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::methods::{
-    differential::{Field, Multiscale, Weights, Window, field, relax, tell},
+    differential::{Field, Multiscale, Weights, Window, explain, field, relax},
     polynomial::{Agreed, Agreement, Applicability, Expander, Looked, Moved, Packed, Part},
 };
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
-use crate::run::{Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
 use crate::scene::{Chart, Fact, Focus, Readout, Role, Scene, Sentence, Series, Step};
 use crate::{params, pseudocode};
 
@@ -163,10 +163,10 @@ impl Estimator for Farneback {
                  K. Levenberg, A method for the solution of certain non-linear problems in least squares, Quarterly of \
                  Applied Mathematics 2, 1944",
         pseudocode: line::ALL,
-        rungs: &["frame", "level", "iteration", "step"],
+        granularities: &["frame", "level", "iteration", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
+    const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State;
     type Event = Event;
@@ -203,10 +203,14 @@ impl Estimator for Farneback {
         Some(state.frames.count() * self.iterations)
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
+    fn place(&self, state: &State) -> Vec<Granularity> {
         let levels = state.frames.count();
-        let rung = |index, of| Rung { index, of: Some(of) };
-        vec![rung(0, 1), rung(levels - 1 - state.level, levels), rung(state.iteration, self.iterations)]
+        let granularity = |index, of| Granularity { index, of: Some(of) };
+        vec![
+            granularity(0, 1),
+            granularity(levels - 1 - state.level, levels),
+            granularity(state.iteration, self.iterations),
+        ]
     }
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
@@ -341,7 +345,7 @@ impl Farneback {
         };
         let x_max = seen.before.frames.count() * self.iterations;
         let counts = (seen.before.frames.count(), 1);
-        let sections: Vec<_> = tell::sections(notes.iter().map(|note| (note.level, 0)), counts).collect();
+        let sections: Vec<_> = explain::sections(notes.iter().map(|note| (note.level, 0)), counts).collect();
         let series = |title, lines| {
             let sections = sections.clone();
             Series { title, x_label: "iteration", y_label: "px", x_max, events: Vec::new(), sections, lines }

@@ -2,10 +2,10 @@
 
 use crate::base::{Threads, words};
 use crate::methods::{
-    differential::{FLAT, Field, Linear, relax, tell},
+    differential::{FLAT, Field, Linear, explain, relax},
     variational::{Looked, Model, Settings, Solver, Told, Warp},
 };
-use crate::run::{Info, Promise};
+use crate::run::{Guarantee, Info};
 use crate::scene::{Math, Name, Role, Sentence};
 use crate::{params, pseudocode};
 
@@ -52,10 +52,10 @@ impl Model for HornSchunck {
                  strategy, Image Processing On Line 3, 2013; medians: D. Sun, S. Roth and M. J. Black, Secrets of optical flow \
                  estimation and their principles, CVPR 2010",
         pseudocode: line::ALL,
-        rungs: &["frame", "level", "warp", "iteration", "step"],
+        granularities: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
+    const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const STEPS: &'static [Name] = &[line::AVERAGE, line::UPDATE];
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints are off, and α² \
@@ -98,7 +98,7 @@ impl Model for HornSchunck {
             facts: Vec::new(),
             equation: update.equation(self, looked),
             points,
-            lines: tell::line(looked.factors(), 1.0, Role::Candidate).into_iter().collect(),
+            lines: explain::line(looked.factors(), 1.0, Role::Candidate).into_iter().collect(),
         }
     }
 }
@@ -193,11 +193,11 @@ fn symbols(to: Math, (part, along): (&'static str, &'static str), rest: Math) ->
     let squared = |base: Math| Math::power(base, Math::text("2"));
     let mean_of = |name: &'static str| Math::indexed(Math::Var(name), Math::Var("m"));
     let top = vec![
-        tell::derivative("x"),
+        explain::derivative("x"),
         Math::text(" "),
         mean_of("u"),
         Math::text(" + "),
-        tell::derivative("y"),
+        explain::derivative("y"),
         Math::text(" "),
         mean_of("v"),
         Math::text(" + "),
@@ -206,16 +206,16 @@ fn symbols(to: Math, (part, along): (&'static str, &'static str), rest: Math) ->
     let bottom = vec![
         squared(Math::Var("α")),
         Math::text(" + "),
-        squared(tell::derivative("x")),
+        squared(explain::derivative("x")),
         Math::text(" + "),
-        squared(tell::derivative("y")),
+        squared(explain::derivative("y")),
     ];
     Math::Row(vec![
         to,
         Math::text(" = "),
         mean_of(part),
         Math::text(" − "),
-        tell::derivative(along),
+        explain::derivative(along),
         Math::text(" "),
         Math::Frac(Box::new(Math::Row(top)), Box::new(Math::Row(bottom))),
     ])

@@ -1,6 +1,6 @@
 //! The Kanade-Lucas-Tomasi tracker: features are found, followed through the clip, checked and replaced.
 
-mod tell;
+mod explain;
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::methods::{
 };
 use crate::products::{Feature, Output, PointField, Product, ProductKind, Status, Track, TrackField};
 use crate::run::{
-    Estimator, Footprint, Info, Keypoints, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, need,
+    Estimator, Footprint, Granularity, Guarantee, Info, Keypoints, Need, Pointed, Progress, Seen, Span, Stage, need,
 };
 use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
@@ -301,10 +301,10 @@ impl Estimator for Klt {
                  K. Mikolajczyk and J. Matas, Forward-backward error, ICPR 2010; other light: H. Jin, P. Favaro and S. Soatto, \
                  Real-time feature tracking and outlier rejection with changes in illumination, ICCV 2001",
         pseudocode: line::ALL,
-        rungs: &["clip", "pair", "feature", "step"],
+        granularities: &["clip", "pair", "feature", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::Features { off_centi_px: 2 };
+    const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 2 };
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];
     type State = State;
@@ -355,13 +355,13 @@ impl Estimator for Klt {
         None
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
+    fn place(&self, state: &State) -> Vec<Granularity> {
         let pairs = state.span.frames().map(|frames| frames - 1);
         vec![
-            Rung { index: 0, of: Some(1) },
-            Rung { index: state.frame - state.span.first, of: pairs },
+            Granularity { index: 0, of: Some(1) },
+            Granularity { index: state.frame - state.span.first, of: pairs },
             // Looking for features counts with the first of them.
-            Rung { index: state.turn.unwrap_or(0), of: state.turn.map(|_| state.live.len()) },
+            Granularity { index: state.turn.unwrap_or(0), of: state.turn.map(|_| state.live.len()) },
         ]
     }
 

@@ -1,6 +1,6 @@
 //! Lucas and Kanade's method: the displacement on which the pixels of a window agree best.
 
-mod tell;
+mod explain;
 
 use std::sync::{Arc, OnceLock};
 
@@ -9,7 +9,9 @@ use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
-use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::run::{
+    Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
+};
 use crate::scene::{Chart, Focus, Scene, Step};
 use crate::{params, pseudocode};
 
@@ -113,7 +115,7 @@ impl LucasKanade {
     /// Asks all windows of an iteration.
     ///
     /// # Errors
-    /// If nobody wants them any more.
+    /// If the work is cancelled.
     fn all(&self, clip: &Clip, of: &Constraints, threads: &Threads) -> Result<Vec<Solution>, Error> {
         let ((width, height), window) = (of.a.size(), self.window());
         let rows = threads.rows_at_once(height);
@@ -203,10 +205,10 @@ impl Estimator for LucasKanade {
                  IJCAI 1981; uncertainty: E. P. Simoncelli, E. H. Adelson and D. J. Heeger, Probability distributions of \
                  optical flow, CVPR 1991",
         pseudocode: line::ALL,
-        rungs: &["frame", "iteration", "row", "pixel"],
+        granularities: &["frame", "iteration", "row", "pixel"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::SubPixel { off_centi_px: 3 };
+    const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 3 };
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
@@ -234,9 +236,13 @@ impl Estimator for LucasKanade {
         Some(self.iterations * state.given.size().1)
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
-        let rung = |index, of| Rung { index, of: Some(of) };
-        vec![rung(0, 1), rung(state.iteration, self.iterations), rung(state.y, state.given.size().1)]
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        let granularity = |index, of| Granularity { index, of: Some(of) };
+        vec![
+            granularity(0, 1),
+            granularity(state.iteration, self.iterations),
+            granularity(state.y, state.given.size().1),
+        ]
     }
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {

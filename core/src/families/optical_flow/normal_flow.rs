@@ -13,9 +13,11 @@ use std::sync::Arc;
 use crate::base::{Error, Observer, Threads, words};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
-use crate::methods::differential::{Derivatives, FLAT, Given, Scheme, field, tell};
+use crate::methods::differential::{Derivatives, FLAT, Given, Scheme, explain, field};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
-use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::run::{
+    Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
+};
 use crate::scene::{Chart, Fact, Focus, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Step};
 use crate::{params, pseudocode};
 
@@ -114,10 +116,10 @@ impl Estimator for NormalFlow {
                  Computer Graphics and Image Processing 9(4), 1979; aperture problem: S. Ullman, The Interpretation of \
                  Visual Motion, MIT Press 1979",
         pseudocode: line::ALL,
-        rungs: &["frame", "row", "pixel"],
+        granularities: &["frame", "row", "pixel"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::AlongGradient;
+    const GUARANTEE: Guarantee = Guarantee::AlongGradient;
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
@@ -139,8 +141,8 @@ impl Estimator for NormalFlow {
         Some(state.fixed.given.size().1)
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
-        vec![Rung { index: 0, of: Some(1) }, Rung { index: state.y(), of: self.units(state) }]
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        vec![Granularity { index: 0, of: Some(1) }, Granularity { index: state.y(), of: self.units(state) }]
     }
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
@@ -264,7 +266,7 @@ impl NormalFlow {
             facts.push(fact("Normal flow", format!("{} px", words::vector(found)), Some(Role::Result)));
         }
         facts.extend(truth.map(|truth| fact("Truth", format!("{} px", words::vector(truth)), Some(Role::Truth))));
-        let mut equation = tell::constraint_equation(factors, Role::Reference).to_vec();
+        let mut equation = explain::constraint_equation(factors, Role::Reference).to_vec();
         if is_known {
             equation.push(nearest_equation(found));
         }
@@ -274,8 +276,8 @@ impl NormalFlow {
         let plane = Plane {
             title: "Gradient constraint",
             unit: "px".into(),
-            reach: tell::reach(points.iter().map(|(.., point)| *point)),
-            lines: tell::line(factors, 1.0, Role::Candidate).into_iter().collect(),
+            reach: explain::reach(points.iter().map(|(.., point)| *point)),
+            lines: explain::line(factors, 1.0, Role::Candidate).into_iter().collect(),
             points,
             ellipse: None,
         };
@@ -292,7 +294,7 @@ impl NormalFlow {
 /// (u, v) = −I_t ∇I / |∇I|², and what it is here.
 fn nearest_equation(found: [f32; 2]) -> Math {
     let gradient = || Math::Row(vec![Math::text("∇"), Math::Var("I")]);
-    let top = Math::Row(vec![tell::derivative("t"), Math::text(" "), gradient()]);
+    let top = Math::Row(vec![explain::derivative("t"), Math::text(" "), gradient()]);
     let bottom = Math::power(Math::Abs(Box::new(gradient())), Math::text("2"));
     Math::Row(vec![
         Math::text("("),

@@ -1,6 +1,6 @@
 //! Point trajectories: points of a grid are carried along by dense flow, and beside that followed as features.
 
-mod tell;
+mod explain;
 
 use std::sync::Arc;
 
@@ -16,7 +16,8 @@ use crate::methods::{
 };
 use crate::products::{Feature, Output, Product, ProductKind, Status, Track, TrackField, consistency::returned};
 use crate::run::{
-    DenseFlow, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, need,
+    DenseFlow, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span,
+    Stage, need,
 };
 use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
@@ -357,10 +358,10 @@ impl Estimator for PointTrajectories {
                  flow, ECCV 2010; P. Sand and S. Teller, Particle video: long-range motion estimation using point trajectories, \
                  CVPR 2006; features: J.-Y. Bouguet, Intel Corporation, 2000",
         pseudocode: line::ALL,
-        rungs: &["clip", "pair", "point"],
+        granularities: &["clip", "pair", "point"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::Features { off_centi_px: 5 };
+    const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 5 };
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];
     type State = State;
@@ -387,9 +388,9 @@ impl Estimator for PointTrajectories {
         state.span.frames().map(|frames| frames - 1)
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
+    fn place(&self, state: &State) -> Vec<Granularity> {
         let pairs = state.span.frames().map(|frames| frames - 1);
-        vec![Rung { index: 0, of: Some(1) }, Rung { index: state.frame - state.span.first, of: pairs }]
+        vec![Granularity { index: 0, of: Some(1) }, Granularity { index: state.frame - state.span.first, of: pairs }]
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {

@@ -15,7 +15,7 @@ use crate::methods::{
 };
 use crate::params::Spots;
 use crate::products::{Confidence, DenseField, Feature, Output, PointField, Product, ProductKind, Status};
-use crate::run::{Estimator, Footprint, Info, Keypoints, Need, Pointed, Progress, Promise, Rung, Seen, Stage};
+use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Keypoints, Need, Pointed, Progress, Seen, Stage};
 use crate::scene::{Arrow, Chart, Fact, Focus, Levels, Picture, Readout, Role, Scene, Sentence, Shape, Stack, Step};
 use crate::{choices, params, pseudocode};
 
@@ -26,7 +26,7 @@ choices! {
         Detect = "detect" "Detected keypoints",
         /// Those of an even grid.
         Grid = "grid" "Grid",
-        /// Those that someone has clicked in the frame.
+        /// Those that were clicked in the frame.
         Clicks = "clicks" "Clicked points",
         /// Every pixel: a dense field, which is not known where a pixel is lost.
         Dense = "dense" "Every pixel",
@@ -214,10 +214,10 @@ impl Estimator for PyramidalLucasKanade {
         source: "J.-Y. Bouguet, Pyramidal implementation of the Lucas Kanade feature tracker: description of the algorithm, \
                  Intel Corporation, Microprocessor Research Labs, 2000",
         pseudocode: line::ALL,
-        rungs: &["frame", "feature", "level", "iteration"],
+        granularities: &["frame", "feature", "level", "iteration"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::Features { off_centi_px: 2 };
+    const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 2 };
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Stack];
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND, DenseField::KIND];
@@ -272,10 +272,14 @@ impl Estimator for PyramidalLucasKanade {
         Some((state.fixed.groups() * state.fixed.levels[0].len()).max(1))
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
+    fn place(&self, state: &State) -> Vec<Granularity> {
         let (groups, levels) = (state.fixed.groups(), state.fixed.levels[0].len());
-        let rung = |index, of| Rung { index, of: Some(of) };
-        vec![rung(0, 1), rung(state.found.len(), groups.max(1)), rung(levels - 1 - state.level, levels)]
+        let granularity = |index, of| Granularity { index, of: Some(of) };
+        vec![
+            granularity(0, 1),
+            granularity(state.found.len(), groups.max(1)),
+            granularity(levels - 1 - state.level, levels),
+        ]
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {

@@ -2,10 +2,10 @@
 
 use crate::base::{Threads, words};
 use crate::methods::{
-    differential::{Linear, tell},
+    differential::{Linear, explain},
     variational::{Dual, Looked, Model, Settings, Told, Warp, primal_dual},
 };
-use crate::run::{Info, Promise};
+use crate::run::{Guarantee, Info};
 use crate::scene::{Fact, Math, Name, Role, Sentence};
 use crate::{params, pseudocode};
 
@@ -51,10 +51,10 @@ impl Model for TvL1 {
                  2013; medians: D. Sun, S. Roth and M. J. Black, Secrets of optical flow estimation and their principles, \
                  CVPR 2010",
         pseudocode: line::ALL,
-        rungs: &["frame", "level", "warp", "iteration", "step"],
+        granularities: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::SubPixel { off_centi_px: 5 };
+    const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const STEPS: &'static [Name] = &[line::FIT_DATA, line::SMOOTH, line::UPDATE_DUAL];
     const ENERGY_UNIT: &'static str = "px";
     const OPENING: &'static str = "The energy to be made small has two parts: λ times how far the gradient constraints are \
@@ -92,7 +92,7 @@ impl Model for TvL1 {
             facts: pixel.facts(step),
             equation: pixel.equation(self, step, looked),
             points,
-            lines: tell::line(looked.factors(), 1.0, Role::Candidate).into_iter().collect(),
+            lines: explain::line(looked.factors(), 1.0, Role::Candidate).into_iter().collect(),
         }
     }
 }
@@ -230,11 +230,11 @@ impl Pixel {
         let off = Math::Row(vec![
             Math::Var("ρ"),
             Math::text(" = "),
-            tell::derivative("x"),
+            explain::derivative("x"),
             Math::text(" "),
             Math::Var("u"),
             Math::text(" + "),
-            tell::derivative("y"),
+            explain::derivative("y"),
             Math::text(" "),
             Math::Var("v"),
             Math::text(" + "),
@@ -256,7 +256,7 @@ impl Pixel {
                 Math::text(" − "),
                 Math::Var("s"),
                 Math::text(" "),
-                tell::derivative(along),
+                explain::derivative(along),
                 Math::text(" = "),
                 Math::ink(Role::Best, words::number(from)),
                 Math::text(format!(" − {} · ", words::factor(self.step))),

@@ -1,7 +1,7 @@
 //! Many objects without any filter: the blobs of a frame are matched with the objects by what they have in common.
 
 mod correspond;
-mod tell;
+mod explain;
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::data::{Clip, Detection};
 use crate::geometry::{Bounds, Grid};
 use crate::methods::multi_object::{
     course::{self, Course},
-    lives::{Age, Rules},
+    lifecycle::{Age, Rules},
 };
 use crate::products::{
     Object, ObjectField, ObjectFrame, Output, Product, ProductKind,
@@ -19,7 +19,7 @@ use crate::products::{
         pairs::Pairs,
     },
 };
-use crate::run::{Estimator, Footprint, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 use correspond::{Blob, Table};
@@ -37,7 +37,7 @@ choices! {
 params! {
     /// Many objects, matched from frame to frame by overlap.
     pub struct BlobTracker {
-        /// Which frames are gone through, and who detects.
+        /// The frames of the run, and the source of the detections.
         given: course::Settings = course::Settings::default();
         /// Objects are expected where their velocity leads; otherwise where they were last.
         predict: bool = true;
@@ -49,7 +49,7 @@ params! {
         max_distance: f32 = 30.0, 0.0..=1000.0, "px";
         /// What tells who is who where a group splits.
         identity: Identity = Identity::Appearance;
-        /// When an object is believed in, and when it is given up.
+        /// When a track is confirmed, and when it is deleted.
         rules: Rules = Rules::default();
     }
 }
@@ -111,7 +111,7 @@ enum What {
     Missed(Arc<Body>),
     /// It is given up.
     Ended(Arc<Body>),
-    /// A blob that belongs to nobody begins an object.
+    /// An unassigned blob begins a track.
     Begun(Arc<Body>),
     /// The frame is over.
     Done(Arc<ObjectFrame>),
@@ -286,7 +286,7 @@ impl BlobTracker {
     /// What becomes of objects and blobs that correspond.
     ///
     /// # Errors
-    /// If nobody wants to know any more.
+    /// If the work is cancelled.
     fn decide(
         &self,
         clip: &Clip,
@@ -390,10 +390,10 @@ impl Estimator for BlobTracker {
                  R. Bolle, Appearance models for occlusion handling, 2nd IEEE workshop on performance evaluation of tracking and \
                  surveillance, 2001",
         pseudocode: line::ALL,
-        rungs: &["clip", "frame", "step"],
+        granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::Objects;
+    const GUARANTEE: Guarantee = Guarantee::Objects;
     const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
@@ -425,7 +425,7 @@ impl Estimator for BlobTracker {
         state.course.span.frames()
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
+    fn place(&self, state: &State) -> Vec<Granularity> {
         state.course.place()
     }
 

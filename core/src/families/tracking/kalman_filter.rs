@@ -1,8 +1,8 @@
 //! The Kalman filter on one object: predict, gate and update in each frame, and at the end a walk back.
 
+mod explain;
 mod matrices;
 mod sensors;
-mod tell;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -18,8 +18,8 @@ use crate::methods::{
     },
 };
 use crate::params::Spots;
-use crate::products::{Followed, Life, Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
-use crate::run::{Estimator, Footprint, Foreground, Info, Need, Progress, Promise, Rung, Seen, Span, Stage};
+use crate::products::{Followed, Object, ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus};
+use crate::run::{Estimator, Footprint, Foreground, Granularity, Guarantee, Info, Need, Progress, Seen, Span, Stage};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
@@ -105,7 +105,7 @@ pub struct State {
     truth_id: Option<u32>,
     /// All who were followed so far.
     truth_ids: BTreeSet<u32>,
-    /// What is believed now, unless nothing was seen yet or the object was given up.
+    /// The state estimate now, unless nothing was seen yet or the track was deleted.
     filter: Option<Filter>,
     /// Frames in a row without a measurement.
     missed: usize,
@@ -126,9 +126,9 @@ struct Moment {
     detections: Arc<Vec<Detection>>,
     /// What was measured beside what was expected, whether it was taken or not, in its order.
     gated: Vec<Gated>,
-    /// What was believed then.
+    /// The state estimate then.
     filtered: Option<Filter>,
-    /// What is believed with all that came later.
+    /// The smoothed state estimate, with all that came later.
     smoothed: Option<Filter>,
     /// Whether the object is another one than in the frame before.
     begins: bool,
@@ -161,7 +161,7 @@ pub enum Event {
     Looked(Arc<Look>),
     /// A measurement is compared with what is expected.
     Gated(Box<Gated>),
-    /// A measurement was taken, and what is believed after it.
+    /// A measurement was taken, and the state estimate after it.
     Updated(Box<(Gated, Filter)>),
     /// The first measurement of an object, one of so many.
     Begun(Box<Filter>, usize),
@@ -169,7 +169,7 @@ pub enum Event {
     Missed(Option<Box<Filter>>),
     /// The object was given up.
     Lost(Box<Filter>, Loss),
-    /// A frame, with what is known of the next one: what was believed, and what is now.
+    /// A frame, with what is known of the next one: the state estimate before, and now.
     Smoothed(Box<[Filter; 2]>),
     /// There is no next frame to learn from.
     Kept(Option<Box<Filter>>),
@@ -180,7 +180,7 @@ pub enum Event {
 pub enum Loss {
     /// It was not seen for too long.
     Unseen,
-    /// It is believed to be far outside the picture.
+    /// Its estimate is far outside the picture.
     Outside,
 }
 
@@ -260,7 +260,7 @@ impl KalmanFilter {
             state.extent = Some(state.extent.map_or(Extent::of(found), |extent| extent.towards(found)));
         }
         moment.filtered = state.filter;
-        let life = if state.missed == 0 { Life::Confirmed } else { Life::Coasting };
+        let life = if state.missed == 0 { TrackStatus::Confirmed } else { TrackStatus::Coasting };
         moment.object = state.filter.zip(state.extent).map(|(filter, extent)| Object {
             detection: taken,
             ..object_of(&filter, state.begun, extent.around(filter.place()), life)
@@ -291,7 +291,7 @@ impl KalmanFilter {
         Ok(first.detection)
     }
 
-    /// Keeps what is believed, or gives the object up if it was not seen for too long or is far away.
+    /// Keeps the state estimate, or deletes the track if it was not seen for too long or is far away.
     fn go_on(&self, state: &mut State, (filter, is_seen): (Filter, bool), observer: &mut impl Observer<Event>) {
         state.filter = Some(filter);
         state.missed = if is_seen { 0 } else { state.missed + 1 };
@@ -362,10 +362,10 @@ impl Estimator for KalmanFilter {
                  models, gate and consistency: Y. Bar-Shalom, X. R. Li and T. Kirubarajan, Estimation with applications to \
                  tracking and navigation, 2001; smoothing: H. E. Rauch, F. Tung and C. T. Striebel, AIAA Journal 3, 1965",
         pseudocode: line::ALL,
-        rungs: &["clip", "pass", "frame", "step"],
+        granularities: &["clip", "pass", "frame", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::Objects;
+    const GUARANTEE: Guarantee = Guarantee::Objects;
     const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
@@ -421,11 +421,11 @@ impl Estimator for KalmanFilter {
         state.span.frames().map(|frames| if self.smooth { 2 * frames } else { frames })
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
+    fn place(&self, state: &State) -> Vec<Granularity> {
         let passes = Some(if self.smooth { 2 } else { 1 });
         let (pass, done) = state.back.map_or((0, state.moments.len()), |done| (1, done));
-        let clip = Rung { index: 0, of: Some(1) };
-        vec![clip, Rung { index: pass, of: passes }, Rung { index: done, of: state.span.frames() }]
+        let clip = Granularity { index: 0, of: Some(1) };
+        vec![clip, Granularity { index: pass, of: passes }, Granularity { index: done, of: state.span.frames() }]
     }
 
     fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {

@@ -1,7 +1,7 @@
 //! Many objects, each with a Kalman filter: in every frame detections are shared out among them.
 
+mod explain;
 mod share;
-mod tell;
 
 use std::sync::Arc;
 
@@ -14,11 +14,11 @@ use crate::methods::{
     multi_object::{
         Extent,
         course::{self, Course},
-        lives::{Age, Rules},
+        lifecycle::{Age, Rules},
     },
 };
 use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
-use crate::run::{Estimator, Footprint, Info, Need, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
@@ -49,7 +49,7 @@ choices! {
 params! {
     /// Many objects, each with a Kalman filter.
     pub struct KalmanTracker {
-        /// Which frames are gone through, and who detects.
+        /// The frames of the run, and the source of the detections.
         given: course::Settings = course::Settings::default();
         /// How objects are thought to move.
         motion: MotionModel = MotionModel::Velocity;
@@ -67,13 +67,13 @@ params! {
         gate: f32 = 0.999, 0.5..=0.9999;
         /// A pair is allowed if both boxes have at least this in common, as intersection over union; with 0 they need only overlap.
         min_overlap: f32 = 0.2, 0.0..=0.95;
-        /// Objects that are believed in choose first, tentative ones from what is left; otherwise all at once, as in SORT.
+        /// Confirmed tracks choose first, tentative ones from what is left; otherwise all at once, as in SORT.
         in_turns: bool = true;
         /// Detections beside the clip with at least this score are surely objects: these are shared out first, and only these begin new ones. Those with less only go on with objects that were seen in the frame before, as in ByteTrack.
         sure_score: f32 = 0.6, -1000.0..=1000.0;
         /// An object for which nothing is left where it is expected may take what overlaps the box in which it was last seen: it may have stopped while it was hidden (OC-SORT).
         recover: bool = true;
-        /// When an object is believed in, and when it is given up.
+        /// When a track is confirmed, and when it is deleted.
         rules: Rules = Rules::default();
     }
 }
@@ -113,14 +113,14 @@ pub enum Event {
     Missed(Box<Track>),
     /// An object is given up.
     Ended(Box<Track>),
-    /// A detection that belongs to nobody begins an object.
+    /// An unassigned detection begins a track.
     Begun(Box<Track>),
     /// The frame is over.
     Done(Arc<ObjectFrame>),
 }
 
 impl Track {
-    /// Its box, around where it is believed to be.
+    /// Its box, around the estimated place.
     fn bounds(&self) -> Bounds {
         self.extent.around(self.filter.place())
     }
@@ -170,7 +170,7 @@ pseudocode! {
     DETECT: "  detect objects",
     PREDICT: "  predict every track: x ← F x, P ← F P F^T + Q",
     COMPUTE_COSTS: "  cost of each pair: Mahalanobis distance, overlap, or both; ∞ outside the gate",
-    ASSIGN: "  choose pairs: believed tracks first, less sure detections and last boxes with what is left",
+    ASSIGN: "  choose pairs: confirmed tracks first, less sure detections and last boxes with what is left",
     UPDATE_TRACK: "  for each pair: update the track",
     EACH_UNSEEN_TRACK: "  for each track without a detection",
     COAST_OR_END: "    coast, or end if it was not seen for too long",
@@ -189,10 +189,10 @@ impl Estimator for KalmanTracker {
                  2023; gate and life of tracks: S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999; assignment: H. W. \
                  Kuhn 1955, R. Jonker and A. Volgenant 1987",
         pseudocode: line::ALL,
-        rungs: &["clip", "frame", "step"],
+        granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::Objects;
+    const GUARANTEE: Guarantee = Guarantee::Objects;
     const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
@@ -228,7 +228,7 @@ impl Estimator for KalmanTracker {
         state.course.span.frames()
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
+    fn place(&self, state: &State) -> Vec<Granularity> {
         state.course.place()
     }
 

@@ -13,10 +13,10 @@ pub use trajectory_analysis::TrajectoryAnalysis;
 use crate::data::Clip;
 use crate::geometry::Bounds;
 use crate::methods::kalman::Filter;
-use crate::products::{Life, Object};
+use crate::products::{Object, TrackStatus};
 use crate::run::Need;
 
-/// Where nobody has detected anything yet, so many objects are reckoned with.
+/// The number of objects that memory is reckoned for where nothing is detected yet.
 const RECKONED: usize = 1000;
 
 /// So many pairs of an object are kept for each of its detections at most: see [`kalman_tracker`].
@@ -32,7 +32,7 @@ fn need(clip: &Clip) -> Need {
 }
 
 /// The object that a filter follows.
-fn object_of(filter: &Filter, id: u32, bounds: Bounds, life: Life) -> Object {
+fn object_of(filter: &Filter, id: u32, bounds: Bounds, life: TrackStatus) -> Object {
     Object {
         id,
         bounds,
@@ -44,7 +44,7 @@ fn object_of(filter: &Filter, id: u32, bounds: Bounds, life: Life) -> Object {
     }
 }
 
-/// Whether a place is outside a picture of this size by more than that size: what is believed to be there is not seen again.
+/// Whether a place is outside a picture of this size by more than that size: an object estimated there is not seen again.
 fn is_far_outside([x, y]: [f64; 2], (width, height): (usize, usize)) -> bool {
     let is_near = |c: f64, side: usize| (-(side as f64)..2.0 * side as f64).contains(&c);
     !is_near(x, width) || !is_near(y, height)

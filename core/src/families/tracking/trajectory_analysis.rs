@@ -1,6 +1,6 @@
-//! What trajectories tell: speed and heading, who crosses a line, who stays in a zone, who goes where nobody else does.
+//! What trajectories tell: speed and heading, crossings of a line, dwell in a zone, unusual directions.
 
-mod tell;
+mod explain;
 
 use std::sync::Arc;
 
@@ -10,12 +10,12 @@ use crate::geometry::Bounds;
 use crate::methods::multi_object::directions::Directions;
 use crate::params::Line;
 use crate::products::{
-    Life, ObjectField, ObjectFrame, Output, Product, ProductKind,
+    ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus,
     objects::trajectory::{Crossing, News, Places, Stay, Trajectory, Unusual},
 };
 use crate::run::{
-    Estimator, Explained, Footprint, Frames, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, Stage, Tracks,
-    need,
+    Estimator, Explained, Footprint, Frames, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, Stage,
+    Tracks, need,
 };
 use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
@@ -114,7 +114,7 @@ impl TrajectoryAnalysis {
         Places { line: self.line, zone: self.zone, window: self.window }
     }
 
-    /// Takes in all places of an object up to now that are not known yet: that it was seen where it was not yet believed in is
+    /// Takes in all places of an object up to now that are not known yet: that it was seen where it was not yet confirmed is
     /// known only once it is.
     fn follow(&self, state: &mut State, id: u32, observer: &mut impl Observer<Event>) -> Vec<Lesson> {
         let (first, frames) = (state.span.first, &state.frames);
@@ -201,10 +201,10 @@ impl Estimator for TrajectoryAnalysis {
                  W. E. L. Grimson, Learning patterns of activity using real-time tracking, PAMI 22, 2000; means of directions: \
                  K. V. Mardia and P. E. Jupp, Directional statistics, 2000",
         pseudocode: line::ALL,
-        rungs: &["clip", "frame", "step"],
+        granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const PROMISE: Promise = Promise::Objects;
+    const GUARANTEE: Guarantee = Guarantee::Objects;
     const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
@@ -224,7 +224,7 @@ impl Estimator for TrajectoryAnalysis {
         let frame = state.tracked.at(t)?.unwrap_or_default();
         state.frames.push(Arc::clone(&frame));
         observer.see(|| Event::Tracked(Arc::clone(&frame)));
-        let is_seen = |life: Life, has_detection: bool| life == Life::Confirmed && has_detection;
+        let is_seen = |life: TrackStatus, has_detection: bool| life == TrackStatus::Confirmed && has_detection;
         let seen = frame.objects.iter().filter(|object| is_seen(object.life, object.detection.is_some()));
         let mut lessons: Vec<Lesson> = Vec::new();
         for (i, object) in seen.enumerate() {
@@ -245,7 +245,7 @@ impl Estimator for TrajectoryAnalysis {
         state.span.frames()
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
+    fn place(&self, state: &State) -> Vec<Granularity> {
         state.span.place(state.frames.len())
     }
 

@@ -1,5 +1,6 @@
 //! What all block searches share: the pair of frames, the window, the events, and how they are told and drawn.
 
+mod explain;
 mod neighbours;
 mod pattern;
 mod probe;
@@ -8,7 +9,6 @@ mod readouts;
 mod search;
 mod settings;
 mod subpixel;
-mod tell;
 mod tester;
 mod whole_readouts;
 
@@ -20,6 +20,7 @@ use crate::methods::cost::Cut;
 use crate::products::{Block, BlockGrid, BlockVector};
 use crate::scene::{Name, Role};
 
+pub(crate) use explain::vector;
 pub use neighbours::Neighbours;
 pub use pattern::{Pattern, Relay};
 pub(crate) use probe::Probe;
@@ -29,7 +30,6 @@ pub(crate) use search::{need, search_pseudocode};
 pub(crate) use settings::block_search_params;
 pub use settings::{BorderRule, Cost, HasSettings, Matching, Refinement, Settings};
 pub use subpixel::{Fit, Subpixel};
-pub(crate) use tell::vector;
 pub use tester::Tester;
 pub(crate) use tester::{Workspace, around};
 

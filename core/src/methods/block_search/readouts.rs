@@ -1,8 +1,8 @@
 //! A block search at a cursor: its numbers.
 
+use super::explain::{short, signed, vector};
 use super::probe::Probe;
 use super::subpixel::has_lowest;
-use super::tell::{short, signed, vector};
 use super::{Cost, Event, Fit, Match, Patch, Subpixel, Window};
 use crate::data::{Between, Histogram};
 use crate::geometry::Grid;

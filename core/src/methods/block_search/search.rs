@@ -12,7 +12,7 @@ use crate::data::Clip;
 use crate::line_names;
 use crate::params::Params;
 use crate::products::{BlockField, Output, Product, ProductKind};
-use crate::run::{Estimator, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, TestsCandidates};
+use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, TestsCandidates};
 use crate::scene::{Chart, Focus, Name, Role, Scene, Step};
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
@@ -20,7 +20,7 @@ pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 's
     /// What there is to say about it.
     const INFO: Info;
     /// What it can be relied on to find.
-    const PROMISE: Promise = Promise::SmoothTranslation { off_px: 0 };
+    const GUARANTEE: Guarantee = Guarantee::SmoothTranslation { off_px: 0 };
 
     /// Whether it looks at what was found nearby.
     fn predicts(&self) -> bool {
@@ -123,7 +123,7 @@ fn prepare<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, threads: &Thre
 /// Searches all blocks.
 ///
 /// # Errors
-/// If nobody wants them any more.
+/// If the work is cancelled.
 fn finish<S: BlockSearch>(search: &S, clip: &Clip, mut state: State, threads: &Threads) -> Result<State, Error> {
     let blocks = threads.sweep(
         (state.pair.blocks.counts(), || clip.wanted()),
@@ -138,7 +138,7 @@ fn finish<S: BlockSearch>(search: &S, clip: &Clip, mut state: State, threads: &T
 
 impl<S: BlockSearch> Estimator for S {
     const INFO: Info = <S as BlockSearch>::INFO;
-    const PROMISE: Promise = <S as BlockSearch>::PROMISE;
+    const GUARANTEE: Guarantee = <S as BlockSearch>::GUARANTEE;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram];
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
@@ -160,9 +160,9 @@ impl<S: BlockSearch> Estimator for S {
         Some(state.pair.blocks.len())
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
-        let block = Rung { index: state.found.len(), of: Some(state.pair.blocks.len()) };
-        vec![Rung { index: 0, of: Some(1) }, block]
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        let block = Granularity { index: state.found.len(), of: Some(state.pair.blocks.len()) };
+        vec![Granularity { index: 0, of: Some(1) }, block]
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {

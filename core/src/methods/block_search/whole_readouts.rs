@@ -1,8 +1,8 @@
 //! The numbers of costs that need the whole block: means, coefficients, moments.
 
+use super::explain::signed;
 use super::probe::Probe;
 use super::readouts::offset;
-use super::tell::signed;
 use super::{Cost, Match};
 use crate::geometry::Grid;
 use crate::methods::cost::{Cut, whole};

@@ -69,13 +69,13 @@ impl Scheme {
     #[inline(always)]
     fn row_anyhow(self, [current, next]: [&Grid<f32>; 2], y: usize, [to_x, to_y, to_t]: [&mut [f32]; 3]) {
         let (along, across) = self.weights();
-        let (at, height, mut desk) = ((Beyond::Slope, y), current.height(), Vec::new());
+        let (at, height, mut control) = ((Beyond::Slope, y), current.height(), Vec::new());
         let mean = |y| Both { rows: [current.row(y), next.row(y)], f: |a, b| 0.5 * (a + b) };
-        filtered_row((mean, height), (along, across), at, &mut desk, to_x);
-        filtered_row((mean, height), (across, along), at, &mut desk, to_y);
+        filtered_row((mean, height), (along, across), at, &mut control, to_x);
+        filtered_row((mean, height), (across, along), at, &mut control, to_y);
         let change = |y| Both { rows: [current.row(y), next.row(y)], f: |a, b| b - a };
         let around = if self == Scheme::Cube { across } else { &[1.0] };
-        filtered_row((change, height), (around, around), at, &mut desk, to_t);
+        filtered_row((change, height), (around, around), at, &mut control, to_t);
     }
 }
 

@@ -74,7 +74,7 @@ impl Band<'_> {
         let mut rings = Rows::new(width, 6 * (self.depth - 1));
         let stride = rings.stride;
         let place = |y: usize, part: usize| (2 * (y % 3) + part) * stride;
-        let mut desk = Desk::default();
+        let mut sums = RowSums::default();
         for time in self.range(1).start + 1..self.rows.1 + self.depth {
             for k in 1..=self.depth {
                 let Some(y) = time.checked_sub(k).filter(|y| self.range(k).contains(y)) else { continue };
@@ -93,7 +93,7 @@ impl Band<'_> {
                     let (u, v) = after[place(y, 0)..].split_at_mut(stride);
                     [&mut u[..width], &mut v[..width]]
                 };
-                kernel(around, factors, target, &mut desk);
+                kernel(around, factors, target, &mut sums);
             }
         }
     }
@@ -105,12 +105,12 @@ const STRETCH: usize = 640;
 /// Of a stretch of u and of v, with a line before it and one behind: the sums of the neighbours above and below, and half
 /// of these with the pixel itself.
 #[repr(align(64))]
-struct Desk {
+struct RowSums {
     beside: [[f32; STRETCH + 2 * LINE]; 2],
     column: [[f32; STRETCH + 2 * LINE]; 2],
 }
 
-impl Default for Desk {
+impl Default for RowSums {
     fn default() -> Self {
         Self { beside: [[0.0; STRETCH + 2 * LINE]; 2], column: [[0.0; STRETCH + 2 * LINE]; 2] }
     }
@@ -120,19 +120,19 @@ impl Default for Desk {
 type Around<'a> = [&'a [f32]; 3];
 
 widest! {
-    fn kernel(around: [Around; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2], desk: &mut Desk) = row
+    fn kernel(around: [Around; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2], sums: &mut RowSums) = row
 }
 
 /// Beyond the edge the pixel at the edge is repeated. With w the weight beside, the mean around a pixel is w (beside +
 /// column to the left + column to the right), since those across the corners count half.
 #[inline(always)]
-fn row(around: [Around; 2], factors: [&[f32]; 3], [to_u, to_v]: [&mut [f32]; 2], desk: &mut Desk) {
+fn row(around: [Around; 2], factors: [&[f32]; 3], [to_u, to_v]: [&mut [f32]; 2], sums: &mut RowSums) {
     let width = to_u.len();
     for start in (0..width).step_by(STRETCH) {
         let count = STRETCH.min(width - start);
         let (first, last) = (start.saturating_sub(LINE), (start + count + LINE).min(width));
         let skip = LINE + first - start;
-        for ((rows, beside), column) in around.iter().zip(&mut desk.beside).zip(&mut desk.column) {
+        for ((rows, beside), column) in around.iter().zip(&mut sums.beside).zip(&mut sums.column) {
             columns(rows.map(|row| &row[first..last]), &mut beside[skip..], &mut column[skip..]);
             if start == 0 {
                 column[LINE - 1] = column[LINE];
@@ -142,9 +142,9 @@ fn row(around: [Around; 2], factors: [&[f32]; 3], [to_u, to_v]: [&mut [f32]; 2],
             }
         }
         let [a, b, c] = factors.map(|row| &row[start..start + count]);
-        let [beside_u, beside_v] = desk.beside.each_ref().map(|part| &part[LINE..LINE + count]);
-        let [left_u, left_v] = desk.column.each_ref().map(|part| &part[LINE - 1..LINE - 1 + count]);
-        let [right_u, right_v] = desk.column.each_ref().map(|part| &part[LINE + 1..LINE + 1 + count]);
+        let [beside_u, beside_v] = sums.beside.each_ref().map(|part| &part[LINE..LINE + count]);
+        let [left_u, left_v] = sums.column.each_ref().map(|part| &part[LINE - 1..LINE - 1 + count]);
+        let [right_u, right_v] = sums.column.each_ref().map(|part| &part[LINE + 1..LINE + 1 + count]);
         let (to_u, to_v) = (&mut to_u[start..start + count], &mut to_v[start..start + count]);
         for x in 0..count {
             let u = BESIDE * ((left_u[x] + right_u[x]) + beside_u[x]);
@@ -154,7 +154,7 @@ fn row(around: [Around; 2], factors: [&[f32]; 3], [to_u, to_v]: [&mut [f32]; 2],
     }
 }
 
-/// Column by column what a [`Desk`] holds.
+/// Column by column what a [`RowSums`] holds.
 #[inline(always)]
 fn columns([above, here, below]: Around, beside: &mut [f32], column: &mut [f32]) {
     let count = above.len();

@@ -2,6 +2,7 @@
 //! and warping, fields of displacements, and how a gradient constraint is told and drawn.
 
 mod derivatives;
+pub mod explain;
 pub mod field;
 mod given;
 mod jacobi;
@@ -9,7 +10,6 @@ mod linear;
 mod multiscale;
 pub mod relax;
 pub mod stencil;
-pub mod tell;
 mod tensor;
 
 pub use derivatives::{Derivatives, FLAT, Scheme};

@@ -4,7 +4,7 @@ use super::follow::{Event, Follow};
 use super::tracker::{Level, Mismatch};
 use crate::base::words;
 use crate::geometry::Grid;
-use crate::methods::differential::{Tensor, tell};
+use crate::methods::differential::{Tensor, explain};
 use crate::products::Status;
 use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Tile};
 
@@ -236,9 +236,9 @@ fn equation(window: &Tensor, last: Option<(Mismatch, [f32; 2])>) -> Vec<Math> {
         Math::text(" = mean of "),
         delta(),
         Math::text(" ("),
-        tell::derivative("x"),
+        explain::derivative("x"),
         Math::text(", "),
-        tell::derivative("y"),
+        explain::derivative("y"),
         Math::text(")"),
     ]);
     let row = |a: f32, b: f32, right: Option<f32>| {

@@ -10,7 +10,9 @@ use crate::geometry::{Gray, Grid};
 use crate::methods::differential::Tensor;
 use crate::params::{Params, inner_params};
 use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
-use crate::run::{Cursor, Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::run::{
+    Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
+};
 use crate::scene::{Chart, Focus, Math, Scene, Step};
 
 /// What makes a pixel a corner.
@@ -215,7 +217,7 @@ fn need_of_corners(clip: &Clip, min_distance: usize) -> [f64; 2] {
 
 impl<M: Measure> Estimator for Corners<M> {
     const INFO: Info = M::INFO;
-    const PROMISE: Promise = Promise::Places;
+    const GUARANTEE: Guarantee = Guarantee::Places;
     const CHARTS: &'static [Chart] = &[Chart::Tiles];
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
     type State = State;
@@ -252,10 +254,10 @@ impl<M: Measure> Estimator for Corners<M> {
         Some(2 * state.map.height() + 1)
     }
 
-    fn place(&self, state: &State) -> Vec<Rung> {
-        let rung = |index, of| Rung { index, of: Some(of) };
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        let granularity = |index, of| Granularity { index, of: Some(of) };
         let rows = if state.stage == Stage::Choice { 1 } else { state.map.height() };
-        vec![rung(0, 1), rung(state.stage as usize, 3), rung(state.row, rows)]
+        vec![granularity(0, 1), granularity(state.stage as usize, 3), granularity(state.row, rows)]
     }
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {

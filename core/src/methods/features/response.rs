@@ -38,7 +38,7 @@ impl Tensors<'_> {
         let side = 2 * reach + 1;
         // The rows under the window, of which the oldest gives way to the next.
         let mut ring: Vec<Products> = vec![[const { Vec::new() }; 3]; side];
-        let (mut next, mut desk) = (rows.start.saturating_sub(reach), [const { Vec::new() }; 3]);
+        let (mut next, mut control) = (rows.start.saturating_sub(reach), [const { Vec::new() }; 3]);
         let share = |at: usize, extent: usize| 1.0 / self.window.inside(at, extent).1.iter().sum::<f32>();
         let shares: Vec<f32> = (0..width).map(|x| share(x, width)).collect();
         let mut down = vec![0.0; width + 2 * reach];
@@ -46,7 +46,7 @@ impl Tensors<'_> {
         for y in rows {
             let (top, weights) = self.window.inside(y, height);
             while next < top + weights.len() {
-                self.products(next, &mut ring[next % side], &mut desk);
+                self.products(next, &mut ring[next % side], &mut control);
                 next += 1;
             }
             let share = share(y, height);

@@ -6,7 +6,7 @@ use super::{Acceleration, Estimate, Motion, Sensor, Turn, Velocity, smoothed};
 use crate::choices;
 use crate::geometry::Grid;
 
-/// What is believed, and how it moves.
+/// A state estimate, and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
     /// Constant velocity.
@@ -183,7 +183,7 @@ fn grid<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> Grid<f64
 }
 
 impl Filter {
-    /// What is believed after a first measurement of something whose speed may be about `speed` px/frame; how it moves is not
+    /// The state estimate after a first measurement of something whose speed may be about `speed` px/frame; how it moves is not
     /// taken from the measurement.
     pub fn begun(model: Model, first: &Measurement, speed: f64) -> Self {
         match model {
@@ -210,7 +210,7 @@ impl Filter {
         map!(self, |motion, estimate| estimate.predicted(motion).estimate)
     }
 
-    /// What is believed after a measurement, and its squared Mahalanobis distance; `None` where the covariance of the innovation
+    /// The state estimate after a measurement, and its squared Mahalanobis distance; `None` where the covariance of the innovation
     /// is not positive definite.
     pub fn updated(&self, measurement: &Measurement) -> Option<(Self, f64)> {
         Some(match self {
@@ -237,7 +237,7 @@ impl Filter {
         })
     }
 
-    /// What was believed of this frame, with what is known of the next one by now.
+    /// The state estimate of this frame, with what is known of the next one by now.
     pub fn smoothed(&self, next: &Filter) -> Option<Self> {
         match (self, next) {
             (Self::Velocity(motion, estimate), Self::Velocity(_, next)) => {
@@ -253,12 +253,12 @@ impl Filter {
         }
     }
 
-    /// Where it is believed to be, in px.
+    /// The estimated place, in px.
     pub fn place(&self) -> [f64; 2] {
         with!(self, |_motion, estimate| [estimate.state[0], estimate.state[1]])
     }
 
-    /// How it is believed to move, in px/frame.
+    /// The estimated velocity, in px/frame.
     pub fn velocity(&self) -> [f64; 2] {
         with!(self, |_motion, estimate| [estimate.state[2], estimate.state[3]])
     }

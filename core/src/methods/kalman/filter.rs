@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
 use super::Motion;
 
-/// What is believed: a state of `N` numbers and how uncertain they are.
+/// A state estimate: `N` numbers and their covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate<const N: usize> {
     /// The expected state x.
@@ -58,7 +58,7 @@ pub struct Innovation<const M: usize> {
 pub struct Update<const N: usize, const M: usize> {
     /// How far the estimate moves towards the measurement: K = P Hᵀ S⁻¹.
     pub gain: SMatrix<f64, N, M>,
-    /// What is believed now.
+    /// The state estimate.
     pub estimate: Estimate<N>,
 }
 
@@ -87,7 +87,7 @@ impl<const N: usize> Estimate<N> {
         squared_distance.is_finite().then_some(Innovation { residual, covariance, squared_distance, factor })
     }
 
-    /// What is believed after a measurement: x ← x + K ν, and in Joseph's form, which keeps it symmetric and positive,
+    /// The state estimate after a measurement: x ← x + K ν, and in Joseph's form, which keeps it symmetric and positive,
     /// P ← (I − K H) P (I − K H)ᵀ + K R Kᵀ.
     pub fn updated<const M: usize>(&self, sensor: &Sensor<N, M>, innovation: &Innovation<M>) -> Update<N, M> {
         let Sensor { observation, noise } = sensor;
@@ -112,16 +112,16 @@ fn symmetric<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
     (matrix + matrix.transpose()) * 0.5
 }
 
-/// What is believed of a step once all later measurements are known.
+/// The smoothed estimate of a step, once all later measurements are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothed<const N: usize> {
     /// How far what is known of the next step reaches back: C = P Fᵀ P⁻¹, the second P that of the prediction.
     pub gain: SMatrix<f64, N, N>,
-    /// What is believed now.
+    /// The state estimate.
     pub estimate: Estimate<N>,
 }
 
-/// Walks a step back: from what was believed after step t, how step t + 1 was predicted from that, and what step t + 1 was
+/// Walks a step back: from the estimate after step t, how step t + 1 was predicted from that, and what step t + 1 was
 /// smoothed to. `None` if the prediction's covariance is not positive definite.
 ///
 /// H. E. Rauch, F. Tung and C. T. Striebel, Maximum likelihood estimates of linear dynamic systems, 1965.

@@ -3,15 +3,15 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::lives::{Age, Rules};
+use super::lifecycle::{Age, Rules};
 use super::source::{Detector, Given, Noise, Source, usual_detector};
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;
 use crate::params;
 use crate::params::Spots;
-use crate::products::{Followed, Life, Object, ObjectField, ObjectFrame};
-use crate::run::{Foreground, Progress, Rung, Span, Stage, need};
+use crate::products::{Followed, Object, ObjectField, ObjectFrame, TrackStatus};
+use crate::run::{Foreground, Granularity, Progress, Span, Stage, need};
 
 params! {
     /// The parameters that all trackers have and a run is begun with.
@@ -110,13 +110,13 @@ impl Course {
         if self.span.is_over(clip, self.frame()) { Progress::Done } else { Progress::More }
     }
 
-    /// Tells earlier frames of an object that is seen what became of it: that it is believed in, and where it was while it was
+    /// Tells earlier frames of an object that is seen what became of it: that it is confirmed, and where it was while it was
     /// not seen; `was` is its age before.
     pub fn look_back(&mut self, rules: Rules, object: &Object, was: Age) {
-        if rules.backdate && was.life == Life::Tentative && object.life == Life::Confirmed {
+        if rules.backdate && was.life == TrackStatus::Tentative && object.life == TrackStatus::Confirmed {
             for (t, frame) in self.frames.iter_mut().enumerate().rev() {
                 let Some(i) = frame.place(object.id) else { break };
-                Arc::make_mut(frame).objects[i].life = Life::Confirmed;
+                Arc::make_mut(frame).objects[i].life = TrackStatus::Confirmed;
                 self.changed_from = self.changed_from.min(t);
             }
         }
@@ -140,7 +140,7 @@ impl Course {
                 // Where it was is known by now, but how it moved and how sure that is was only predicted.
                 *other = Object {
                     bounds,
-                    life: Life::Confirmed,
+                    life: TrackStatus::Confirmed,
                     position: bounds.center().map(f64::from),
                     velocity: None,
                     covariance: None,
@@ -151,7 +151,7 @@ impl Course {
     }
 
     /// Where the run stands.
-    pub fn place(&self) -> Vec<Rung> {
+    pub fn place(&self) -> Vec<Granularity> {
         self.span.place(self.frames.len())
     }
 

@@ -1,10 +1,10 @@
-//! What trackers of many objects share: who detects, how tracks live, and how they are told.
+//! What trackers of many objects share: the detections, how tracks live, and how they are told.
 
 pub(crate) mod course;
 pub mod directions;
+pub(crate) mod explain;
 mod extent;
-pub(crate) mod lives;
+pub(crate) mod lifecycle;
 pub mod source;
-pub(crate) mod tell;
 
 pub use extent::Extent;

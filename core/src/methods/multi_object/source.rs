@@ -10,12 +10,12 @@ use crate::run::{Foreground, Frames, Span, Stage};
 use crate::synth::random::{gaussian, hash};
 
 choices! {
-    /// Who detects the objects.
+    /// The source of the detections.
     pub enum Source {
         /// What was clicked, or else the detections beside the clip, or else its truth unless a detector was chosen, or else what
         /// moves.
         Auto = "auto" "Whatever there is",
-        /// Places that someone clicked on the picture.
+        /// Places that were clicked on the picture.
         Clicks = "clicks" "Clicks",
         /// The detections beside the clip.
         Detections = "detections" "Detections",
@@ -49,21 +49,21 @@ pub struct Noise {
 pub struct Given {
     /// How the truth is measured.
     pub noise: Noise,
-    /// Places that someone clicked.
+    /// Places that were clicked.
     pub clicks: Spots,
     /// The detector of moving objects.
     pub stage: Stage<Foreground>,
 }
 
-/// Someone who detects objects in frames, the same ones however often they are asked.
+/// A source of detections in frames, the same ones however often it is asked.
 #[derive(Clone, Debug)]
 pub struct Detector {
-    eye: Eye,
+    origin: Origin,
     noise: Noise,
 }
 
 #[derive(Clone, Debug)]
-enum Eye {
+enum Origin {
     Clicks(Spots),
     Detections,
     Truth,
@@ -77,7 +77,7 @@ pub fn center(object: &ObjectBox) -> [f64; 2] {
 }
 
 impl Detector {
-    /// Who detects objects in the frames `span` of a clip, if `source` is wanted.
+    /// The source of detections in the frames `span` of a clip, if `source` is wanted.
     ///
     /// # Errors
     /// If the clip has none of what is wanted, or a frame is damaged.
@@ -92,19 +92,19 @@ impl Detector {
             let name = &clip.info().name;
             Err(Error::new(format!("{name} has no {what}; choose another source, or a clip that has some")))
         };
-        let eye = match source {
+        let origin = match source {
             Source::Detections if !has_detections => return lacks("detections"),
             Source::Truth if !has_truth => return lacks("true objects"),
-            Source::Clicks => Eye::Clicks(clicks),
-            Source::Auto if !clicks.all().is_empty() => Eye::Clicks(clicks),
-            Source::Detections => Eye::Detections,
-            Source::Auto if has_detections => Eye::Detections,
-            Source::Truth => Eye::Truth,
+            Source::Clicks => Origin::Clicks(clicks),
+            Source::Auto if !clicks.all().is_empty() => Origin::Clicks(clicks),
+            Source::Detections => Origin::Detections,
+            Source::Auto if has_detections => Origin::Detections,
+            Source::Truth => Origin::Truth,
             // Whoever has chosen a detector wants to see it at work.
-            Source::Auto if has_truth && stage.to_value() == usual_detector().to_value() => Eye::Truth,
-            Source::Auto | Source::Moving => Eye::Moving(stage.frames(clip, span.first, span.most())?),
+            Source::Auto if has_truth && stage.to_value() == usual_detector().to_value() => Origin::Truth,
+            Source::Auto | Source::Moving => Origin::Moving(stage.frames(clip, span.first, span.most())?),
         };
-        Ok(Self { eye, noise })
+        Ok(Self { origin, noise })
     }
 
     /// What is detected in frame `t`, in a fixed order.
@@ -112,15 +112,15 @@ impl Detector {
     /// # Errors
     /// If the frame or the truth cannot be read.
     pub fn look(&self, clip: &Clip, t: usize) -> Result<Vec<Detection>, Error> {
-        match &self.eye {
-            Eye::Clicks(clicks) => Ok(clicks.of_frame(t).map(clicked).collect()),
-            Eye::Detections => Ok(clip.detections(t).unwrap_or_default().to_vec()),
-            Eye::Truth => {
+        match &self.origin {
+            Origin::Clicks(clicks) => Ok(clicks.of_frame(t).map(clicked).collect()),
+            Origin::Detections => Ok(clip.detections(t).unwrap_or_default().to_vec()),
+            Origin::Truth => {
                 let objects = clip.truth().map(|truth| truth.objects(t)).transpose()?.flatten().unwrap_or_default();
                 let seen = objects.iter().filter(|object| object.visibility >= LEAST_VISIBLE);
                 Ok(seen.map(|object| self.measured(object, t)).collect())
             }
-            Eye::Moving(frames) => Ok(frames.at(t)?.map_or_else(Vec::new, |frame| frame.detections.clone())),
+            Origin::Moving(frames) => Ok(frames.at(t)?.map_or_else(Vec::new, |frame| frame.detections.clone())),
         }
     }
 
@@ -132,30 +132,30 @@ impl Detector {
 
     /// Whether the scores of what it detects tell how sure it is; they do in rows beside a clip.
     pub fn tells_scores(&self) -> bool {
-        matches!(self.eye, Eye::Detections)
+        matches!(self.origin, Origin::Detections)
     }
 
     /// What its measurements are, to follow a place.
     pub fn told(&self) -> &'static str {
-        match self.eye {
-            Eye::Clicks(_) => "as clicked",
-            Eye::Detections => "as the detector says",
-            Eye::Truth => "the true place with noise added",
-            Eye::Moving(_) => "the middle of what moves there",
+        match self.origin {
+            Origin::Clicks(_) => "as clicked",
+            Origin::Detections => "as the detector says",
+            Origin::Truth => "the true place with noise added",
+            Origin::Moving(_) => "the middle of what moves there",
         }
     }
 
     /// Whether places that were clicked are what it detects.
     pub fn takes_clicks(&self) -> bool {
-        matches!(self.eye, Eye::Clicks(_))
+        matches!(self.origin, Origin::Clicks(_))
     }
 
     /// Memory that it takes, in bytes; its copies share it.
     pub fn bytes(&self) -> usize {
-        match &self.eye {
-            Eye::Moving(frames) => frames.bytes(),
-            Eye::Clicks(clicks) => size_of_val(clicks.all()),
-            Eye::Detections | Eye::Truth => 0,
+        match &self.origin {
+            Origin::Moving(frames) => frames.bytes(),
+            Origin::Clicks(clicks) => size_of_val(clicks.all()),
+            Origin::Detections | Origin::Truth => 0,
         }
     }
 

@@ -2,9 +2,9 @@
 //! much.
 
 mod expansion;
+mod explain;
 mod shift;
-mod tell;
 
 pub use expansion::{Applicability, Expander, Packed, Polynomial};
+pub use explain::{Looked, Part};
 pub use shift::{Agreed, Agreement, Moved, Shift};
-pub use tell::{Looked, Part};

@@ -2,19 +2,19 @@
 //! that differ to blobs.
 
 mod declare;
+mod explain;
 mod explanation;
 mod initial;
 mod rows;
-mod tell;
 
 use std::sync::Arc;
 
 pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
+pub(crate) use explain::{Account, plots};
 pub(crate) use explanation::{Explanation, compared};
 pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
-pub(crate) use tell::{Account, plots};
 
 use crate::base::{Error, Observer, Threads};
 use crate::data::{Clip, Detection, Frame, Labelling, Mask, PackedMask};
@@ -22,7 +22,7 @@ use crate::geometry::{Gray, Grid};
 use crate::params::{Params, inner_params};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
 use crate::run::{
-    Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen, Span, StageView, need,
+    Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, StageView, need,
 };
 use crate::scene::{Canvas, Chart, Focus, Picture, Scene, Step};
 
@@ -64,7 +64,7 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// Works out what is compared of a frame, where that takes long enough to be given up with the clip.
     ///
     /// # Errors
-    /// If nobody wants it any more.
+    /// If the work is cancelled.
     fn look(&self, _clip: &Clip, _model: &Self::Model, _frame: &Frame, _threads: &Threads) -> Result<(), Error> {
         Ok(())
     }
@@ -269,7 +269,7 @@ impl<M: Background> Subtraction<M> {
 
 impl<M: Background> Estimator for Subtraction<M> {
     const INFO: Info = M::INFO;
-    const PROMISE: Promise = Promise::Objects;
+    const GUARANTEE: Guarantee = Guarantee::Objects;
     const CHARTS: &'static [Chart] = M::CHARTS;
     const PRODUCES: &'static [&'static ProductKind] = &[MaskField::KIND, ObjectField::KIND];
     type State = State<M::Model>;
@@ -293,7 +293,7 @@ impl<M: Background> Estimator for Subtraction<M> {
         state.span.frames()
     }
 
-    fn place(&self, state: &Self::State) -> Vec<Rung> {
+    fn place(&self, state: &Self::State) -> Vec<Granularity> {
         state.span.place(state.frame - state.span.first)
     }
 

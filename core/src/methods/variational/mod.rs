@@ -5,12 +5,12 @@
 //! every [`Model`] an estimator, [`Variational`].
 
 mod declare;
+mod explain;
 mod local;
 mod model;
 pub mod primal_dual;
 mod run;
 mod solver;
-mod tell;
 
 pub use declare::Settings;
 pub use local::{Local, MotionTensor};

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::Settings;
 use crate::base::{Threads, words};
-use crate::methods::differential::{Field, Linear, tell};
+use crate::methods::differential::{Field, Linear, explain};
 use crate::params::Params;
-use crate::run::{Info, Promise};
+use crate::run::{Guarantee, Info};
 use crate::scene::{Constraint, Fact, Math, Name, Role, Sentence};
 
 /// What iterations change: a field, and whatever else goes with it.
@@ -40,7 +40,7 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     /// What there is to say about the method.
     const INFO: Info;
     /// What it can be relied on to find.
-    const PROMISE: Promise;
+    const GUARANTEE: Guarantee;
     /// The lines of the pseudocode in whose steps an iteration is told.
     const STEPS: &'static [Name];
     /// What the energy is measured in.
@@ -133,7 +133,7 @@ impl<M: Model> Looked<'_, M> {
 
     /// What stands for I_t in the constraint.
     pub fn rest(&self) -> Math {
-        if self.start().is_some() { Math::Var("c") } else { tell::derivative("t") }
+        if self.start().is_some() { Math::Var("c") } else { explain::derivative("t") }
     }
 
     /// What that is, where it is not I_t.

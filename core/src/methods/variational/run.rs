@@ -10,7 +10,7 @@ use crate::geometry::{Grid, filter};
 use crate::methods::differential::{Field, Linear, Multiscale, field, relax};
 use crate::params::inner_params;
 use crate::products::{DenseField, Output, Product, ProductKind};
-use crate::run::{Estimator, Explained, Footprint, Info, Need, Pointed, Progress, Promise, Rung, Seen};
+use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
 use crate::scene::{Chart, Focus, Level, Scene, Step};
 
 /// How many numbers for each pixel [`Linear`] holds.
@@ -247,7 +247,7 @@ impl<M: Model> State<M> {
 
 impl<M: Model> Estimator for Variational<M> {
     const INFO: Info = M::INFO;
-    const PROMISE: Promise = M::PROMISE;
+    const GUARANTEE: Guarantee = M::GUARANTEE;
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Plane, Chart::Stack];
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State<M>;
@@ -285,14 +285,14 @@ impl<M: Model> Estimator for Variational<M> {
         (tolerance == 0.0).then(|| state.fixed.frames.count() * warps * iterations)
     }
 
-    fn place(&self, state: &State<M>) -> Vec<Rung> {
+    fn place(&self, state: &State<M>) -> Vec<Granularity> {
         let Settings { iterations, warps, .. } = self.settings();
-        let (rung, levels) = (|index, of| Rung { index, of: Some(of) }, state.fixed.frames.count());
+        let (granularity, levels) = (|index, of| Granularity { index, of: Some(of) }, state.fixed.frames.count());
         vec![
-            rung(0, 1),
-            rung(levels - 1 - state.level, levels),
-            rung(state.warp, warps),
-            rung(state.iteration, iterations),
+            granularity(0, 1),
+            granularity(levels - 1 - state.level, levels),
+            granularity(state.warp, warps),
+            granularity(state.iteration, iterations),
         ]
     }
 

@@ -1,4 +1,4 @@
-//! Who belongs to whom: pairs of rows and columns of a table of costs.
+//! Assignment: pairs of rows and columns of a table of costs.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -44,7 +44,7 @@ impl<'a, E> Effort<'a, E> {
     }
 }
 
-/// Who was paired with whom.
+/// The pairs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Assigned {
     /// The column of each row.

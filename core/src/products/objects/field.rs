@@ -9,8 +9,8 @@ use crate::geometry::Bounds;
 
 /// Where an object stands in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Life {
-    /// Seen too seldom to be believed in.
+pub enum TrackStatus {
+    /// Seen too seldom to be confirmed.
     Tentative,
     /// Seen in this frame.
     Confirmed,
@@ -18,13 +18,13 @@ pub enum Life {
     Coasting,
 }
 
-impl Life {
+impl TrackStatus {
     /// Kebab-case name, for tables.
     pub fn name(self) -> &'static str {
         match self {
-            Life::Tentative => "tentative",
-            Life::Confirmed => "confirmed",
-            Life::Coasting => "coasting",
+            TrackStatus::Tentative => "tentative",
+            TrackStatus::Confirmed => "confirmed",
+            TrackStatus::Coasting => "coasting",
         }
     }
 }
@@ -37,8 +37,8 @@ pub struct Object {
     /// Its box.
     pub bounds: Bounds,
     /// Where it stands in its life.
-    pub life: Life,
-    /// Where it is believed to be, in px.
+    pub life: TrackStatus,
+    /// The estimated place, in px.
     pub position: [f64; 2],
     /// Its velocity in px/frame, where that is estimated.
     pub velocity: Option<[f64; 2]>,

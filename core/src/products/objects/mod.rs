@@ -1,4 +1,4 @@
-//! Objects: what is followed from frame to frame, who belongs to whom, where objects go, and how good tracks are.
+//! Objects: what is followed from frame to frame, the assignment of detections to tracks, and how good tracks are.
 
 pub mod assignment;
 mod field;
@@ -8,4 +8,4 @@ mod product;
 pub mod score;
 pub mod trajectory;
 
-pub use field::{Followed, Life, Object, ObjectField, ObjectFrame};
+pub use field::{Followed, Object, ObjectField, ObjectFrame, TrackStatus};

@@ -7,12 +7,12 @@ use crate::base::{Error, words::grouped};
 use crate::data::Detection;
 use crate::geometry::Bounds;
 use crate::products::{
-    Assessment, Cell, Figure, Followed, Life, Measure, Motion, Object, ObjectField, ObjectFrame, Product, ProductKind,
-    Reference, Table,
+    Assessment, Cell, Figure, Followed, Measure, Motion, Object, ObjectField, ObjectFrame, Product, ProductKind,
+    Reference, Table, TrackStatus,
     assessment::{fact, scores},
     objects::{
         score::{self, Scores},
-        trajectory::{Sighting, Trajectory},
+        trajectory::{TrackPoint, Trajectory},
     },
 };
 
@@ -84,7 +84,7 @@ impl Product for ObjectField {
 
 fn counted(field: &ObjectField) -> Assessment {
     let confirmed = |frame: &Arc<ObjectFrame>| {
-        let confirmed = frame.objects.iter().filter(|object| object.life == Life::Confirmed);
+        let confirmed = frame.objects.iter().filter(|object| object.life == TrackStatus::Confirmed);
         confirmed.map(|object| object.id).collect::<Vec<_>>()
     };
     let objects = field.frames.iter().flat_map(confirmed).collect::<BTreeSet<u32>>().len();
@@ -210,7 +210,7 @@ fn trajectories(field: &ObjectField) -> Table {
         "in_zone",
         "unusual_deg",
     ];
-    let row = |of: &Trajectory, seen: &Sighting| {
+    let row = |of: &Trajectory, seen: &TrackPoint| {
         let [x, y] = seen.at.map(Cell::Real);
         let speed = |v: Option<[f64; 2]>| v.map(|[u, v]| u.hypot(v)).into();
         let crossing = of.crossings.iter().find(|crossing| crossing.frame == seen.frame);

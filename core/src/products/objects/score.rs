@@ -9,7 +9,7 @@ use super::pairs::{Pairs, Sums};
 use crate::base::Error;
 use crate::data::{Clip, Truth};
 use crate::geometry::Bounds;
-use crate::products::{Followed, Life, ObjectField};
+use crate::products::{Followed, ObjectField, TrackStatus};
 
 /// From here on, as intersection over union, an object counts as found.
 const FOUND: f64 = 0.5;
@@ -76,7 +76,7 @@ fn overlaps<E>((truth, told): &(Boxes, Boxes), wanted: Wanted<E>) -> Result<Pair
 }
 
 /// Scores the confirmed objects of a run beside the truth, where one was followed beside that one; `None` where nothing is known
-/// of its frames, or nobody is followed in them.
+/// of its frames, or no object is followed in them.
 ///
 /// # Errors
 /// If the truth cannot be read.
@@ -87,7 +87,7 @@ pub fn scores(field: &ObjectField, truth: &dyn Truth) -> Result<Option<Scores>, 
 /// The same of a run on a clip, beside its truth; `None` as well where it has none.
 ///
 /// # Errors
-/// If the truth cannot be read, or nobody wants the scores any more (see [`Clip::until`]).
+/// If the truth cannot be read, or the work is cancelled (see [`Clip::until`]).
 pub fn scores_on(clip: &Clip, field: &ObjectField) -> Result<Option<Scores>, Error> {
     let scored = clip.truth().map(|truth| scores_while(field, &**truth, &|| clip.wanted()));
     scored.transpose().map(Option::flatten)
@@ -112,7 +112,7 @@ fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -
         let Some(objects) = truth.objects(field.first + i)? else { return Ok(None) };
         let known = objects.iter().filter(|object| counts(object.id));
         let known = known.map(|object| (object.id, Bounds::from(object))).collect();
-        let confirmed = frame.objects.iter().filter(|object| object.life == Life::Confirmed);
+        let confirmed = frame.objects.iter().filter(|object| object.life == TrackStatus::Confirmed);
         frames.push((known, confirmed.map(|object| (object.id, object.bounds)).collect()));
     }
     Scores::of_frames(&frames, wanted).map(Some)
@@ -183,12 +183,12 @@ struct Clear {
     overlap: f64,
     /// True objects that were paired nearest first.
     hasty: usize,
-    /// Who was found as whom.
+    /// Which track was found as which true object.
     found_as: BTreeMap<u32, u32>,
 }
 
 impl Clear {
-    /// Takes in a frame. Who was found as whom stays so while it can; the others are paired anew.
+    /// Takes in a frame. A track stays that of its true object while it can; the others are paired anew.
     fn see<E>(&mut self, (truth, told): &(Boxes, Boxes), overlaps: &Pairs, wanted: Wanted<E>) -> Result<(), E> {
         let mut first: BTreeMap<u32, usize> = BTreeMap::new();
         told.iter().enumerate().for_each(|(x, (id, _))| _ = first.entry(*id).or_insert(x));

@@ -6,7 +6,7 @@ use crate::params::Line;
 
 /// Where an object was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sighting {
+pub struct TrackPoint {
     /// The frame.
     pub frame: usize,
     /// The place in px.
@@ -52,7 +52,7 @@ pub struct Stay {
     pub is_over: bool,
 }
 
-impl Sighting {
+impl TrackPoint {
     /// Where it goes, in degrees from right, against the clock, more than −180 up to 180; `None` where it stands or is seen for
     /// the first time.
     pub fn heading_deg(&self) -> Option<f64> {
@@ -73,7 +73,7 @@ pub struct Trajectory {
     /// Its identity.
     pub id: u32,
     /// Where it was seen, by frame.
-    pub sightings: Vec<Sighting>,
+    pub sightings: Vec<TrackPoint>,
     /// Where it went over the line.
     pub crossings: Vec<Crossing>,
     /// When it was in the zone.
@@ -110,7 +110,7 @@ impl Trajectory {
             let frames = (frame - before.frame).max(1) as f64;
             [0, 1].map(|i| (at[i] - before.at[i]) / frames)
         });
-        self.sightings.push(Sighting { frame, at, step, velocity: None, unusual: None });
+        self.sightings.push(TrackPoint { frame, at, step, velocity: None, unusual: None });
         let recent = self.sightings.iter().rev().take_while(|seen| seen.frame + places.window > frame);
         let velocity = slope(recent.map(|seen| (seen.frame as f64, seen.at)));
         if let Some(last) = self.sightings.last_mut() {

@@ -39,9 +39,9 @@ fn picture(seed: u32, spot: Spot) -> Rgb {
 }
 
 fn light_switch(spot: Spot) -> Rgb {
-    let plate = mix(rgb(0xa79f92), rgb(0xf6f3ec), spot.cover(box_inside(spot, 10.0, 14.0)));
+    let figure = mix(rgb(0xa79f92), rgb(0xf6f3ec), spot.cover(box_inside(spot, 10.0, 14.0)));
     let key = shade(rgb(0xfbf9f4), 1.0 - 0.22 * smooth((spot.y / 16.0 + 0.5) as f32));
-    mix(mix(plate, rgb(0x8f877b), spot.cover(box_inside(spot, 5.5, 8.5))), key, spot.cover(box_inside(spot, 4.7, 7.7)))
+    mix(mix(figure, rgb(0x8f877b), spot.cover(box_inside(spot, 5.5, 8.5))), key, spot.cover(box_inside(spot, 4.7, 7.7)))
 }
 
 fn box_inside(spot: Spot, half_width: f64, half_height: f64) -> f64 {

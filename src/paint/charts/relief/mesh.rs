@@ -147,8 +147,8 @@ impl Corners {
         all.filter(|at| self.cell(*at).is_some()).collect()
     }
 
-    /// What is known without known neighbors all round, as small plates.
-    pub fn plates(&self) -> Vec<[Vertex; 4]> {
+    /// What is known without known neighbors all round, as small figures.
+    pub fn figures(&self) -> Vec<[Vertex; 4]> {
         let [width, height] = self.size;
         let mut covered = vec![false; width * height];
         for [x, y] in self.cells() {
@@ -158,10 +158,10 @@ impl Corners {
         }
         let alone = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
         let alone = alone.filter(|[x, y]| !covered[y * width + x]);
-        alone.filter_map(|at| Some(self.plate(at, *self.vertex(at)?))).collect()
+        alone.filter_map(|at| Some(self.figure(at, *self.vertex(at)?))).collect()
     }
 
-    fn plate(&self, at: [usize; 2], middle: Vertex) -> [Vertex; 4] {
+    fn figure(&self, at: [usize; 2], middle: Vertex) -> [Vertex; 4] {
         let [u, v] = self.bench.displacement(at);
         [[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]].map(|[du, dv]| {
             let place = self.bench.place([u + du, v + dv], 0.0) + Vec3::Y * middle.place[1];
@@ -200,9 +200,9 @@ impl Relief {
             let [a, b, c, d] = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(|(x, y)| index[y * width + x]);
             self.indices.extend([a, b, c, a, c, d]);
         }
-        for plate in grid.plates() {
+        for figure in grid.figures() {
             let first = self.vertices.len() as u32;
-            self.vertices.extend(plate);
+            self.vertices.extend(figure);
             self.indices.extend([0, 1, 2, 0, 2, 3].map(|i| first + i));
         }
     }
@@ -300,7 +300,7 @@ mod tests {
         let holed = Surface { best: None, ..surface(|x, y| (x, y) != (4, 2)) };
         assert_eq!(triangles(&holed), 2 * (8 * 4 - 4));
         let row = Surface { best: None, ..surface(|_, y| y == 0) };
-        assert_eq!(triangles(&row), 2 * 9, "a single row is shown as plates");
+        assert_eq!(triangles(&row), 2 * 9, "a single row is shown as figures");
         assert_eq!(triangles(&Surface { best: None, ..surface(|_, _| false) }), 0);
     }
 

@@ -43,7 +43,7 @@ pub fn polygons(surface: &Surface, (screen, orbit): (&Screen, Orbit), style: Cha
             items.push(sheet.part(&corners, (at, parts), part));
         }
     }
-    items.extend(grid.plates().iter().map(|corners| sheet.item(corners, None)));
+    items.extend(grid.figures().iter().map(|corners| sheet.item(corners, None)));
     items.extend(pins(surface, &sheet));
     items.sort_by(|a, b| b.depth.total_cmp(&a.depth));
     sheet.painted(items, parts)

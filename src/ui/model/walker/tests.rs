@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicUsize;
 
 use motionscope_core::scene::Readout;
-use motionscope_core::{Frame, FrameSource, Grid, Way, estimator};
+use motionscope_core::{Direction, Frame, FrameSource, Grid, estimator};
 
 use super::*;
 use crate::experiment::source::Source;
@@ -55,8 +55,8 @@ fn there_and_back_again() {
     walker.go(Move::To(Cursor { unit: 3, event: 7 }));
     assert_eq!(cursor(&walker), Cursor { unit: 3, event: 7 });
     let before = walker.view().shown.unwrap();
-    walker.go(Move::Rung(2, Way::Forward));
-    walker.go(Move::Rung(2, Way::Back));
+    walker.go(Move::Granularity(2, Direction::Forward));
+    walker.go(Move::Granularity(2, Direction::Back));
     walker.wait();
     let after = walker.view().shown.unwrap();
     // Costs that are not known yet are NaN, so it is the words that are compared.
@@ -75,7 +75,7 @@ fn a_refused_run_leaves_the_last_picture() {
     assert!(view.shown.is_some() && view.refused.is_some_and(|error| error.to_string().contains("frame")));
     let before = cursor(&walker);
     walker.focus(Some(Focus::current([3.0, 3.0])));
-    walker.go(Move::Rung(2, Way::Forward));
+    walker.go(Move::Granularity(2, Direction::Forward));
     walker.wait();
     assert!(walker.view().refused.is_some() && cursor(&walker) == before, "the old run is no more");
     walker.start(job());
@@ -189,7 +189,7 @@ fn a_place_replaces_what_was_asked_before() {
     assert_eq!(cursor(&walker), Cursor { unit: 1, event: 1 });
     let shown = walker.view().shown.unwrap();
     assert!(walker.output(&shown).recv().is_ok_and(|output| output.flow().is_some_and(|flow| flow.at(0, 0).is_some())));
-    walker.go(Move::Rung(2, Way::Forward));
+    walker.go(Move::Granularity(2, Direction::Forward));
     assert!(walker.output(&shown).recv().is_err(), "the run has moved on");
 }
 
@@ -199,7 +199,7 @@ fn a_small_move_waits_for_a_run_to_come_to_its_place() {
     walker.start(long());
     std::thread::sleep(2 * PATIENCE);
     assert!(walker.view().shown.is_none(), "it takes longer than that");
-    walker.go(Move::Rung(2, Way::Back));
+    walker.go(Move::Granularity(2, Direction::Back));
     walker.wait();
     let shown = walker.view().shown.unwrap();
     assert_eq!((Some(shown.cursor.unit + 1), shown.cursor.event + 1), (shown.units, shown.events));
@@ -215,7 +215,7 @@ fn a_run_that_is_stopped_on_its_way_stays_at_its_start() {
     walker.start(long());
     walker.stop();
     assert_eq!(cursor(&walker), Cursor::default());
-    walker.go(Move::Rung(2, Way::Forward));
+    walker.go(Move::Granularity(2, Direction::Forward));
     assert_eq!(cursor(&walker), Cursor { unit: 0, event: 1 });
 }
 
@@ -332,7 +332,7 @@ fn a_run_that_cannot_be_interrupted_is_left_behind() {
     walker.start(job());
     tended(&mut walker);
     assert!(walker.view().refused.is_none() && walker.view().shown.is_some());
-    walker.go(Move::Rung(2, Way::Forward));
+    walker.go(Move::Granularity(2, Direction::Forward));
     assert_eq!(cursor(&walker), Cursor { unit: 0, event: 1 });
 
     // Those that were left behind end when they can.
@@ -408,6 +408,6 @@ fn a_long_run_shows_how_far_it_has_come_and_can_be_stopped_there() {
     walker.wait();
     let stopped = walker.view().shown.unwrap();
     assert!(stopped.cursor >= shown.cursor && stopped.bound_for.is_none() && !stopped.at_end, "{}", stopped.cursor);
-    walker.go(Move::Rung(2, Way::Forward));
+    walker.go(Move::Granularity(2, Direction::Forward));
     assert!(cursor(&walker) > stopped.cursor);
 }

@@ -7,7 +7,7 @@ use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::geometry::{Bounds, Gray, Grid};
 use crate::products::{
-    Life,
+    TrackStatus,
     objects::{
         assignment::nearest_first,
         near::{Near, corners, nearest},
@@ -122,7 +122,7 @@ pub(super) struct Table {
     pub corresponding: usize,
     /// Bodies with more than [`MOST_NEAR`] blobs near them, of which only the nearest count.
     pub crowded: usize,
-    /// Who goes on with whom: the columns of each row, and the rows of each column, in ascending order.
+    /// The correspondences: the columns of each row, and the rows of each column, in ascending order.
     links: [Vec<Vec<usize>>; 2],
 }
 
@@ -139,7 +139,7 @@ impl Table {
     /// nothing are paired with what is nearest.
     ///
     /// # Errors
-    /// If nobody wants to know any more.
+    /// If the work is cancelled.
     pub fn new(
         clip: &Clip,
         (bodies, blobs): (Vec<Body>, Vec<Blob>),
@@ -285,9 +285,9 @@ impl Body {
         }
     }
 
-    /// Whether it can be hidden behind another one: it was seen in the frame before, and is believed in.
+    /// Whether it can be hidden behind another one: it was seen in the frame before, and is confirmed.
     fn may_merge(&self) -> bool {
-        self.members.iter().any(|member| member.age.life == Life::Confirmed)
+        self.members.iter().any(|member| member.age.life == TrackStatus::Confirmed)
     }
 }
 
@@ -295,14 +295,14 @@ impl Body {
 mod tests {
     use super::*;
     use crate::families::tracking::blob_tracker::Member;
-    use crate::methods::multi_object::lives::Age;
+    use crate::methods::multi_object::lifecycle::Age;
 
     fn bounds(x: f32, width: f32) -> Bounds {
         Bounds { min: [x, 0.0], max: [x + width, 10.0] }
     }
 
     fn body((x, width): (f32, f32)) -> Body {
-        let (bounds, age) = (bounds(x, width), Age { seen: 9, missed: 0, life: Life::Confirmed });
+        let (bounds, age) = (bounds(x, width), Age { seen: 9, missed: 0, life: TrackStatus::Confirmed });
         let center = bounds.center().map(f64::from);
         let member = Member { id: 1, age, gray: None, area_px: 1.0, bounds, center, velocity: None };
         Body { bounds, centers: vec![center], members: vec![member] }
@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn who_was_not_seen_is_not_hidden_behind_another() {
         let mut coasting = body((2.0, 10.0));
-        coasting.members[0].age = Age { seen: 9, missed: 2, life: Life::Coasting };
+        coasting.members[0].age = Age { seen: 9, missed: 2, life: TrackStatus::Coasting };
         let table = table(vec![body((0.0, 10.0)), coasting], &[(0.0, 10.0)]);
         assert_eq!(table.parts(), [(vec![0], vec![0]), (vec![1], vec![])]);
     }

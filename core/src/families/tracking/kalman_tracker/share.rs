@@ -1,4 +1,4 @@
-//! Who belongs to whom in a frame.
+//! Data association in a frame: which detection belongs to which track.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;
 use crate::methods::kalman::{Measurement, chi_square};
 use crate::products::{
-    Life,
+    TrackStatus,
     objects::{
         assignment::{Assigned, Effort, least_cost, nearest_first},
         near::{Corners, Near, corners, nearest},
@@ -19,13 +19,13 @@ use crate::products::{
 /// In whose turn a pair was chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
-    /// Of objects that are believed in, or of all, with sure detections.
+    /// Of confirmed tracks, or of all, with sure detections.
     First,
     /// Of objects that were seen in the frame before, with detections that are less sure.
     LessSure,
     /// Of tentative objects.
     Tentative,
-    /// Of objects that are believed in, by the boxes in which they were last seen.
+    /// Of confirmed tracks, by the boxes in which they were last seen.
     LastBox,
 }
 
@@ -83,10 +83,10 @@ struct Frame<'a> {
 }
 
 impl KalmanTracker {
-    /// What the pairs of `tracks` and `detections` cost that are allowed, and who belongs to whom.
+    /// What the pairs of `tracks` and `detections` cost that are allowed, and the assignment.
     ///
     /// # Errors
-    /// If nobody wants to know any more.
+    /// If the work is cancelled.
     pub(super) fn costs(
         &self,
         clip: &Clip,
@@ -151,7 +151,7 @@ impl KalmanTracker {
 
     /// Chooses pairs, turn after turn.
     fn share(&self, clip: &Clip, all: &mut Costs, boxes: &Near) -> Result<(), Error> {
-        let is_first = |track: &Track| !self.in_turns || track.age.life != Life::Tentative;
+        let is_first = |track: &Track| !self.in_turns || track.age.life != TrackStatus::Tentative;
         let by_cost = all.costs.clone();
         self.take_turn(clip, (all, Turn::First), &by_cost, |track, is_sure| is_sure && is_first(track))?;
         self.take_turn(clip, (all, Turn::LessSure), &by_cost, |track, is_sure| {
@@ -163,7 +163,7 @@ impl KalmanTracker {
         if self.recover {
             let by_last_box = self.by_last_box(all, boxes);
             self.take_turn(clip, (all, Turn::LastBox), &by_last_box, |track, is_sure| {
-                is_sure && track.age.life != Life::Tentative
+                is_sure && track.age.life != TrackStatus::Tentative
             })?;
         }
         Ok(())
@@ -174,7 +174,7 @@ impl KalmanTracker {
         let (mut pairs, mut found) = (Pairs::new(all.detections.len()), Vec::new());
         for (track, pair) in all.tracks.iter().zip(&all.pairs) {
             found.clear();
-            if pair.is_none() && track.age.life != Life::Tentative {
+            if pair.is_none() && track.age.life != TrackStatus::Tentative {
                 self.overlapping(&track.last, (boxes, &all.detections), &mut found);
             }
             nearest(&mut found, track.filter.place(), (&all.detections, MOST_NEAR));

@@ -232,7 +232,7 @@ impl Klt {
         facts.extend(account.map(Account::facts).unwrap_or_default());
         if let Some(place) = back(seen.events) {
             let off_px = off_px(live, place);
-            facts.push(Fact::new("Way back", format!("{} px off", words::number(off_px)), Some(Role::Predicted)));
+            facts.push(Fact::new("Direction back", format!("{} px off", words::number(off_px)), Some(Role::Predicted)));
         }
         if let Some(fit) = fit(seen.events) {
             facts.push(Fact::new("From first view", grays(fit.difference), Some(Role::Estimate)));

@@ -6,7 +6,7 @@ use super::declare::line;
 use super::{Background, Event, Explanation, Initial, State, Subtraction};
 use crate::base::words::{counted as count, pixel};
 use crate::data::{Detection, Frame, Mask};
-use crate::methods::differential::tell;
+use crate::methods::differential::explain;
 use crate::products::Record;
 use crate::run::{Seen, Span};
 use crate::scene::{Fact, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
@@ -319,7 +319,7 @@ impl<M: Background> Subtraction<M> {
     fn tiles(&self, seen: &Seen<Self>, place: (usize, usize)) -> Option<Vec<Tile>> {
         let frame = Account::new(seen.events).frame()?;
         let model = seen.before.model.as_deref()?;
-        let around = |of: &dyn Fn((usize, usize)) -> f32| tell::around_with(frame.size(), place, TILE_REACH_PX, of);
+        let around = |of: &dyn Fn((usize, usize)) -> f32| explain::around_with(frame.size(), place, TILE_REACH_PX, of);
         let difference = around(&|place| self.0.difference(model, frame, place));
         let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
         let tile = |label, role, values, range| Tile { label, role, values, range };

@@ -4,7 +4,7 @@ use super::shift::in_effect;
 use super::{Agreement, Moved, Polynomial, Shift};
 use crate::base::words;
 use crate::geometry::Grid;
-use crate::methods::differential::{Field, Multiscale, Tensor, tell};
+use crate::methods::differential::{Field, Multiscale, Tensor, explain};
 use crate::scene::{Constraint, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Tile};
 
 /// The parts of an iteration.
@@ -190,7 +190,7 @@ impl Looked<'_> {
         let reach = self.reach;
         let (first, second) = self.polynomials();
         let of = |picture: &Grid<f32>, place, polynomial: Polynomial| {
-            let pixels = tell::around(picture, place, reach);
+            let pixels = explain::around(picture, place, reach);
             let fitted = Grid::from_fn(pixels.width(), pixels.height(), |i, j| {
                 let value = polynomial.at([i as f32 - reach as f32, j as f32 - reach as f32]);
                 if pixels[(i, j)].is_finite() { (value * 10.0).round() / 10.0 } else { f32::NAN }
@@ -223,13 +223,13 @@ impl Looked<'_> {
         points.extend(truth.map(|truth| ("truth", Role::Truth, truth)));
         let of_pixel = || {
             let lines = self.shift.into_iter().flat_map(|(shift, _)| shift.lines());
-            lines.filter_map(|line| tell::line(line, 1.0, Role::Candidate)).collect()
+            lines.filter_map(|line| explain::line(line, 1.0, Role::Candidate)).collect()
         };
         let is_pixel = self.part == Part::Compared;
         Plane {
             title: if is_pixel { "What the pixel says: A d = Δb" } else { "What the window says: A d = Δb" },
             unit: self.unit(),
-            reach: tell::reach(points.iter().map(|(.., point)| *point)),
+            reach: explain::reach(points.iter().map(|(.., point)| *point)),
             lines: if is_pixel { of_pixel() } else { self.window_lines() },
             points,
             ellipse: None,
@@ -250,7 +250,7 @@ impl Looked<'_> {
         });
         let lines: Vec<_> = lines.flatten().collect();
         let most = lines.iter().fold(f32::MIN_POSITIVE, |most, (_, weight)| most.max(*weight));
-        lines.into_iter().filter_map(|(line, weight)| tell::line(line, weight / most, Role::Candidate)).collect()
+        lines.into_iter().filter_map(|(line, weight)| explain::line(line, weight / most, Role::Candidate)).collect()
     }
 
     /// (T + λ 1) d = h + λ d₀ in symbols, and with the means over the window.

@@ -12,7 +12,7 @@ const SIGHT: Duration = Duration::from_secs(1);
 const WORK: u32 = 4;
 
 /// A move on its way.
-pub(super) struct Way {
+pub(super) struct LongMove {
     to: Move,
     /// When it was asked for.
     pub begun: Instant,
@@ -30,18 +30,18 @@ pub(super) struct Way {
     pub is_long: bool,
 }
 
-impl Way {
+impl LongMove {
     /// The way of `run` when it is asked to go `to` somewhere.
     pub fn new(run: &Run, to: Move) -> Self {
         let (at, units) = (run.walk.cursor(), run.walk.units());
         let end = Cursor { unit: usize::MAX, event: usize::MAX };
         let goal = match to {
             Move::To(cursor) => Some(cursor),
-            Move::End | Move::Rung(0, core::Way::Forward) => Some(end),
-            Move::Rung(..) => None,
+            Move::End | Move::Granularity(0, core::Direction::Forward) => Some(end),
+            Move::Granularity(..) => None,
         };
         // Several in lockstep count their work otherwise.
-        let goal = goal.filter(|goal| goal.unit > at.unit && run.subject.experiment.company.is_empty());
+        let goal = goal.filter(|goal| goal.unit > at.unit && run.subject.experiment.side_by_side.is_empty());
         let last = goal.and_then(|goal| units.map(|units| goal.unit.min(units.saturating_sub(1))));
         let last = last.or(goal.map(|goal| goal.unit).filter(|unit| *unit < usize::MAX));
         Self { to, begun: Instant::now(), next: to, goal, from: at.unit, last, at, pace: None, is_long: false }

@@ -2,7 +2,7 @@
 
 use super::{Event, LucasKanade, Solution, line, solved};
 use crate::base::{Threads, words};
-use crate::methods::differential::{Constraints, Linear, Tensor, Texture, field, tell};
+use crate::methods::differential::{Constraints, Linear, Tensor, Texture, explain, field};
 use crate::run::Seen;
 use crate::scene::{
     Constraint, Fact, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Spread, Step, arrow_spacing,
@@ -169,7 +169,7 @@ impl LucasKanade {
         let plane = Plane {
             title: "Gradient constraints of the window",
             unit: "px".into(),
-            reach: tell::reach(points.iter().map(|(.., point)| *point)),
+            reach: explain::reach(points.iter().map(|(.., point)| *point)),
             lines: self.lines(&looked.linear.factors, looked.pixel),
             points,
             ellipse: looked.spread,
@@ -207,7 +207,7 @@ impl LucasKanade {
         });
         let pixels: Vec<_> = pixels.collect();
         let most = pixels.iter().fold(f32::MIN_POSITIVE, |most, (_, weight)| most.max(*weight));
-        let line = |(factors, weight)| tell::line(factors, weight / most, Role::Candidate);
+        let line = |(factors, weight)| explain::line(factors, weight / most, Role::Candidate);
         pixels.into_iter().filter_map(line).collect()
     }
 }
@@ -236,11 +236,11 @@ fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
 /// I_t; what that is, is told of the pixel itself.
 fn equation(looked: &Looked, is_about: bool) -> Vec<Math> {
     let Looked { pixel, linear, tensor, .. } = looked;
-    let right = || if is_about { Math::Var("c") } else { tell::derivative("t") };
+    let right = || if is_about { Math::Var("c") } else { explain::derivative("t") };
     let mut lines = if is_about { linear.definition(*pixel, Role::Reference).to_vec() } else { Vec::new() };
-    let squared = |along| Math::power(tell::derivative(along), Math::text("2"));
-    let mixed = || Math::Row(vec![tell::derivative("x"), tell::derivative("y")]);
-    let equal = |along| Math::Row(vec![tell::derivative(along), right()]);
+    let squared = |along| Math::power(explain::derivative(along), Math::text("2"));
+    let mixed = || Math::Row(vec![explain::derivative("x"), explain::derivative("y")]);
+    let equal = |along| Math::Row(vec![explain::derivative(along), right()]);
     lines.extend([
         symbols([squared("x"), mixed(), equal("x")], ""),
         symbols([mixed(), squared("y"), equal("y")], ",  Σ w = 1"),

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::correspond::MOST_NEAR;
 use super::{BlobTracker, Body, Decision, Event, Identity, Member, State, Table, What, line};
 use crate::geometry::Bounds;
-use crate::methods::multi_object::tell::{self, Names, count, short};
-use crate::products::Life;
+use crate::methods::multi_object::explain::{self, Names, count, short};
+use crate::products::TrackStatus;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
@@ -84,7 +84,9 @@ impl BlobTracker {
                        otherwise objects merge or split.");
         };
         match what {
-            What::Looked(all, left_out) => tell::looked((all.len(), "blob"), frame, (*left_out, self.given.min_score)),
+            What::Looked(all, left_out) => {
+                explain::looked((all.len(), "blob"), frame, (*left_out, self.given.min_score))
+            }
             What::Expected(bodies) if bodies.is_empty() => {
                 said.text("There is no object yet whose place could be expected.")
             }
@@ -114,7 +116,7 @@ impl BlobTracker {
                 count(self.rules.patience, "frame")
             )),
             What::Ended(body) => said.ink(Role::Rejected, named(body)).text(
-                match body.members.iter().all(|member| member.age.life == Life::Tentative) {
+                match body.members.iter().all(|member| member.age.life == TrackStatus::Tentative) {
                     true => " was not seen again and is deleted: it was still tentative.",
                     false => " was not seen for too long and is deleted.",
                 },
@@ -122,7 +124,7 @@ impl BlobTracker {
             What::Begun(body) => {
                 said.text("An unassigned blob begins ").ink(Role::Reference, named(body).to_lowercase()).text(".")
             }
-            What::Done(done) => said.text(tell::done(frame, done)),
+            What::Done(done) => said.text(explain::done(frame, done)),
         }
     }
 
@@ -180,7 +182,7 @@ impl BlobTracker {
             ))
         };
         match members.iter().zip(&body.members).find(|(was, is)| was.age.life != is.age.life) {
-            Some((was, is)) if was.age.life == Life::Tentative => {
+            Some((was, is)) if was.age.life == TrackStatus::Tentative => {
                 said.text(format!(" It was matched in {} and is confirmed.", count(is.age.seen, "frame")))
             }
             Some((was, _)) => said.text(format!(" It is back after {}.", count(was.age.missed, "frame"))),
@@ -214,7 +216,7 @@ impl BlobTracker {
         }
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
-        readouts.extend(tell::series(course));
+        readouts.extend(explain::series(course));
         readouts
     }
 
@@ -242,11 +244,11 @@ impl BlobTracker {
         let looked =
             seen.events.iter().find_map(|event| if let What::Looked(all, _) = &event.0 { Some(all) } else { None });
         let blobs = looked.into_iter().flat_map(|all| all.iter());
-        tell::draw_detections(scene, blobs.clone().map(|blob| &blob.detection));
+        explain::draw_detections(scene, blobs.clone().map(|blob| &blob.detection));
         if seen.after.is_none() {
             for (i, blob) in blobs.enumerate() {
                 let Bounds { min, max } = blob.detection.bounds;
-                tell::label(scene, Role::Measured, [min[0], max[1]], format!("blob {}", i + 1));
+                explain::label(scene, Role::Measured, [min[0], max[1]], format!("blob {}", i + 1));
             }
         }
         let state = seen.after.unwrap_or(seen.before);
@@ -269,7 +271,7 @@ fn body_facts(body: &Body) -> Vec<Fact> {
         facts.push(Fact::new("State", member.age.life.name(), None));
         facts.push(Fact::new("Seen", count(member.age.seen, "frame"), None));
     }
-    facts.extend(body.velocity().map(|velocity| Fact::new("Velocity", tell::speed(velocity), None)));
+    facts.extend(body.velocity().map(|velocity| Fact::new("Velocity", explain::speed(velocity), None)));
     facts
 }
 
@@ -305,7 +307,7 @@ fn table_of<'a>(seen: &Seen<'a, BlobTracker>) -> Option<(&'a Table, Option<&'a D
     table.map(|table| (&**table, decision))
 }
 
-/// What objects and blobs have in common, with who goes on with whom lit.
+/// The overlaps of objects and blobs, with the correspondences lit.
 fn correspondence(table: &Table, names: &Names, decision: Option<&Decision>) -> impl Iterator<Item = Matrix> {
     let rows: Vec<usize> = decision.map_or_else(|| (0..table.bodies.len()).collect(), |decision| decision.rows.clone());
     let linked = rows.iter().flat_map(|&row| table.links(row).iter().map(move |column| (row, *column)));
@@ -345,8 +347,8 @@ fn draw_work(seen: &Seen<BlobTracker>, scene: &mut Scene) {
         }
     }
     for body in expected.iter().filter(|body| !body.members.iter().any(|member| gone.contains(&member.id))) {
-        tell::rect(scene, Role::Predicted, body.bounds);
-        tell::label(scene, Role::Predicted, body.bounds.min, ids(&body.members));
+        explain::rect(scene, Role::Predicted, body.bounds);
+        explain::label(scene, Role::Predicted, body.bounds.min, ids(&body.members));
         scene.legend(Role::Predicted, "predicted");
     }
     done.into_iter().for_each(|body| draw_body(scene, body, before));
@@ -369,8 +371,8 @@ fn moves(decision: &Decision) -> impl Iterator<Item = Arrow> {
 /// An object, or those of a group within its blob.
 fn draw_body(scene: &mut Scene, body: &Body, state: &State) {
     if body.is_group() {
-        tell::rect(scene, Role::Window, body.bounds);
-        tell::label(
+        explain::rect(scene, Role::Window, body.bounds);
+        explain::label(
             scene,
             Role::Window,
             [body.bounds.min[0], body.bounds.max[1]],
@@ -379,10 +381,10 @@ fn draw_body(scene: &mut Scene, body: &Body, state: &State) {
         scene.legend(Role::Window, "group");
     }
     for member in &body.members {
-        let (role, meaning) = tell::role(member.age.life);
-        tell::trail(scene, &state.course, role, (member.id, member.center));
-        tell::rect(scene, role, member.bounds);
-        tell::label(scene, role, member.bounds.min, member.id.to_string());
+        let (role, meaning) = explain::role(member.age.life);
+        explain::trail(scene, &state.course, role, (member.id, member.center));
+        explain::rect(scene, role, member.bounds);
+        explain::label(scene, role, member.bounds.min, member.id.to_string());
         scene.legend(role, meaning);
     }
 }

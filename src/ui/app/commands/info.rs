@@ -4,7 +4,7 @@ use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
 use crate::paint::{ColorMap, FlowLayer, Theme, View};
-use crate::ui::app::commands::{Command, Face, Menu};
+use crate::ui::app::commands::{Command, CommandInfo, Menu};
 
 const fn key(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::NONE, key)
@@ -24,7 +24,7 @@ const fn ctrl_shift(key: Key) -> KeyboardShortcut {
 
 impl Command {
     /// How it is shown and called.
-    pub fn face(self) -> Face {
+    pub fn info(self) -> CommandInfo {
         use Command as C;
         let view =
             |icon, view: View, keys: &'static [KeyboardShortcut]| (Menu::View, icon, view.name(), view.tip(), keys);
@@ -394,6 +394,6 @@ impl Command {
                 (Menu::Help, Icon::Info, "About Motionscope", "What this program is and where it comes from.", &[])
             }
         };
-        Face { menu, icon, text, tip, keys }
+        CommandInfo { menu, icon, text, tip, keys }
     }
 }

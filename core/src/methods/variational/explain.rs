@@ -3,7 +3,7 @@
 use super::model::{Looked, Model, Told};
 use super::run::{Event, Note, State, Variational};
 use crate::base::words;
-use crate::methods::differential::tell;
+use crate::methods::differential::explain;
 use crate::run::{Estimator, Seen};
 use crate::scene::{Fact, Floor, Levels, Picture, Plane, Readout, Role, Scene, Sentence, Series, Shape, Stack, Step};
 
@@ -145,7 +145,7 @@ impl<M: Model> Variational<M> {
         let near = std::iter::successors(Some(16), |end| Some(2 * end)).find(|end| *end >= notes.len()).unwrap_or(16);
         let x_max = self.units(seen.before).unwrap_or(notes.len()).min(near);
         let counts = (seen.before.fixed.frames.count(), self.settings().warps);
-        let sections: Vec<_> = tell::sections(notes.iter().map(|note| note.place), counts).collect();
+        let sections: Vec<_> = explain::sections(notes.iter().map(|note| note.place), counts).collect();
         let series = |title, y_label, lines| {
             let sections = sections.clone();
             Series { title, x_label: "iteration", y_label, x_max, events: Vec::new(), sections, lines }
@@ -189,7 +189,7 @@ fn plane<M: Model>(
     Readout::Plane(Plane {
         title: "Constraint and smoothness",
         unit: looked.unit(),
-        reach: tell::reach(all.iter().map(|(.., point)| *point)),
+        reach: explain::reach(all.iter().map(|(.., point)| *point)),
         lines,
         points: all,
         ellipse: None,

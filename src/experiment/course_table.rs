@@ -25,7 +25,7 @@ const HARDLY_PERCENT: f64 = 5.0;
 const INEFFICIENT: f64 = 10.0;
 
 /// One feature of the course's table.
-pub struct Claim {
+pub struct CourseRow {
     /// What is compared, with its unit.
     pub feature: String,
     /// What the course says of it.
@@ -57,19 +57,19 @@ fn each<A, B>(all: &[A; 3], f: impl Fn(&A) -> Result<B, Error>) -> Result<[B; 3]
 ///
 /// # Errors
 /// If one of them cannot run there.
-pub fn claims(arena: &Arena<'_>, stop: &Stop) -> Result<Vec<Claim>, Error> {
+pub fn course_table(arena: &Arena<'_>, stop: &Stop) -> Result<Vec<CourseRow>, Error> {
     let rows = each(&three(&[])?, |search| {
         stop.check()?;
         Row::of(&Contender { estimator: search.boxed_clone(), swept: None }, arena)
     })?;
-    let mut claims = of_one_window(&rows);
-    claims.insert(1, growth(arena, stop)?);
-    claims.insert(4, large_motion(arena, stop)?);
-    Ok(claims)
+    let mut course_table = of_one_window(&rows);
+    course_table.insert(1, growth(arena, stop)?);
+    course_table.insert(4, large_motion(arena, stop)?);
+    Ok(course_table)
 }
 
 /// Those that need no more than one run of each.
-fn of_one_window(rows: &[Row; 3]) -> Vec<Claim> {
+fn of_one_window(rows: &[Row; 3]) -> Vec<CourseRow> {
     let all = |of: &dyn Fn(&Row) -> f64| rows.each_ref().map(of);
     let shown = |values: [f64; 3], digits: usize| values.map(|value| format!("{value:.digits$}"));
     // Each of them is a block search.
@@ -87,43 +87,43 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<Claim> {
     let hertz = ms.map(|ms| 1e3 / ms);
     let with = |values: [String; 3], other: [String; 3]| [0, 1, 2].map(|i| format!("{}, {}", values[i], other[i]));
     vec![
-        Claim {
+        CourseRow {
             feature: "search space: candidates for a block within ±16 px".into(),
             said: "sequential search tests every candidate, the other two reduce the search space",
             holds: candidates[1] < candidates[0] && candidates[2] < candidates[0],
             measured: shown(candidates, 1),
         },
-        Claim {
+        CourseRow {
             feature: "speed: ms for a frame".into(),
             said: "sequential search is slow, logarithmic search fastest, hierarchical search between them",
             holds: ms[1] < ms[2] && ms[2] < ms[0],
             measured: shown(ms, 2),
         },
-        Claim {
+        CourseRow {
             feature: "accuracy: blocks in % whose smallest cost was missed, and PSNR".into(),
             said: "sequential search misses none, logarithmic search may, hierarchical search hardly does",
             holds: missed[0] == 0.0 && missed[2] <= missed[1] && missed[2] <= HARDLY_PERCENT,
             measured: with(shown(missed, 1), db),
         },
-        Claim {
+        CourseRow {
             feature: "memory: kB beside the frames".into(),
             said: "little for sequential and logarithmic search, more for the pyramid",
             holds: kilobytes[2] > kilobytes[0] && kilobytes[2] > kilobytes[1],
             measured: shown(kilobytes, 1),
         },
-        Claim {
+        CourseRow {
             feature: "noise: blocks in % that keep their displacement".into(),
             said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
             holds: rising(noise),
             measured: shown(noise, 1),
         },
-        Claim {
+        CourseRow {
             feature: "light: blocks in % that keep their displacement".into(),
             said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
             holds: rising(light),
             measured: shown(light, 1),
         },
-        Claim {
+        CourseRow {
             feature: "real time: frames a second".into(),
             said: "not for sequential search, for logarithmic search, perhaps not for the pyramid",
             holds: hertz[0] < REAL_TIME_HZ && hertz[1] >= REAL_TIME_HZ,
@@ -133,7 +133,7 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<Claim> {
 }
 
 /// How the most candidates for a block grow with the window.
-fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<Claim, Error> {
+fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     let most = |search: &dyn AnyEstimator| {
         stop.check()?;
         let output = search.run(arena.clip, arena.frame, arena.threads)?;
@@ -151,7 +151,7 @@ fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<Claim, Error> {
     let is_quadratic = sequential.1 > 3 * sequential.0;
     let is_logarithmic = logarithmic.1 <= logarithmic.0 + 8;
     let is_between = (logarithmic.1..=sequential.1).contains(&hierarchical.1);
-    Ok(Claim {
+    Ok(CourseRow {
         feature: "complexity: most candidates within ±8, ±16 and ±32 px".into(),
         said: "O(N²) for sequential search, O(log N) for logarithmic search, between them for the pyramid",
         holds: is_quadratic && is_logarithmic && is_between,
@@ -160,7 +160,7 @@ fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<Claim, Error> {
 }
 
 /// How many blocks each finds when the camera pans far, and with how many candidates.
-fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<Claim, Error> {
+fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     let (clip, frame) = (arena.clip, arena.frame);
     let (width, height) = clip.pair(frame)?[0].size();
     let pan_px = PAN.0.min(width / 4);
@@ -173,7 +173,7 @@ fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<Claim, Error> {
         kept_in_pan(&**search, (clip, frame), pan_px, arena.threads)
     })?;
     let [(sequential, many), (logarithmic, _), (hierarchical, few)] = found;
-    Ok(Claim {
+    Ok(CourseRow {
         feature: format!(
             "large motion: blocks in % found under a pan of {pan_px} px, and candidates for one, within ±{} px; {levels} levels",
             PAN.1
@@ -184,7 +184,7 @@ fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<Claim, Error> {
     })
 }
 
-impl Claim {
+impl CourseRow {
     /// Whether it holds, in a word.
     pub fn verdict(&self) -> &'static str {
         if self.holds { "holds" } else { "does not hold here" }
@@ -192,22 +192,25 @@ impl Claim {
 }
 
 /// Heading and lines of the table.
-fn cells(claims: &[Claim]) -> Vec<Vec<String>> {
+fn cells(course_table: &[CourseRow]) -> Vec<Vec<String>> {
     let heading = ["measured"].iter().chain(&NAMES).chain(&["the course"]).map(|&name| name.to_owned()).collect();
-    let line = |claim: &Claim| {
-        let mut line = vec![claim.feature.clone()];
-        line.extend(claim.measured.iter().cloned());
-        line.push(claim.verdict().to_owned());
+    let line = |row: &CourseRow| {
+        let mut line = vec![row.feature.clone()];
+        line.extend(row.measured.iter().cloned());
+        line.push(row.verdict().to_owned());
         line
     };
-    std::iter::once(heading).chain(claims.iter().map(line)).collect()
+    std::iter::once(heading).chain(course_table.iter().map(line)).collect()
 }
 
 /// The table in columns, and below it what the course says where it does not hold.
-pub fn text(claims: &[Claim]) -> String {
-    let fails: String =
-        claims.iter().filter(|c| !c.holds).map(|c| format!("{}: the course says: {}\n", c.feature, c.said)).collect();
-    format!("{}\n{fails}\n{}", columns(&cells(claims)), key())
+pub fn text(course_table: &[CourseRow]) -> String {
+    let fails: String = course_table
+        .iter()
+        .filter(|c| !c.holds)
+        .map(|c| format!("{}: the course says: {}\n", c.feature, c.said))
+        .collect();
+    format!("{}\n{fails}\n{}", columns(&cells(course_table)), key())
 }
 
 /// What the numbers mean.
@@ -220,22 +223,22 @@ pub fn key() -> String {
 }
 
 /// The table as Markdown, with what the course says.
-pub fn markdown(claims: &[Claim]) -> String {
-    let mut lines = cells(claims);
-    for (line, said) in lines.iter_mut().zip(std::iter::once("it says").chain(claims.iter().map(|c| c.said))) {
+pub fn markdown(course_table: &[CourseRow]) -> String {
+    let mut lines = cells(course_table);
+    for (line, said) in lines.iter_mut().zip(std::iter::once("it says").chain(course_table.iter().map(|c| c.said))) {
         line.push(said.to_owned());
     }
     markdown_table(&lines)
 }
 
 /// The table as JSON: an array of one object per feature.
-pub fn json(claims: &[Claim]) -> Value {
-    let object = |claim: &Claim| {
-        let [sequential, logarithmic, hierarchical] = &claim.measured;
+pub fn json(course_table: &[CourseRow]) -> Value {
+    let object = |row: &CourseRow| {
+        let [sequential, logarithmic, hierarchical] = &row.measured;
         json!({
-            "feature": claim.feature, "sequential": sequential, "logarithmic": logarithmic,
-            "hierarchical": hierarchical, "course": claim.said, "holds": claim.holds,
+            "feature": row.feature, "sequential": sequential, "logarithmic": logarithmic,
+            "hierarchical": hierarchical, "course": row.said, "holds": row.holds,
         })
     };
-    claims.iter().map(object).collect()
+    course_table.iter().map(object).collect()
 }

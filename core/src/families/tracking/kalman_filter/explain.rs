@@ -30,7 +30,7 @@ struct Now<'a> {
 }
 
 impl Now<'_> {
-    /// What is believed by now, and in which role.
+    /// The state estimate by now, and in which role.
     fn believed(&self) -> Option<(&Filter, Role)> {
         let predicted = || self.predicted.as_ref().or(self.before.as_ref()).map(|filter| (filter, Role::Predicted));
         self.after.as_ref().map(|filter| (filter, Role::Estimate)).or_else(predicted)
@@ -410,7 +410,7 @@ impl KalmanFilter {
         }
     }
 
-    /// Where something is believed to be, with its ellipse.
+    /// An estimated place, with its ellipse.
     fn belief(&self, filter: &Filter, (role, meaning): (Role, &'static str), scene: &mut Scene) {
         let center = filter.place();
         if let Some(shape) = ellipse(center, filter.place_covariance(), self.confidence.share()) {
@@ -491,7 +491,7 @@ fn truth(seen: &Seen<KalmanFilter>) -> Option<[f64; 2]> {
     told.or_else(|| seen.before.moments.get(index)?.truth)
 }
 
-/// Where the object was believed to be up to here, and where what came later puts it.
+/// The estimated places up to here, and where what came later puts it.
 fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
     let state = seen.before;
     let mut draw = |of: fn(&Moment) -> Option<Filter>, role: Role, meaning: &'static str| {

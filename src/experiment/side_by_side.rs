@@ -5,48 +5,48 @@ use motionscope_core::{AnyEstimator, Clip, Error, Info, Lockstep, Pace, Threads,
 
 use crate::experiment::{comparison, first, source};
 
-/// The estimators beside the one that leads; nobody unless someone was asked for.
+/// The estimators beside the one that leads; none unless some were named.
 ///
 /// They have the parameters of the leader as far as they have the same, so that all work under the same conditions.
-pub struct Company {
+pub struct SideBySide {
     /// The others, from left to right.
     pub beside: Vec<Box<dyn AnyEstimator>>,
     /// What all have in common at every step.
     pub pace: Pace,
 }
 
-impl Default for Company {
+impl Default for SideBySide {
     fn default() -> Self {
         Self { beside: Vec::new(), pace: Pace::Block }
     }
 }
 
-impl Clone for Company {
+impl Clone for SideBySide {
     fn clone(&self) -> Self {
         Self { beside: self.beside.iter().map(|estimator| estimator.boxed_clone()).collect(), pace: self.pace }
     }
 }
 
-impl PartialEq for Company {
+impl PartialEq for SideBySide {
     fn eq(&self, other: &Self) -> bool {
-        let told = |company: &Self| -> Vec<_> {
-            company.beside.iter().map(|estimator| (estimator.info().id, estimator.values())).collect()
+        let told = |side_by_side: &Self| -> Vec<_> {
+            side_by_side.beside.iter().map(|estimator| (estimator.info().id, estimator.values())).collect()
         };
         self.pace == other.pace && told(self) == told(other)
     }
 }
 
-impl Company {
+impl SideBySide {
     /// The estimators called `ids` beside `leader`.
     ///
     /// # Errors
     /// If there is no such estimator, one is there twice, or there are too many.
     pub fn of(leader: &dyn AnyEstimator, ids: &[impl AsRef<str>], pace: Pace) -> Result<Self, Error> {
         let beside = ids.iter().map(|id| estimator(id.as_ref())).collect::<Result<_, _>>()?;
-        let mut company = Self { beside, pace };
-        company.follow(leader);
-        company.check(leader)?;
-        Ok(company)
+        let mut side_by_side = Self { beside, pace };
+        side_by_side.follow(leader);
+        side_by_side.check(leader)?;
+        Ok(side_by_side)
     }
 
     /// Those that stand beside `leader` unless others are named.
@@ -78,7 +78,7 @@ impl Company {
     /// that the leader has is that of a parameter of its stage.
     ///
     /// # Errors
-    /// If nobody has such a parameter, one alone is to differ in what all share, or the value is out of range.
+    /// If none has such a parameter, one alone is to differ in what all share, or the value is out of range.
     pub fn set(&mut self, leader: &mut dyn AnyEstimator, setting: &str) -> Result<(), Error> {
         let (name, value) = setting.split_once('=').unwrap_or((setting, ""));
         let is_estimator = |_: &(&str, &str)| !self.is_empty() && leader.get(name.trim()).is_err();
@@ -100,7 +100,7 @@ impl Company {
         Ok(())
     }
 
-    /// What there is to say about the run of `leader` with its company.
+    /// What there is to say about the run of `leader` with its the estimators side by side.
     pub fn info(&self, leader: &dyn AnyEstimator) -> &'static Info {
         if self.is_empty() { leader.info() } else { const { &Lockstep::INFO } }
     }
@@ -141,15 +141,18 @@ mod tests {
     fn all_work_under_the_conditions_of_the_leader() {
         let mut leader = estimator("diamond").unwrap();
         leader.set("block", "8").unwrap();
-        let mut company = Company::of(&*leader, &["full-search", "hierarchical"], Pace::Budget).unwrap();
-        let of = |company: &Company, i: usize, name| company.beside[i].get(name).unwrap();
-        assert_eq!((of(&company, 0, "block"), of(&company, 1, "block")), (Value::Int(8), Value::Int(8)));
+        let mut side_by_side = SideBySide::of(&*leader, &["full-search", "hierarchical"], Pace::Budget).unwrap();
+        let of = |side_by_side: &SideBySide, i: usize, name| side_by_side.beside[i].get(name).unwrap();
+        assert_eq!((of(&side_by_side, 0, "block"), of(&side_by_side, 1, "block")), (Value::Int(8), Value::Int(8)));
         for setting in ["range=7", "hierarchical.levels=2", "order=spiral", "diamond.block=12"] {
-            company.set(&mut *leader, setting).unwrap();
+            side_by_side.set(&mut *leader, setting).unwrap();
         }
-        assert_eq!((of(&company, 0, "range"), of(&company, 1, "levels")), (Value::Int(7), Value::Int(2)));
-        assert_eq!((of(&company, 0, "order"), of(&company, 1, "block")), (Value::Choice("spiral"), Value::Int(12)));
-        let mut told = |setting: &str| company.set(&mut *leader, setting).unwrap_err().to_string();
+        assert_eq!((of(&side_by_side, 0, "range"), of(&side_by_side, 1, "levels")), (Value::Int(7), Value::Int(2)));
+        assert_eq!(
+            (of(&side_by_side, 0, "order"), of(&side_by_side, 1, "block")),
+            (Value::Choice("spiral"), Value::Int(12))
+        );
+        let mut told = |setting: &str| side_by_side.set(&mut *leader, setting).unwrap_err().to_string();
         assert!(told("hierarchical.block=4").contains("set block=4"));
         assert!(told("hexagon.levels=4").contains("--beside"));
         assert!(told("coarse.order=spiral").contains("coarse does not go in lockstep"));
@@ -159,34 +162,34 @@ mod tests {
     #[test]
     fn the_stage_of_the_leader_is_set_by_its_name() {
         let mut leader = estimator("hierarchical").unwrap();
-        let mut company = Company::of(&*leader, &["full-search"], Pace::Block).unwrap();
+        let mut side_by_side = SideBySide::of(&*leader, &["full-search"], Pace::Block).unwrap();
         for setting in ["coarse.order=spiral", "full-search.order=spiral", "hierarchical.levels=2"] {
-            company.set(&mut *leader, setting).unwrap();
+            side_by_side.set(&mut *leader, setting).unwrap();
         }
         assert_eq!(leader.get("coarse.order"), Ok(Value::Choice("spiral")));
         assert_eq!(leader.get("levels"), Ok(Value::Int(2)));
-        assert_eq!(company.beside[0].get("order"), Ok(Value::Choice("spiral")));
+        assert_eq!(side_by_side.beside[0].get("order"), Ok(Value::Choice("spiral")));
         // The stage of one that stands beside it is set by the estimator and the stage.
         let mut leader = estimator("diamond").unwrap();
-        let mut company = Company::of(&*leader, &["hierarchical"], Pace::Block).unwrap();
-        company.set(&mut *leader, "hierarchical.coarse.order=spiral").unwrap();
-        assert_eq!(company.beside[0].get("coarse.order"), Ok(Value::Choice("spiral")));
+        let mut side_by_side = SideBySide::of(&*leader, &["hierarchical"], Pace::Block).unwrap();
+        side_by_side.set(&mut *leader, "hierarchical.coarse.order=spiral").unwrap();
+        assert_eq!(side_by_side.beside[0].get("coarse.order"), Ok(Value::Choice("spiral")));
     }
 
     #[test]
     fn nobody_stands_there_twice() {
         let leader = estimator("diamond").unwrap();
-        let told = |ids: &[&str]| Company::of(&*leader, ids, Pace::Block).err().unwrap().to_string();
+        let told = |ids: &[&str]| SideBySide::of(&*leader, ids, Pace::Block).err().unwrap().to_string();
         assert!(told(&["hexagon", "diamond"]).contains("beside itself"));
         assert!(told(&["hexagon", "three-step", "four-step", "predictive"]).contains("not 5"));
         assert!(told(&["magic"]).contains("there is no estimator magic"));
-        let mut company = Company::of(&*leader, &["full-search", "hexagon"], Pace::Block).unwrap();
-        let next = company.beside[1].boxed_clone();
-        company.relieve(&*leader, &*next);
+        let mut side_by_side = SideBySide::of(&*leader, &["full-search", "hexagon"], Pace::Block).unwrap();
+        let next = side_by_side.beside[1].boxed_clone();
+        side_by_side.relieve(&*leader, &*next);
         assert_eq!(
-            company.all(&*next).iter().map(|e| e.info().id).collect::<Vec<_>>(),
+            side_by_side.all(&*next).iter().map(|e| e.info().id).collect::<Vec<_>>(),
             ["hexagon", "full-search", "diamond"]
         );
-        company.check(&*next).unwrap();
+        side_by_side.check(&*next).unwrap();
     }
 }

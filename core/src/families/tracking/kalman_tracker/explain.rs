@@ -6,9 +6,9 @@ use super::share::{Costs, MOST_NEAR, Turn};
 use super::{Event, KalmanTracker, PairCost, Track, line};
 use crate::methods::{
     kalman::ellipse,
-    multi_object::tell::{self, Names, count, short},
+    multi_object::explain::{self, Names, count, short},
 };
-use crate::products::Life;
+use crate::products::TrackStatus;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
@@ -17,7 +17,7 @@ fn named(track: &Track) -> String {
 }
 
 fn speed(track: &Track) -> String {
-    tell::speed(track.filter.velocity())
+    explain::speed(track.filter.velocity())
 }
 
 impl KalmanTracker {
@@ -48,7 +48,7 @@ impl KalmanTracker {
         };
         match event {
             Event::Looked(all, left_out) => {
-                tell::looked((all.len(), "detection"), frame, (*left_out, self.given.min_score))
+                explain::looked((all.len(), "detection"), frame, (*left_out, self.given.min_score))
             }
             Event::Predicted(tracks) if tracks.is_empty() => {
                 said.text("There is no object yet whose place could be predicted.")
@@ -86,10 +86,10 @@ impl KalmanTracker {
                 let said =
                     said.ink(Role::Estimate, named(after)).text(format!(" moves to its detection: {}.", speed(after)));
                 match (before.age.life, after.age.life) {
-                    (Life::Tentative, Life::Confirmed) => {
+                    (TrackStatus::Tentative, TrackStatus::Confirmed) => {
                         said.text(format!(" It was matched in {} frames and is confirmed.", after.age.seen))
                     }
-                    (Life::Coasting, _) => {
+                    (TrackStatus::Coasting, _) => {
                         said.text(format!(" It is back after {}.", count(before.age.missed, "frame")))
                     }
                     _ => said,
@@ -101,14 +101,14 @@ impl KalmanTracker {
                 count(self.rules.patience, "frame")
             )),
             Event::Ended(track) => said.ink(Role::Rejected, named(track)).text(match track.age.life {
-                Life::Tentative => " was not seen again and is deleted: it was still tentative.",
+                TrackStatus::Tentative => " was not seen again and is deleted: it was still tentative.",
                 _ if track.age.missed < self.rules.patience => " is predicted far outside the picture and is deleted.",
                 _ => " was not seen for too long and is deleted.",
             }),
             Event::Begun(track) => {
                 said.text("An unassigned detection begins ").ink(Role::Reference, named(track).to_lowercase()).text(".")
             }
-            Event::Done(frame_done) => said.text(tell::done(frame, frame_done)),
+            Event::Done(frame_done) => said.text(explain::done(frame, frame_done)),
         }
     }
 
@@ -152,7 +152,7 @@ impl KalmanTracker {
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend(equation.map(Readout::Equation));
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
-        readouts.extend(tell::series(&seen.after.unwrap_or(state).course));
+        readouts.extend(explain::series(&seen.after.unwrap_or(state).course));
         readouts
     }
 
@@ -216,7 +216,7 @@ impl KalmanTracker {
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let looked =
             seen.events.iter().find_map(|event| if let Event::Looked(all, _) = event { Some(all) } else { None });
-        tell::draw_detections(scene, looked.into_iter().flat_map(|all| all.iter()));
+        explain::draw_detections(scene, looked.into_iter().flat_map(|all| all.iter()));
         let after = seen.after.map(|state| &state.tracks);
         match (after, seen.events.last()) {
             (Some(tracks), _) => tracks.iter().for_each(|track| draw_track(scene, track, seen)),
@@ -306,17 +306,17 @@ fn costs_of<'a>(seen: &Seen<'a, KalmanTracker>) -> Option<(&'a Costs, Option<[us
 /// A box with its ellipse and its number.
 fn draw(scene: &mut Scene, track: &Track, (role, meaning): (Role, &'static str)) {
     let bounds = track.bounds();
-    tell::rect(scene, role, bounds);
+    explain::rect(scene, role, bounds);
     if let Some(shape) = ellipse(track.filter.place(), track.filter.place_covariance(), 0.95) {
         scene.mark(Picture::CURRENT, role, shape);
     }
-    tell::label(scene, role, bounds.min, track.id.to_string());
+    explain::label(scene, role, bounds.min, track.id.to_string());
     scene.legend(role, meaning);
 }
 
 /// An object with its trail, as its life has it.
 fn draw_track(scene: &mut Scene, track: &Track, seen: &Seen<KalmanTracker>) {
-    let role = tell::role(track.age.life);
-    tell::trail(scene, &seen.after.unwrap_or(seen.before).course, role.0, (track.id, track.filter.place()));
+    let role = explain::role(track.age.life);
+    explain::trail(scene, &seen.after.unwrap_or(seen.before).course, role.0, (track.id, track.filter.place()));
     draw(scene, track, role);
 }

@@ -1,29 +1,27 @@
-//! Laws about the pseudocode of every estimator of the registry: each line is lit by some step, and each sentence belongs to
-//! one line. A new estimator is tested here unasked.
-
-mod common;
+//! Every estimator on small clips, with one parameter after the other changed, and each of its steps looked at.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
-use common::{Objects, waves};
 use motionscope_core::params::{Kind, Placed, Spec, Spot, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
 use motionscope_core::scene::Focus;
-use motionscope_core::scene::Sentence;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Frame, Grid, Info, Move, ObjectBox, Promise, Step, Walk, Way,
-    estimators, pseudocode,
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Frame, Grid, Guarantee, Info, Move, ObjectBox, Step,
+    Walk, estimators,
 };
 
+use crate::common::{Objects, waves};
+use crate::texts::{Texts, stripped};
+
 /// The size of a picture of which each part does something else.
-const PARTS: (usize, usize) = (48, 36);
+pub const PARTS: (usize, usize) = (48, 36);
 /// The size of a picture with objects.
-const SIZE: (usize, usize) = (64, 48);
+pub const SIZE: (usize, usize) = (64, 48);
 
 /// Frames in which each part of the picture does something else: from the upper left, one rests, one moves a little, one far
 /// and against the others, one has edges in a single direction, one has no texture, and one becomes another picture.
-fn parts(frames: usize) -> Clip {
+pub fn parts(frames: usize) -> Clip {
     let (width, height) = (PARTS.0 / 3, PARTS.1 / 2);
     let value = |t: usize, x: usize, y: usize| {
         let (s, u, v) = (t as f64, x as f64, y as f64);
@@ -42,7 +40,7 @@ fn parts(frames: usize) -> Clip {
 
 /// Boxes that move over a wall: a pair that meets and parts, one that hides for some frames, one that stops, one that is seen
 /// once and one that comes from elsewhere after all others have gone by.
-fn boxes(t: usize) -> Vec<ObjectBox> {
+pub fn boxes(t: usize) -> Vec<ObjectBox> {
     let t = t as f32;
     let all = [
         (1, [2.0 + 2.0 * t, 6.0], [10.0, 8.0], 0.0..99.0),
@@ -59,7 +57,7 @@ fn boxes(t: usize) -> Vec<ObjectBox> {
 }
 
 /// Those boxes in front of a wall, with their shadows, what a detector makes of them, and the truth.
-fn objects(frames: usize) -> Clip {
+pub fn objects(frames: usize) -> Clip {
     let frame = |t: usize| {
         let (all, noise) = (boxes(t), |x: usize, y: usize| ((x * 7 + y * 13 + t * 5) % 5) as f64);
         Frame::rgb(Grid::from_fn(SIZE.0, SIZE.1, |x, y| {
@@ -91,7 +89,7 @@ fn objects(frames: usize) -> Clip {
 }
 
 /// Whether a pixel belongs to one of two black figures on the wall: a ring, and a U whose arms meet at its end.
-fn is_black((x, y): (usize, usize)) -> bool {
+pub fn is_black((x, y): (usize, usize)) -> bool {
     let is_in =
         |[left, right]: [usize; 2], [top, bottom]: [usize; 2]| (left..right).contains(&x) && (top..bottom).contains(&y);
     // Their insides are wider than what closing fills.
@@ -100,7 +98,7 @@ fn is_black((x, y): (usize, usize)) -> bool {
 }
 
 /// What a detector makes of boxes: those that overlap are one, one of them it is not sure of now and then.
-fn detected(t: usize, all: &[ObjectBox]) -> Vec<Detection> {
+pub fn detected(t: usize, all: &[ObjectBox]) -> Vec<Detection> {
     let mut found: Vec<(Bounds, f32)> = Vec::new();
     for object in all {
         let (bounds, score) = (Bounds::from(object), if object.id == 4 && t % 4 == 3 { 0.45 } else { 0.9 });
@@ -117,7 +115,7 @@ fn detected(t: usize, all: &[ObjectBox]) -> Vec<Detection> {
 }
 
 /// What keeps whole runs small, where there is such a parameter.
-const SMALL: [(&str, &str); 8] = [
+pub const SMALL: [(&str, &str); 8] = [
     ("block", "8"),
     ("range", "5"),
     ("levels", "2"),
@@ -130,7 +128,7 @@ const SMALL: [(&str, &str); 8] = [
 
 /// The values that a parameter is tried with: each choice, a switch both ways, a number at its least and a little beyond, and
 /// things placed on the picture.
-fn tried(kind: &Kind) -> Vec<Value> {
+pub fn tried(kind: &Kind) -> Vec<Value> {
     match kind {
         Kind::Int { min, max } => vec![Value::Int(*min), Value::Int((*max).min(min + 9))],
         Kind::Real { min, max } => vec![Value::Real(*min), Value::Real(*max)],
@@ -151,7 +149,7 @@ fn tried(kind: &Kind) -> Vec<Value> {
 }
 
 /// A stage with one choice after the other among its own parameters.
-fn chosen_otherwise(stage: &Value) -> Vec<Value> {
+pub fn chosen_otherwise(stage: &Value) -> Vec<Value> {
     let Value::Stage(stage) = stage else { return Vec::new() };
     let specs = stage.part().specs().iter().enumerate();
     let choices = specs.filter(|(_, spec)| matches!(spec.kind, Kind::Choice(_)));
@@ -164,7 +162,7 @@ fn chosen_otherwise(stage: &Value) -> Vec<Value> {
 }
 
 /// An estimator at its defaults, but small, and with one parameter after the other set to what it is tried with.
-fn settings(estimator: &dyn AnyEstimator) -> Vec<Box<dyn AnyEstimator>> {
+pub fn settings(estimator: &dyn AnyEstimator) -> Vec<Box<dyn AnyEstimator>> {
     let mut small = estimator.boxed_clone();
     for (name, value) in SMALL {
         if small.get(name).is_ok() {
@@ -182,40 +180,22 @@ fn settings(estimator: &dyn AnyEstimator) -> Vec<Box<dyn AnyEstimator>> {
     [small].into_iter().chain(changed).collect()
 }
 
-/// A sentence without its numbers.
-fn stripped(sentence: &str) -> String {
-    let mut words = String::new();
-    let mut letters = sentence.chars().peekable();
-    while let Some(c) = letters.next() {
-        let mut is_within = || words.ends_with('#') && letters.peek().is_some_and(char::is_ascii_digit);
-        let is_number = c.is_ascii_digit() || (".,\u{2009}\u{202f}".contains(c) && is_within());
-        match is_number {
-            true if words.ends_with('#') => {}
-            true => {
-                if words.ends_with(['−', '±', '+']) {
-                    words.pop();
-                }
-                words.push('#');
-            }
-            false => words.push(c),
-        }
-    }
-    words
-}
-
 /// What was seen of an estimator.
 #[derive(Default)]
-struct Seen {
-    lit: BTreeSet<Name>,
+pub struct Seen {
+    pub lit: BTreeSet<Name>,
     /// The lines of each sentence without its numbers, and one with them.
-    sentences: BTreeMap<String, (BTreeSet<Name>, String)>,
-    unknown: BTreeSet<Name>,
-    runs: usize,
-    refused: usize,
+    pub sentences: BTreeMap<String, (BTreeSet<Name>, String)>,
+    pub unknown: BTreeSet<Name>,
+    pub runs: usize,
+    pub refused: usize,
+    /// Everything that its steps say.
+    pub texts: Texts,
 }
 
 impl Seen {
-    fn see(&mut self, info: &Info, step: &Step) {
+    pub fn see(&mut self, info: &Info, step: &Step) {
+        self.texts.add_step(step);
         if info.line(step.line).is_none() {
             self.unknown.insert(step.line);
         }
@@ -226,13 +206,15 @@ impl Seen {
 
     /// Walks through a run, and looks at each step, and at some pixels that can be explained by then.
     fn walk(&mut self, walk: &mut dyn Walk) {
-        let (info, event) = (walk.info(), walk.info().rungs.len() - 1);
+        let (info, event) = (walk.info(), walk.info().granularities.len() - 1);
         self.runs += 1;
         self.see(info, &walk.step(None));
+        self.texts.add_scene(&walk.scene(None));
         while !walk.at_end() {
-            walk.jump(Move::Rung(event, Way::Forward));
+            walk.jump(Move::Granularity(event, Direction::Forward));
             assert!(walk.failure().is_none(), "{}: {:?}", info.id, walk.failure());
             self.see(info, &walk.step(None));
+            self.texts.add_scene(&walk.scene(None));
             let Cursor { unit, event } = walk.cursor();
             let pixel = [(7 * unit + event) % SIZE.0, (11 * unit + 5 * event) % SIZE.1].map(|c| c as f32);
             let pixel = Focus::current(pixel);
@@ -243,7 +225,7 @@ impl Seen {
     }
 
     /// The lines that no step was at. A heading is reached with its body: a run that is in there has passed it.
-    fn unlit(&self, lines: &[Line]) -> Vec<Name> {
+    pub fn unlit(&self, lines: &[Line]) -> Vec<Name> {
         let mut reached: Vec<bool> = lines.iter().map(|line| self.lit.contains(&line.name)).collect();
         for i in (0..lines.len()).rev().filter(|&i| is_heading(lines, i)) {
             let body = (i + 1..lines.len()).take_while(|&j| lines[j].depth() > lines[i].depth());
@@ -256,84 +238,26 @@ impl Seen {
 /// Walks through all runs of an estimator.
 fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
     let mut seen = Seen::default();
-    let clip = if estimator.promise() == Promise::Objects { objects } else { parts };
+    let clip = if estimator.guarantee() == Guarantee::Objects { objects } else { parts };
     for setting in settings(estimator) {
         match setting.walk(clip, 0) {
             Ok(mut walk) => seen.walk(&mut *walk),
-            Err(_) => seen.refused += 1,
+            Err(error) => {
+                seen.refused += 1;
+                seen.texts.add("refusal", &error.to_string());
+            }
         }
     }
     seen
 }
 
-/// What is wrong with the pseudocode of an estimator, and with the steps that were seen.
-fn faults(info: &Info, seen: &Seen) -> Vec<String> {
-    let names: BTreeSet<Name> = info.pseudocode.iter().map(|line| line.name).collect();
-    let twice = (names.len() < info.pseudocode.len()).then(|| "two lines have one name".to_owned());
-    let unknown = seen.unknown.iter().map(|name| format!("a step is at {name}, which no line is called"));
-    let unlit = seen.unlit(info.pseudocode).into_iter().map(|name| format!("{name} is never lit"));
-    let shared = seen.sentences.values().filter(|(lines, _)| lines.len() > 1);
-    let shared = shared.map(|(lines, said)| format!("steps of {lines:?} are told alike: {said}"));
-    let all = twice.into_iter().chain(unknown).chain(unlit).chain(shared);
-    all.map(|fault| format!("{}: {fault}", info.id)).collect()
-}
-
-#[test]
-fn every_line_is_lit_and_every_sentence_belongs_to_one() {
+/// What is seen of every estimator, worked out once for all tests.
+pub static ALL: LazyLock<Vec<(Box<dyn AnyEstimator>, Seen)>> = LazyLock::new(|| {
     let clips = [parts(3), objects(26)];
-    let mut all = Vec::new();
-    for estimator in estimators() {
-        let seen = seen(&*estimator, clips.each_ref());
-        let id = estimator.info().id;
-        assert!(seen.runs > 4 * seen.refused, "{id}: {} settings are refused, {} run", seen.refused, seen.runs);
-        all.extend(faults(estimator.info(), &seen));
-    }
-    assert!(all.is_empty(), "{}", all.join("\n"));
-}
-
-pseudocode! {
-    EACH_FRAME: "for each frame",
-    PREDICT: "  predict",
-    UPDATE: "  update",
-    SMOOTH: "smooth",
-}
-
-mod elsewhere {
-    motionscope_core::line_names!(DETECT);
-}
-
-#[test]
-fn what_is_wrong_is_found() {
-    let info = Info {
-        id: "toy",
-        name: "Toy",
-        family: "Toys",
-        summary: "",
-        source: "",
-        pseudocode: line::ALL,
-        rungs: &[],
-        frames: 1,
+    let one = |estimator: Box<dyn AnyEstimator>| {
+        let mut seen = seen(&*estimator, clips.each_ref());
+        seen.texts.add_estimator(&*estimator);
+        (estimator, seen)
     };
-    let mut seen = Seen::default();
-    let mut see = |line, said: &str| {
-        let step = Step { line, sentence: Sentence::default().text(said), readouts: Vec::new() };
-        seen.see(&info, &step);
-    };
-    see(line::PREDICT, "It goes on to (1.5, 2) px.");
-    see(line::UPDATE, "It is measured at (3, −2.25) px.");
-    see(line::UPDATE, "It goes on to (3, −2.25) px.");
-    see(elsewhere::DETECT, "It is detected.");
-    let expected = [
-        "toy: a step is at detect, which no line is called",
-        // The heading is reached with what is in it.
-        "toy: smooth is never lit",
-        "toy: steps of {\"predict\", \"update\"} are told alike: It goes on to (1.5, 2) px.",
-    ];
-    assert_eq!(faults(&info, &seen), expected);
-}
-
-#[test]
-fn numbers_are_stripped_from_a_sentence() {
-    let said = "At (−3.5, 2) px: 1\u{2009}234 of 5, ±0.25.";
-    assert_eq!(stripped(said), "At (#, #) px: # of #, #.");
-}
+    estimators().into_iter().map(one).collect()
+});

@@ -7,8 +7,8 @@ use crate::base::words::{counted, heading, heading_deg, number, number_64};
 use crate::geometry::Bounds;
 use crate::methods::multi_object::directions::Directions;
 use crate::products::{
-    Life, Object, ObjectFrame,
-    objects::trajectory::{Sighting, Trajectory},
+    Object, ObjectFrame, TrackStatus,
+    objects::trajectory::{TrackPoint, Trajectory},
 };
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
@@ -53,7 +53,7 @@ impl TrajectoryAnalysis {
         };
         match event {
             Event::Tracked(frame) => {
-                let seen = frame.objects.iter().filter(|object| object.life == Life::Confirmed).count();
+                let seen = frame.objects.iter().filter(|object| object.life == TrackStatus::Confirmed).count();
                 said.ink(Role::Estimate, counted(seen, "object")).text(" confirmed.")
             }
             Event::Moved(of) => self.moved(said.ink(Role::Estimate, name(of)), of),
@@ -147,13 +147,13 @@ impl TrajectoryAnalysis {
 
     fn facts(&self, trajectory: &Trajectory) -> Vec<Fact> {
         let mut facts = vec![Fact::new("Object", trajectory.id.to_string(), Some(Role::Estimate))];
-        if let Some(Sighting { velocity: Some(velocity), step: Some(step), .. }) = trajectory.sightings.last() {
+        if let Some(TrackPoint { velocity: Some(velocity), step: Some(step), .. }) = trajectory.sightings.last() {
             let speed = |v: &[f64; 2]| format!("{} px/frame", number_64(v[0].hypot(v[1])));
             facts.push(Fact::new("Speed", speed(velocity), Some(Role::Result)));
             facts.push(Fact::new("Since seen before", speed(step), Some(Role::Measured)));
             facts.push(Fact::new("Heading", heading(*velocity), None));
         }
-        facts.push(Fact::new("Way", format!("{} px", number_64(trajectory.length_px())), None));
+        facts.push(Fact::new("Direction", format!("{} px", number_64(trajectory.length_px())), None));
         if let Some(straightness) = trajectory.straightness() {
             facts.push(Fact::new("Straightness", format!("{} %", number_64(100.0 * straightness)), None));
         }
@@ -291,19 +291,19 @@ fn chevron(at: [f64; 2], [u, v]: [f64; 2], size_px: f64) -> Shape {
 }
 
 /// An object with its box, its number and where it goes.
-fn draw_object(scene: &mut Scene, object: &Object, last: Option<&Sighting>) {
+fn draw_object(scene: &mut Scene, object: &Object, last: Option<&TrackPoint>) {
     let is_unusual = last.is_some_and(|last| last.unusual.is_some());
     let (role, meaning) = match object.life {
         _ if is_unusual => (Role::Error, "unusual direction"),
-        Life::Tentative => (Role::Candidate, "tentative"),
-        Life::Confirmed => (Role::Estimate, "tracked"),
-        Life::Coasting => (Role::Predicted, "not seen"),
+        TrackStatus::Tentative => (Role::Candidate, "tentative"),
+        TrackStatus::Confirmed => (Role::Estimate, "tracked"),
+        TrackStatus::Coasting => (Role::Predicted, "not seen"),
     };
     let Bounds { min, max } = object.bounds;
     scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
     scene.mark_of(object.id, Picture::CURRENT, role, Shape::Text { at: min, text: object.id.to_string() });
     scene.legend(role, meaning);
-    if let Some(Sighting { at, velocity: Some(velocity), .. }) = last {
+    if let Some(TrackPoint { at, velocity: Some(velocity), .. }) = last {
         let (from, to) = (point(*at), point([0, 1].map(|i| at[i] + velocity[i])));
         scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(vec![Arrow { from, to }]));
         scene.legend(Role::Result, "velocity in px/frame");
@@ -324,7 +324,7 @@ fn unwrapped(points: Vec<[f32; 2]>) -> Vec<[f32; 2]> {
 
 /// Speed and heading from frame to frame.
 fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
-    let line = |of: &dyn Fn(&Sighting) -> Option<f64>| -> Vec<[f32; 2]> {
+    let line = |of: &dyn Fn(&TrackPoint) -> Option<f64>| -> Vec<[f32; 2]> {
         let known = trajectory.sightings.iter().filter_map(|seen| Some([seen.frame as f32, of(seen)? as f32]));
         known.collect()
     };
@@ -345,7 +345,7 @@ fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
     let degrees = |v: [f64; 2]| (v != [0.0; 2]).then(|| heading_deg(v));
     let headings = vec![
         ("since seen before", Role::Measured, unwrapped(line(&|seen| seen.step.and_then(degrees)))),
-        ("smoothed", Role::Result, unwrapped(line(&Sighting::heading_deg))),
+        ("smoothed", Role::Result, unwrapped(line(&TrackPoint::heading_deg))),
     ];
     if trajectory.sightings.len() < 3 {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! A plate: what one exported picture consists of.
+//! A figure: what one exported picture consists of.
 
 use std::sync::Arc;
 
@@ -22,9 +22,9 @@ const BEYOND: f32 = 4.0;
 /// Words are given at least this many times their size to run in.
 const LEAST_WIDTH: f32 = 26.0;
 
-/// What a plate shows and how.
+/// What a figure shows and how.
 #[derive(Clone, Debug, Default)]
-pub struct PlateOptions {
+pub struct FigureOptions {
     /// How the pair is looked at.
     pub view: View,
     /// The share of frame t + 1 in a blend.
@@ -62,7 +62,7 @@ pub struct Caption {
     pub sentence: Sentence,
 }
 
-/// What one estimator shows on a plate.
+/// What one estimator shows on a figure.
 #[derive(Clone, Debug)]
 pub struct Part<'a> {
     /// The frames, and what was made of them.
@@ -96,7 +96,7 @@ impl Layer {
 ///
 /// Without legend and caption it is the panels alone: one panel has exactly the clip's pixels, times the zoom.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plate {
+pub struct Figure {
     /// Width and height, whole numbers.
     pub size: [f32; 2],
     /// Behind everything.
@@ -109,14 +109,14 @@ pub struct Plate {
     pub description: String,
 }
 
-impl Plate {
+impl Figure {
     /// Lays out `scene` over `pictures`.
-    pub fn new(pictures: &Pictures, scene: &Scene, options: &PlateOptions) -> Self {
+    pub fn new(pictures: &Pictures, scene: &Scene, options: &FigureOptions) -> Self {
         Self::of(&[Part { pictures: pictures.clone(), scene, heading: None }], scene, options)
     }
 
     /// Lays out `parts`, two or three in a row and four in a square; `scene` has the marks of all.
-    pub fn of(parts: &[Part<'_>], scene: &Scene, options: &PlateOptions) -> Self {
+    pub fn of(parts: &[Part<'_>], scene: &Scene, options: &FigureOptions) -> Self {
         let look = Look::new(scene, options.style);
         let look = Look { density: options.scale.max(1) as f32, ..look };
         let is_framed = options.legend || options.titles || options.caption.is_some() || parts.len() > 1;
@@ -149,7 +149,7 @@ impl Plate {
     }
 }
 
-fn description(options: &PlateOptions, parts: &[Part<'_>]) -> String {
+fn description(options: &FigureOptions, parts: &[Part<'_>]) -> String {
     let Some(Part { pictures, .. }) = parts.first() else { return String::new() };
     let shown = options.view.panels(pictures).into_iter().map(|panel| Shown { panel, share: options.share, gain: 1 });
     let titles: Vec<_> = shown.map(|shown| shown.title(options.frame, &pictures.names)).collect();
@@ -167,9 +167,9 @@ fn description(options: &PlateOptions, parts: &[Part<'_>]) -> String {
     }
 }
 
-/// A plate on its way, from the top down.
+/// A figure on its way, from the top down.
 struct Layout<'a> {
-    options: &'a PlateOptions,
+    options: &'a FigureOptions,
     look: Look,
     sizes: TypeSizes,
     margin: f32,

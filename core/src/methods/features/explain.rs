@@ -5,7 +5,7 @@ use super::declare::line;
 use super::select::{Peaks, Settings};
 use crate::base::words::{self, pixel};
 use crate::geometry::Grid;
-use crate::methods::differential::{Tensor, tell};
+use crate::methods::differential::{Tensor, explain};
 use crate::run::Seen;
 use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Shape, Step, Tile};
 
@@ -151,9 +151,9 @@ impl<M: Measure> Corners<M> {
         let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range };
         let radius = (self.0.settings().window / 2 + 1).min(5);
         let [symbols, numbers] = self.0.equation(tensor);
-        let mut tiles = vec![tile("Frame t", tell::around(state.picture.luma(), *place, radius), [0.0, 255.0])];
+        let mut tiles = vec![tile("Frame t", explain::around(state.picture.luma(), *place, radius), [0.0, 255.0])];
         if state.stage != Stage::Response {
-            let shown = tell::around(&state.map.map(|response| M::shown(*response)), *place, radius);
+            let shown = explain::around(&state.map.map(|response| M::shown(*response)), *place, radius);
             let most = shown.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
             tiles.push(tile("Response, as painted", shown, [0.0, most]));
         }
@@ -313,8 +313,8 @@ fn over(peaks: &Peaks<'_>, place: (usize, usize), by: Option<(usize, usize)>) ->
 fn matrix() -> Math {
     let product =
         |parts: Vec<Math>| Math::Row([vec![Math::text("Σ "), Math::Var("w"), Math::text(" ")], parts].concat());
-    let squared = |along| product(vec![Math::power(tell::derivative(along), Math::text("2"))]);
-    let mixed = || product(vec![tell::derivative("x"), tell::derivative("y")]);
+    let squared = |along| product(vec![Math::power(explain::derivative(along), Math::text("2"))]);
+    let mixed = || product(vec![explain::derivative("x"), explain::derivative("y")]);
     Math::Row(vec![
         Math::Var("T"),
         Math::text(" = ("),

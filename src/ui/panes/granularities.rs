@@ -1,38 +1,38 @@
-//! The rungs of the ladder, by the estimator's own names.
+//! The granularities of the ladder, by the estimator's own names.
 
-/// The three rungs of the ladder that have keys, by the estimator's own names.
+/// The three granularities of the ladder that have keys, by the estimator's own names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rungs {
+pub struct Granularities {
     names: &'static [&'static str],
 }
 
-impl Rungs {
-    /// The rungs of an estimator, outermost first.
+impl Granularities {
+    /// The granularities of an estimator, outermost first.
     pub fn new(names: &'static [&'static str]) -> Self {
         Self { names }
     }
 
-    /// Index of the rung that one steps into: an event.
+    /// Index of the granularity that one steps into: an event.
     pub fn event(self) -> usize {
         self.names.len().saturating_sub(1)
     }
 
-    /// Index of the rung that one steps over: a unit.
+    /// Index of the granularity that one steps over: a unit.
     pub fn unit(self) -> usize {
         self.names.len().saturating_sub(2)
     }
 
-    /// Index of the rung that one steps out of.
+    /// Index of the granularity that one steps out of.
     pub fn group(self) -> usize {
         self.names.len().saturating_sub(3)
     }
 
-    /// The name of a rung.
+    /// The name of a granularity.
     pub fn name(self, index: usize) -> &'static str {
         self.names.get(index).copied().unwrap_or("step")
     }
 
-    /// The name of the rung that one steps out of; the outermost one is the whole run.
+    /// The name of the granularity that one steps out of; the outermost one is the whole run.
     pub fn outer(self) -> &'static str {
         if self.group() == 0 { "run" } else { self.name(self.group()) }
     }
@@ -51,7 +51,7 @@ mod tests {
 
     #[test]
     fn short_ladders_have_all_three_steps() {
-        let two = Rungs::new(&["frame", "pixel"]);
+        let two = Granularities::new(&["frame", "pixel"]);
         assert_eq!((two.event(), two.unit(), two.group()), (1, 0, 0));
     }
 }

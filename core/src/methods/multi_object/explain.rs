@@ -8,7 +8,7 @@ use crate::base::words::{heading, number};
 use crate::data::Detection;
 use crate::geometry::Bounds;
 use crate::geometry::Grid;
-use crate::products::{Life, ObjectFrame};
+use crate::products::{ObjectFrame, TrackStatus};
 use crate::scene::{Fact, Matrix, Picture, Readout, Sentence, Series, Shape};
 use crate::scene::{Role, Scene};
 
@@ -110,11 +110,11 @@ pub(crate) fn label(scene: &mut Scene, role: Role, at: [f32; 2], text: String) {
 }
 
 /// The role of an object, and what that means.
-pub(crate) fn role(life: Life) -> (Role, &'static str) {
+pub(crate) fn role(life: TrackStatus) -> (Role, &'static str) {
     match life {
-        Life::Tentative => (Role::Candidate, "tentative"),
-        Life::Confirmed => (Role::Estimate, "tracked"),
-        Life::Coasting => (Role::Predicted, "predicted"),
+        TrackStatus::Tentative => (Role::Candidate, "tentative"),
+        TrackStatus::Confirmed => (Role::Estimate, "tracked"),
+        TrackStatus::Coasting => (Role::Predicted, "predicted"),
     }
 }
 
@@ -136,11 +136,11 @@ pub(crate) fn series(course: &Course) -> Option<Readout> {
     let line = |of: &dyn Fn(&ObjectFrame) -> usize| -> Vec<[f32; 2]> {
         frames.iter().enumerate().map(|(i, frame)| [(course.span.first + i) as f32, of(frame) as f32]).collect()
     };
-    let with = |life: Life| line(&move |frame| of_life(frame, life));
+    let with = |life: TrackStatus| line(&move |frame| of_life(frame, life));
     let lines = vec![
         ("detected", Role::Measured, line(&|frame| frame.detections.len())),
-        ("tracked", Role::Estimate, with(Life::Confirmed)),
-        ("coasting", Role::Predicted, with(Life::Coasting)),
+        ("tracked", Role::Estimate, with(TrackStatus::Confirmed)),
+        ("coasting", Role::Predicted, with(TrackStatus::Coasting)),
     ];
     let x_max = course.span.first + course.span.frames().map_or(frames.len(), |frames| frames - 1);
     let series = Series {
@@ -155,14 +155,14 @@ pub(crate) fn series(course: &Course) -> Option<Readout> {
     (frames.len() > 1).then_some(Readout::Series(series))
 }
 
-fn of_life(frame: &ObjectFrame, life: Life) -> usize {
+fn of_life(frame: &ObjectFrame, life: TrackStatus) -> usize {
     frame.objects.iter().filter(|object| object.life == life).count()
 }
 
 /// What a frame came to, in words.
 pub(crate) fn done(number: usize, frame: &ObjectFrame) -> String {
     let of = |life| of_life(frame, life);
-    let [seen, coasting, tentative] = [Life::Confirmed, Life::Coasting, Life::Tentative].map(of);
+    let [seen, coasting, tentative] = [TrackStatus::Confirmed, TrackStatus::Coasting, TrackStatus::Tentative].map(of);
     format!("Frame {number} is over: {seen} seen, {coasting} coasting, {tentative} tentative.")
 }
 

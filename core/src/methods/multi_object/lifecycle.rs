@@ -1,7 +1,7 @@
 //! The life of a track: when it is confirmed, and when it is deleted.
 
 use crate::params;
-use crate::products::Life;
+use crate::products::TrackStatus;
 
 params! {
     /// What decides over lives.
@@ -26,7 +26,7 @@ pub(crate) struct Age {
     /// Frames in a row in which it was not.
     pub missed: usize,
     /// What it counts as.
-    pub life: Life,
+    pub life: TrackStatus,
 }
 
 impl Rules {
@@ -37,21 +37,21 @@ impl Rules {
 
     /// An object is seen for the first time.
     pub(crate) fn begun(&self) -> Age {
-        let life = if self.confirm <= 1 { Life::Confirmed } else { Life::Tentative };
+        let life = if self.confirm <= 1 { TrackStatus::Confirmed } else { TrackStatus::Tentative };
         Age { seen: 1, missed: 0, life }
     }
 
     /// It is seen once more.
     pub(crate) fn seen(&self, age: Age) -> Age {
         let seen = age.seen + 1;
-        let is_believed = seen >= self.confirm || age.life != Life::Tentative;
-        Age { seen, missed: 0, life: if is_believed { Life::Confirmed } else { Life::Tentative } }
+        let is_believed = seen >= self.confirm || age.life != TrackStatus::Tentative;
+        Age { seen, missed: 0, life: if is_believed { TrackStatus::Confirmed } else { TrackStatus::Tentative } }
     }
 
     /// It is not seen; `None` where it is given up.
     pub(crate) fn missed(&self, age: Age) -> Option<Age> {
         let missed = age.missed + 1;
-        let is_over = missed > self.patience || age.life == Life::Tentative;
-        (!is_over).then_some(Age { seen: age.seen, missed, life: Life::Coasting })
+        let is_over = missed > self.patience || age.life == TrackStatus::Tentative;
+        (!is_over).then_some(Age { seen: age.seen, missed, life: TrackStatus::Coasting })
     }
 }

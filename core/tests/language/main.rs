@@ -1,0 +1,8 @@
+//! What estimators say, and the laws that hold for it.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod phrases;
+mod pseudocode;
+mod texts;
+mod walks;
