@@ -253,6 +253,12 @@ pub const PYRAMID: Pane = Pane {
 pub static PANES: [&Pane; 11] =
     [&STAGE, &EXPLANATION, &SURFACE, &SURFACE_3D, &PLANE, &SERIES, &TILES, &MATRICES, &HISTOGRAM, &ERRORS, &PYRAMID];
 
+/// The charts that a step has something for, in the order in which they are offered.
+pub fn charts(step: &Step) -> Vec<&'static Pane> {
+    let is_chart = |pane: &&'static Pane| **pane != STAGE && **pane != EXPLANATION;
+    PANES.into_iter().filter(is_chart).filter(|pane| (pane.is_told)(step)).collect()
+}
+
 /// The panes that stand on a picture, and from where they are looked at; without any, the stage stands alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {

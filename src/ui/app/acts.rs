@@ -121,7 +121,10 @@ impl App {
             }
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => self.zoom(command),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => self.resize(command),
-            C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::ResetLayout => self.arrange(command),
+            C::ShowParameters | C::ShowExplanation | C::ShowCharts | C::Lecture | C::ResetLayout => {
+                self.arrange(command)
+            }
+            C::EnlargeChart | C::NextChart | C::PreviousChart => self.arrange(command),
             C::FullScreen => {
                 let now = self.ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
                 self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!now));
@@ -225,8 +228,9 @@ impl App {
         let (_, _, step) = ZOOM;
         let zoom = self.settings.zoom();
         match command {
-            Command::LargerInterface => self.settings.set_zoom(zoom + step),
-            Command::SmallerInterface => self.settings.set_zoom(zoom - step),
+            // Where a small window has made it smaller than was asked for, it goes down from what is seen.
+            Command::LargerInterface => self.settings.set_zoom(self.ctx.zoom_factor().min(zoom) + step),
+            Command::SmallerInterface => self.settings.set_zoom(self.ctx.zoom_factor().min(zoom) - step),
             _ => self.settings.set_zoom(1.0),
         }
     }
@@ -234,11 +238,29 @@ impl App {
     fn arrange(&mut self, command: Command) {
         match command {
             Command::ShowParameters => self.settings.toggle(layout::Pane::Parameters),
-            Command::ShowWhy => self.settings.toggle(layout::Pane::Why),
-            Command::ShowCharts => self.settings.toggle(layout::Pane::Surface),
-            Command::Lecture => self.settings.lecture = !self.settings.lecture,
+            Command::ShowExplanation => self.settings.toggle(layout::Pane::Explanation),
+            Command::ShowCharts => self.settings.toggle(layout::Pane::Charts),
+            Command::Lecture => self.lecture(),
+            Command::EnlargeChart => self.settings.charts.is_enlarged = !self.settings.charts.is_enlarged,
+            Command::NextChart | Command::PreviousChart => self.turn_charts(command == Command::PreviousChart),
             _ => self.settings.reset_layout(),
         }
+    }
+
+    fn lecture(&mut self) {
+        self.settings.lecture = !self.settings.lecture;
+        let is_projector = self.settings.look.theme == Theme::Projector;
+        if self.settings.lecture && self.settings.mode == Some(layout::Mode::Lecture) {
+            let why = if is_projector { "The projector theme" } else { "A window of this size" };
+            self.toasts.tell(format!("{why} has the lecture layout already."));
+        }
+    }
+
+    fn turn_charts(&mut self, is_back: bool) {
+        let Some(shown) = self.view.shown.as_deref() else { return };
+        let all = crate::view::panes::charts(&shown.step);
+        let count = self.regions().iter().filter(|(region, _)| *region == super::Region::Chart).count();
+        self.settings.charts.turn(&all, count.max(1), is_back);
     }
 
     fn choose(&mut self, id: &str) {

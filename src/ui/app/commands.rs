@@ -111,9 +111,15 @@ commands! {
     /// The parameters' pane.
     ShowParameters,
     /// The explanation's pane.
-    ShowWhy,
+    ShowExplanation,
     /// The panes below the stage.
     ShowCharts,
+    /// The chart in the place of the stage, or the stage again.
+    EnlargeChart,
+    /// The next chart.
+    NextChart,
+    /// The chart before.
+    PreviousChart,
     /// Panes where they were at first.
     ResetLayout,
     /// Only stage, explanation and transport.
@@ -314,7 +320,8 @@ impl Command {
             _ if self.layer().is_some() => Some(Submenu::Motion),
             C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => Some(Submenu::ArrowLength),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => Some(Submenu::InterfaceSize),
-            C::ShowParameters | C::ShowWhy | C::ShowCharts | C::ResetLayout => Some(Submenu::Panes),
+            C::ShowParameters | C::ShowExplanation | C::ShowCharts | C::ResetLayout => Some(Submenu::Panes),
+            C::EnlargeChart | C::NextChart | C::PreviousChart => Some(Submenu::Panes),
             _ => None,
         }
     }
@@ -389,11 +396,12 @@ impl Command {
             }
             C::Open | C::PastePath | C::Samples | C::Quit => true,
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
-            C::LargerInterface | C::SmallerInterface | C::NormalInterface => true,
+            C::SmallerInterface | C::NormalInterface => true,
             C::ViridisColors | C::TurboColors => true,
             C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => true,
-            // A lecture shows what it shows; what is folded away then would be found missing only afterwards.
-            C::ShowParameters | C::ShowWhy | C::ShowCharts => !now.lecture,
+            C::EnlargeChart | C::NextChart | C::PreviousChart => now.has_charts,
+            C::LargerInterface => now.can_be_larger,
+            C::ShowParameters | C::ShowExplanation | C::ShowCharts => true,
             C::Lecture | C::FullScreen => true,
             C::ReducedMotion | C::ResetLayout | C::Slower | C::Faster => true,
             C::Palette | C::Shortcuts | C::About => true,
@@ -454,8 +462,14 @@ pub struct Now {
     pub checking: bool,
     /// It is playing.
     pub playing: bool,
-    /// Nothing is shown but what a class looks at.
+    /// The window is in the lecture layout because the person wants it.
     pub lecture: bool,
+    /// The step has charts.
+    pub has_charts: bool,
+    /// A chart stands in the place of the stage.
+    pub has_enlarged: bool,
+    /// The interface can be larger in a window of this size.
+    pub can_be_larger: bool,
     /// Several estimators go in lockstep.
     pub in_lockstep: bool,
     /// The estimator has a stage that can be walked by itself.

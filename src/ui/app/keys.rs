@@ -64,6 +64,10 @@ pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actio
                 actions.ask(Action::Release);
                 false
             }
+            Event::Key { key: Key::Escape, pressed: true, .. } if now.has_enlarged && !Command::Stop.enabled(now) => {
+                actions.command(Command::EnlargeChart);
+                false
+            }
             Event::Key { key: Key::Escape, pressed: true, .. } if lecture && !Command::Stop.enabled(now) => {
                 actions.command(Command::Lecture);
                 false

@@ -7,4 +7,4 @@ mod files;
 pub mod keys;
 mod window;
 
-pub use window::App;
+pub use window::{App, Region};

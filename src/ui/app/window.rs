@@ -9,21 +9,20 @@ use motionscope_core::Error;
 
 use crate::experiment::side_by_side::SideBySide;
 use crate::ui::app::action::{Action, Actions, Browse};
-use crate::ui::app::commands::{Command, Granularities, Now};
+use crate::ui::app::commands::{Granularities, Now};
 use crate::ui::app::keys;
 use crate::ui::dialogs::{compare, gallery, open as open_dialog, palette, save as save_dialog, sheet};
-use crate::ui::drawing::style;
+use crate::ui::drawing::style::{self, ZOOM};
 use crate::ui::model::document::{Document, Owner};
 use crate::ui::model::loader::Loading;
 use crate::ui::model::player::Player;
 use crate::ui::model::settings::Settings;
 use crate::ui::model::walker::{View, Walker};
 use crate::ui::model::writer::Writing;
-use crate::ui::panes::layout::{self, Folded, Pane, Tight};
+use crate::ui::panes::layout::{Arrangement, Folded, Mode, Room};
 use crate::ui::panes::{Panes, States};
 use crate::ui::panes::{status, topbar, transport};
 use crate::ui::parts::toasts::Toasts;
-use crate::ui::parts::widgets;
 
 /// The key under which is stored how the panes are looked at.
 const STATES: &str = "panes";
@@ -48,6 +47,29 @@ pub(super) enum Overlay {
     Compare(Box<compare::State>),
     /// What the program is.
     About,
+}
+
+/// A part of the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Region {
+    /// The line at the top.
+    Header,
+    /// The pictures with what stands around them.
+    Stage,
+    /// The pictures.
+    Pictures,
+    /// A chart.
+    Chart,
+    /// The whole explanation.
+    Explanation,
+    /// Sentence and formula.
+    Strip,
+    /// The parameters.
+    Parameters,
+    /// Steps, play and timeline.
+    Transport,
+    /// The line at the bottom.
+    Status,
 }
 
 /// The window.
@@ -75,6 +97,8 @@ pub struct App {
     styled: Option<style::Interface>,
     /// When the run was played on last.
     played: f64,
+    /// Where everything lay in the last frame.
+    regions: Vec<(Region, egui::Rect)>,
     pub(super) ctx: egui::Context,
 }
 
@@ -87,12 +111,13 @@ impl App {
         let mut settings = Settings::load(storage);
         settings.leave_end();
         style::install_fonts(ctx);
-        style::apply(ctx, settings.interface());
+        let interface = settings.interface(ctx.content_rect().size() * ctx.zoom_factor());
+        style::apply(ctx, interface);
         let repaint = ctx.clone();
         let player = Player::at_speed(settings.speed);
         let states: States = storage.and_then(|storage| eframe::get_value(storage, STATES)).unwrap_or_default();
         Ok(Self {
-            styled: Some(settings.interface()),
+            styled: Some(interface),
             settings,
             document: Document::default(),
             walker: Walker::new(move || repaint.request_repaint())?,
@@ -109,6 +134,7 @@ impl App {
             side_by_side: SideBySide::default(),
             folder: None,
             played: 0.0,
+            regions: Vec::new(),
             ctx: ctx.clone(),
         })
     }
@@ -165,6 +191,16 @@ impl App {
         pictured && self.loading.is_none() && self.writing.is_none() && !self.view.busy && !self.view.checking
     }
 
+    /// Where everything lay in the last frame, in points.
+    pub fn regions(&self) -> &[(Region, egui::Rect)] {
+        &self.regions
+    }
+
+    /// Size of the window in points at an interface scale of 1.
+    fn size(&self) -> egui::Vec2 {
+        self.ctx.content_rect().size() * self.ctx.zoom_factor()
+    }
+
     /// What is folded away just now.
     pub fn folded(&self) -> Folded {
         self.settings.folded()
@@ -172,11 +208,11 @@ impl App {
 
     /// Looks how much room there is, and shares it out anew where that has changed.
     fn measure(&mut self, ctx: &egui::Context) {
-        let (room, body_pt) = (ctx.content_rect().size(), self.settings.look.theme.sizes().body);
-        let tight = Tight::of(room, body_pt);
-        if tight.differs(std::mem::replace(&mut self.settings.tight, tight)) {
-            layout::share_out(&mut self.settings.tree, tight, room.x, body_pt);
-        }
+        let type_pt = self.settings.look.theme.sizes().body;
+        let window = ctx.content_rect().size();
+        let is_lecture = self.settings.lecture || self.settings.look.theme == crate::paint::Theme::Projector;
+        self.settings.mode = Some(Mode::of(window, type_pt, is_lecture));
+        self.settings.is_narrow = !self.room(egui::Rect::NOTHING, window).has_docked_parameters();
     }
 
     /// The names of the ladder's granularities.
@@ -202,6 +238,14 @@ impl App {
             checking: self.view.checking,
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
+            has_charts: shown.is_some_and(|shown| !crate::view::panes::charts(&shown.step).is_empty()),
+            has_enlarged: self.settings.charts.is_enlarged
+                && self.regions.iter().all(|(region, _)| *region != Region::Stage),
+            can_be_larger: self.settings.interface(self.size()).zoom < ZOOM.1 && {
+                let larger = self.settings.zoom().min(self.ctx.zoom_factor()) + ZOOM.2;
+                crate::ui::panes::layout::zoom_that_fits(larger, self.size(), self.settings.look.theme.sizes().body)
+                    >= larger
+            },
             in_lockstep: !self.document.side_by_side().is_empty(),
             has_stage: !motionscope_core::stage::stages(self.document.estimator()).is_empty(),
             in_stage: self.document.parents().len() > 0,
@@ -238,17 +282,38 @@ impl App {
     }
 
     fn panels(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
-        let lecture = self.settings.lecture;
+        let is_lecture = self.settings.mode == Some(Mode::Lecture);
         let fill = ui.visuals().panel_fill;
         let bar = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
-        if !lecture {
-            Panel::top("menus").frame(bar(12, 6)).show(ui, |ui| self.top_bar(ui, actions));
-            Panel::bottom("status").frame(bar(16, 4)).show(ui, |ui| self.status(ui, actions));
+        let top = if is_lecture { 4 } else { 6 };
+        let header = Panel::top("menus").frame(bar(12, top)).show(ui, |ui| self.top_bar(ui, actions));
+        let mut regions = vec![(Region::Header, header.response.rect)];
+        if !is_lecture {
+            let status = Panel::bottom("status").frame(bar(16, 2)).show(ui, |ui| self.status(ui, actions));
+            regions.push((Region::Status, status.response.rect));
         }
-        let height = (ui.spacing().interact_size.y * 2.0).round();
-        let frame = bar(12, 4);
-        Panel::bottom("transport").frame(frame).exact_size(height + 8.0).show(ui, |ui| self.transport(ui, actions));
-        CentralPanel::no_frame().show(ui, |ui| self.tiles(ui, gpu, actions));
+        let height = (ui.spacing().interact_size.y * 1.8).round();
+        let transport = Panel::bottom("transport").frame(bar(12, 2)).exact_size(height + 4.0);
+        let transport = transport.show(ui, |ui| self.transport(ui, actions));
+        regions.push((Region::Transport, transport.response.rect));
+        CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
+        self.regions = regions;
+    }
+
+    /// The room between header and transport, for panes of what is shown.
+    fn room(&self, body: egui::Rect, window: egui::Vec2) -> Room {
+        let step = self.view.shown.as_deref().map(|shown| &*shown.step);
+        Room {
+            body,
+            window,
+            type_pt: self.settings.look.theme.sizes().body,
+            mode: self.settings.mode.unwrap_or(Mode::Desk),
+            folded: self.settings.folded(),
+            charts: step.map_or(0, |step| crate::view::panes::charts(step).len()),
+            is_enlarged: self.settings.charts.is_enlarged,
+            strip: self.states.strip.height(),
+            shares: self.settings.shares,
+        }
     }
 
     fn top_bar(&self, ui: &mut Ui, actions: &mut Actions) {
@@ -312,10 +377,14 @@ impl App {
         });
     }
 
-    fn tiles(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
-        let folded = self.folded();
-        let offered = self.offered();
-        layout::fold(&mut self.settings.tree, folded, |pane| offered.contains(&pane));
+    fn body(
+        &mut self,
+        ui: &mut Ui,
+        gpu: Option<&RenderState>,
+        actions: &mut Actions,
+        regions: &mut Vec<(Region, egui::Rect)>,
+    ) {
+        let all = self.room(ui.max_rect(), ui.ctx().content_rect().size()).arrange();
         let calm = self.settings.reduced_motion || self.player.is_playing();
         let mut panes = Panes {
             document: &self.document,
@@ -323,30 +392,26 @@ impl App {
             loading: self.loading.as_ref(),
             error: self.error.as_ref(),
             states: &mut self.states,
-            stage_alone: layout::stage_alone(&self.settings.tree),
-            alone: layout::alone(&self.settings.tree),
+            charts: &mut self.settings.charts,
+            shares: &mut self.settings.shares,
             animate: !calm && !ui.input(|i| i.pointer.any_down()),
-            lecture: self.settings.lecture,
+            has_no_status: self.settings.mode == Some(Mode::Lecture),
             flows: !self.settings.reduced_motion,
             gpu,
             look: &mut self.settings.look,
             actions,
         };
-        self.settings.tree.ui(&mut panes, ui);
+        panes.show(ui, &all);
+        let Arrangement { stage, charts, explanation, strip, parameters, .. } = all;
+        let single = [(Region::Stage, stage), (Region::Explanation, explanation), (Region::Strip, strip)];
+        let single = single.into_iter().chain([(Region::Parameters, parameters)]);
+        regions.extend(single.filter_map(|(region, rect)| Some((region, rect?))));
+        regions.extend(charts.into_iter().map(|rect| (Region::Chart, rect)));
+        if stage.is_some() {
+            regions.push((Region::Pictures, self.states.stage.area()));
+        }
         // What was chosen on the stage is shown as soon as it is made.
         self.walker.look(&self.settings.look);
-    }
-
-    /// The charts that the estimator may ever have something for on this clip.
-    fn offered(&self) -> Vec<Pane> {
-        let charts = self.document.estimator().charts();
-        let available = self.view.shown.as_deref().map(|shown| shown.available).unwrap_or_default();
-        // Who finds places and no motion has nothing to be compared with the truth.
-        let has_errors = available.has_errors() && !self.document.estimator().is_of_single_frames();
-        let is_offered = |pane: &Pane| {
-            pane.charts().iter().any(|chart| charts.contains(chart)) || *pane == Pane::Histogram && has_errors
-        };
-        Pane::ALL.into_iter().filter(is_offered).collect()
     }
 
     fn overlays(&mut self, ctx: &egui::Context, actions: &mut Actions) {
@@ -387,21 +452,6 @@ impl App {
         let text = "Drop a clip, a folder of pictures or a session";
         painter.text(rect.center(), egui::Align2::CENTER_CENTER, text, font, style::color(chrome.text));
     }
-
-    /// One line over the stage that says how to leave a lecture.
-    fn lecture_hint(&self, ui: &Ui, actions: &mut Actions) {
-        if !self.settings.lecture {
-            return;
-        }
-        let area = egui::Area::new(egui::Id::unique("lecture")).anchor(egui::Align2::RIGHT_TOP, [-8.0, 6.0]);
-        area.show(ui.ctx(), |ui| {
-            let face = Command::Lecture.info();
-            let button = widgets::icon_button(ui, face.icon, "Leave the lecture", true);
-            if button.on_hover_text(Command::Lecture.with_key("Show everything again")).clicked() {
-                actions.command(Command::Lecture);
-            }
-        });
-    }
 }
 
 impl eframe::App for App {
@@ -415,7 +465,6 @@ impl eframe::App for App {
         keys::take(&ctx, overlaid, self.settings.lecture, &self.now(), &mut actions);
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
         self.panels(ui, frame.wgpu_render_state(), &mut actions);
-        self.lecture_hint(ui, &mut actions);
         self.overlays(&ctx, &mut actions);
         let bottom = ui.spacing().interact_size.y * 2.0 + 56.0;
         self.toasts.show(&ctx, bottom, self.settings.look.theme);
@@ -428,7 +477,7 @@ impl eframe::App for App {
             // That it takes long, or ends, is seen even if nobody says so.
             ctx.request_repaint_after(if view.stopping { status::SOON } else { status::LATE });
         }
-        let interface = self.settings.interface();
+        let interface = self.settings.interface(self.size());
         if self.styled.replace(interface) != Some(interface) {
             style::apply(&ctx, interface);
             ctx.request_repaint();

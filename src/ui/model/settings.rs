@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use egui_tiles::Tree;
+use eframe::egui::Vec2;
 use serde::{Deserialize, Serialize};
 
 use super::player::Player;
 use crate::paint::View;
 use crate::ui::drawing::style::{Interface, ZOOM};
-use crate::ui::panes::layout::{self, Folded, Pane, Tight};
+use crate::ui::panes::charts::Chosen;
+use crate::ui::panes::layout::{self, Folded, Mode, Pane, SHARES, Shares};
 use crate::view::look::Look;
 
 /// Clips that are remembered.
@@ -16,8 +17,10 @@ const RECENT: usize = 12;
 /// The key under which everything is stored.
 const KEY: &str = "motionscope";
 
-/// What is folded away at first where there is little room.
-const TIGHT: Folded = Folded { parameters: true, why: false, charts: true, lecture: false };
+/// What is folded away by default at a desk too narrow for the parameters.
+const NARROW: Folded = Folded { parameters: true, explanation: false, charts: false };
+/// What is folded away by default in a lecture: what would lie over the stage.
+const LECTURE: Folded = Folded { parameters: true, explanation: true, charts: false };
 
 /// What is remembered.
 #[derive(Clone, Serialize, Deserialize)]
@@ -30,21 +33,29 @@ pub struct Settings {
     zoom: f32,
     /// Whether things change at once.
     pub reduced_motion: bool,
-    /// What is folded away where there is room.
+    /// What is folded away at a desk.
     folded: Folded,
-    /// What is folded away where there is not.
-    folded_tight: Folded,
-    /// Only stage, explanation and transport: over when the window closes.
+    /// What is folded away at a narrow desk.
+    folded_narrow: Folded,
+    /// What is folded away in a lecture.
+    folded_lecture: Folded,
+    /// Whether the window is in the lecture layout: over when it closes.
     #[serde(skip)]
     pub lecture: bool,
     /// Clips that were open lately, the last one first.
     pub recent: Vec<PathBuf>,
     /// How fast to play.
     pub speed: usize,
-    /// Where the panes lie.
-    pub tree: Tree<Pane>,
-    /// How small the window was for its type when their widths were shared out.
-    pub tight: Tight,
+    /// How the person has shared out the room.
+    pub shares: Shares,
+    /// Which charts are looked at.
+    pub charts: Chosen,
+    /// How the panes are arranged in the window as it is.
+    #[serde(skip)]
+    pub mode: Option<Mode>,
+    /// Whether the parameters would lie over the stage in the window as it is.
+    #[serde(skip)]
+    pub is_narrow: bool,
 }
 
 impl Default for Settings {
@@ -54,12 +65,15 @@ impl Default for Settings {
             zoom: 1.0,
             reduced_motion: false,
             folded: Folded::default(),
-            folded_tight: TIGHT,
+            folded_narrow: NARROW,
+            folded_lecture: LECTURE,
             lecture: false,
             recent: Vec::new(),
             speed: Player::default().speed,
-            tree: layout::tree(),
-            tight: Tight::default(),
+            shares: Shares::default(),
+            charts: Chosen::default(),
+            mode: None,
+            is_narrow: false,
         }
     }
 }
@@ -68,8 +82,9 @@ impl Settings {
     /// What was remembered, or the settings of the first start.
     pub fn load(storage: Option<&dyn eframe::Storage>) -> Self {
         let mut settings: Self = storage.and_then(|storage| eframe::get_value(storage, KEY)).unwrap_or_default();
-        if !layout::is_complete(&settings.tree) {
-            settings.tree = layout::tree();
+        let Shares { column, charts, parameters } = &mut settings.shares;
+        for share in [column, charts, parameters] {
+            *share = if share.is_finite() { share.clamp(*SHARES.start(), *SHARES.end()) } else { 1.0 };
         }
         settings
     }
@@ -86,36 +101,35 @@ impl Settings {
         }
     }
 
-    /// What is folded away with this much room.
+    /// What is folded away in the window as it is.
     pub fn folded(&self) -> Folded {
-        let tight = self.tight;
-        let (wide, small) = (self.folded, self.folded_tight);
-        Folded {
-            parameters: if tight.width { small.parameters } else { wide.parameters },
-            why: wide.why,
-            charts: if tight.height { small.charts } else { wide.charts },
-            lecture: self.lecture,
+        match self.mode {
+            Some(Mode::Lecture) => self.folded_lecture,
+            _ if self.is_narrow => self.folded_narrow,
+            _ => self.folded,
         }
     }
 
     /// Folds `pane` away or brings it back.
     pub fn toggle(&mut self, pane: Pane) {
-        let tight = self.tight;
+        let folded = match self.mode {
+            Some(Mode::Lecture) => &mut self.folded_lecture,
+            _ if self.is_narrow => &mut self.folded_narrow,
+            _ => &mut self.folded,
+        };
         let folded = match pane {
-            Pane::Parameters if tight.width => &mut self.folded_tight.parameters,
-            Pane::Parameters => &mut self.folded.parameters,
-            Pane::Why | Pane::Stage => &mut self.folded.why,
-            _ if tight.height => &mut self.folded_tight.charts,
-            _ => &mut self.folded.charts,
+            Pane::Parameters => &mut folded.parameters,
+            Pane::Explanation => &mut folded.explanation,
+            Pane::Charts => &mut folded.charts,
         };
         *folded = !*folded;
     }
 
-    /// Puts every pane back where it was at first.
+    /// Gives every pane its default place and size.
     pub fn reset_layout(&mut self) {
-        let usual = Self::default();
-        (self.folded, self.folded_tight, self.lecture) = (usual.folded, usual.folded_tight, usual.lecture);
-        (self.tree, self.tight) = (usual.tree, usual.tight);
+        let Self { folded, folded_narrow, folded_lecture, lecture, shares, charts, .. } = Self::default();
+        (self.folded, self.folded_narrow, self.folded_lecture) = (folded, folded_narrow, folded_lecture);
+        (self.lecture, self.shares, self.charts) = (lecture, shares, charts);
     }
 
     /// Interface scale.
@@ -130,9 +144,10 @@ impl Settings {
         self.zoom = if rounded.is_finite() { rounded.clamp(least, most) } else { 1.0 };
     }
 
-    /// How large and how lively the window is.
-    pub fn interface(&self) -> Interface {
-        Interface { theme: self.look.theme, zoom: self.zoom, reduced_motion: self.reduced_motion }
+    /// How large and how lively a window of `size` points at scale 1 is.
+    pub fn interface(&self, size: Vec2) -> Interface {
+        let zoom = layout::zoom_that_fits(self.zoom, size, self.look.theme.sizes().body);
+        Interface { theme: self.look.theme, zoom, reduced_motion: self.reduced_motion }
     }
 
     /// Puts a clip at the front of those that were open lately, unless its name is no Unicode: what is remembered is text.

@@ -172,14 +172,17 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     // Nor does the line at work: it stands at the bottom where it is scrolled out of sight. Nothing scrolls by itself.
     let (room, below) = (ui.available_height(), parts.pinned_height + ui.spacing().item_spacing.y);
     let height = state.pinned.unwrap_or(room).clamp(0.0, room.max(0.0));
-    let scroll = egui::ScrollArea::vertical().id_salt("why").auto_shrink(false).max_height(height);
+    let mut formula_end = 0.0;
+    let scroll = egui::ScrollArea::vertical().id_salt("explanation").auto_shrink(false).max_height(height);
     let scrolled = scroll.show(ui, |ui| {
         let mut places = Vec::new();
+        let top_of_all = ui.cursor().min.y;
         // Before the first step there is neither: no room is kept then.
         if parts.facts.size.y > 0.0 || parts.equation.size.y > 0.0 {
             // The formula is what is taught: it is seen in a small window as well.
             parts.rule.show(ui, "first rule");
             hold(ui, &mut state.equation, at_end, |ui| places.extend(parts.equation.show(ui, "equation")));
+            formula_end = ui.cursor().min.y - top_of_all;
             parts.rule.show(ui, "second rule");
             hold(ui, &mut state.facts, at_end, |ui| places.extend(parts.facts.show(ui, "facts")));
         }
@@ -205,10 +208,78 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let (at_work, places) = scrolled.inner;
     // It would stand there twice where it is half in sight.
     let seen = |_| whole(&places, top, top + room - below) - top;
-    let is_pinned = at_work.filter(|line| overflows && !is_in_sight(line)).map(seen);
+    // The formula is what is taught: no line of code takes its room.
+    let has_room = room - below >= formula_end;
+    let is_pinned = at_work.filter(|line| has_room && overflows && !is_in_sight(line)).map(seen);
     if std::mem::replace(&mut state.pinned, is_pinned) != is_pinned {
         ui.ctx().request_discard("the line at work came into sight, or went out of it");
     }
+}
+
+/// Sentence and formula beside each other, and the room that they have needed so far.
+#[derive(Clone, Debug, Default)]
+pub struct Strip {
+    key: Option<Key>,
+    height: f32,
+    shown: Option<(Arc<Step>, [Part; 2])>,
+}
+
+/// Most rows of numbers in the strip.
+const STRIP_FACTS: usize = 3;
+/// Share of the strip's width for the sentence, where a formula stands beside it.
+const SENTENCE_SHARE: f32 = 0.55;
+/// Between sentence and formula, in points.
+const STRIP_GAP: f32 = 24.0;
+/// Above and below the strip's words, in points.
+const STRIP_MARGIN: f32 = 8.0;
+
+impl Strip {
+    /// Height that the strip needs, in points.
+    pub fn height(&self) -> f32 {
+        self.height + STRIP_MARGIN
+    }
+}
+
+/// Shows why, and the formula with its numbers; where a step has none, its numbers alone.
+pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
+    let Input { info, step, theme, .. } = input;
+    let density = Density::close(theme);
+    let width = ui.available_width().round() as u32;
+    let key = Key { id: info.id, width, theme, density, pixels_per_point: ui.pixels_per_point() };
+    if state.key != Some(key) {
+        *state = Strip { key: Some(key), ..Strip::default() };
+    }
+    let known = state.shown.take().filter(|(shown, _)| Arc::ptr_eq(shown, step));
+    let (shown, parts) = known.unwrap_or_else(|| (Arc::clone(step), strip_parts(ui.painter(), input, width as f32)));
+    let needed = parts.iter().map(|part| part.size.y).fold(0.0, f32::max).ceil();
+    if needed > state.height {
+        state.height = needed;
+        ui.ctx().request_discard("the strip needs more room");
+    }
+    let room = ui.available_height();
+    egui::ScrollArea::vertical().id_salt("strip").auto_shrink(false).max_height(room).show(ui, |ui| {
+        let (top, left) = (ui.cursor().min, ui.cursor().min.x + SENTENCE_SHARE * width as f32 + STRIP_GAP);
+        let at = |x: f32| Rect::from_min_size(egui::pos2(x, top.y), vec2(width as f32, needed));
+        for (part, (salt, x)) in parts.iter().zip([("why", top.x), ("formula", left)]) {
+            let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(salt).max_rect(at(x)));
+            part.show(&mut inside, salt);
+        }
+        ui.allocate_space(vec2(1.0, needed));
+    });
+    state.shown = Some((shown, parts));
+}
+
+fn strip_parts(painter: &Painter, Input { step, theme, .. }: Input<'_>, width: f32) -> [Part; 2] {
+    let density = Density::close(theme);
+    let (formula, facts) = (explanation::equation_of(step), explanation::facts_of(step));
+    let right = width - SENTENCE_SHARE * width - STRIP_GAP;
+    let beside = match (formula.is_empty(), facts.is_empty()) {
+        (false, _) => explanation::equation(formula, (right, density), theme),
+        (true, false) => explanation::table(&facts[..facts.len().min(STRIP_FACTS)], (right, density), theme),
+        (true, true) => Block::default(),
+    };
+    let left = if beside.size[1] > 0.0 { SENTENCE_SHARE * width } else { width };
+    [explanation::sentence(&step.sentence, (left, density), theme), beside].map(|block| Part::new(painter, block))
 }
 
 /// Where lines that may be seen from `top` down to `end` have to end so that none of them is cut.

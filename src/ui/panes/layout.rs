@@ -1,74 +1,21 @@
-//! The panes, where they lie at first, and which of them are folded away.
+//! Where the panes lie, worked out anew in each frame from the size of the window, its type and what there is to show.
+//!
+//! At a desk the stage stands in the middle, with the explanation right of it and the charts below it or below the
+//! explanation, whichever leaves them room. In a lecture hall, and wherever the window is small for its type, stage and chart
+//! stand beside each other over a strip with the sentence and its formula; everything else comes as a drawer over the edge.
 
-use eframe::egui;
-use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
-use motionscope_core::scene::Chart;
+use eframe::egui::{Rect, Vec2, pos2, vec2};
 use serde::{Deserialize, Serialize};
 
-/// A pane of the window.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+/// A pane that can be folded away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pane {
-    /// The pictures and the marks over them.
-    Stage,
     /// Clip, estimator and their parameters.
     Parameters,
-    /// Why the last event happened.
-    Why,
-    /// The cost surface as a heat map.
-    Surface,
-    /// The cost surface in three dimensions.
-    Surface3d,
-    /// Quantities over steps.
-    Plot,
-    /// Small pictures with their numbers.
-    Numbers,
-    /// How often each displacement was found.
-    Histogram,
-}
-
-impl Pane {
-    /// Every pane.
-    pub const ALL: [Pane; 8] = [
-        Pane::Stage,
-        Pane::Parameters,
-        Pane::Why,
-        Pane::Surface,
-        Pane::Surface3d,
-        Pane::Plot,
-        Pane::Numbers,
-        Pane::Histogram,
-    ];
-
-    /// Whether it is one of those below the stage.
-    pub fn is_chart(self) -> bool {
-        !matches!(self, Pane::Stage | Pane::Parameters | Pane::Why)
-    }
-
-    /// What stands in it: what steps tell, as far as they do.
-    pub fn charts(self) -> &'static [Chart] {
-        match self {
-            Pane::Stage | Pane::Parameters | Pane::Why => &[],
-            Pane::Surface => &[Chart::Surface, Chart::Plane],
-            Pane::Surface3d => &[Chart::Surface, Chart::Stack],
-            Pane::Plot => &[Chart::Series],
-            Pane::Numbers => &[Chart::Tiles, Chart::Matrices],
-            Pane::Histogram => &[Chart::Histogram],
-        }
-    }
-
-    /// Its name.
-    pub fn title(self) -> &'static str {
-        match self {
-            Pane::Stage => "Stage",
-            Pane::Parameters => "Parameters",
-            Pane::Why => "Explanation",
-            Pane::Surface => "Cost surface",
-            Pane::Surface3d => "3-D",
-            Pane::Plot => "Plot",
-            Pane::Numbers => "Numbers",
-            Pane::Histogram => "Histogram",
-        }
-    }
+    /// The explanation of the step.
+    Explanation,
+    /// The charts.
+    Charts,
 }
 
 /// What is folded away.
@@ -77,148 +24,439 @@ impl Pane {
 pub struct Folded {
     /// The parameters.
     pub parameters: bool,
-    /// The explanation.
-    pub why: bool,
-    /// The panes below the stage.
+    /// The explanation; in a lecture, the drawer with all of it.
+    pub explanation: bool,
+    /// The charts.
     pub charts: bool,
-    /// All but stage and explanation.
-    #[serde(skip)]
-    pub lecture: bool,
 }
 
-/// Widths of the window, in letters of its type, below which parameters wait until they are asked for.
-const WIDE_LETTERS: f32 = 90.0;
-/// Heights below which the charts do.
-const HIGH_LETTERS: f32 = 46.0;
-/// Width of the explanation where there is little room: a formula fits.
-const WHY_LETTERS: f32 = 22.5;
+/// How the panes are arranged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// All panes beside each other.
+    Desk,
+    /// Stage and chart over a strip, the rest in drawers.
+    Lecture,
+}
 
-/// Where the window is small for its type: a small screen, or a projector's large letters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// Shares of the room that the person drags.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Tight {
-    /// Too narrow for three panes beside each other.
-    pub width: bool,
-    /// Too low for two above each other.
-    pub height: bool,
-    /// Size of the type in whole points.
-    type_pt: u32,
+pub struct Shares {
+    /// Width of the column with the explanation, of what it has by default.
+    pub column: f32,
+    /// Height or width of the charts, of what they have by default.
+    pub charts: f32,
+    /// Width of the parameters, of what they have by default.
+    pub parameters: f32,
 }
 
-impl Tight {
-    /// Whether the panes' widths are to be shared out anew after `before`.
-    pub fn differs(self, before: Self) -> bool {
-        self.width != before.width || self.width && self.type_pt != before.type_pt
-    }
-
-    /// What a window of `size` is with type of `body_pt`.
-    pub fn of(size: egui::Vec2, body_pt: f32) -> Self {
-        let letters = size / body_pt.max(1.0);
-        Self { width: letters.x < WIDE_LETTERS, height: letters.y < HIGH_LETTERS, type_pt: body_pt.round() as u32 }
-    }
+/// One of the shares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Share {
+    /// [`Shares::column`].
+    Column,
+    /// [`Shares::charts`].
+    Charts,
+    /// [`Shares::parameters`].
+    Parameters,
 }
 
-/// Gives the explanation the width that formulas need in a window of `width_pt`, or its usual share if that is roomy.
-pub fn share_out(tree: &mut Tree<Pane>, tight: Tight, width_pt: f32, body_pt: f32) {
-    let usual = 0.25;
-    let needed = if tight.width { (WHY_LETTERS * body_pt / width_pt.max(1.0)).clamp(usual, 0.42) } else { usual };
-    let Some(root) = tree.root() else { return };
-    let why = tree.tiles.find_pane(&Pane::Why).and_then(|pane| tree.tiles.parent_of(pane));
-    let Some(Tile::Container(Container::Linear(row))) = tree.tiles.get_mut(root) else { return };
-    let others: f32 = row.children.iter().filter(|tile| Some(**tile) != why).map(|tile| row.shares[*tile]).sum();
-    let Some(why) = why.filter(|why| row.children.contains(why)) else { return };
-    let seen = if tight.width { others - row.children.first().map_or(0.0, |first| row.shares[*first]) } else { others };
-    row.shares.set_share(why, needed / (1.0 - needed) * seen);
-}
-
-impl Folded {
-    /// Whether `pane` can be seen.
-    pub fn shows(self, pane: Pane) -> bool {
-        match pane {
-            Pane::Stage => true,
-            Pane::Why => self.lecture || !self.why,
-            Pane::Parameters => !self.lecture && !self.parameters,
-            _ => !self.lecture && !self.charts,
+impl Shares {
+    /// The value of a share.
+    pub fn of(&mut self, share: Share) -> &mut f32 {
+        match share {
+            Share::Column => &mut self.column,
+            Share::Charts => &mut self.charts,
+            Share::Parameters => &mut self.parameters,
         }
     }
 }
 
-/// Panes where they lie at first: parameters left, explanation right, stage in the middle over the charts.
-pub fn tree() -> Tree<Pane> {
-    let mut tiles = Tiles::default();
-    let mut tabs = |panes: &[Pane]| {
-        let panes = panes.iter().map(|pane| tiles.insert_pane(*pane)).collect();
-        tiles.insert_tab_tile(panes)
+impl Default for Shares {
+    fn default() -> Self {
+        Self { column: 1.0, charts: 1.0, parameters: 1.0 }
+    }
+}
+
+/// What a share may be.
+pub const SHARES: std::ops::RangeInclusive<f32> = 0.5..=1.6;
+
+/// The room that there is, and what is to stand in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    /// Between header and transport.
+    pub body: Rect,
+    /// Size of the whole window in points.
+    pub window: Vec2,
+    /// Size of the type in points.
+    pub type_pt: f32,
+    /// How the panes are arranged.
+    pub mode: Mode,
+    /// What is folded away.
+    pub folded: Folded,
+    /// How many charts the step has.
+    pub charts: usize,
+    /// Whether a chart takes the place of the stage.
+    pub is_enlarged: bool,
+    /// Height that the strip needs, in points.
+    pub strip: f32,
+    /// What the person has dragged.
+    pub shares: Shares,
+}
+
+/// Where a border can be dragged, and which share it changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Border {
+    /// The line, with room for the pointer.
+    pub rect: Rect,
+    /// The share.
+    pub of: Share,
+    /// Change of the share for a point to the right, and for one down.
+    pub per_pt: Vec2,
+}
+
+/// Where everything lies.
+#[derive(Clone, Debug, Default)]
+pub struct Arrangement {
+    /// The pictures, unless a chart has their place.
+    pub stage: Option<Rect>,
+    /// Charts, one in each rectangle.
+    pub charts: Vec<Rect>,
+    /// All of the explanation.
+    pub explanation: Option<Rect>,
+    /// Sentence and formula alone.
+    pub strip: Option<Rect>,
+    /// The parameters.
+    pub parameters: Option<Rect>,
+    /// Panes that lie over others, at the edge.
+    pub drawers: Vec<Rect>,
+    /// Where rooms can be shared out otherwise.
+    pub borders: Vec<Border>,
+}
+
+/// Letters across the window, and lines down, below which its panes do not fit beside each other.
+const DESK_LETTERS: Vec2 = vec2(84.0, 42.0);
+/// Letters across below which the parameters are a drawer.
+const DOCKED_LETTERS: f32 = 118.0;
+/// Lines down from which charts stand below the stage.
+const BELOW_LINES: f32 = 64.0;
+/// Width from which two charts are seen at once, in points.
+const TWO_CHARTS: f32 = 1600.0;
+/// The least window that everything has room in, in letters across and lines down: a smaller one has smaller type.
+pub const LEAST_LETTERS: Vec2 = vec2(56.0, 30.0);
+/// Between two panes.
+const GAP: f32 = 1.0;
+/// Half the width of a border for the pointer.
+const GRIP: f32 = 3.0;
+
+impl Mode {
+    /// How the panes of a window of `size` lie, with type of `type_pt`, in `points`.
+    pub fn of(size: Vec2, type_pt: f32, is_lecture: bool) -> Self {
+        let letters = size / type_pt.max(1.0);
+        let is_small = letters.x < DESK_LETTERS.x || letters.y < DESK_LETTERS.y;
+        if is_lecture || is_small { Mode::Lecture } else { Mode::Desk }
+    }
+}
+
+impl Room {
+    /// Whether the parameters have a place beside the stage, and do not lie over it.
+    pub fn has_docked_parameters(&self) -> bool {
+        self.mode == Mode::Desk && self.window.x >= DOCKED_LETTERS * self.type_pt
+    }
+
+    /// How many charts are seen at once.
+    fn columns(&self) -> usize {
+        let most = if self.window.x >= TWO_CHARTS && self.is_below() { 2 } else { 1 };
+        if self.folded.charts { 0 } else { self.charts.min(most) }
+    }
+
+    /// Whether charts stand below the stage.
+    fn is_below(&self) -> bool {
+        self.mode == Mode::Desk && self.body.height() >= BELOW_LINES * self.type_pt
+    }
+
+    /// Gives everything its place.
+    pub fn arrange(&self) -> Arrangement {
+        match self.mode {
+            Mode::Desk => self.desk(),
+            Mode::Lecture => self.lecture(),
+        }
+    }
+
+    fn desk(&self) -> Arrangement {
+        let mut all = Arrangement::default();
+        let mut rest = self.body;
+        if !self.folded.parameters && self.has_docked_parameters() {
+            let width = (20.0 * self.type_pt * self.shares.parameters).min(0.25 * rest.width());
+            let (left, right) = split_x(rest, width);
+            all.parameters = Some(left);
+            all.borders.push(Border {
+                rect: grip(right.min.x, left.y_range()),
+                of: Share::Parameters,
+                per_pt: vec2(1.0 / (20.0 * self.type_pt), 0.0),
+            });
+            rest = right;
+        }
+        let has_charts = self.columns() > 0;
+        let is_below = self.is_below();
+        if !self.folded.explanation || has_charts && !is_below {
+            let usual = (0.28 * self.window.x).clamp(23.0 * self.type_pt, 36.0 * self.type_pt);
+            let width = (usual * self.shares.column).clamp(18.0 * self.type_pt, 0.45 * self.window.x);
+            let (left, right) = split_x(rest, rest.width() - width - GAP);
+            all.borders.push(Border {
+                rect: grip(right.min.x, right.y_range()),
+                of: Share::Column,
+                per_pt: vec2(-1.0 / usual, 0.0),
+            });
+            rest = left;
+            self.column(right, has_charts && !is_below, &mut all);
+        }
+        if has_charts && is_below {
+            let usual = (0.28 * rest.height()).max(15.0 * self.type_pt);
+            let height = (usual * self.shares.charts).clamp(12.0 * self.type_pt, 0.6 * rest.height());
+            let (upper, lower) = split_y(rest, rest.height() - height - GAP);
+            all.borders.push(Border {
+                rect: Rect::from_x_y_ranges(lower.x_range(), lower.min.y - GRIP..=lower.min.y + GRIP),
+                of: Share::Charts,
+                per_pt: vec2(0.0, -1.0 / usual),
+            });
+            rest = upper;
+            all.charts = columns(lower, self.columns());
+        }
+        if !self.folded.parameters && !self.has_docked_parameters() {
+            self.drawer(Drawer::Parameters, &mut all);
+        }
+        self.stage(rest, &mut all);
+        all
+    }
+
+    /// Explanation and chart above each other.
+    fn column(&self, column: Rect, has_chart: bool, all: &mut Arrangement) {
+        match (self.folded.explanation, has_chart) {
+            (true, _) => all.charts = vec![column],
+            (false, false) => all.explanation = Some(column),
+            (false, true) => {
+                let usual = 0.48 * column.height();
+                let height = (usual * self.shares.charts).clamp(0.25 * column.height(), 0.7 * column.height());
+                let (upper, lower) = split_y(column, column.height() - height - GAP);
+                all.explanation = Some(upper);
+                all.charts = vec![lower];
+                all.borders.push(Border {
+                    rect: Rect::from_x_y_ranges(lower.x_range(), lower.min.y - GRIP..=lower.min.y + GRIP),
+                    of: Share::Charts,
+                    per_pt: vec2(0.0, -1.0 / usual),
+                });
+            }
+        }
+    }
+
+    fn lecture(&self) -> Arrangement {
+        let mut all = Arrangement::default();
+        let strip = self.strip.clamp(3.0 * self.type_pt, 0.3 * self.body.height());
+        let (mut rest, strip) = split_y(self.body, self.body.height() - strip - GAP);
+        all.strip = Some(strip);
+        if self.columns() > 0 {
+            let is_tall = rest.height() > 0.9 * rest.width();
+            let extent = if is_tall { rest.height() } else { rest.width() };
+            let usual = 0.42 * extent;
+            let length = (usual * self.shares.charts).clamp(0.25 * extent, 0.6 * extent);
+            let (first, second) = if is_tall {
+                split_y(rest, rest.height() - length - GAP)
+            } else {
+                split_x(rest, rest.width() - length - GAP)
+            };
+            let (rect, per_pt) = match is_tall {
+                true => (
+                    Rect::from_x_y_ranges(second.x_range(), second.min.y - GRIP..=second.min.y + GRIP),
+                    vec2(0.0, -1.0 / usual),
+                ),
+                false => (grip(second.min.x, second.y_range()), vec2(-1.0 / usual, 0.0)),
+            };
+            all.borders.push(Border { rect, of: Share::Charts, per_pt });
+            all.charts = vec![second];
+            rest = first;
+        }
+        if !self.folded.parameters {
+            self.drawer(Drawer::Parameters, &mut all);
+        }
+        if !self.folded.explanation {
+            self.drawer(Drawer::Explanation, &mut all);
+        }
+        self.stage(rest, &mut all);
+        all
+    }
+
+    /// Gives the rest to the stage, or to the chart that takes its place.
+    fn stage(&self, rest: Rect, all: &mut Arrangement) {
+        if self.is_enlarged && !all.charts.is_empty() {
+            // What the charts had is the stage's place as well: the chart has both.
+            let first = all.charts[0];
+            let is_beside = self.mode == Mode::Lecture || self.is_below();
+            all.charts =
+                vec![if is_beside { all.charts.iter().fold(rest, |sum, rect| sum.union(*rect)) } else { rest }];
+            if !is_beside && let Some(explanation) = &mut all.explanation {
+                *explanation = explanation.union(first);
+            }
+            all.borders.retain(|border| !all.charts[0].contains_rect(border.rect.shrink(GRIP)));
+        } else {
+            all.stage = Some(rest);
+        }
+    }
+
+    fn drawer(&self, drawer: Drawer, all: &mut Arrangement) {
+        let width = (24.0 * self.type_pt).min(0.46 * self.body.width());
+        let at = |min: f32| Rect::from_min_size(pos2(min, self.body.min.y), vec2(width, self.body.height()));
+        let rect = match drawer {
+            Drawer::Parameters => at(self.body.min.x),
+            Drawer::Explanation => at(self.body.max.x - width),
+        };
+        match drawer {
+            Drawer::Parameters => all.parameters = Some(rect),
+            Drawer::Explanation => all.explanation = Some(rect),
+        }
+        all.drawers.push(rect);
+    }
+}
+
+/// What comes over an edge.
+#[derive(Clone, Copy)]
+enum Drawer {
+    /// From the left.
+    Parameters,
+    /// From the right.
+    Explanation,
+}
+
+/// The interface scale that `wanted` is cut down to in a window of `size` in points at scale 1, so that everything has room
+/// with type of `type_pt`.
+pub fn zoom_that_fits(wanted: f32, size: Vec2, type_pt: f32) -> f32 {
+    let most = (size / (LEAST_LETTERS * type_pt)).min_elem();
+    // Hundredths, so that nothing flickers while the window is dragged.
+    let most = (most * 100.0).floor() / 100.0;
+    if most.is_finite() { wanted.min(most.max(0.2)) } else { wanted }
+}
+
+fn grip(x: f32, y: eframe::egui::Rangef) -> Rect {
+    Rect::from_x_y_ranges(x - GRIP..=x + GRIP, y)
+}
+
+fn split_x(rect: Rect, width: f32) -> (Rect, Rect) {
+    let at = (rect.min.x + width).round();
+    (rect.with_max_x(at), rect.with_min_x(at + GAP))
+}
+
+fn split_y(rect: Rect, height: f32) -> (Rect, Rect) {
+    let at = (rect.min.y + height).round();
+    (rect.with_max_y(at), rect.with_min_y(at + GAP))
+}
+
+/// Equal parts beside each other.
+fn columns(rect: Rect, count: usize) -> Vec<Rect> {
+    let width = (rect.width() + GAP) / count.max(1) as f32;
+    let one = |i: usize| {
+        let left = (rect.min.x + i as f32 * width).round();
+        let right = if i + 1 == count { rect.max.x } else { (rect.min.x + (i + 1) as f32 * width).round() - GAP };
+        Rect::from_x_y_ranges(left..=right, rect.y_range())
     };
-    let (stage, parameters, why) = (tabs(&[Pane::Stage]), tabs(&[Pane::Parameters]), tabs(&[Pane::Why]));
-    let flat = tabs(&[Pane::Surface, Pane::Numbers, Pane::Histogram]);
-    let deep = tabs(&[Pane::Surface3d, Pane::Plot]);
-    let charts = tiles.insert_container(Linear::new_binary(LinearDir::Horizontal, [flat, deep], 0.5));
-    let middle = tiles.insert_container(Linear::new_binary(LinearDir::Vertical, [stage, charts], 0.62));
-    let mut row = Linear::new(LinearDir::Horizontal, vec![parameters, middle, why]);
-    for (tile, share) in [(parameters, 0.19), (middle, 0.56), (why, 0.25)] {
-        row.shares.set_share(tile, share);
-    }
-    let root = tiles.insert_container(row);
-    Tree::new(egui::Id::unique("panes"), root, tiles)
-}
-
-/// Shows and hides panes as `folded` says, and of the charts only those that are `offered`.
-pub fn fold(tree: &mut Tree<Pane>, folded: Folded, offered: impl Fn(Pane) -> bool) {
-    for pane in Pane::ALL {
-        if let Some(tile) = tree.tiles.find_pane(&pane) {
-            tree.set_visible(tile, folded.shows(pane) && (!pane.is_chart() || offered(pane)));
-        }
-    }
-}
-
-/// Whether every pane is in the tree: a layout of an older version may lack one.
-pub fn is_complete(tree: &Tree<Pane>) -> bool {
-    tree.root().is_some() && Pane::ALL.iter().all(|pane| tree.tiles.find_pane(pane).is_some())
-}
-
-/// Whether `tile` shares its tabs with no other.
-fn is_alone(tree: &Tree<Pane>, tile: TileId) -> bool {
-    let parent = tree.tiles.parent_of(tile).and_then(|parent| tree.tiles.get_container(parent));
-    parent.is_none_or(|parent| parent.num_children() < 2)
-}
-
-/// Panes that share their tabs with no other: their title is a heading, not a choice.
-pub fn alone(tree: &Tree<Pane>) -> Vec<TileId> {
-    let panes = Pane::ALL.iter().filter_map(|pane| tree.tiles.find_pane(pane));
-    panes.filter(|tile| is_alone(tree, *tile)).collect()
-}
-
-/// The tile that holds nothing but the stage: it needs no tab.
-pub fn stage_alone(tree: &Tree<Pane>) -> Option<TileId> {
-    let stage = tree.tiles.find_pane(&Pane::Stage)?;
-    let parent = tree.tiles.parent_of(stage)?;
-    let is_tabs = matches!(tree.tiles.get(parent), Some(Tile::Container(Container::Tabs(_))));
-    (is_tabs && is_alone(tree, stage)).then_some(parent)
+    (0..count).map(one).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eframe::egui::Pos2;
 
-    #[test]
-    fn the_first_layout_is_complete_and_remembered() {
-        let mut tree = tree();
-        assert!(is_complete(&tree) && stage_alone(&tree).is_some());
-        let text = serde_json::to_string(&tree).unwrap();
-        let back: Tree<Pane> = serde_json::from_str(&text).unwrap();
-        assert!(is_complete(&back));
-        let stage = tree.tiles.find_pane(&Pane::Stage).unwrap();
-        tree.remove_recursively(stage);
-        assert!(!is_complete(&tree));
+    /// A window as it is with header and transport of usual heights.
+    fn room(size: Vec2, type_pt: f32, is_lecture: bool) -> Room {
+        let body = Rect::from_min_max(pos2(0.0, 2.6 * type_pt), (size - vec2(0.0, 3.6 * type_pt)).to_pos2());
+        Room {
+            body,
+            window: size,
+            type_pt,
+            mode: Mode::of(size, type_pt, is_lecture),
+            folded: Folded { parameters: true, ..Folded::default() },
+            charts: 3,
+            is_enlarged: false,
+            strip: 6.0 * type_pt,
+            shares: Shares::default(),
+        }
+    }
+
+    fn all_rooms() -> Vec<Room> {
+        let sizes = [[1024.0, 640.0], [1280.0, 720.0], [1920.0, 1080.0], [2560.0, 1440.0]];
+        let mut all = Vec::new();
+        for size in sizes.map(Vec2::from) {
+            for (type_pt, is_lecture) in [(14.0, false), (14.0, true), (21.0, true)] {
+                for charts in 0..4 {
+                    for fold in 0..8 {
+                        let folded =
+                            Folded { parameters: fold & 1 > 0, explanation: fold & 2 > 0, charts: fold & 4 > 0 };
+                        for is_enlarged in [false, true] {
+                            let zoom = zoom_that_fits(1.0, size, type_pt);
+                            all.push(Room { folded, charts, is_enlarged, ..room(size / zoom, type_pt, is_lecture) });
+                        }
+                    }
+                }
+            }
+        }
+        all
     }
 
     #[test]
-    fn a_lecture_hides_all_but_stage_and_explanation() {
-        let mut tree = tree();
-        let folded = Folded { lecture: true, why: true, ..Folded::default() };
-        fold(&mut tree, folded, |_| true);
-        let seen = |pane: &Pane| tree.tiles.find_pane(pane).is_some_and(|tile| tree.is_visible(tile));
-        assert_eq!(Pane::ALL.into_iter().filter(seen).collect::<Vec<_>>(), [Pane::Stage, Pane::Why]);
+    fn nothing_lies_over_anything_but_drawers() {
+        for room in all_rooms() {
+            let all = room.arrange();
+            let panes = [all.stage, all.explanation, all.strip, all.parameters];
+            let panes: Vec<Rect> = panes.into_iter().flatten().chain(all.charts.iter().copied()).collect();
+            for (i, pane) in panes.iter().enumerate() {
+                assert!(room.body.expand(0.5).contains_rect(*pane), "{pane:?} leaves {room:?}");
+                assert!(pane.width() > 8.0 * room.type_pt, "{pane:?} in {room:?}");
+                assert!(pane.height() >= 3.0 * room.type_pt, "{pane:?} in {room:?}");
+                for other in panes[..i].iter().filter(|_| !all.drawers.contains(pane)) {
+                    let is_over = !all.drawers.contains(other) && other.shrink(0.5).intersects(*pane);
+                    assert!(!is_over, "{pane:?} and {other:?} in {room:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_stage_has_most_of_the_window() {
+        for size in [vec2(1280.0, 720.0), vec2(1920.0, 1080.0)] {
+            let share = |room: Room| {
+                let all = room.arrange();
+                let stage = all.stage.map_or(0.0, |rect| rect.area());
+                [stage, stage + all.charts.iter().map(|rect| rect.area()).sum::<f32>()]
+                    .map(|area| area / size.x / size.y)
+            };
+            let desk = share(Room { folded: Folded::default(), ..room(size, 14.0, false) });
+            assert!(desk[0] > 0.44, "{desk:?} of {size:?}");
+            for type_pt in [14.0, 21.0] {
+                let lecture = share(room(size, type_pt, true));
+                assert!(lecture[1] > 0.6, "{lecture:?} of {size:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn small_windows_have_smaller_type() {
+        assert_eq!(zoom_that_fits(1.0, vec2(1280.0, 720.0), 21.0), 1.0);
+        let zoom = zoom_that_fits(1.0, vec2(213.0, 160.0), 14.0);
+        assert!(vec2(213.0, 160.0).x / zoom >= LEAST_LETTERS.x * 14.0 && zoom > 0.2, "{zoom}");
+    }
+
+    #[test]
+    fn dragging_a_border_makes_room_where_it_leads() {
+        let before = room(vec2(1920.0, 1080.0), 14.0, false);
+        for border in before.arrange().borders {
+            let mut shares = before.shares;
+            *shares.of(border.of) += border.per_pt.x * 40.0 + border.per_pt.y * 40.0;
+            let after = Room { shares, ..before }.arrange();
+            let at = |all: &[Border]| all.iter().map(|b| b.rect.min).collect::<Vec<Pos2>>();
+            let moved =
+                at(&after.borders).iter().zip(at(&before.arrange().borders)).any(|(a, b)| (*a - b).max_elem() > 20.0);
+            assert!(moved, "{border:?}");
+        }
     }
 }

@@ -1,5 +1,6 @@
-//! What lies in the panes, and how their tabs look.
+//! What lies in the panes, and how they are laid out in the window.
 
+pub mod charts;
 pub mod clip_card;
 pub mod explanation;
 pub mod granularities;
@@ -13,13 +14,11 @@ pub mod transport;
 use std::sync::Arc;
 
 use eframe::egui::{
-    self, Align2, Button, Color32, Frame, Id, Margin, Rect, Response, RichText, Sense, Stroke, TextStyle, Ui, Visuals,
-    WidgetInfo, WidgetText, vec2,
+    self, Button, CursorIcon, Frame, Margin, Rect, RichText, Sense, Stroke, TextStyle, Ui, UiBuilder, WidgetInfo, vec2,
 };
 use eframe::egui_wgpu::RenderState;
-use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 use lucide_icons::Icon;
-use motionscope_core::scene::{Chart, Readout};
+use motionscope_core::scene::Readout;
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Step, Value};
 use serde::{Deserialize, Serialize};
 
@@ -28,16 +27,15 @@ use super::model::loader::Loading;
 use super::model::snapshot::Snapshot;
 use super::model::walker::View;
 use super::parts::widgets;
-use crate::paint::LevelShown;
 use crate::ui::app::action::{Action, Actions, Side};
 use crate::ui::app::commands::Command;
 use crate::ui::charts::{distribution, heat_map, histogram, matrices, plane, plots, stack3d, surface3d, tiles};
-use crate::ui::drawing::chart::Subject;
 use crate::ui::drawing::style;
-use crate::ui::panes::layout::Pane;
 use crate::ui::stage;
 use crate::view::look::Look;
-use crate::view::panes::{self, Angles, PANES};
+use crate::view::panes::Angles;
+use charts::Chosen;
+use layout::{Arrangement, Border, SHARES, Shares};
 
 /// What the panes remember between frames, and of it from one day to the next how they are looked at.
 #[derive(Default, Serialize, Deserialize)]
@@ -51,7 +49,10 @@ pub struct States {
     pub explained: usize,
     /// The explanation.
     #[serde(skip)]
-    pub why: explanation::State,
+    pub explanation: explanation::State,
+    /// Sentence and formula.
+    #[serde(skip)]
+    pub strip: explanation::Strip,
     /// The cost surface as a heat map.
     #[serde(skip)]
     pub heat_map: heat_map::State,
@@ -59,8 +60,6 @@ pub struct States {
     pub surface3d: surface3d::State,
     /// The levels of a pyramid in three dimensions.
     pub stack3d: stack3d::State,
-    /// Whether these stand in the place of the cost surface, where there are some.
-    pub is_stack: bool,
     /// The plane of displacements.
     #[serde(skip)]
     pub plane: plane::State,
@@ -76,8 +75,6 @@ pub struct States {
     /// Matrices with their numbers.
     #[serde(skip)]
     pub matrices: matrices::State,
-    /// Whether errors stand in the place of the displacements found, where both are there to be counted.
-    pub is_errors: bool,
     /// Small pictures with their numbers.
     #[serde(skip)]
     pub tiles: tiles::State,
@@ -104,16 +101,16 @@ pub struct Panes<'a> {
     pub error: Option<&'a Error>,
     /// What the panes remember.
     pub states: &'a mut States,
-    /// The tile that holds nothing but the stage.
-    pub stage_alone: Option<TileId>,
-    /// Panes that share their tabs with no other.
-    pub alone: Vec<TileId>,
+    /// Which charts are looked at.
+    pub charts: &'a mut Chosen,
+    /// How the person has shared out the room.
+    pub shares: &'a mut Shares,
     /// Whether a step may move.
     pub animate: bool,
     /// Whether particles may.
     pub flows: bool,
-    /// Whether the line at the bottom is folded away.
-    pub lecture: bool,
+    /// Whether there is no line at the bottom, so that work is told of on the stage.
+    pub has_no_status: bool,
     /// The window's graphics card, if it has one.
     pub gpu: Option<&'a RenderState>,
     /// How pictures look.
@@ -123,6 +120,110 @@ pub struct Panes<'a> {
 }
 
 impl Panes<'_> {
+    /// Shows everything where `all` says.
+    pub fn show(&mut self, ui: &mut Ui, all: &Arrangement) {
+        if let Some(rect) = all.stage {
+            let margin = Margin { left: 8, right: 8, top: 4, bottom: 2 };
+            self.within(ui, rect, margin, "stage", |panes, ui| panes.stage(ui));
+        }
+        self.charts(ui, &all.charts);
+        if let Some(rect) = all.strip {
+            self.within(ui, rect, Margin { left: 16, right: 16, top: 6, bottom: 2 }, "strip", |panes, ui| {
+                panes.strip(ui)
+            });
+        }
+        let is_drawer = |rect: &Rect| all.drawers.contains(rect);
+        if let Some(rect) = all.explanation.filter(|rect| !is_drawer(rect)) {
+            self.column(ui, rect);
+        }
+        if let Some(rect) = all.parameters.filter(|rect| !is_drawer(rect)) {
+            self.parameters(ui, rect);
+        }
+        for border in &all.borders {
+            self.border(ui, border);
+        }
+        // What lies over others comes last.
+        for rect in &all.drawers {
+            self.drawer(ui, *rect);
+            if all.parameters == Some(*rect) {
+                self.parameters(ui, *rect);
+            } else {
+                self.column(ui, *rect);
+            }
+        }
+    }
+
+    /// Shows `add` inside `rect`, from which nothing reaches out.
+    fn within(
+        &mut self,
+        ui: &mut Ui,
+        rect: Rect,
+        margin: Margin,
+        salt: impl std::hash::Hash + std::fmt::Debug,
+        add: impl FnOnce(&mut Self, &mut Ui),
+    ) {
+        let inside = rect - margin;
+        let mut ui = ui.new_child(UiBuilder::new().id_salt(salt).max_rect(inside));
+        ui.set_clip_rect(ui.clip_rect().intersect(rect));
+        add(self, &mut ui);
+    }
+
+    fn parameters(&mut self, ui: &mut Ui, rect: Rect) {
+        let margin = Margin { left: 16, right: 10, top: 4, bottom: 0 };
+        self.within(ui, rect, margin, "parameters", |panes, ui| {
+            let (document, theme) = (panes.document, panes.look.theme);
+            let placing = panes.states.stage.placing;
+            parameters::show(ui, parameters::Input { document, placing, theme }, panes.actions);
+        });
+    }
+
+    /// The whole explanation.
+    fn column(&mut self, ui: &mut Ui, rect: Rect) {
+        let margin = Margin { left: 16, right: 10, top: 8, bottom: 0 };
+        self.within(ui, rect, margin, "explanation", |panes, ui| {
+            if panes.is_stale() {
+                ui.multiply_opacity(0.4);
+            }
+            panes.explanation(ui);
+        });
+    }
+
+    /// What lies under a pane that comes over the edge: nothing below it is pointed at.
+    fn drawer(&self, ui: &mut Ui, rect: Rect) {
+        let chrome = self.look.theme.chrome();
+        ui.interact(rect, ui.scope_id().with(("drawer", rect.min.x as i32)), Sense::click_and_drag());
+        ui.painter().add(ui.visuals().popup_shadow.as_shape(rect, 0.0));
+        ui.painter().rect_filled(rect, 0.0, style::color(chrome.panel));
+        ui.painter().rect_stroke(rect, 0.0, Stroke::new(1.0, style::color(chrome.line)), egui::StrokeKind::Inside);
+    }
+
+    /// A line between two panes that can be dragged.
+    fn border(&mut self, ui: &mut Ui, border: &Border) {
+        let is_upright = border.rect.height() > border.rect.width();
+        let sensed = ui.interact(border.rect, ui.scope_id().with(("border", border.of)), Sense::click_and_drag());
+        let sensed = sensed.on_hover_and_drag_cursor(if is_upright {
+            CursorIcon::ResizeHorizontal
+        } else {
+            CursorIcon::ResizeVertical
+        });
+        let chrome = self.look.theme.chrome();
+        let is_lit = sensed.hovered() || sensed.dragged();
+        let (width, color) = if is_lit { (2.0, chrome.accent) } else { (1.0, chrome.line) };
+        let (line, stroke) = (border.rect.center(), Stroke::new(width, style::color(color)));
+        if is_upright {
+            ui.painter().vline(line.x, border.rect.y_range(), stroke);
+        } else {
+            ui.painter().hline(border.rect.x_range(), line.y, stroke);
+        }
+        let share = self.shares.of(border.of);
+        if sensed.double_clicked() {
+            *share = 1.0;
+        } else if sensed.dragged() {
+            let by = sensed.drag_delta();
+            *share = (*share + by.x * border.per_pt.x + by.y * border.per_pt.y).clamp(*SHARES.start(), *SHARES.end());
+        }
+    }
+
     fn stage(&mut self, ui: &mut Ui) {
         self.banners(ui);
         let Some(shown) = &self.view.shown else {
@@ -228,7 +329,7 @@ impl Panes<'_> {
         if let Some(loading) = self.loading {
             self.opening(ui, loading);
         }
-        if let Some(work) = status::work(self.view).filter(|_| self.lecture && self.view.shown.is_some()) {
+        if let Some(work) = status::work(self.view).filter(|_| self.has_no_status && self.view.shown.is_some()) {
             ui.horizontal(|ui| status::progress(ui, &work, self.actions));
         }
         // What is still shown of another clip is no news of this one.
@@ -318,14 +419,23 @@ impl Panes<'_> {
         });
     }
 
-    fn why(&mut self, ui: &mut Ui) {
+    fn explanation(&mut self, ui: &mut Ui) {
         match &self.view.shown {
             Some(shown) => {
                 let (info, step) = self.told(shown);
                 let input = explanation::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
-                explanation::show(ui, input, &mut self.states.why);
+                explanation::show(ui, input, &mut self.states.explanation);
             }
             None => empty(ui, &self.before("No step is explained")),
+        }
+    }
+
+    /// Sentence and formula.
+    fn strip(&mut self, ui: &mut Ui) {
+        if let Some(shown) = &self.view.shown {
+            let (info, step) = self.told(shown);
+            let input = explanation::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
+            explanation::strip(ui, input, &mut self.states.strip);
         }
     }
 
@@ -342,149 +452,6 @@ impl Panes<'_> {
         let until = if self.document.clip().is_some() { "something runs on the clip" } else { "a clip is open" };
         format!("{what} until {until}.")
     }
-
-    /// What stands over a pane: some are called after what they show just now.
-    fn title(&self, pane: Pane) -> &'static str {
-        let step = self.view.shown.as_deref().map(|shown| &**self.told(shown).1);
-        let charts = self.document.estimator().charts();
-        match pane {
-            Pane::Surface if step.is_some_and(has_plane) || !charts.contains(&Chart::Surface) => "Displacements",
-            pane => pane.title(),
-        }
-    }
-
-    fn chart(&mut self, ui: &mut Ui, pane: Pane) {
-        let Some(shown) = self.view.shown.as_deref() else {
-            return empty(ui, &self.before("There is nothing to show"));
-        };
-        let (theme, colors) = (self.look.theme, self.look.colors);
-        let (info, step) = self.told(shown);
-        let subject = Subject { step: Some(step), whose: info.name, theme, colors };
-        let has_costs = shown.subject.experiment.estimator.charts().contains(&Chart::Surface);
-        if pane == Pane::Surface3d && pyramid(ui, step, has_costs, (subject, self.look), self.states) {
-            return;
-        }
-        if pane == Pane::Histogram && errors(ui, step, subject, self.states) {
-            return;
-        }
-        let states = &mut *self.states;
-        let mut clicked = None;
-        for readout in &step.readouts {
-            match (pane, readout) {
-                (Pane::Surface, Readout::Surface(surface)) => {
-                    let input = heat_map::Input { surface, subject };
-                    clicked = heat_map::show(ui, input, &mut states.heat_map).clicked;
-                }
-                (Pane::Surface, Readout::Plane(plane)) => {
-                    plane::show(ui, plane::Input { plane, subject }, &mut states.plane);
-                }
-                (Pane::Surface3d, Readout::Surface(surface)) => {
-                    let input = surface3d::Input { surface, subject, gpu: self.gpu };
-                    surface3d::show(ui, input, &mut states.surface3d);
-                }
-                (Pane::Plot, Readout::Series(_)) => {
-                    clicked = plots::show(ui, &step.readouts, subject, &mut states.plots);
-                }
-                (Pane::Numbers, Readout::Tiles(tiles)) => {
-                    let is_centered = !shown.subject.experiment.estimator.tests_candidates();
-                    tiles::show(ui, tiles::Input { tiles, is_centered, subject }, &mut states.tiles);
-                }
-                (Pane::Numbers, Readout::Matrices(all)) => {
-                    matrices::show(ui, all, subject, &mut states.matrices);
-                }
-                (Pane::Histogram, Readout::Histogram(counts)) => {
-                    // The units of several in lockstep are their own, and not those of this estimator.
-                    let input = histogram::Input { histogram: counts, leads: shown.tiles.is_empty(), subject };
-                    if let Some(unit) = histogram::show(ui, input, &mut states.histogram).clicked {
-                        self.actions.ask(Action::Seek(Cursor { unit, event: usize::MAX }));
-                    }
-                }
-                _ => continue,
-            }
-            if let Some(event) = clicked {
-                self.actions.ask(Action::Seek(Cursor { event, ..shown.cursor }));
-            }
-            return;
-        }
-        empty(ui, &absent(pane, shown.subject.experiment.estimator.charts()));
-    }
-}
-
-/// Whether a step shows lines in the plane of displacements, where others show a cost.
-fn has_plane(step: &Step) -> bool {
-    step.readouts.iter().any(|readout| matches!(readout, Readout::Plane(_)))
-}
-
-/// Where the step works on a pyramid: the choice between it and the cost surface, and the pyramid if it is chosen. Gives
-/// whether it is.
-fn pyramid(
-    ui: &mut Ui,
-    step: &Step,
-    has_costs: bool,
-    (subject, look): (Subject<'_>, &mut Look),
-    states: &mut States,
-) -> bool {
-    let stack = step.readouts.iter().find_map(|r| if let Readout::Stack(stack) = r { Some(stack) } else { None });
-    let Some(stack) = stack else { return false };
-    if has_costs {
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 2.0;
-            for (is_stack, text, tip) in [
-                (false, "Surface", "The cost of every displacement tested."),
-                (true, "Pyramid", "The levels of the pyramid, with the block and what was found for it on each."),
-            ] {
-                let chosen = ui.selectable_value(&mut states.is_stack, is_stack, text).on_hover_text(tip);
-                if chosen.changed() {
-                    ui.ctx().request_repaint();
-                }
-            }
-        });
-        if !states.is_stack {
-            return false;
-        }
-    }
-    let input = stack3d::Input { stack, on_stage: look.level.of(&stack.levels), subject };
-    if let Some(level) = stack3d::show(ui, input, &mut states.stack3d).clicked {
-        // The stage may be drawn already.
-        look.level = LevelShown::Number(level);
-        ui.ctx().request_repaint();
-    }
-    true
-}
-
-/// The errors against the truth where they are known, with the choice between them and the displacements where there
-/// are both; gives whether they are shown.
-fn errors(ui: &mut Ui, step: &Step, subject: Subject<'_>, states: &mut States) -> bool {
-    let found = step.readouts.iter().find_map(|r| if let Readout::Distribution(all) = r { Some(all) } else { None });
-    let Some(distribution) = found else { return false };
-    if step.readouts.iter().any(|readout| matches!(readout, Readout::Histogram(_))) {
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 2.0;
-            for (is_errors, text, tip) in [
-                (false, "Displacements", "How often each displacement was found."),
-                (true, "Errors", "How far displacements are from the true ones."),
-            ] {
-                if ui.selectable_value(&mut states.is_errors, is_errors, text).on_hover_text(tip).changed() {
-                    ui.ctx().request_repaint();
-                }
-            }
-        });
-        if !states.is_errors {
-            return false;
-        }
-    }
-    distribution::show(ui, distribution::Input { distribution, subject }, &mut states.errors);
-    true
-}
-
-/// What a chart shows that this step has nothing for, and when it does: as the panes of a sheet have it.
-fn absent(pane: Pane, charts: &[Chart]) -> String {
-    let is_had = |of: &&panes::Pane| of.chart.is_none_or(|chart| charts.contains(&chart));
-    let is_here = |of: &&panes::Pane| of.chart.is_some_and(|chart| pane.charts().contains(&chart));
-    let own = PANES.into_iter().filter(is_had).find(|of| of.title == pane.title());
-    let shown = own.or_else(|| PANES.into_iter().filter(is_had).find(is_here));
-    let what = shown.map_or_else(|| "Nothing is shown here".into(), |of| format!("Shows {}, {}", of.doc, of.when));
-    format!("{what}. Step on ({}), or to the end of the run ({}).", Command::Into.key(), Command::End.key())
 }
 
 /// An error as a sentence: a full stop, and a capital letter unless it begins with a name.
@@ -506,127 +473,6 @@ pub fn empty(ui: &mut Ui, text: &str) {
         ui.add_space(ui.available_height() * 0.4);
         ui.label(RichText::new(text).color(dim));
     });
-}
-
-impl Behavior<Pane> for Panes<'_> {
-    fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
-        let margin = match pane {
-            Pane::Stage => Margin { left: 8, right: 8, top: 6, bottom: 4 },
-            Pane::Parameters => Margin { left: 16, right: 16, top: 4, bottom: 0 },
-            Pane::Why => Margin { left: 16, right: 16, top: 8, bottom: 0 },
-            _ => Margin::same(8),
-        };
-        let fill = ui.visuals().panel_fill;
-        let rect = ui.max_rect();
-        ui.painter().rect_filled(rect, 0.0, fill);
-        Frame::new().inner_margin(margin).show(ui, |ui| {
-            ui.set_clip_rect(ui.clip_rect().intersect(rect));
-            if !matches!(pane, Pane::Stage | Pane::Parameters) && self.is_stale() {
-                ui.multiply_opacity(0.4);
-            }
-            match pane {
-                Pane::Stage => self.stage(ui),
-                Pane::Parameters => {
-                    let (document, theme) = (self.document, self.look.theme);
-                    let placing = self.states.stage.placing;
-                    parameters::show(ui, parameters::Input { document, placing, theme }, self.actions);
-                }
-                Pane::Why => self.why(ui),
-                Pane::Surface | Pane::Surface3d | Pane::Plot | Pane::Numbers | Pane::Histogram => self.chart(ui, *pane),
-            }
-        });
-        UiResponse::None
-    }
-
-    fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
-        self.title(*pane).into()
-    }
-
-    fn tab_ui(&mut self, tiles: &mut Tiles<Pane>, ui: &mut Ui, id: Id, tile: TileId, state: &TabState) -> Response {
-        let title = tiles.get_pane(&tile).map_or("Panes", |pane| self.title(*pane));
-        let alone = self.alone.contains(&tile);
-        let chrome = self.look.theme.chrome();
-        let font = egui::FontId::new(TextStyle::Small.resolve(ui.style()).size, style::bold());
-        let galley = ui.painter().layout_no_wrap(title.into(), font, Color32::PLACEHOLDER);
-        let margin = if alone { 16.0 } else { 12.0 };
-        let (_, rect) = ui.allocate_space(vec2(galley.size().x + 2.0 * margin, ui.available_height()));
-        let response = ui.interact(rect, id, Sense::click_and_drag()).on_hover_cursor(egui::CursorIcon::Grab);
-        response.widget_info(|| WidgetInfo::selected(egui::Role::Tab, true, state.active, title));
-        if state.is_being_dragged {
-            return response;
-        }
-        let lit = state.active && !alone;
-        let ink = if lit || response.hovered() { chrome.text } else { chrome.dim };
-        let at = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), rect).min;
-        ui.painter().galley(at, galley, style::color(ink));
-        if lit {
-            let line = Rect::from_min_max(rect.left_bottom() - vec2(-12.0, 2.0), rect.right_bottom() - vec2(12.0, 0.0));
-            ui.painter().rect_filled(line, 1.0, style::color(chrome.accent));
-        }
-        response
-    }
-
-    fn top_bar_right_ui(
-        &mut self,
-        tiles: &Tiles<Pane>,
-        ui: &mut Ui,
-        _tile: TileId,
-        tabs: &egui_tiles::Tabs,
-        _scroll: &mut f32,
-    ) {
-        let pane = tabs.active.and_then(|tile| tiles.get_pane(&tile));
-        let command = match pane {
-            Some(Pane::Parameters) => Command::ShowParameters,
-            Some(Pane::Why) => Command::ShowWhy,
-            Some(Pane::Stage) | None => return,
-            Some(_) => Command::ShowCharts,
-        };
-        ui.add_space(8.0);
-        let name = format!("Fold away {}", command.info().text.to_lowercase());
-        let button = widgets::cross(ui, &name);
-        if button.on_hover_text(format!("{name}. The buttons at the top bring it back.")).clicked() {
-            self.actions.command(command);
-        }
-    }
-
-    fn is_tab_bar_visible(&self, tile: TileId, _tabs: &egui_tiles::Tabs) -> bool {
-        self.stage_alone != Some(tile)
-    }
-
-    fn tab_bar_height(&self, style: &egui::Style) -> f32 {
-        (style.spacing.interact_size.y * 1.25).round()
-    }
-
-    fn gap_width(&self, _style: &egui::Style) -> f32 {
-        1.0
-    }
-
-    fn min_size(&self) -> f32 {
-        120.0
-    }
-
-    fn tab_bar_color(&self, visuals: &Visuals) -> Color32 {
-        visuals.panel_fill
-    }
-
-    fn tab_bar_hline_stroke(&self, _visuals: &Visuals) -> Stroke {
-        Stroke::NONE
-    }
-
-    fn resize_stroke(&self, style: &egui::Style, state: egui_tiles::ResizeState) -> Stroke {
-        match state {
-            egui_tiles::ResizeState::Idle => style.visuals.widgets.noninteractive.bg_stroke,
-            _ => Stroke::new(2.0, style::color(self.look.theme.chrome().accent)),
-        }
-    }
-
-    fn simplification_options(&self) -> SimplificationOptions {
-        SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
-    }
-
-    fn drag_preview_color(&self, _visuals: &Visuals) -> Color32 {
-        style::color(self.look.theme.chrome().accent.alpha(60))
-    }
 }
 
 #[cfg(test)]

@@ -43,18 +43,20 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let size = TextStyle::Body.resolve(ui.style()).size;
     let roomy = ui.available_width() / size > ROOMY;
     MenuBar::new().ui(ui, |ui| {
-        brand(ui, input.look.theme);
+        brand(ui, input.look.theme, roomy);
         if roomy {
             for menu in Menu::ALL {
                 ui.menu_button(menu.name(), |ui| items(ui, menu, input, actions));
             }
         } else {
             let glyph = widgets::icon(ui, Icon::Menu);
-            ui.menu_button((glyph, "Menu"), |ui| {
+            let button = ui.menu_button(glyph, |ui| {
                 for menu in Menu::ALL {
                     ui.menu_button(menu.name(), |ui| items(ui, menu, input, actions));
                 }
             });
+            let button = button.response.on_hover_text("Menu");
+            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Menu"));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             right(ui, input, roomy, actions);
@@ -63,25 +65,50 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     });
 }
 
-fn brand(ui: &mut Ui, theme: Theme) {
+fn brand(ui: &mut Ui, theme: Theme, roomy: bool) {
     let accent = style::color(theme.chrome().accent);
-    ui.label(widgets::icon(ui, Icon::ScanEye).color(accent));
-    ui.label(RichText::new("Motionscope").family(style::bold()));
-    ui.add_space(8.0);
+    if roomy {
+        ui.label(widgets::icon(ui, Icon::ScanEye).color(accent));
+        ui.label(RichText::new("Motionscope").family(style::bold()));
+        ui.add_space(8.0);
+    }
 }
 
-/// What is open: the clip, the pair of frames and the estimator, each with the way to another one.
+/// What is open: the clip, the pair of frames and the estimator, each with the way to another one. What there is no room for
+/// is cut short: first the clip, then the way through the stages.
 fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let Some(clip) = input.document.clip() else { return };
     let size = TextStyle::Body.resolve(ui.style()).size;
-    ui.add_space(size);
-    // A long name gives way to what stands beside it, and in a narrow window that gives way to the name.
-    let room = ui.available_width() / size;
-    let roomy = room > 28.0;
-    let letters = if roomy { room - 16.0 } else { room - 2.0 } / 0.58;
-    let name = widgets::elide(&clip.info().name, letters.max(8.0) as usize);
-    let name = RichText::new(name).family(style::bold());
-    let clip = ui.menu_button(name, |ui| {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    let info = input.document.estimator().info();
+    let beside = input.document.side_by_side().beside.len();
+    let estimator = if beside == 0 { info.name.to_owned() } else { format!("{} and {beside} more", info.name) };
+    let frame = input.at_frame.unwrap_or(input.document.frame());
+    let is_single = input.document.estimator().is_of_single_frames();
+    let frames = if is_single { format!("frame {frame}") } else { format!("frames {frame} → {}", frame + 1) };
+    let width = |ui: &Ui, text: &str| {
+        let font = TextStyle::Button.resolve(ui.style());
+        ui.painter().layout_no_wrap(text.into(), font, egui::Color32::PLACEHOLDER).size().x
+    };
+    let padding = 2.0 * ui.spacing().button_padding.x + ui.spacing().item_spacing.x;
+    let parents: Vec<&str> = input.document.parents().map(|parent| parent.name).collect();
+    // The estimator is always told whole, as far as the window goes.
+    let mut room = ui.available_width() - width(ui, &estimator) - 2.0 * padding;
+    let crumb = |name: &str| format!("{name} ›");
+    let whole: f32 = parents.iter().map(|name| width(ui, &crumb(name)) + padding).sum();
+    let least = 8.0 * 0.6 * size;
+    let has_whole_path = room - whole > least;
+    room -= if has_whole_path {
+        whole
+    } else if parents.is_empty() {
+        0.0
+    } else {
+        width(ui, &crumb("…")) + padding
+    };
+    let has_frames = parents.is_empty() && room - width(ui, &frames) > 2.0 * least;
+    room -= if has_frames { width(ui, &frames) + 2.0 * ui.spacing().item_spacing.x + 8.0 } else { 0.0 };
+    let name = widgets::elide(&clip.info().name, (room / (0.6 * size)).max(3.0) as usize);
+    let clip = ui.menu_button(RichText::new(name).family(style::bold()), |ui| {
         for command in [Command::Open, Command::Samples] {
             item(ui, command, input, actions);
         }
@@ -91,30 +118,22 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         }
     });
     clip.response.on_hover_text(crate::ui::panes::clip_card::facts(input.document));
-    if !roomy {
-        return;
-    }
     let dim = ui.visuals().weak_text_color();
-    let frame = input.at_frame.unwrap_or(input.document.frame());
-    ui.add_space(8.0);
-    let is_single = input.document.estimator().is_of_single_frames();
-    let frames = if is_single { format!("frame {frame}") } else { format!("frame {frame} → {}", frame + 1) };
-    // The way back out of a stage needs the room.
-    if input.document.parents().len() == 0 {
+    if has_frames {
+        ui.add_space(4.0);
         ui.label(RichText::new(frames).color(dim));
-        ui.add_space(8.0);
+        ui.add_space(4.0);
     }
-    let info = input.document.estimator().info();
-    let beside = input.document.side_by_side().beside.len();
-    let name = if beside == 0 { info.name.to_owned() } else { format!("{} and {beside} more", info.name) };
-    for parent in input.document.parents() {
-        let name = widgets::elide(parent.name, 16);
-        let crumb = ui.add(Button::new(RichText::new(format!("{name} ›")).color(dim)).frame(false));
-        if crumb.on_hover_text(Command::OutOfStage.with_key("Back out of the stage.")).clicked() {
+    let shown = if has_whole_path { &parents[..] } else { &parents[parents.len().saturating_sub(1)..] };
+    for parent in shown {
+        let text = crumb(if has_whole_path { parent } else { "…" });
+        let crumb = ui.add(Button::new(RichText::new(text).color(dim)).frame_when_inactive(false));
+        let tip = format!("Back out of the stage, to {parent}.");
+        if crumb.on_hover_text(Command::OutOfStage.with_key(&tip)).clicked() {
             actions.command(Command::OutOfStage);
         }
     }
-    let estimator = ui.menu_button(RichText::new(name).color(dim), |ui| {
+    let estimator = ui.menu_button(RichText::new(estimator), |ui| {
         crate::ui::panes::parameters::estimators_by_family(ui, info.id, actions);
     });
     estimator.response.on_hover_text(info.summary);
@@ -122,11 +141,12 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
 
 fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
     ui.spacing_mut().item_spacing.x = 2.0;
-    for command in [Command::FullScreen, Command::Lecture] {
-        button(ui, command, input, actions);
+    if roomy {
+        button(ui, Command::FullScreen, input, actions);
     }
+    button(ui, Command::Lecture, input, actions);
     theme(ui, input.look.theme, actions);
-    for command in [Command::ShowWhy, Command::ShowCharts, Command::ShowParameters] {
+    for command in [Command::ShowExplanation, Command::ShowCharts, Command::ShowParameters] {
         button(ui, command, input, actions);
     }
     ui.add_space(4.0);
@@ -189,9 +209,10 @@ fn theme(ui: &mut Ui, now: Theme, actions: &mut Actions) {
 fn is_on(command: Command, input: &Input) -> Option<bool> {
     match command {
         Command::ShowParameters => Some(!input.folded.parameters),
-        Command::ShowWhy => Some(!input.folded.why),
+        Command::EnlargeChart => Some(input.now.has_enlarged),
+        Command::ShowExplanation => Some(!input.folded.explanation),
         Command::ShowCharts => Some(!input.folded.charts),
-        Command::Lecture => Some(input.folded.lecture),
+        Command::Lecture => Some(input.now.lecture),
         Command::ReducedMotion => Some(input.reduced_motion),
         Command::Lockstep => Some(input.now.in_lockstep),
         Command::Streaks => Some(input.look.streaks.is_some()),
@@ -248,7 +269,15 @@ fn section(command: Command) -> u8 {
         C::NextLayer | C::Streaks => 2,
         _ if command.layer().is_some() => 2,
         C::LargerInterface | C::SmallerInterface | C::NormalInterface => 2,
-        C::Quit | C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::FullScreen => 3,
+        C::Quit
+        | C::ShowParameters
+        | C::ShowExplanation
+        | C::ShowCharts
+        | C::EnlargeChart
+        | C::NextChart
+        | C::PreviousChart
+        | C::Lecture
+        | C::FullScreen => 3,
         C::ResetLayout | C::ReducedMotion => 3,
         C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => 5,
         C::NextUnit | C::PreviousUnit | C::Start | C::End => 6,

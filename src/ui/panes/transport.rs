@@ -102,7 +102,7 @@ fn step(ui: &mut Ui, command: Command, named: bool, input: &Input, actions: &mut
 fn play(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let playing = input.player.is_playing();
     let chrome = input.theme.chrome();
-    let side = (ui.spacing().interact_size.y * 1.45).round();
+    let side = (ui.spacing().interact_size.y * 1.35).round();
     let enabled = Command::Play.enabled(&input.now);
     let sense = if enabled { Sense::click() } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(vec2(side, side), sense);

@@ -3,28 +3,31 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
+use lucide_icons::Icon;
+use motionscope_core::Frame;
 use motionscope_core::scene::{Picture, Shape};
-use motionscope_core::{Frame, Role};
 
-use super::{Input, Response, State, motion, pixels};
-use crate::paint::legend::{self, Entry, Sample};
-use crate::paint::{Face, FlowLayer, Look as SceneLook, Primitive, Share, Theme, View, grouped, number};
+use super::{Hovered, Input, Response, State, levels, lockstep, motion, pixels};
+use crate::paint::legend::{self, Entry};
+use crate::paint::{Face, FlowLayer, Look as SceneLook, Primitive, Share, Theme, View, number};
 use crate::ui::drawing::{ink, primitives};
+use crate::ui::parts::widgets;
 use crate::view::look::Look;
+use crate::view::tile;
 
-/// The most room that the legend needed, so that the pictures do not jump from step to step.
-#[derive(Clone, Copy, Default)]
-pub struct Height {
-    width: f32,
-    theme: Theme,
-    lines: usize,
-}
+/// Width of the stage, in letters, from which every tool has a button of its own.
+const ROOMY_LETTERS: f32 = 50.0;
 
 /// The line above the pictures.
 pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
+    let is_roomy = ui.available_width() > ROOMY_LETTERS * input.theme().sizes().body;
     ui.horizontal(|ui| {
-        let right = right_width(ui, input.theme());
-        choice(ui, ui.available_width() - right, input, &mut response.look);
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let others = [tile::levels(input.scene, tiles(input)).is_some(), is_roomy && input.lockstep.is_some()];
+        let lists =
+            others.iter().filter(|is_there| **is_there).count() as f32 * LIST_LETTERS * input.theme().sizes().body;
+        let right = right_width(ui, input.theme(), is_roomy);
+        choice(ui, ui.available_width() - right - lists, input, &mut response.look);
         if response.look.view == Some(View::Blend) {
             let mut share = response.look.blend.get();
             let slider = Slider::new(&mut share, 0.0..=1.0).step_by(0.01).show_value(false);
@@ -32,14 +35,57 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut R
             ui.add(slider).on_hover_text(name).accessible_name(name);
             response.look.blend = Share::new(share).unwrap_or_default();
         }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| right_side(ui, input, state, response));
+        levels::choice(ui, input, &mut response.look.level);
+        if let Some(lockstep) = input.lockstep.filter(|_| is_roomy) {
+            lockstep::choice(ui, &lockstep, response);
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| match is_roomy {
+            true => right_side(ui, input, state, response),
+            false => {
+                more(ui, input, state, response);
+                motion::button(ui, input, state, response);
+            }
+        });
     });
 }
 
-fn right_width(ui: &Ui, theme: Theme) -> f32 {
-    // Zoom, two buttons, what is seen of motion, and the legend's switch.
-    let letters = if theme == Theme::Projector { 32.0 } else { 29.0 };
+fn tiles<'a>(input: &Input<'a>) -> &'a [crate::view::tile::Tile] {
+    input.lockstep.map_or(&[][..], |all| all.tiles)
+}
+
+/// Width of a list in the line, in letters.
+const LIST_LETTERS: f32 = 11.0;
+
+fn right_width(ui: &Ui, theme: Theme, is_roomy: bool) -> f32 {
+    // Zoom, two buttons, what is seen of motion, and the legend's switch; or what is seen of motion and one button.
+    let letters = match (is_roomy, theme) {
+        (false, _) => 12.0,
+        (true, Theme::Projector) => 32.0,
+        (true, _) => 29.0,
+    };
     letters * 0.6 * theme.sizes().body + 10.0 * ui.spacing().button_padding.x
+}
+
+/// What there is no room for in the line.
+fn more(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
+    let button = widgets::icon_button(ui, Icon::Ellipsis, "More of the stage", false);
+    egui::Popup::menu(&button).show(|ui| {
+        let pixels_per_point = ui.pixels_per_point();
+        if ui.button("Fit picture").on_hover_text("Show the whole picture.").clicked() {
+            state.fit();
+        }
+        if ui.button("Actual size").on_hover_text("One pixel of the picture to one pixel of the screen.").clicked() {
+            state.one_to_one(pixels_per_point);
+        }
+        let is_shown = response.look.legend;
+        if ui.selectable_label(is_shown, "Legend").on_hover_text("What the marks mean.").clicked() {
+            response.look.legend = !is_shown;
+        }
+        if let Some(lockstep) = &input.lockstep {
+            ui.separator();
+            lockstep::items(ui, lockstep, response);
+        }
+    });
 }
 
 /// The views in a row, or in a list where there is no room for a row; those of the end only where it is reached.
@@ -113,71 +159,48 @@ fn right_side(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut 
     ui.weak(format!("{percent:.0} %")).on_hover_text(tip);
 }
 
-/// Height of what is under the pictures.
-pub fn height_below(ui: &Ui, input: &Input<'_>, state: &mut State) -> f32 {
-    let spacing = ui.spacing().item_spacing.y;
-    let mut height = line_height(input.theme()) + spacing;
-    if input.look.legend {
-        let width = ui.available_width();
-        let look = state.marks.look(input);
-        let now = legend_items(input, &look, ui, state).layout(width).1;
-        let lines = legend_lines(input, ui, width).max(now);
-        let known = &mut state.legend_height;
-        if known.width != width || known.theme != input.theme() {
-            *known = Height { width, theme: input.theme(), lines: USUAL_LINES };
-        }
-        // What is dragged must not slip away under the mouse, nor where it is dropped.
-        if state.grip.is_none() && !ui.input(|i| i.pointer.any_down()) {
-            known.lines = known.lines.max(lines);
-        }
-        height += known.lines as f32 * line_height(input.theme()) + spacing;
-    }
-    height
-}
-
 /// Height of a line of small type.
 pub fn line_height(theme: Theme) -> f32 {
     (theme.sizes().small * 1.7).round()
 }
 
-/// The legend and the line of numbers.
-pub fn below(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
-    if input.look.legend {
-        let look = state.marks.look(input);
-        let height = state.legend_height.lines as f32 * line_height(input.theme());
-        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
-        let items = legend_items(input, &look, ui, state);
-        ink::name(&response, || format!("Legend: {}", items.plain()));
-        items.paint(ui, rect);
+/// The line below the pictures: the pixel under the pointer in numbers, or what the marks mean.
+pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
+    let (rect, response) =
+        ui.allocate_exact_size(vec2(ui.available_width(), line_height(input.theme())), Sense::hover());
+    if let Some(hovered) = state.hovered {
+        return readout(ui, input, hovered, (rect, &response));
     }
-    readout(ui, input, state);
+    if !input.look.legend {
+        return;
+    }
+    let look = state.marks.look(input);
+    let items = legend_items(input, &look, ui, state);
+    ink::name(&response, || format!("Legend: {}", items.plain()));
+    let shown = items.fitting(ui, rect.width());
+    shown.paint(ui, rect);
+    if shown.hidden > 0 {
+        response.on_hover_ui(|ui| {
+            let (width, lines) = items.column();
+            let height = lines as f32 * line_height(input.theme());
+            let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
+            items.paint(ui, rect);
+        });
+    }
 }
 
 /// What stands in the legend, and how wide each item is.
+#[derive(Clone)]
 struct Items {
     entries: Vec<(Entry, f32)>,
     bars: Vec<(legend::Bar, f32)>,
     theme: Theme,
+    /// How many there was no room for.
+    hidden: usize,
 }
 
-/// Room for the legend that most steps need: where it grew at a click, the picture would move under the mouse.
-const USUAL_LINES: usize = 2;
 const BAR: egui::Vec2 = vec2(96.0, 8.0);
 const GAP: f32 = 8.0;
-
-/// How many lines everything that the legend may ever tell here needs.
-fn legend_lines(input: &Input<'_>, ui: &Ui, width: f32) -> usize {
-    let width_of = |text: &str| text_width(ui, text, input.theme());
-    let entry = |&(role, meaning): &(Role, &'static str)| {
-        let entry = Entry { role, sample: Sample::Frame, meaning: meaning.into() };
-        (entry, ink::SWATCH.x + GAP + width_of(meaning))
-    };
-    let widest = grouped(888_888);
-    let heat = legend::Bar { ends: [format!("{} {widest}", input.heat), widest], colors: input.look.colors };
-    let entries = input.scene.legend.iter().map(entry).collect();
-    let bars = vec![(heat.clone(), bar_width(&heat, width_of))];
-    Items { entries, bars, theme: input.theme() }.layout(width).1
-}
 
 fn bar_width(bar: &legend::Bar, width_of: impl Fn(&str) -> f32) -> f32 {
     let [low, high] = bar.ends.each_ref().map(|words| width_of(words));
@@ -208,7 +231,7 @@ fn legend_items(input: &Input<'_>, look: &SceneLook, ui: &Ui, state: &State) -> 
         let width = bar_width(&bar, width);
         (bar, width)
     });
-    Items { entries: entries.collect(), bars: bars.collect(), theme: input.theme() }
+    Items { entries: entries.collect(), bars: bars.collect(), theme: input.theme(), hidden: 0 }
 }
 
 fn text_width(ui: &Ui, text: &str, theme: Theme) -> f32 {
@@ -231,6 +254,31 @@ impl Items {
         };
         let places = widths.map(place).collect();
         (places, line + 1)
+    }
+
+    /// Those that fit in one line, the colour scales before all, and how many are left.
+    fn fitting(&self, ui: &Ui, width: f32) -> Items {
+        let more = text_width(ui, "+88", self.theme) + 2.0 * GAP;
+        let total = self.entries.len() + self.bars.len();
+        let (mut shown, mut taken) = (Items { entries: Vec::new(), bars: Vec::new(), ..self.clone() }, 0.0);
+        let mut left = total;
+        let mut takes = |item: f32| {
+            let room = width - if left > 1 { more } else { 0.0 };
+            let fits = taken + item <= room;
+            taken += if fits { item + 2.0 * GAP } else { 0.0 };
+            left -= usize::from(fits);
+            fits
+        };
+        shown.bars.extend(self.bars.iter().filter(|(_, w)| takes(*w)).cloned());
+        shown.entries.extend(self.entries.iter().take_while(|(_, w)| takes(*w)).cloned());
+        shown.hidden = left;
+        shown
+    }
+
+    /// Width of the widest, and how many lines there are with one in each.
+    fn column(&self) -> (f32, usize) {
+        let widths = self.entries.iter().map(|(_, w)| *w).chain(self.bars.iter().map(|(_, w)| *w));
+        (widths.fold(0.0, f32::max), self.entries.len() + self.bars.len())
     }
 
     fn plain(&self) -> String {
@@ -268,42 +316,22 @@ impl Items {
             }
             word(pos2(colors.max.x + GAP, at.y), high);
         }
+        if self.hidden > 0 {
+            let dim = ink::color(self.theme.chrome().dim);
+            painter.text(rect.right_center(), Align2::RIGHT_CENTER, format!("+{}", self.hidden), font.clone(), dim);
+        }
     }
 }
 
-/// What one can do, in as many words as there is room for.
-const HINTS: [&str; 3] = [
-    "Point at a pixel to read it. Click for the result there, Shift+click for its start. The wheel zooms.",
-    "Click for the result there, Shift+click for its start. The wheel zooms.",
-    "Click for the result there. The wheel zooms.",
-];
-
-/// The same where there are several estimators.
-const HINTS_OF_SEVERAL: [&str; 3] = [
-    "Click an estimator to have it explained, then a block for its result, Shift+click for its start. The wheel zooms all.",
-    "Click an estimator to have it explained, then a block for its result. The wheel zooms all.",
-    "Click an estimator to have it explained, then a block.",
-];
-
-/// The pixel pointed at, in numbers; what one can do, where none is.
-fn readout(ui: &mut Ui, input: &Input<'_>, state: &State) {
-    let height = line_height(input.theme());
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+/// The pixel pointed at, in numbers.
+fn readout(ui: &Ui, input: &Input<'_>, hovered: Hovered, (rect, response): (Rect, &egui::Response)) {
     let chrome = input.theme().chrome();
     let (text, dim) = (ink::color(chrome.text), ink::color(chrome.dim));
     let size = input.theme().sizes().small;
     let font = ink::font(Face::Sans, size);
     let painter = ui.painter_at(rect);
-    let Some(hovered) = state.hovered else {
-        let width = |hint: &str| painter.layout_no_wrap(hint.into(), font.clone(), dim).size().x;
-        let hints = if input.lockstep.is_some() { HINTS_OF_SEVERAL } else { HINTS };
-        let hint = hints.into_iter().find(|hint| width(hint) <= rect.width()).unwrap_or(hints[hints.len() - 1]);
-        ink::name(&response, || hint.into());
-        ink::line(&painter, rect.left_center(), (hint, font, dim), rect.width());
-        return;
-    };
     let columns = columns(&compared(input, hovered.on), hovered.pixel);
-    ink::name(&response, || columns.iter().map(|c| format!("{} {}", c.label, c.value)).collect::<Vec<_>>().join(", "));
+    ink::name(response, || columns.iter().map(|c| format!("{} {}", c.label, c.value)).collect::<Vec<_>>().join(", "));
     let mut at = rect.left_center();
     for column in &columns {
         let label = painter.layout_no_wrap(column.label.clone(), font.clone(), dim);

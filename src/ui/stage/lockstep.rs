@@ -1,7 +1,7 @@
 //! Several estimators on the stage: a tile for each, and above all what they have in common.
 
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
-use eframe::egui::{self, Align, Button, CursorIcon, Layout, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
+use eframe::egui::{self, CursorIcon, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 use motionscope_core::Pace;
 use motionscope_core::scene::Sentence;
 
@@ -9,6 +9,7 @@ use super::{Input, Lens, Response, bar};
 use crate::paint::{Face, Theme, brevity};
 use crate::ui::app::commands::Command;
 use crate::ui::drawing::ink;
+use crate::ui::parts::widgets;
 use crate::view::tile::Tile;
 
 /// Between two tiles, in points.
@@ -25,25 +26,33 @@ pub struct Lockstep<'a> {
     pub pace: Pace,
 }
 
-/// What all have in common, and the way out.
-pub fn tools(ui: &mut Ui, lockstep: &Lockstep<'_>, response: &mut Response) {
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 2.0;
-        ui.weak("In lockstep");
-        ui.add_space(6.0);
-        for (pace, tip) in [
-            (Pace::Block, "All are at the same block, and have tested as many candidates for it."),
-            (Pace::Budget, "All have tested as many candidates in the whole picture; the first one leads."),
-        ] {
-            if ui.selectable_label(lockstep.pace == pace, pace.label()).on_hover_text(tip).clicked() {
-                response.paced = Some(pace);
-            }
+/// What all have in common, and the way out, as a list and a button.
+pub fn choice(ui: &mut Ui, lockstep: &Lockstep<'_>, response: &mut Response) {
+    let list = egui::ComboBox::from_id_salt("pace").selected_text(lockstep.pace.label());
+    list.show_ui(ui, |ui| paces(ui, lockstep, response)).response.accessible_name("In lockstep by");
+    let tip = Command::Lockstep.with_key(LEAVE);
+    response.left |= widgets::cross(ui, "Leave lockstep").on_hover_text(tip).clicked();
+}
+
+/// The same as items of a menu.
+pub fn items(ui: &mut Ui, lockstep: &Lockstep<'_>, response: &mut Response) {
+    ui.weak("In lockstep");
+    paces(ui, lockstep, response);
+    let tip = Command::Lockstep.with_key(LEAVE);
+    response.left |= ui.button("Leave lockstep").on_hover_text(tip).clicked();
+}
+
+const LEAVE: &str = "Go on with the first estimator alone.";
+
+fn paces(ui: &mut Ui, lockstep: &Lockstep<'_>, response: &mut Response) {
+    for (pace, tip) in [
+        (Pace::Block, "All are at the same block, and have tested as many candidates for it."),
+        (Pace::Budget, "All have tested as many candidates in the whole picture; the first one leads."),
+    ] {
+        if ui.selectable_label(lockstep.pace == pace, pace.label()).on_hover_text(tip).clicked() {
+            response.paced = Some(pace);
         }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let tip = Command::Lockstep.with_key("Go on with the first estimator alone.");
-            response.left |= ui.add(Button::new("Leave")).on_hover_text(tip).clicked();
-        });
-    });
+    }
 }
 
 /// Height of what stands above a picture.

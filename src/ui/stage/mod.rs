@@ -95,7 +95,8 @@ pub struct State {
     marks: Marks,
     /// One for each estimator.
     glides: Vec<Glide>,
-    legend_height: bar::Height,
+    /// Where the pictures lie.
+    area: Option<Rect>,
     hovered: Option<Hovered>,
     /// How closely one looks at pictures whose pixels are not those of frame t.
     zooms: Vec<(Picture, Zoom)>,
@@ -118,6 +119,11 @@ impl State {
                 self.hovered.map(Hovered::point).or(at_hand).filter(|&point| lens.pane.contains(lens.to_screen(point)));
             self.zoom = lens.zoomed(held.map_or(lens.pane.center(), |point| lens.to_screen(point)), factor);
         }
+    }
+
+    /// Where the pictures lie, in points of the window.
+    pub fn area(&self) -> Rect {
+        self.area.unwrap_or(Rect::ZERO)
     }
 
     /// The whole picture.
@@ -187,20 +193,17 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
     let mut response = Response { look: input.look, ..Response::default() };
     bar::tools(ui, &input, state, &mut response);
-    if let Some(lockstep) = &input.lockstep {
-        lockstep::tools(ui, lockstep, &mut response);
-    }
-    levels::tools(ui, &input, &mut response.look.level);
     placing::tools(ui, &input, &mut response);
     let input = Input { look: response.look, ..input };
     // Each of several estimators has its own level.
     let on_level = input.pictures.on_level(input.scene.levels.as_ref(), input.look.level, view(&input));
     let input = Input { pictures: &on_level, ..input };
-    let below = bar::height_below(ui, &input, state);
+    let below = bar::line_height(input.theme()) + ui.spacing().item_spacing.y;
     let room = vec2(ui.available_width(), (ui.available_height() - below).max(40.0));
     let (area, _) = ui.allocate_exact_size(room, Sense::hover());
+    state.area = Some(area);
     panes(ui, area, &input, state, &mut response);
-    bar::below(ui, &input, state);
+    bar::line(ui, &input, state);
     response
 }
 

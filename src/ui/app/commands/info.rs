@@ -212,18 +212,39 @@ impl Command {
                 "Show or fold away the cost surface, the numbers and the plots.",
                 const { &[ctrl(Key::Num2)] },
             ),
-            C::ShowWhy => (
+            C::ShowExplanation => (
                 Menu::View,
                 Icon::PanelRight,
                 "Explanation",
                 "Show or fold away the explanation of the step.",
                 const { &[ctrl(Key::Num3)] },
             ),
+            C::EnlargeChart => (
+                Menu::View,
+                Icon::Maximize2,
+                "Enlarge chart",
+                "Show the chart in the place of the stage, or the stage again.",
+                const { &[key(Key::X)] },
+            ),
+            C::NextChart => (
+                Menu::View,
+                Icon::ChartColumn,
+                "Next chart",
+                "Show the next chart of the step.",
+                const { &[key(Key::N)] },
+            ),
+            C::PreviousChart => (
+                Menu::View,
+                Icon::ChartColumn,
+                "Previous chart",
+                "Show the previous chart of the step.",
+                const { &[shift(Key::N)] },
+            ),
             C::Lecture => (
                 Menu::View,
                 Icon::Presentation,
                 "Lecture",
-                "Nothing but the stage, the explanation and the transport.",
+                "Stage and chart large, with sentence and formula below; everything else in drawers.",
                 const { &[key(Key::L)] },
             ),
             C::FullScreen => (

@@ -1,0 +1,248 @@
+//! The charts of a step: which are seen, the tabs above them, and what a click in one asks for.
+
+use eframe::egui::{self, Align, Button, Layout, Rect, RichText, TextStyle, Ui, WidgetInfo};
+use lucide_icons::Icon;
+use motionscope_core::scene::Readout;
+use motionscope_core::{Cursor, Step};
+use serde::{Deserialize, Serialize};
+
+use super::Panes;
+use crate::ui::app::action::Action;
+use crate::ui::app::commands::Command;
+use crate::ui::charts::{distribution, heat_map, histogram, matrices, plane, plots, stack3d, surface3d, tiles};
+use crate::ui::drawing::chart::Subject;
+use crate::ui::parts::widgets;
+use crate::view::panes::{self, Pane};
+
+/// Which charts the person looks at, by their ids.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Chosen {
+    /// One for each place, the first one first.
+    places: [Option<String>; 2],
+    /// Whether the first takes the place of the stage.
+    #[serde(skip)]
+    pub is_enlarged: bool,
+}
+
+impl Chosen {
+    /// What stands in `count` places when a step has `all`: what was chosen for it, or the first that stands in no other.
+    pub fn seen(&self, all: &[&'static Pane], count: usize) -> Vec<&'static Pane> {
+        let wanted = |place: usize| {
+            let id = self.places.get(place)?.as_ref()?;
+            all.iter().copied().find(|pane| pane.id == id)
+        };
+        let mut seen: Vec<&'static Pane> = Vec::new();
+        for place in 0..count {
+            let is_later =
+                |pane: &Pane| (place + 1..count).any(|later| wanted(later).is_some_and(|other| other == pane));
+            let is_free = |pane: &&'static Pane| !seen.contains(pane);
+            let next = wanted(place).filter(is_free);
+            let next = next.or_else(|| all.iter().copied().find(|pane| is_free(pane) && !is_later(pane)));
+            seen.extend(next);
+        }
+        seen
+    }
+
+    /// Shows `pane` in `place`; what stood there takes the place of `pane`, if that has one.
+    pub fn choose(&mut self, place: usize, pane: &'static Pane, seen: &[&'static Pane]) {
+        for (i, other) in seen.iter().enumerate() {
+            self.places[i] = Some(other.id.to_owned());
+        }
+        if let (Some(there), Some(here)) = (seen.iter().position(|other| *other == pane), seen.get(place)) {
+            self.places[there] = Some(here.id.to_owned());
+        }
+        if let Some(chosen) = self.places.get_mut(place) {
+            *chosen = Some(pane.id.to_owned());
+        }
+    }
+
+    /// Shows the next of `all` in the first place, or the one before.
+    pub fn turn(&mut self, all: &[&'static Pane], count: usize, is_back: bool) {
+        let seen = self.seen(all, count);
+        let Some(at) = seen.first().and_then(|first| all.iter().position(|pane| pane == first)) else { return };
+        let to = if is_back { at + all.len() - 1 } else { at + 1 } % all.len();
+        self.choose(0, all[to], &seen);
+    }
+}
+
+impl Panes<'_> {
+    /// The charts that the step has something for.
+    pub(super) fn charts_of_step(&self) -> Vec<&'static Pane> {
+        let Some(shown) = self.view.shown.as_deref() else { return Vec::new() };
+        panes::charts(self.told(shown).1)
+    }
+
+    /// Shows a chart in each of `places`.
+    pub(super) fn charts(&mut self, ui: &mut Ui, places: &[Rect]) {
+        let all = self.charts_of_step();
+        let seen = self.charts.seen(&all, places.len());
+        for (place, (pane, rect)) in seen.iter().zip(places).enumerate() {
+            self.within(
+                ui,
+                *rect,
+                egui::Margin { left: 8, right: 8, top: 0, bottom: 6 },
+                ("chart", place),
+                |panes, ui| {
+                    panes.tabs(ui, place, &all, &seen);
+                    if panes.is_stale() {
+                        ui.multiply_opacity(0.4);
+                    }
+                    ui.push_id(pane.id, |ui| panes.chart(ui, pane));
+                },
+            );
+        }
+    }
+
+    /// The line above a chart: what it is, what could stand there, and how to see it larger.
+    fn tabs(&mut self, ui: &mut Ui, place: usize, all: &[&'static Pane], seen: &[&'static Pane]) {
+        let height = ui.spacing().interact_size.y;
+        let row = Rect::from_min_size(ui.cursor().min, egui::vec2(ui.available_width(), height));
+        let row_ui =
+            &mut ui.new_child(egui::UiBuilder::new().max_rect(row).layout(Layout::right_to_left(Align::Center)));
+        row_ui.spacing_mut().item_spacing.x = 2.0;
+        if place == 0 {
+            let (glyph, name) = match self.charts.is_enlarged {
+                true => (Icon::Minimize2, "Back to the stage"),
+                false => (Icon::Maximize2, "Enlarge the chart"),
+            };
+            let tip = Command::EnlargeChart.with_key("Show the chart in the place of the stage, or the stage again.");
+            if widgets::icon_button(row_ui, glyph, name, false).on_hover_text(tip).clicked() {
+                self.actions.command(Command::EnlargeChart);
+            }
+        }
+        let mut chosen = None;
+        row_ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            let now = seen[place];
+            let padding = 2.0 * ui.spacing().button_padding.x + 2.0;
+            let font = TextStyle::Small.resolve(ui.style());
+            let width = |pane: &&Pane| {
+                let words = pane.title.to_owned();
+                ui.painter().layout_no_wrap(words, font.clone(), egui::Color32::PLACEHOLDER).size().x + padding
+            };
+            let needed: f32 = all.iter().map(width).sum();
+            if needed <= ui.available_width() {
+                for pane in all {
+                    let is_now = *pane == now;
+                    let tab = ui.add(Button::selectable(is_now, RichText::new(pane.title).small()));
+                    tab.widget_info(|| WidgetInfo::selected(egui::Role::Tab, true, is_now, pane.title));
+                    if tab.on_hover_text(sentence(pane.doc)).clicked() {
+                        chosen = Some(*pane);
+                    }
+                }
+                return;
+            }
+            let list = egui::ComboBox::from_id_salt(("charts", place)).selected_text(RichText::new(now.title).small());
+            let list = list.show_ui(ui, |ui| {
+                for pane in all {
+                    if ui.selectable_label(*pane == now, pane.title).on_hover_text(sentence(pane.doc)).clicked() {
+                        chosen = Some(*pane);
+                    }
+                }
+            });
+            list.response.accessible_name("Chart");
+        });
+        ui.advance_cursor_after_rect(row);
+        if let Some(pane) = chosen {
+            self.charts.choose(place, pane, seen);
+        }
+    }
+
+    fn chart(&mut self, ui: &mut Ui, pane: &'static Pane) {
+        let Some(shown) = self.view.shown.as_deref() else { return };
+        let (info, step) = self.told(shown);
+        let subject = Subject { step: Some(step), whose: info.name, theme: self.look.theme, colors: self.look.colors };
+        let estimator = &shown.subject.experiment.estimator;
+        let mut event = None;
+        if *pane == panes::SERIES {
+            event = plots::show(ui, &step.readouts, subject, &mut self.states.plots);
+        }
+        for readout in &step.readouts {
+            match readout {
+                Readout::Surface(surface) if *pane == panes::SURFACE => {
+                    event = heat_map::show(ui, heat_map::Input { surface, subject }, &mut self.states.heat_map).clicked;
+                }
+                Readout::Surface(surface) if *pane == panes::SURFACE_3D => {
+                    let input = surface3d::Input { surface, subject, gpu: self.gpu };
+                    surface3d::show(ui, input, &mut self.states.surface3d);
+                }
+                Readout::Plane(plane) if *pane == panes::PLANE => {
+                    plane::show(ui, plane::Input { plane, subject }, &mut self.states.plane);
+                }
+                Readout::Tiles(tiles) if *pane == panes::TILES => {
+                    let is_centered = !estimator.tests_candidates();
+                    tiles::show(ui, tiles::Input { tiles, is_centered, subject }, &mut self.states.tiles);
+                }
+                Readout::Matrices(all) if *pane == panes::MATRICES => {
+                    matrices::show(ui, all, subject, &mut self.states.matrices);
+                }
+                Readout::Histogram(counts) if *pane == panes::HISTOGRAM => {
+                    // The units of several in lockstep are their own, and not those of this estimator.
+                    let input = histogram::Input { histogram: counts, leads: shown.tiles.is_empty(), subject };
+                    if let Some(unit) = histogram::show(ui, input, &mut self.states.histogram).clicked {
+                        self.actions.ask(Action::Seek(Cursor { unit, event: usize::MAX }));
+                    }
+                }
+                Readout::Distribution(distribution) if *pane == panes::ERRORS => {
+                    distribution::show(ui, distribution::Input { distribution, subject }, &mut self.states.errors);
+                }
+                Readout::Stack(stack) if *pane == panes::PYRAMID => {
+                    let input = stack3d::Input { stack, on_stage: self.look.level.of(&stack.levels), subject };
+                    if let Some(level) = stack3d::show(ui, input, &mut self.states.stack3d).clicked {
+                        self.look.level = crate::paint::LevelShown::Number(level);
+                    }
+                }
+                _ => continue,
+            }
+            break;
+        }
+        if let Some(event) = event {
+            self.actions.ask(Action::Seek(Cursor { event, ..shown.cursor }));
+        }
+    }
+}
+
+/// A doc as a sentence.
+fn sentence(doc: &str) -> String {
+    let mut letters = doc.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
+    first + letters.as_str() + "."
+}
+
+/// The charts that `step` has something for, for tests and commands.
+pub fn of_step(step: &Step) -> Vec<&'static Pane> {
+    panes::charts(step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::panes::{HISTOGRAM, SERIES, SURFACE, SURFACE_3D};
+
+    #[test]
+    fn each_chart_is_seen_once() {
+        let all: [&'static Pane; 4] = [&SURFACE, &SURFACE_3D, &SERIES, &HISTOGRAM];
+        let ids = |chosen: &Chosen, count| chosen.seen(&all, count).iter().map(|pane| pane.id).collect::<Vec<_>>();
+        let mut chosen = Chosen::default();
+        assert_eq!(ids(&chosen, 2), ["surface", "surface-3d"]);
+        chosen.choose(1, &SURFACE, &chosen.clone().seen(&all, 2));
+        assert_eq!(ids(&chosen, 2), ["surface-3d", "surface"], "they change places");
+        chosen.choose(0, &HISTOGRAM, &chosen.clone().seen(&all, 2));
+        assert_eq!(ids(&chosen, 2), ["histogram", "surface"]);
+        assert_eq!(chosen.seen(&[&SURFACE], 1), [&SURFACE], "what is chosen is not there");
+        assert_eq!(chosen.seen(&[&SERIES, &SURFACE], 2), [&SERIES, &SURFACE]);
+        assert!(chosen.seen(&[], 2).is_empty());
+    }
+
+    #[test]
+    fn turning_leads_through_all_and_back() {
+        let all: [&'static Pane; 3] = [&SURFACE, &SERIES, &HISTOGRAM];
+        let mut chosen = Chosen::default();
+        let mut seen = Vec::new();
+        for is_back in [false, false, false, true] {
+            chosen.turn(&all, 1, is_back);
+            seen.push(chosen.seen(&all, 1)[0].id);
+        }
+        assert_eq!(seen, ["series", "histogram", "surface", "histogram"]);
+    }
+}
