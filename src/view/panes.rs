@@ -253,10 +253,13 @@ pub const PYRAMID: Pane = Pane {
 pub static PANES: [&Pane; 11] =
     [&STAGE, &EXPLANATION, &SURFACE, &SURFACE_3D, &PLANE, &SERIES, &TILES, &MATRICES, &HISTOGRAM, &ERRORS, &PYRAMID];
 
-/// The charts that a step has something for, in the order in which they are offered.
-pub fn charts(step: &Step) -> Vec<&'static Pane> {
+/// The charts that a step has something for: first those of `order`, what an estimator declares, then all others.
+pub fn charts(step: &Step, order: &[Chart]) -> Vec<&'static Pane> {
     let is_chart = |pane: &&'static Pane| **pane != STAGE && **pane != EXPLANATION;
-    PANES.into_iter().filter(is_chart).filter(|pane| (pane.is_told)(step)).collect()
+    let mut told: Vec<_> = PANES.into_iter().filter(is_chart).filter(|pane| (pane.is_told)(step)).collect();
+    let place = |pane: &&Pane| pane.chart.and_then(|chart| order.iter().position(|other| *other == chart));
+    told.sort_by_key(|pane| place(pane).unwrap_or(order.len()));
+    told
 }
 
 /// The panes that stand on a picture, and from where they are looked at; without any, the stage stands alone.

@@ -15,6 +15,13 @@ fn window(lines: &str) -> Window {
     Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) })
 }
 
+/// Puts a level on the stage.
+fn choose(window: &mut Window, level: &str) {
+    window.click_role(Role::ComboBox, "Level");
+    window.harness.get_by_label_contains(level).click();
+    window.settle();
+}
+
 fn levels(window: &Window) -> &Levels {
     window.shown().scene.levels.as_ref().expect("it works on a pyramid")
 }
@@ -29,16 +36,16 @@ fn the_stage_follows_the_level_at_work_or_stays_on_one() {
     let mut window = window("");
     assert_eq!(levels(&window).at_work, 2);
     assert!(stage(&window, "Frame t = 0 · level 2, 80×60 px") && stage(&window, "Frame t+1 = 1 · level 2, 80×60 px"));
-    window.click("Level 0");
+    choose(&mut window, "Level 0");
     assert!(stage(&window, "Frame t = 0"), "the picture itself");
-    window.click("Level 1");
+    choose(&mut window, "Level 1");
     assert!(stage(&window, "Frame t = 0 · level 1, 160×120 px"));
     window.command(Command::End);
     assert!(stage(&window, "Frame t = 0 · level 1, 160×120 px"), "it stays");
     window.click("Prediction");
     assert!(stage(&window, "Prediction of frame t = 0"), "there is none of a level");
     window.click("Side by side");
-    window.click("Level at work");
+    choose(&mut window, "Level at work");
     assert!(stage(&window, "Frame t = 0"), "the run ends on the picture");
     window.command(Command::Start);
     assert!(stage(&window, "Frame t = 0"), "nothing is at work yet");
@@ -49,16 +56,16 @@ fn the_stage_follows_the_level_at_work_or_stays_on_one() {
 #[test]
 fn only_what_works_on_a_pyramid_offers_its_levels() {
     let mut window = Window::usual();
-    assert!(window.harness.query_by_label("Level at work").is_none());
+    assert!(window.harness.query_by_role_and_label(Role::ComboBox, "Level").is_none());
     window.key(Key::B);
-    assert!(window.harness.query_by_label("Level at work").is_none());
+    assert!(window.harness.query_by_role_and_label(Role::ComboBox, "Level").is_none());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("two.motionscope");
     let text = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"diamond\"\nstep = \"7.3\"\n[[beside]]\n\
                 estimator = \"hierarchical\"\n";
     fs::write(&path, text).unwrap();
     let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) });
-    window.click("Level 2");
+    choose(&mut window, "Level 2");
     assert!(window.shown().tiles[1].scene.levels.is_some() && window.shown().scene.levels.is_none());
     let titles = |start: &str| {
         let all = window.harness.query_all_by_role(Role::Image);
@@ -114,7 +121,7 @@ fn the_pyramid_stands_in_three_dimensions_and_a_click_puts_a_level_on_the_stage(
     assert!(told.contains("Level 2, 80×60 px: best so far") && told.contains("Level 0, 320×240 px. Drag"), "{told}");
     // The highest plane is the coarsest level: the first one below the upper edge.
     let middle = rect.center().x - 0.15 * rect.width();
-    window.click("Level 0");
+    choose(&mut window, "Level 0");
     let titles = ["Frame t = 0", "Frame t = 0 · level 1, 160×120 px", "Frame t = 0 · level 2, 80×60 px"];
     let mut seen = vec![0];
     for i in 1..14 {
@@ -123,7 +130,7 @@ fn the_pyramid_stands_in_three_dimensions_and_a_click_puts_a_level_on_the_stage(
         seen.extend(Some(level).filter(|level| seen.last() != Some(level)));
     }
     assert_eq!(seen, [0, 2, 1, 0], "from the top down");
-    window.click("Level at work");
+    choose(&mut window, "Level at work");
     window.command(Command::End);
     let (_, told) = pyramid(&window).expect("it stays");
     assert!(["Level 2, 80×60 px: found", "Level 1, 160×120 px: found"].iter().all(|part| told.contains(part)));

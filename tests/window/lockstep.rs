@@ -89,6 +89,7 @@ fn the_budget_is_shared_and_parameters_are() {
         window.app().document().side_by_side().beside.iter().map(|one| one.get(name).expect("they have it")).collect()
     };
     assert_eq!(all(&window, "range"), [Value::Int(4), Value::Int(4)]);
+    window.click_role(Role::ComboBox, "In lockstep by");
     window.click("same budget");
     assert_eq!(window.app().document().side_by_side().pace, Pace::Budget);
     window.key(Key::End);
@@ -97,7 +98,7 @@ fn the_budget_is_shared_and_parameters_are() {
     assert!(shown.tiles.iter().all(|tile| tile.prediction.is_some()));
     let psnr = |i: usize| shown.tiles[i].words[0].plain();
     assert!((0..3).all(|i| psnr(i).contains("dB PSNR")), "{}", psnr(0));
-    window.click("Leave");
+    window.click("Leave lockstep");
     assert!(window.shown().at_end && window.shown().tiles.is_empty());
 }
 
@@ -137,6 +138,7 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Window::usual();
     window.key(Key::B);
+    window.click_role(Role::ComboBox, "In lockstep by");
     window.click("same budget");
     let (here, told) = (window.cursor(), tiles(&window));
     let look = Look { view: None, ..Look::default() };
@@ -173,6 +175,7 @@ fn nobody_is_moved_by_undo_or_by_a_parameter() {
     window.command(Command::Redo);
     assert_eq!((window.shown().tiles.len(), window.cursor()), (3, together));
     // Where the budget counts, the others are at other blocks by now.
+    window.click_role(Role::ComboBox, "In lockstep by");
     window.click("same budget");
     let leader = window.shown().leader().unit;
     window.harness.get_by_role_and_label(Role::Slider, "Lambda").set_value_accesskit(1.0);

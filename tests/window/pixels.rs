@@ -29,7 +29,11 @@ fn on_picture(window: &Window, title: &str, [x, y]: [f32; 2]) -> Pos2 {
     let mut pictures = window.harness.get_all_by_role(Role::Image);
     let stage = pictures.find(|node| node.accesskit_node().label().is_some_and(begins));
     let rect = stage.unwrap_or_else(|| panic!("{title} is not shown")).rect();
-    rect.min + rect.size() * vec2(x, y)
+    // Beside the picture there may be more room, and above it is its title.
+    let (width, height) = window.shown().pictures.pair[0].size();
+    let size = vec2(width as f32, height as f32);
+    let size = size * (rect.size() / size).min_elem();
+    rect.center() + size * (vec2(x, y) - Vec2::splat(0.5))
 }
 
 #[test]

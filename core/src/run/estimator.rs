@@ -128,7 +128,7 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     const TELLS_CONFIDENCE: bool = false;
     /// Whether it looks at pictures: some take what others have detected.
     const NEEDS_PICTURES: bool = true;
-    /// The charts that its steps may have something for: the window offers no others.
+    /// The charts that its steps may have something for, the one that matters most first: the window offers no others.
     const CHARTS: &'static [Chart] = Chart::ALL;
     /// All that a unit reads and writes, its random generator included.
     type State: Clone + Send + Sync + 'static;

@@ -257,8 +257,7 @@ impl App {
     }
 
     fn turn_charts(&mut self, is_back: bool) {
-        let Some(shown) = self.view.shown.as_deref() else { return };
-        let all = crate::view::panes::charts(&shown.step);
+        let all = self.charts();
         let count = self.regions().iter().filter(|(region, _)| *region == super::Region::Chart).count();
         self.settings.charts.turn(&all, count.max(1), is_back);
     }

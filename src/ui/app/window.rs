@@ -23,6 +23,7 @@ use crate::ui::panes::layout::{Arrangement, Folded, Mode, Room};
 use crate::ui::panes::{Panes, States};
 use crate::ui::panes::{status, topbar, transport};
 use crate::ui::parts::toasts::Toasts;
+use crate::view::panes::{Pane, charts};
 
 /// The key under which is stored how the panes are looked at.
 const STATES: &str = "panes";
@@ -238,7 +239,7 @@ impl App {
             checking: self.view.checking,
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
-            has_charts: shown.is_some_and(|shown| !crate::view::panes::charts(&shown.step).is_empty()),
+            has_charts: !self.charts().is_empty(),
             has_enlarged: self.settings.charts.is_enlarged
                 && self.regions.iter().all(|(region, _)| *region != Region::Stage),
             can_be_larger: self.settings.interface(self.size()).zoom < ZOOM.1 && {
@@ -300,16 +301,24 @@ impl App {
         self.regions = regions;
     }
 
+    /// The charts of the step that is explained.
+    pub(super) fn charts(&self) -> Vec<&'static Pane> {
+        let Some(shown) = self.view.shown.as_deref() else { return Vec::new() };
+        let (experiment, explained) = (&shown.subject.experiment, self.states.explained);
+        let step = shown.tiles.get(explained).map_or(&shown.step, |tile| &tile.step);
+        let beside = explained.checked_sub(1).and_then(|i| experiment.side_by_side.beside.get(i));
+        charts(step, beside.unwrap_or(&experiment.estimator).charts())
+    }
+
     /// The room between header and transport, for panes of what is shown.
     fn room(&self, body: egui::Rect, window: egui::Vec2) -> Room {
-        let step = self.view.shown.as_deref().map(|shown| &*shown.step);
         Room {
             body,
             window,
             type_pt: self.settings.look.theme.sizes().body,
             mode: self.settings.mode.unwrap_or(Mode::Desk),
             folded: self.settings.folded(),
-            charts: step.map_or(0, |step| crate::view::panes::charts(step).len()),
+            charts: self.charts().len(),
             is_enlarged: self.settings.charts.is_enlarged,
             strip: self.states.strip.height(),
             shares: self.settings.shares,
@@ -385,6 +394,7 @@ impl App {
         regions: &mut Vec<(Region, egui::Rect)>,
     ) {
         let all = self.room(ui.max_rect(), ui.ctx().content_rect().size()).arrange();
+        let of_step = self.charts();
         let calm = self.settings.reduced_motion || self.player.is_playing();
         let mut panes = Panes {
             document: &self.document,
@@ -392,6 +402,7 @@ impl App {
             loading: self.loading.as_ref(),
             error: self.error.as_ref(),
             states: &mut self.states,
+            of_step,
             charts: &mut self.settings.charts,
             shares: &mut self.settings.shares,
             animate: !calm && !ui.input(|i| i.pointer.any_down()),

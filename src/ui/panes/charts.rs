@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, Align, Button, Layout, Rect, RichText, TextStyle, Ui, WidgetInfo};
 use lucide_icons::Icon;
+use motionscope_core::Cursor;
 use motionscope_core::scene::Readout;
-use motionscope_core::{Cursor, Step};
 use serde::{Deserialize, Serialize};
 
 use super::Panes;
@@ -67,15 +67,9 @@ impl Chosen {
 }
 
 impl Panes<'_> {
-    /// The charts that the step has something for.
-    pub(super) fn charts_of_step(&self) -> Vec<&'static Pane> {
-        let Some(shown) = self.view.shown.as_deref() else { return Vec::new() };
-        panes::charts(self.told(shown).1)
-    }
-
     /// Shows a chart in each of `places`.
     pub(super) fn charts(&mut self, ui: &mut Ui, places: &[Rect]) {
-        let all = self.charts_of_step();
+        let all = self.of_step.clone();
         let seen = self.charts.seen(&all, places.len());
         for (place, (pane, rect)) in seen.iter().zip(places).enumerate() {
             self.within(
@@ -207,11 +201,6 @@ fn sentence(doc: &str) -> String {
     let mut letters = doc.chars();
     let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
     first + letters.as_str() + "."
-}
-
-/// The charts that `step` has something for, for tests and commands.
-pub fn of_step(step: &Step) -> Vec<&'static Pane> {
-    panes::charts(step)
 }
 
 #[cfg(test)]

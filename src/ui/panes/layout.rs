@@ -138,9 +138,9 @@ pub struct Arrangement {
 /// Letters across the window, and lines down, below which its panes do not fit beside each other.
 const DESK_LETTERS: Vec2 = vec2(84.0, 42.0);
 /// Letters across below which the parameters are a drawer.
-const DOCKED_LETTERS: f32 = 118.0;
+const DOCKED_LETTERS: f32 = 100.0;
 /// Lines down from which charts stand below the stage.
-const BELOW_LINES: f32 = 64.0;
+const BELOW_LINES: f32 = 88.0;
 /// Width from which two charts are seen at once, in points.
 const TWO_CHARTS: f32 = 1600.0;
 /// The least window that everything has room in, in letters across and lines down: a smaller one has smaller type.
@@ -201,8 +201,8 @@ impl Room {
         let has_charts = self.columns() > 0;
         let is_below = self.is_below();
         if !self.folded.explanation || has_charts && !is_below {
-            let usual = (0.28 * self.window.x).clamp(23.0 * self.type_pt, 36.0 * self.type_pt);
-            let width = (usual * self.shares.column).clamp(18.0 * self.type_pt, 0.45 * self.window.x);
+            let usual = within(0.26 * self.window.x, 23.0 * self.type_pt, 36.0 * self.type_pt);
+            let width = within(usual * self.shares.column, 18.0 * self.type_pt, 0.45 * self.window.x);
             let (left, right) = split_x(rest, rest.width() - width - GAP);
             all.borders.push(Border {
                 rect: grip(right.min.x, right.y_range()),
@@ -214,7 +214,7 @@ impl Room {
         }
         if has_charts && is_below {
             let usual = (0.28 * rest.height()).max(15.0 * self.type_pt);
-            let height = (usual * self.shares.charts).clamp(12.0 * self.type_pt, 0.6 * rest.height());
+            let height = within(usual * self.shares.charts, 12.0 * self.type_pt, 0.6 * rest.height());
             let (upper, lower) = split_y(rest, rest.height() - height - GAP);
             all.borders.push(Border {
                 rect: Rect::from_x_y_ranges(lower.x_range(), lower.min.y - GRIP..=lower.min.y + GRIP),
@@ -238,7 +238,7 @@ impl Room {
             (false, false) => all.explanation = Some(column),
             (false, true) => {
                 let usual = 0.48 * column.height();
-                let height = (usual * self.shares.charts).clamp(0.25 * column.height(), 0.7 * column.height());
+                let height = within(usual * self.shares.charts, 0.25 * column.height(), 0.7 * column.height());
                 let (upper, lower) = split_y(column, column.height() - height - GAP);
                 all.explanation = Some(upper);
                 all.charts = vec![lower];
@@ -253,14 +253,14 @@ impl Room {
 
     fn lecture(&self) -> Arrangement {
         let mut all = Arrangement::default();
-        let strip = self.strip.clamp(3.0 * self.type_pt, 0.3 * self.body.height());
+        let strip = within(self.strip, 3.0 * self.type_pt, 0.3 * self.body.height());
         let (mut rest, strip) = split_y(self.body, self.body.height() - strip - GAP);
         all.strip = Some(strip);
         if self.columns() > 0 {
             let is_tall = rest.height() > 0.9 * rest.width();
             let extent = if is_tall { rest.height() } else { rest.width() };
             let usual = 0.42 * extent;
-            let length = (usual * self.shares.charts).clamp(0.25 * extent, 0.6 * extent);
+            let length = within(usual * self.shares.charts, 0.25 * extent, 0.6 * extent);
             let (first, second) = if is_tall {
                 split_y(rest, rest.height() - length - GAP)
             } else {
@@ -335,6 +335,11 @@ pub fn zoom_that_fits(wanted: f32, size: Vec2, type_pt: f32) -> f32 {
     // Hundredths, so that nothing flickers while the window is dragged.
     let most = (most * 100.0).floor() / 100.0;
     if most.is_finite() { wanted.min(most.max(0.2)) } else { wanted }
+}
+
+/// `value` between `least` and `most`; `least` where there is not even room for that.
+fn within(value: f32, least: f32, most: f32) -> f32 {
+    value.min(most).max(least)
 }
 
 fn grip(x: f32, y: eframe::egui::Rangef) -> Rect {

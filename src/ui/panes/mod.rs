@@ -33,7 +33,7 @@ use crate::ui::charts::{distribution, heat_map, histogram, matrices, plane, plot
 use crate::ui::drawing::style;
 use crate::ui::stage;
 use crate::view::look::Look;
-use crate::view::panes::Angles;
+use crate::view::panes::{Angles, Pane};
 use charts::Chosen;
 use layout::{Arrangement, Border, SHARES, Shares};
 
@@ -101,6 +101,8 @@ pub struct Panes<'a> {
     pub error: Option<&'a Error>,
     /// What the panes remember.
     pub states: &'a mut States,
+    /// The charts of the step that is explained.
+    pub of_step: Vec<&'static Pane>,
     /// Which charts are looked at.
     pub charts: &'a mut Chosen,
     /// How the person has shared out the room.

@@ -323,7 +323,7 @@ impl Estimator for Hierarchical {
         frames: 2,
     };
     const GUARANTEE: Guarantee = Guarantee::SmoothTranslation { off_px: 0 };
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram, Chart::Stack];
+    const CHARTS: &'static [Chart] = &[Chart::Surface, Chart::Stack, Chart::Series, Chart::Tiles, Chart::Histogram];
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
     type Event = Event;

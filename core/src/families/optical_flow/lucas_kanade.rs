@@ -210,7 +210,7 @@ impl Estimator for LucasKanade {
     };
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 3 };
     const TELLS_CONFIDENCE: bool = true;
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
+    const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Tiles];
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State;
     type Event = Event;

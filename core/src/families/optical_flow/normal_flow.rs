@@ -121,7 +121,7 @@ impl Estimator for NormalFlow {
     };
     const GUARANTEE: Guarantee = Guarantee::AlongGradient;
     const TELLS_CONFIDENCE: bool = true;
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Plane];
+    const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Tiles];
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State;
     type Event = Event;

@@ -139,7 +139,7 @@ fn finish<S: BlockSearch>(search: &S, clip: &Clip, mut state: State, threads: &T
 impl<S: BlockSearch> Estimator for S {
     const INFO: Info = <S as BlockSearch>::INFO;
     const GUARANTEE: Guarantee = <S as BlockSearch>::GUARANTEE;
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Histogram];
+    const CHARTS: &'static [Chart] = &[Chart::Surface, Chart::Series, Chart::Tiles, Chart::Histogram];
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
     type State = State;
     type Event = Event;

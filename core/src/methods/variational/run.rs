@@ -248,7 +248,7 @@ impl<M: Model> State<M> {
 impl<M: Model> Estimator for Variational<M> {
     const INFO: Info = M::INFO;
     const GUARANTEE: Guarantee = M::GUARANTEE;
-    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Plane, Chart::Stack];
+    const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Series, Chart::Stack];
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State<M>;
     type Event = Event<M>;

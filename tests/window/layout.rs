@@ -1,0 +1,244 @@
+//! The laid-out window of every estimator, in every theme, at every scale: most of it is stage and chart, nothing lies over
+//! anything else, and no word is cut off.
+
+use eframe::egui::Shape;
+use eframe::egui::epaint::{ClippedShape, TextShape};
+use motionscope_core::estimators;
+
+use super::*;
+use objects::window;
+
+/// The estimators are shared out among so many tests, which run beside each other.
+const PARTS: usize = 4;
+/// Sizes of windows, in pixels.
+const SIZES: [[f32; 2]; 4] = [[1024.0, 640.0], [1280.0, 720.0], [1920.0, 1080.0], [2560.0, 1440.0]];
+/// Pixels per point.
+const SCALES: [f32; 3] = [1.0, 1.5, 2.0];
+/// Two words that share no more than this share of the smaller one's area only touch.
+const TOUCH: f32 = 0.12;
+
+/// A word as it is painted, and the part of the window that it may be painted in.
+#[derive(Clone, Debug)]
+struct Word {
+    text: String,
+    rect: Rect,
+    clip: Rect,
+}
+
+fn texts(shape: &Shape, clip: Rect, all: &mut Vec<Word>) {
+    match shape {
+        Shape::Vec(shapes) => shapes.iter().for_each(|shape| texts(shape, clip, all)),
+        Shape::Text(text) => {
+            let words = text.galley.job.text.trim();
+            let rect = text.visual_bounding_rect();
+            if !words.is_empty() && rect.is_positive() && is_seen(text) {
+                all.push(Word { text: words.to_owned(), rect, clip });
+            }
+        }
+        _ => {}
+    }
+}
+
+fn is_seen(text: &TextShape) -> bool {
+    text.opacity_factor > 0.05 && text.angle == 0.0
+}
+
+/// Every word in sight.
+fn words(shapes: &[ClippedShape]) -> Vec<Word> {
+    let mut all = Vec::new();
+    shapes.iter().for_each(|clipped| texts(&clipped.shape, clipped.clip_rect, &mut all));
+    all.retain(|word| word.clip.intersect(word.rect).is_positive());
+    all
+}
+
+fn rects(window: &Window, of: Region) -> Vec<Rect> {
+    window.app().regions().iter().filter(|(region, _)| *region == of).map(|(_, rect)| *rect).collect()
+}
+
+fn area(window: &Window, of: Region) -> f32 {
+    rects(window, of).iter().map(|rect| rect.area()).sum()
+}
+
+/// What is wrong with the window as it is.
+fn faults(window: &Window) -> Vec<String> {
+    let mut faults = Vec::new();
+    let screen = window.harness.ctx.content_rect();
+    let type_pt = window.app().settings().look.theme.sizes().body;
+    let panes: Vec<(Region, Rect)> =
+        window.app().regions().iter().filter(|(region, _)| *region != Region::Pictures).copied().collect();
+    for (i, (region, rect)) in panes.iter().enumerate() {
+        if !screen.expand(1.0).contains_rect(*rect) {
+            faults.push(format!("{region:?} leaves the window: {rect:?}"));
+        }
+        let least = match region {
+            Region::Stage => [20.0, 8.0],
+            Region::Chart => [15.0, 8.0],
+            Region::Explanation => [16.0, 8.0],
+            Region::Strip => [30.0, 3.0],
+            _ => [0.0; 2],
+        };
+        if rect.width() < least[0] * type_pt || rect.height() < least[1] * type_pt {
+            faults.push(format!("{region:?} is too small for anything: {:?}", rect.size()));
+        }
+        for (other, there) in &panes[..i] {
+            if rect.shrink(1.0).intersects(there.shrink(1.0)) {
+                faults.push(format!("{region:?} and {other:?} lie over each other"));
+            }
+        }
+    }
+    let pictures = rects(window, Region::Pictures);
+    // What is longer than its pane is scrolled there.
+    let scrolled = [Region::Explanation, Region::Strip, Region::Parameters].map(|of| rects(window, of)).concat();
+    let all = words(&window.harness.output().shapes);
+    if all.len() < 10 {
+        faults.push(format!("only {} words are in sight", all.len()));
+    }
+    for (i, Word { text, rect, clip }) in all.iter().enumerate() {
+        let is_in = |pane: &Rect| pane.expand(2.0).contains(clip.center()) && pane.intersects(*rect);
+        let (min, max) = (clip.min - Vec2::splat(1.5), clip.max + Vec2::splat(1.5));
+        let is_wide = rect.min.x < min.x || rect.max.x > max.x;
+        let is_high = (rect.min.y < min.y || rect.max.y > max.y) && !scrolled.iter().any(is_in);
+        // The labels of marks are cut where their picture ends.
+        let is_mark = pictures.iter().any(|pane| pane.contains(rect.center()));
+        if (is_wide || is_high) && !is_mark {
+            faults.push(format!("“{text}” is cut off: {rect:?} in {clip:?}"));
+        }
+        for other in all[..i].iter().filter(|_| !is_mark) {
+            let shared = rect.intersect(*clip).intersect(other.rect.intersect(other.clip));
+            if shared.size().min_elem() > 1.5 && shared.area() > TOUCH * rect.area().min(other.rect.area()) {
+                faults.push(format!("“{text}” lies over “{}”: {rect:?}, {:?}", other.text, other.rect));
+            }
+        }
+    }
+    faults
+}
+
+/// What is too small of the window as it is, in a room of 16:9.
+fn small(window: &Window, is_lecture: bool) -> Option<String> {
+    let whole = window.harness.ctx.content_rect().area();
+    let (pictures, stage, charts) =
+        (area(window, Region::Pictures), area(window, Region::Stage), area(window, Region::Chart));
+    let told = rects(window, Region::Explanation).len() + rects(window, Region::Strip).len();
+    if told == 0 || rects(window, Region::Transport).is_empty() {
+        return Some("explanation or transport are not in sight".into());
+    }
+    let (share, least) = if is_lecture { ((stage + charts) / whole, 0.55) } else { (pictures / whole, 0.40) };
+    (share < least)
+        .then(|| format!("stage and chart have {:.0} % of the window, not {:.0} %", 100.0 * share, 100.0 * least))
+}
+
+fn resize(window: &mut Window, pixels: [f32; 2], scale: f32) {
+    window.harness.set_pixels_per_point(scale);
+    window.size = Vec2::from(pixels) / scale;
+    for _ in 0..6 {
+        window.step();
+    }
+}
+
+/// Looks at an estimator in the middle of a run and at its end, in every window.
+fn look_at(id: &str, faults_of: &mut Vec<String>) {
+    for step in ["1.4", "end"] {
+        let mut window = window(id, "0.0");
+        window.key(Key::PageDown);
+        if step == "end" {
+            window.key(Key::End);
+        } else {
+            for _ in 0..3 {
+                window.key(Key::ArrowRight);
+            }
+        }
+        window.harness.remove_cursor();
+        for theme in Theme::ALL {
+            window.command(match theme {
+                Theme::Dark => Command::DarkTheme,
+                Theme::Light => Command::LightTheme,
+                Theme::Projector => Command::ProjectorTheme,
+            });
+            for pixels in SIZES {
+                for scale in SCALES {
+                    resize(&mut window, pixels, scale);
+                    let at = format!("{id} at {step}, {theme:?}, {}×{} at {scale}×", pixels[0], pixels[1]);
+                    faults_of.extend(faults(&window).into_iter().map(|fault| format!("{at}: {fault}")));
+                    // A scale of 1.5 on a small screen is a lecture hall's, whatever the theme.
+                    let is_measured = scale == 1.0 && [1280.0, 1920.0].contains(&pixels[0]);
+                    let small = small(&window, theme == Theme::Projector).filter(|_| is_measured);
+                    faults_of.extend(small.map(|fault| format!("{at}: {fault}")));
+                }
+            }
+        }
+    }
+}
+
+fn look_at_part(part: usize) {
+    let mut faults = Vec::new();
+    for estimator in estimators().iter().skip(part).step_by(PARTS) {
+        look_at(estimator.info().id, &mut faults);
+    }
+    let shown: Vec<_> = faults.iter().take(40).cloned().collect();
+    assert!(faults.is_empty(), "{} faults, the first of which are\n{}", faults.len(), shown.join("\n"));
+}
+
+#[test]
+fn every_window_of_the_first_quarter_has_room() {
+    look_at_part(0);
+}
+
+#[test]
+fn every_window_of_the_second_quarter_has_room() {
+    look_at_part(1);
+}
+
+#[test]
+fn every_window_of_the_third_quarter_has_room() {
+    look_at_part(2);
+}
+
+#[test]
+fn every_window_of_the_last_quarter_has_room() {
+    look_at_part(3);
+}
+
+#[test]
+fn a_lecture_shows_stage_and_chart_at_every_desk() {
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    window.key(Key::L);
+    for pixels in [[1280.0, 720.0], [1920.0, 1080.0]] {
+        resize(&mut window, pixels, 1.0);
+        assert_eq!((small(&window, true), faults(&window)), (None, Vec::new()));
+        assert_eq!(rects(&window, Region::Chart).len(), 1, "one chart of choice");
+    }
+}
+
+#[test]
+fn bad_windows_are_usable() {
+    for (pixels, scale) in
+        [([640.0, 480.0], 1.0), ([640.0, 480.0], 3.0), ([1920.0, 1080.0], 3.0), ([500.0, 900.0], 1.0)]
+    {
+        let mut window = Window::new(vec2(1280.0, 720.0));
+        resize(&mut window, pixels, scale);
+        assert_eq!(faults(&window), Vec::<String>::new(), "{pixels:?} at {scale}");
+        window.key(Key::ArrowRight);
+        assert!(window.cursor() > Cursor::default());
+    }
+}
+
+#[test]
+fn a_chart_takes_the_place_of_the_stage_and_gives_it_back() {
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    let before = area(&window, Region::Chart);
+    assert_eq!(rects(&window, Region::Stage).len(), 1);
+    window.click("Enlarge the chart");
+    assert!(rects(&window, Region::Stage).is_empty() && area(&window, Region::Chart) > 2.0 * before);
+    assert_eq!(faults(&window), Vec::<String>::new());
+    window.key(Key::Escape);
+    assert_eq!((rects(&window, Region::Stage).len(), area(&window, Region::Chart)), (1, before));
+}
+
+#[test]
+fn what_is_wrong_is_found() {
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    assert_eq!(faults(&window), Vec::<String>::new());
+    // A drawer lies over the stage on purpose: words under it lie under others.
+    window.command(Command::ShowParameters);
+    assert!(faults(&window).iter().any(|fault| fault.contains("lie over each other")), "{:?}", faults(&window));
+}
