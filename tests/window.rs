@@ -162,6 +162,31 @@ impl Window {
         self.settle();
     }
 
+    /// Shows a chart, by its tab or in the list of those that there is no room for beside each other.
+    fn chart(&mut self, title: &str) {
+        if self.harness.query_by_role_and_label(Role::Tab, title).is_none() {
+            self.click_role(Role::ComboBox, "Chart");
+            return self.click(title);
+        }
+        self.click_role(Role::Tab, title);
+    }
+
+    /// The charts that can be chosen.
+    fn charts(&mut self) -> Vec<String> {
+        let named = |window: &Self, role| {
+            let all = window.harness.query_all_by_role(role).filter_map(|node| node.accesskit_node().label());
+            all.collect::<Vec<_>>()
+        };
+        if self.harness.query_by_role_and_label(Role::ComboBox, "Chart").is_none() {
+            return named(self, Role::Tab);
+        }
+        let before = named(self, Role::Button);
+        self.click_role(Role::ComboBox, "Chart");
+        let all = named(self, Role::Button).into_iter().filter(|name| !before.contains(name)).collect();
+        self.key(Key::Escape);
+        all
+    }
+
     fn command(&mut self, command: Command) {
         self.harness.state_mut().command(command);
         self.settle();
@@ -169,6 +194,7 @@ impl Window {
 
     /// Everything that can be clicked can be reached: it lies in the window, unless it is scrolled out of sight.
     fn lies_inside(&self, size: Vec2, what: &str) {
+        let size = size / self.harness.ctx.zoom_factor();
         let window = Rect::from_min_size(Pos2::ZERO, size).expand(1.0);
         let mut count = 0;
         for node in self.harness.query_all_by_role(Role::Button).filter(|node| !node.accesskit_node().is_hidden()) {
@@ -327,7 +353,11 @@ fn the_next_start_looks_like_the_last() {
     for command in [Command::LightTheme, Command::TurboColors, Command::FourfoldArrows, Command::Difference] {
         window.command(command);
     }
+    if window.harness.query_by_label("Legend").is_none() {
+        window.click("More of the stage");
+    }
     window.click("Legend");
+    window.key(Key::Escape);
     // The edge between stage and explanation is dragged.
     let place = |window: &Window| window.region(Region::Explanation).min.x;
     let edge = window.region(Region::Explanation).left_center();
@@ -507,7 +537,7 @@ fn panes_fold_away_and_come_back() {
     assert!(!window.has(Parameters) && window.has(Explanation) && !window.has(Chart));
     window.command(Command::ResetLayout);
     assert!(window.has(Parameters) && window.has(Chart));
-    window.click_role(Role::Tab, "Plot");
+    window.chart("Plot");
     assert!(window.harness.query_all_by_label_contains("Cost by candidate").next().is_some());
 }
 
@@ -612,7 +642,7 @@ fn a_click_on_a_chart_goes_to_the_candidate() {
 
     let (unit, events) = (window.cursor().unit, window.shown().events);
     window.key(Key::U);
-    window.click_role(Role::Tab, "Plot");
+    window.chart("Plot");
     let plot = window
         .harness
         .query_all_by_role(Role::Image)

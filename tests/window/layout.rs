@@ -74,7 +74,7 @@ fn faults(window: &Window) -> Vec<String> {
             Region::Stage => [20.0, 8.0],
             Region::Chart => [15.0, 8.0],
             Region::Explanation => [16.0, 8.0],
-            Region::Strip => [30.0, 3.0],
+            Region::Strip => [30.0, 2.9],
             _ => [0.0; 2],
         };
         if rect.width() < least[0] * type_pt || rect.height() < least[1] * type_pt {
@@ -105,7 +105,7 @@ fn faults(window: &Window) -> Vec<String> {
         }
         for other in all[..i].iter().filter(|_| !is_mark) {
             let shared = rect.intersect(*clip).intersect(other.rect.intersect(other.clip));
-            if shared.size().min_elem() > 1.5 && shared.area() > TOUCH * rect.area().min(other.rect.area()) {
+            if shared.size().min_elem() > 2.5 && shared.area() > TOUCH * rect.area().min(other.rect.area()) {
                 faults.push(format!("“{text}” lies over “{}”: {rect:?}, {:?}", other.text, other.rect));
             }
         }
@@ -128,7 +128,9 @@ fn small(window: &Window, is_lecture: bool) -> Option<String> {
 }
 
 fn resize(window: &mut Window, pixels: [f32; 2], scale: f32) {
-    window.harness.set_pixels_per_point(scale);
+    // The system's own scale, not that of the interface.
+    let input = window.harness.input_mut();
+    input.viewports.entry(input.viewport_id).or_default().native_pixels_per_point = Some(scale);
     window.size = Vec2::from(pixels) / scale;
     for _ in 0..6 {
         window.step();

@@ -148,23 +148,19 @@ fn what_is_chosen_is_kept_in_a_session() {
 
 #[test]
 fn only_charts_with_something_to_show_are_there() {
-    let tabs = |window: &Window| {
-        let all = window.harness.query_all_by_role(Role::Tab);
-        all.filter_map(|node| node.accesskit_node().label()).collect::<Vec<_>>()
-    };
     let mut window = dense();
     window.command(Command::Start);
-    assert_eq!(tabs(&window), [""; 0]);
+    assert!(!window.has(Region::Chart));
     window.command(Command::End);
-    assert!(tabs(&window).contains(&"Errors".to_owned()), "{:?}", tabs(&window));
-    window.click("Errors");
+    assert!(window.charts().contains(&"Errors".to_owned()), "{:?}", window.charts());
+    window.chart("Errors");
     assert!(window.harness.query_by_label_contains("Endpoint error: mean ").is_some());
     let mut window = self::window(&format!("{CLIP}estimator = \"full-search\"\nstep = \"1.1\"\n"));
-    assert_eq!(tabs(&window)[0], "Cost surface", "what matters most comes first: {:?}", tabs(&window));
-    let first = tabs(&window);
+    let all = window.charts();
+    assert_eq!(all[0], "Cost surface", "what matters most comes first: {all:?}");
     window.key(Key::N);
     window.press(Modifiers::SHIFT, Key::N);
-    assert_eq!(tabs(&window), first);
+    assert_eq!(window.charts(), all);
     assert!(window.shown().scene.marks.iter().all(|mark| !matches!(mark.shape, Shape::Flow { .. })));
 }
 

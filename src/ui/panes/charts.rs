@@ -94,7 +94,8 @@ impl Panes<'_> {
         let row = Rect::from_min_size(ui.cursor().min, egui::vec2(ui.available_width(), height));
         let row_ui =
             &mut ui.new_child(egui::UiBuilder::new().max_rect(row).layout(Layout::right_to_left(Align::Center)));
-        row_ui.spacing_mut().item_spacing.x = 2.0;
+        row_ui.spacing_mut().item_spacing.x = 1.0;
+        row_ui.spacing_mut().button_padding.x *= 0.75;
         if place == 0 {
             let (glyph, name) = match self.charts.is_enlarged {
                 true => (Icon::Minimize2, "Back to the stage"),
@@ -108,7 +109,7 @@ impl Panes<'_> {
         let mut chosen = None;
         row_ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let now = seen[place];
-            let padding = 2.0 * ui.spacing().button_padding.x + 2.0;
+            let padding = 2.0 * ui.spacing().button_padding.x + 1.0;
             let font = TextStyle::Small.resolve(ui.style());
             let width = |pane: &&Pane| {
                 let words = pane.title.to_owned();

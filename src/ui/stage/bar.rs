@@ -127,7 +127,7 @@ fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, look: &mut Look) {
             });
         }
     });
-    shown.response.accessible_name("View");
+    shown.response.accessible_name("Pictures");
 }
 
 /// The name of a view where eight of them stand in a row.
