@@ -3,11 +3,12 @@
 //! `UPDATE_SCREENSHOTS=1 cargo test --test screenshots` makes them anew. Without it they are compared with what the
 //! window looks like now, tile by tile, so that one wrong digit is seen: drivers smooth edges differently, but in no
 //! square of 32 pixels a side may more than a few pixels differ by more than 40 of 255 in any channel. Where no graphics driver is installed there is nothing to compare, unless
-//! `REQUIRE_SCREENSHOTS` is set. A software driver will do (on Debian: mesa-vulkan-drivers).
+//! `REQUIRE_SCREENSHOTS` is set. `SCREENSHOTS=FOLDER` draws every estimator into a folder instead, as large as a lecture hall
+//! and a desk have it. A software driver will do (on Debian: mesa-vulkan-drivers).
 
 use std::fs;
 use std::io::Cursor as Bytes;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use eframe::egui::{Vec2, vec2};
@@ -19,7 +20,7 @@ use motionscope::paint::{Caption, Figure, FigureOptions, Pictures, Theme, View, 
 use motionscope::ui::app::App;
 use motionscope::ui::app::commands::Command;
 use motionscope::ui::{self, Start};
-use motionscope_core::{Frame, Grid, scene};
+use motionscope_core::{Frame, Grid, Guarantee, estimators, scene};
 
 /// Most bytes that a picture may have.
 const MOST_BYTES: usize = 300_000;
@@ -30,11 +31,16 @@ const TILE: u32 = 32;
 /// How many pixels of a tile may be further off.
 const MOST_FAR: usize = 5;
 
+/// Sizes and themes in which `SCREENSHOTS=FOLDER cargo test --workspace --test screenshots` draws every estimator.
+const WINDOWS: [([f32; 2], Theme); 3] =
+    [([1280.0, 720.0], Theme::Projector), ([1920.0, 1080.0], Theme::Light), ([1920.0, 1080.0], Theme::Dark)];
+
 /// What is on a picture.
 struct Scene {
     name: &'static str,
     size: Vec2,
     theme: Theme,
+    /// A clip or a session by its name; the bundled sample if it is empty.
     open: &'static str,
     commands: &'static [Command],
 }
@@ -179,8 +185,35 @@ fn one_wrong_digit_is_seen() {
     }
 }
 
+/// Draws every estimator in the middle of a unit of its run, and at the end, in every window.
+fn every_estimator(folder: &Path) {
+    let sessions = tempfile::tempdir().expect("a folder");
+    for estimator in estimators() {
+        let id = estimator.info().id;
+        let clip = if estimator.guarantee() == Guarantee::Objects { "synth:traffic" } else { "synth:pillar" };
+        for (place, step) in [("middle", "3.9"), ("end", "end")] {
+            let path = sessions.path().join(format!("{id}-{place}.motionscope"));
+            let step = if step == "end" { "0.0" } else { step };
+            let text = format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"{id}\"\nstep = \"{step}\"\n");
+            fs::write(&path, text).expect("a session can be written");
+            let commands: &'static [Command] = if place == "end" { &[Command::End] } else { &[] };
+            for (size, theme) in WINDOWS {
+                // They live as long as the test, as those that are stored do.
+                let open: &'static str = String::leak(path.display().to_string());
+                let scene = Scene { name: id, size: size.into(), theme, open, commands };
+                let file = format!("{id}-{place}-{}-{}.png", theme.id(), size[1]);
+                let picture = picture(&scene, WgpuTestRenderer::new());
+                fs::write(folder.join(file), encode(&picture)).expect("the picture can be written");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_window_looks_as_it_did() {
+    if let Some(folder) = std::env::var_os("SCREENSHOTS") {
+        return every_estimator(Path::new(&folder));
+    }
     let update = std::env::var_os("UPDATE_SCREENSHOTS").is_some();
     let required = update || std::env::var_os("REQUIRE_SCREENSHOTS").is_some();
     for scene in &SCENES {

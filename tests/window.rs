@@ -348,7 +348,7 @@ impl eframe::Storage for Memory {
 
 #[test]
 fn the_next_start_looks_like_the_last() {
-    let size = vec2(1100.0, 720.0);
+    let size = vec2(1280.0, 720.0);
     let mut window = Window::new(size);
     for command in [Command::LightTheme, Command::TurboColors, Command::FourfoldArrows, Command::Difference] {
         window.command(command);

@@ -18,7 +18,8 @@ fn window(lines: &str) -> Window {
 /// Puts a level on the stage.
 fn choose(window: &mut Window, level: &str) {
     window.click_role(Role::ComboBox, "Level");
-    let found = window.harness.query_all_by_label_contains(level).filter(|node| node.accesskit_node().role() == Role::Button);
+    let found =
+        window.harness.query_all_by_label_contains(level).filter(|node| node.accesskit_node().role() == Role::Button);
     found.last().expect("the level is in the list").click();
     window.settle();
 }

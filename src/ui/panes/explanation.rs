@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Painter, Rect, Sense, Shape, Ui, Vec2, vec2};
+use motionscope_core::scene::Math;
 use motionscope_core::{Info, Step};
 
 use crate::paint::Theme;
@@ -221,13 +222,15 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
 pub struct Strip {
     key: Option<Key>,
     height: f32,
-    shown: Option<(Arc<Step>, [Part; 2])>,
+    shown: Option<(Arc<Step>, Vec<(f32, Part)>)>,
 }
 
 /// Most rows of numbers in the strip.
 const STRIP_FACTS: usize = 3;
 /// Share of the strip's width for the sentence, where a formula stands beside it.
 const SENTENCE_SHARE: f32 = 0.55;
+/// The same where the formula stands in two columns.
+const NARROW_SHARE: f32 = 0.4;
 /// Between sentence and formula, in points.
 const STRIP_GAP: f32 = 24.0;
 /// Above and below the strip's words, in points.
@@ -251,35 +254,55 @@ pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
     }
     let known = state.shown.take().filter(|(shown, _)| Arc::ptr_eq(shown, step));
     let (shown, parts) = known.unwrap_or_else(|| (Arc::clone(step), strip_parts(ui.painter(), input, width as f32)));
-    let needed = parts.iter().map(|part| part.size.y).fold(0.0, f32::max).ceil();
+    let needed = parts.iter().map(|(_, part)| part.size.y).fold(0.0, f32::max).ceil();
     if needed > state.height {
         state.height = needed;
         ui.ctx().request_discard("the strip needs more room");
     }
     let room = ui.available_height();
     egui::ScrollArea::vertical().id_salt("strip").auto_shrink(false).max_height(room).show(ui, |ui| {
-        let (top, left) = (ui.cursor().min, ui.cursor().min.x + SENTENCE_SHARE * width as f32 + STRIP_GAP);
-        let at = |x: f32| Rect::from_min_size(egui::pos2(x, top.y), vec2(width as f32, needed));
-        for (part, (salt, x)) in parts.iter().zip([("why", top.x), ("formula", left)]) {
-            let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(salt).max_rect(at(x)));
-            part.show(&mut inside, salt);
+        let top = ui.cursor().min;
+        for (i, (left, part)) in parts.iter().enumerate() {
+            let place = Rect::from_min_size(top + vec2(*left, 0.0), vec2(width as f32, needed));
+            let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(i).max_rect(place));
+            part.show(&mut inside, "strip");
         }
         ui.allocate_space(vec2(1.0, needed));
     });
     state.shown = Some((shown, parts));
 }
 
-fn strip_parts(painter: &Painter, Input { step, theme, .. }: Input<'_>, width: f32) -> [Part; 2] {
+/// The parts of the strip beside each other, each with its left edge: the sentence, and the formula in one column or two,
+/// whichever is lower.
+fn strip_parts(painter: &Painter, Input { step, theme, .. }: Input<'_>, width: f32) -> Vec<(f32, Part)> {
     let density = Density::close(theme);
     let (formula, facts) = (explanation::equation_of(step), explanation::facts_of(step));
-    let right = width - SENTENCE_SHARE * width - STRIP_GAP;
-    let beside = match (formula.is_empty(), facts.is_empty()) {
-        (false, _) => explanation::equation(formula, (right, density), theme),
-        (true, false) => explanation::table(&facts[..facts.len().min(STRIP_FACTS)], (right, density), theme),
-        (true, true) => Block::default(),
+    let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);
+    let lines = |lines: &[Math], width: f32| explanation::equation(lines, (width, density), theme);
+    if formula.is_empty() && facts.is_empty() {
+        return vec![(0.0, Part::new(painter, sentence(width)))];
+    }
+    let one = |share: f32, block: &dyn Fn(f32) -> Block| {
+        let left = share * width;
+        vec![(0.0, sentence(left)), (left + STRIP_GAP, block(width - left - STRIP_GAP))]
     };
-    let left = if beside.size[1] > 0.0 { SENTENCE_SHARE * width } else { width };
-    [explanation::sentence(&step.sentence, (left, density), theme), beside].map(|block| Part::new(painter, block))
+    let two = || {
+        let (first, second) = formula.split_at(formula.len().div_ceil(2));
+        let left = NARROW_SHARE * width;
+        let column = (width - left) / 2.0 - STRIP_GAP;
+        let at = |i: f32| left + STRIP_GAP + i * (column + STRIP_GAP);
+        vec![(0.0, sentence(left)), (at(0.0), lines(first, column)), (at(1.0), lines(second, column))]
+    };
+    let ways = match formula {
+        [] => vec![one(SENTENCE_SHARE, &|width| {
+            explanation::table(&facts[..facts.len().min(STRIP_FACTS)], (width, density), theme)
+        })],
+        [_] => vec![one(SENTENCE_SHARE, &|width| lines(formula, width))],
+        _ => vec![one(SENTENCE_SHARE, &|width| lines(formula, width)), two()],
+    };
+    let height = |way: &Vec<(f32, Block)>| way.iter().map(|(_, block)| block.size[1]).fold(0.0, f32::max);
+    let lowest = ways.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or_default();
+    lowest.into_iter().map(|(left, block)| (left, Part::new(painter, block))).collect()
 }
 
 /// Where lines that may be seen from `top` down to `end` have to end so that none of them is cut.
