@@ -81,6 +81,8 @@ pub enum Action {
     Frame(usize),
     /// Play at this speed.
     Speed(usize),
+    /// Show a hint for a moment.
+    Hint(&'static str),
     /// The error was read.
     Dismiss,
 }

@@ -61,13 +61,14 @@ impl App {
                 if let Some(first) = shown.and_then(|shown| shown.elsewhere(focus.on)) {
                     let (clicked, first) = (focus.on.title(None), first.title(None).to_lowercase());
                     self.toasts
-                        .tell(format!("{clicked} has no pixels to be explained at this step: click on {first}."));
+                        .hint(format!("{clicked} has no pixels to be explained at this step: click on {first}."));
                     return;
                 }
                 self.walker.go_at(focus, side);
             }
             Action::Focus(focus) => self.walker.focus(focus),
             Action::Release => self.walker.release(),
+            Action::Hint(text) => self.toasts.hint(text),
             Action::Frame(frame) => self.go_to_frame(frame),
             Action::Speed(speed) => {
                 self.player.speed = speed;
@@ -252,7 +253,7 @@ impl App {
         let is_projector = self.settings.look.theme == Theme::Projector;
         if self.settings.lecture && self.settings.mode == Some(layout::Mode::Lecture) {
             let why = if is_projector { "The projector theme" } else { "A window of this size" };
-            self.toasts.tell(format!("{why} has the lecture layout already."));
+            self.toasts.hint(format!("{why} has the lecture layout already."));
         }
     }
 
@@ -269,7 +270,7 @@ impl App {
                 let was_by_frame = self.document.estimator().is_by_frame();
                 self.states.stage.placing = None;
                 if self.document.parents().len() > 0 {
-                    self.toasts.tell(format!("{} runs on the clip itself: the stage was left.", chosen.info().name));
+                    self.toasts.hint(format!("{} runs on the clip itself: the stage was left.", chosen.info().name));
                 }
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.suit_view(was_single);

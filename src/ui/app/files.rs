@@ -194,7 +194,7 @@ impl App {
     fn begin(&mut self, left: Option<&Info>) {
         self.error = None;
         if let Some(Info { name, .. }) = left {
-            self.toasts.tell(format!("Another clip is open: back out of the stage, {name} runs on it."));
+            self.toasts.hint(format!("Another clip is open: back out of the stage, {name} runs on it."));
         }
         self.states.stage.fit();
         self.settings.leave_end();

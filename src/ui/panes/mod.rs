@@ -37,6 +37,10 @@ use crate::view::panes::{Angles, Pane};
 use charts::Chosen;
 use layout::{Arrangement, Border, SHARES, Shares};
 
+/// What can be done on the stage, told once.
+const HINT: &str =
+    "Click a pixel to go to its result, Shift+click to go to its start. Turn the wheel to zoom, drag to move.";
+
 /// What the panes remember between frames, and of it from one day to the next how they are looked at.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
@@ -44,6 +48,8 @@ pub struct States {
     /// The stage.
     #[serde(skip)]
     pub stage: stage::State,
+    /// Whether it was told what can be done on the stage.
+    pub has_hinted: bool,
     /// Which of several estimators is explained.
     #[serde(skip)]
     pub explained: usize,
@@ -257,6 +263,9 @@ impl Panes<'_> {
         };
         let response = stage::show(ui, input, &mut self.states.stage);
         self.actions.ask(Action::Focus(response.hovered));
+        if response.hovered.is_some() && !std::mem::replace(&mut self.states.has_hinted, true) {
+            self.actions.ask(Action::Hint(HINT));
+        }
         if let Some(explained) = response.explained {
             self.states.explained = explained;
         }

@@ -13,9 +13,20 @@ const STAY_SECS: f64 = 6.0;
 /// One message.
 struct Toast {
     text: String,
-    is_error: bool,
+    kind: Kind,
     /// When it goes; unknown until it was shown first.
     until: Option<f64>,
+}
+
+/// What a message tells of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Something was done.
+    Done,
+    /// Something can be done.
+    Hint,
+    /// Something could not be done.
+    Error,
 }
 
 /// Messages on the screen.
@@ -25,12 +36,17 @@ pub struct Toasts(Vec<Toast>);
 impl Toasts {
     /// Tells that something was done.
     pub fn tell(&mut self, text: impl Into<String>) {
-        self.0.push(Toast { text: text.into(), is_error: false, until: None });
+        self.0.push(Toast { text: text.into(), kind: Kind::Done, until: None });
     }
 
     /// Tells that something could not be done, and what to do.
     pub fn fail(&mut self, text: impl Into<String>) {
-        self.0.push(Toast { text: text.into(), is_error: true, until: None });
+        self.0.push(Toast { text: text.into(), kind: Kind::Error, until: None });
+    }
+
+    /// Tells what can be done here.
+    pub fn hint(&mut self, text: impl Into<String>) {
+        self.0.push(Toast { text: text.into(), kind: Kind::Hint, until: None });
     }
 
     /// The newest message.
@@ -42,7 +58,7 @@ impl Toasts {
     pub fn show(&mut self, ctx: &egui::Context, bottom: f32, theme: Theme) {
         let now = ctx.input(|i| i.time);
         for toast in &mut self.0 {
-            let stay = if toast.is_error { 2.0 * STAY_SECS } else { STAY_SECS };
+            let stay = if toast.kind == Kind::Done { STAY_SECS } else { 2.0 * STAY_SECS };
             toast.until.get_or_insert(now + stay);
         }
         self.0.retain(|toast| toast.until.is_none_or(|until| now < until));
@@ -55,10 +71,10 @@ impl Toasts {
         area.show(ctx, |ui| {
             let size = TextStyle::Body.resolve(ui.style()).size;
             for (index, toast) in self.0.iter().enumerate() {
-                let (glyph, ink) = if toast.is_error {
-                    (Icon::TriangleAlert, chrome.error)
-                } else {
-                    (Icon::CircleCheck, chrome.accent)
+                let (glyph, ink) = match toast.kind {
+                    Kind::Error => (Icon::TriangleAlert, chrome.error),
+                    Kind::Hint => (Icon::Lightbulb, chrome.accent),
+                    Kind::Done => (Icon::CircleCheck, chrome.accent),
                 };
                 let fill = style::color(chrome.raised);
                 let frame = Frame::popup(ui.style()).fill(fill).inner_margin(12);
