@@ -209,7 +209,7 @@ fn a_second_sensor_bridges_what_hides_the_first() {
     let (one, two) = (of("one"), of("two-positions"));
     for t in 8..14 {
         assert_eq!(
-            [&one, &two].map(|field| field.frames[t].objects[0].life),
+            [&one, &two].map(|field| field.frames[t].objects[0].status),
             [TrackStatus::Coasting, TrackStatus::Confirmed]
         );
     }

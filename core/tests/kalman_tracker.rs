@@ -28,7 +28,7 @@ fn rows(frames: Vec<Vec<Detection>>) -> Clip {
 
 /// The identities in a frame that are seen there.
 fn seen(field: &ObjectField, t: usize) -> Vec<u32> {
-    let objects = field.frames[t].objects.iter().filter(|object| object.life == TrackStatus::Confirmed);
+    let objects = field.frames[t].objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
     objects.map(|object| object.id).collect()
 }
 
@@ -250,7 +250,7 @@ fn thousands_of_objects_are_followed_scored_and_walked_through_in_seconds() {
             let scored = scores(field, &**clip.truth().expect("exact")).expect("readable").expect("objects");
             assert_eq!(scored.truths, 4 * 5000);
             if is_smooth && id == "kalman-tracker" {
-                assert_eq!((scored.matches, scored.switches, scored.hasty), (4 * 5000, 0, 0), "{scored:?}");
+                assert_eq!((scored.matches, scored.switches, scored.greedy), (4 * 5000, 0, 0), "{scored:?}");
             }
             let mut walk = tracker.walk(clip, 0).expect("a run");
             walk.jump(Move::To(Cursor { unit: 2, event: 3 }));

@@ -58,9 +58,9 @@ fn speed_heading_counts_and_stays_are_those_of_the_objects() {
     }
     // 40 px at 4 px/frame.
     for of in &all[..2] {
-        assert!((10..=11).contains(&of.dwell_frames()) && of.stays.len() == 1, "{:?}", of.stays);
+        assert!((10..=11).contains(&of.dwell_frames()) && of.dwells.len() == 1, "{:?}", of.dwells);
     }
-    assert_eq!(all[2].stays, []);
+    assert_eq!(all[2].dwells, []);
 }
 
 #[test]
@@ -69,10 +69,10 @@ fn who_goes_against_the_others_is_told_and_nobody_else() {
     let against: Vec<_> = stream.chain([(70, [310.0, 118.0], [-5.0, 0.0], 40)]).collect();
     let field = run(&*analysis(&[]), &clip(&against, 115));
     let unusual: Vec<_> =
-        field.trajectories.iter().filter(|of| of.sightings.iter().any(|s| s.unusual.is_some())).collect();
+        field.trajectories.iter().filter(|of| of.sightings.iter().any(|s| s.anomaly.is_some())).collect();
     assert_eq!(unusual.len(), 1);
     assert_eq!(unusual[0].sightings[0].frame, 70);
-    let angles = unusual[0].sightings.iter().filter_map(|seen| Some(seen.unusual?.angle_deg));
+    let angles = unusual[0].sightings.iter().filter_map(|seen| Some(seen.anomaly?.angle_deg));
     assert!(
         angles.clone().count() > 25 && angles.clone().all(|angle| angle > 170.0),
         "{:?}",

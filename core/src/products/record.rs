@@ -34,7 +34,7 @@ impl Record {
         let frames = || Vec::clone(&self.frames);
         let masks = MaskField { picture, first, frames: frames() };
         let objects =
-            ObjectField { followed: Followed::Nobody, picture, first, frames: frames(), trajectories: Vec::new() };
+            ObjectField { followed: Followed::Nothing, picture, first, frames: frames(), trajectories: Vec::new() };
         Output::of(masks).and(objects)
     }
 

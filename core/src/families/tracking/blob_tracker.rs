@@ -9,20 +9,20 @@ use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::geometry::{Bounds, Grid};
 use crate::methods::multi_object::{
-    course::{self, Course},
-    lifecycle::{Age, Rules},
+    tracker_run::{self, TrackerRun},
+    lifecycle::{TrackAge, Rules},
 };
 use crate::products::{
     Object, ObjectField, ObjectFrame, Output, Product, ProductKind,
     objects::{
-        assignment::{Effort, least_cost},
+        assignment::{WorkBudget, least_cost},
         pairs::Pairs,
     },
 };
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
-use correspond::{Blob, Table};
+use correspond::{Blob, Correspondence};
 
 choices! {
     /// What tells who is who where a group splits.
@@ -38,7 +38,7 @@ params! {
     /// Many objects, matched from frame to frame by overlap.
     pub struct BlobTracker {
         /// The frames of the run, and the source of the detections.
-        given: course::Settings = course::Settings::default();
+        settings: tracker_run::Settings = tracker_run::Settings::default();
         /// Objects are expected where their velocity leads; otherwise where they were last.
         predict: bool = true;
         /// An object's velocity is its mean displacement over so many frames in which it was last seen by itself.
@@ -54,7 +54,7 @@ params! {
     }
 }
 
-/// A difference of so many gray levels is as unlike as an area twice as large.
+/// A difference of so many gray levels is as dissimilarity as an area twice as large.
 const GRAY_LEVELS: f64 = 20.0;
 
 /// Who is who in a split is worked out from so many pairs at most, some tenths of a second long; then whoever is most alike goes
@@ -64,13 +64,13 @@ const MOST_WORK: u64 = 20_000_000;
 /// What a run reads and writes.
 #[derive(Clone)]
 pub struct State {
-    course: Course,
-    bodies: Vec<Body>,
+    run: TrackerRun,
+    tracked_blobs: Vec<TrackedBlob>,
 }
 
 /// Whatever is one blob: an object by itself, or several that have merged into a group.
 #[derive(Clone, Debug)]
-struct Body {
+struct TrackedBlob {
     /// Its box, where it was last seen or is expected by now.
     bounds: Bounds,
     /// The centres of its blob in the frames in which it was last seen, the oldest first.
@@ -83,7 +83,7 @@ struct Body {
 #[derive(Clone, Debug)]
 struct Member {
     id: u32,
-    age: Age,
+    age: TrackAge,
     /// What it looks like by itself: mean gray, where that is known, and area in px.
     gray: Option<f64>,
     area_px: f64,
@@ -95,24 +95,24 @@ struct Member {
 
 /// What happens in a frame.
 #[derive(Clone, Debug)]
-pub struct Event(What);
+pub struct Event(EventKind);
 
 #[derive(Clone, Debug)]
-enum What {
+enum EventKind {
     /// What was detected, and how much of it is left out.
     Looked(Arc<Vec<Blob>>, usize),
     /// Where all objects are expected.
-    Expected(Arc<Vec<Body>>),
+    Expected(Arc<Vec<TrackedBlob>>),
     /// Which objects and blobs correspond.
-    Corresponded(Arc<Table>),
+    Corresponded(Arc<Correspondence>),
     /// What becomes of objects that have blobs.
     Decided(Arc<Decision>),
     /// An object or a group was not seen.
-    Missed(Arc<Body>),
+    Missed(Arc<TrackedBlob>),
     /// It is given up.
-    Ended(Arc<Body>),
+    Ended(Arc<TrackedBlob>),
     /// An unassigned blob begins a track.
-    Begun(Arc<Body>),
+    Begun(Arc<TrackedBlob>),
     /// The frame is over.
     Done(Arc<ObjectFrame>),
 }
@@ -120,14 +120,14 @@ enum What {
 /// What becomes of objects and blobs that correspond.
 #[derive(Clone, Debug)]
 struct Decision {
-    table: Arc<Table>,
+    table: Arc<Correspondence>,
     /// The rows and columns of the table.
     rows: Vec<usize>,
     columns: Vec<usize>,
     /// Those that go on, each with the column of its blob.
-    after: Vec<(usize, Body)>,
+    after: Vec<(usize, TrackedBlob)>,
     /// What each object of a split, by identity, and each blob would cost.
-    unlike: Option<Grid<f64>>,
+    dissimilarity: Option<Grid<f64>>,
 }
 
 impl Decision {
@@ -146,8 +146,8 @@ impl Decision {
 }
 
 /// The objects of some rows, by identity.
-fn members_of(table: &Table, rows: &[usize]) -> Vec<Member> {
-    let mut members: Vec<Member> = rows.iter().flat_map(|&row| table.bodies[row].members.iter().cloned()).collect();
+fn members_of(table: &Correspondence, rows: &[usize]) -> Vec<Member> {
+    let mut members: Vec<Member> = rows.iter().flat_map(|&row| table.tracked_blobs[row].members.iter().cloned()).collect();
     members.sort_by_key(|member| member.id);
     members
 }
@@ -160,11 +160,11 @@ impl Member {
 
     fn object(&self, detection: Option<usize>) -> Object {
         let Self { id, bounds, center, velocity, age, .. } = *self;
-        Object { id, bounds, life: age.life, position: center, velocity, covariance: None, detection }
+        Object { id, bounds, status: age.status, position: center, velocity, covariance: None, detection }
     }
 }
 
-impl Body {
+impl TrackedBlob {
     /// Its velocity in px/frame: of an object the mean displacement of its blob, of a group that of all its objects until its
     /// own is known.
     fn velocity(&self) -> Option<[f64; 2]> {
@@ -224,27 +224,27 @@ impl Body {
 }
 
 impl BlobTracker {
-    /// Objects go on in one blob; `before` is the body that was there, if it was one.
-    fn seen(&self, before: Option<&Body>, members: Vec<Member>, blob: &Blob) -> Body {
+    /// Objects go on in one blob; `before` is the tracked that was there, if it was one.
+    fn seen(&self, before: Option<&TrackedBlob>, members: Vec<Member>, blob: &Blob) -> TrackedBlob {
         // After a gap displacements begin anew.
-        let before = before.filter(|body| body.members.iter().all(|member| member.age.missed == 0));
-        let mut centers = before.map_or(Vec::new(), |body| body.centers.clone());
+        let before = before.filter(|tracked| tracked.members.iter().all(|member| member.age.missed == 0));
+        let mut centers = before.map_or(Vec::new(), |tracked| tracked.centers.clone());
         centers.push(blob.center());
         // A displacement lies between two frames.
         let surplus = centers.len().saturating_sub(self.velocity_frames + 1);
         centers.drain(..surplus);
         let rules = self.rules;
         let members = members.into_iter().map(|member| Member { age: rules.seen(member.age), ..member }).collect();
-        let mut body = Body { bounds: blob.detection.bounds, centers, members };
-        if body.is_group() {
-            body.seen_as_group(blob)
+        let mut tracked = TrackedBlob { bounds: blob.detection.bounds, centers, members };
+        if tracked.is_group() {
+            tracked.seen_as_group(blob)
         } else {
-            body.seen_alone(blob)
+            tracked.seen_alone(blob)
         }
-        body
+        tracked
     }
 
-    fn begun(&self, blob: &Blob, id: u32) -> Body {
+    fn begun(&self, blob: &Blob, id: u32) -> TrackedBlob {
         let member = Member {
             id,
             age: self.rules.begun(),
@@ -254,20 +254,20 @@ impl BlobTracker {
             center: blob.center(),
             velocity: None,
         };
-        Body { bounds: blob.detection.bounds, centers: vec![blob.center()], members: vec![member] }
+        TrackedBlob { bounds: blob.detection.bounds, centers: vec![blob.center()], members: vec![member] }
     }
 
     /// What is left of an object or a group that was not seen; `None` where it is given up.
-    fn missed(&self, body: &Body) -> Option<Body> {
+    fn missed(&self, tracked: &TrackedBlob) -> Option<TrackedBlob> {
         let rules = self.rules;
         let left =
-            body.members.iter().filter_map(|member| Some(Member { age: rules.missed(member.age)?, ..member.clone() }));
+            tracked.members.iter().filter_map(|member| Some(Member { age: rules.missed(member.age)?, ..member.clone() }));
         let members: Vec<Member> = left.collect();
-        (!members.is_empty()).then(|| Body { members, ..body.clone() })
+        (!members.is_empty()).then(|| TrackedBlob { members, ..tracked.clone() })
     }
 
-    /// How unlike each of `members` and of `blobs` are.
-    fn unlike(&self, members: &[Member], blobs: &[&Blob]) -> Grid<f64> {
+    /// How dissimilarity each of `members` and of `blobs` are.
+    fn dissimilarity(&self, members: &[Member], blobs: &[&Blob]) -> Grid<f64> {
         Grid::from_fn(blobs.len(), members.len(), |x, y| {
             let (blob, member) = (blobs[x], &members[y]);
             match self.identity {
@@ -290,21 +290,21 @@ impl BlobTracker {
     fn decide(
         &self,
         clip: &Clip,
-        table: &Arc<Table>,
+        table: &Arc<Correspondence>,
         (rows, columns): (Vec<usize>, Vec<usize>),
     ) -> Result<Decision, Error> {
         let members = members_of(table, &rows);
         let blobs: Vec<&Blob> = columns.iter().map(|&column| &table.blobs[column]).collect();
-        let before = if rows.len() == 1 { rows.first().map(|&row| &table.bodies[row]) } else { None };
+        let before = if rows.len() == 1 { rows.first().map(|&row| &table.tracked_blobs[row]) } else { None };
         if let [blob] = blobs[..] {
             let after = vec![(columns[0], self.seen(before, members, blob))];
-            return Ok(Decision { table: Arc::clone(table), rows, columns, after, unlike: None });
+            return Ok(Decision { table: Arc::clone(table), rows, columns, after, dissimilarity: None });
         }
-        let unlike = self.unlike(&members, &blobs);
-        let pairs = least_cost(&Pairs::of(&unlike), &mut Effort::limited(MOST_WORK, &|| clip.wanted()))?.columns;
+        let dissimilarity = self.dissimilarity(&members, &blobs);
+        let pairs = least_cost(&Pairs::of(&dissimilarity), &mut WorkBudget::limited(MOST_WORK, &|| clip.wanted()))?.columns;
         // Who is left over where there are fewer blobs goes with the one that is most alike.
         let alike = |row: usize| {
-            let costs = (0..blobs.len()).map(|x| unlike[(x, row)]).enumerate();
+            let costs = (0..blobs.len()).map(|x| dissimilarity[(x, row)]).enumerate();
             costs.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(x, _)| x)
         };
         let mut shares = vec![Vec::new(); blobs.len()];
@@ -312,54 +312,54 @@ impl BlobTracker {
             shares[pairs[row].unwrap_or_else(|| alike(row))].push(member);
         }
         // An object by itself of which something has parted is still the one that it was.
-        let before = before.filter(|body| !body.is_group());
+        let before = before.filter(|tracked| !tracked.is_group());
         let all = shares.into_iter().zip(&columns).filter(|(members, _)| !members.is_empty());
         let after = all.map(|(members, &column)| (column, self.seen(before, members, &table.blobs[column]))).collect();
-        Ok(Decision { table: Arc::clone(table), rows, columns, after, unlike: Some(unlike) })
+        Ok(Decision { table: Arc::clone(table), rows, columns, after, dissimilarity: Some(dissimilarity) })
     }
 
     /// Gives objects their blobs, ends and begins some; gives those there are in this frame.
-    fn share_out(
+    fn assign(
         &self,
         clip: &Clip,
         state: &mut State,
-        table: &Arc<Table>,
+        table: &Arc<Correspondence>,
         observer: &mut impl Observer<Event>,
     ) -> Result<Vec<Object>, Error> {
         let mut objects = Vec::new();
         let mut is_taken = vec![false; table.blobs.len()];
         for (rows, columns) in table.parts() {
             if columns.is_empty() {
-                let before = &table.bodies[rows[0]];
+                let before = &table.tracked_blobs[rows[0]];
                 let missed = self.missed(before);
                 observer.see(|| match &missed {
-                    Some(body) => Event(What::Missed(Arc::new(body.clone()))),
-                    None => Event(What::Ended(Arc::new(before.clone()))),
+                    Some(tracked) => Event(EventKind::Missed(Arc::new(tracked.clone()))),
+                    None => Event(EventKind::Ended(Arc::new(before.clone()))),
                 });
-                objects.extend(missed.iter().flat_map(|body| body.members.iter().map(|member| member.object(None))));
-                state.bodies.extend(missed);
+                objects.extend(missed.iter().flat_map(|tracked| tracked.members.iter().map(|member| member.object(None))));
+                state.tracked_blobs.extend(missed);
                 continue;
             }
             let decision = Arc::new(self.decide(clip, table, (rows, columns))?);
-            observer.see(|| Event(What::Decided(Arc::clone(&decision))));
+            observer.see(|| Event(EventKind::Decided(Arc::clone(&decision))));
             let was = decision.members();
-            for (column, body) in &decision.after {
+            for (column, tracked) in &decision.after {
                 is_taken[*column] = true;
-                for member in &body.members {
+                for member in &tracked.members {
                     let object = member.object(Some(*column));
                     if let Ok(place) = was.binary_search_by_key(&member.id, |was| was.id) {
-                        state.course.look_back(self.rules, &object, was[place].age);
+                        state.run.look_back(self.rules, &object, was[place].age);
                     }
                     objects.push(object);
                 }
             }
-            state.bodies.extend(decision.after.iter().map(|(_, body)| body.clone()));
+            state.tracked_blobs.extend(decision.after.iter().map(|(_, tracked)| tracked.clone()));
         }
         for (column, blob) in table.blobs.iter().enumerate().filter(|(column, _)| !is_taken[*column]) {
-            let body = self.begun(blob, state.course.next_id());
-            observer.see(|| Event(What::Begun(Arc::new(body.clone()))));
-            objects.extend(body.members.iter().map(|member| member.object(Some(column))));
-            state.bodies.push(body);
+            let tracked = self.begun(blob, state.run.next_id());
+            observer.see(|| Event(EventKind::Begun(Arc::new(tracked.clone()))));
+            objects.extend(tracked.members.iter().map(|member| member.object(Some(column))));
+            state.tracked_blobs.push(tracked);
         }
         objects.sort_by_key(|object| object.id);
         Ok(objects)
@@ -401,32 +401,32 @@ impl Estimator for BlobTracker {
     type Event = Event;
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        Ok(State { course: Course::new(self.given.clone(), clip, frame)?, bodies: Vec::new() })
+        Ok(State { run: TrackerRun::new(self.settings.clone(), clip, frame)?, tracked_blobs: Vec::new() })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let is_gray_needed = self.identity == Identity::Appearance;
-        let (found, left_out) = state.course.look(clip)?;
-        let blobs = Blob::all((clip, state.course.frame()), found, is_gray_needed)?;
-        observer.see(|| Event(What::Looked(Arc::new(blobs.clone()), left_out)));
-        let bodies = std::mem::take(&mut state.bodies).into_iter();
-        let bodies: Vec<Body> = bodies.map(|body| if self.predict { body.expected() } else { body }).collect();
-        observer.see(|| Event(What::Expected(Arc::new(bodies.clone()))));
-        let table = Arc::new(Table::new(clip, (bodies, blobs), (self.min_overlap, self.max_distance))?);
-        observer.see(|| Event(What::Corresponded(Arc::clone(&table))));
-        let objects = self.share_out(clip, state, &table, observer)?;
+        let (found, left_out) = state.run.look(clip)?;
+        let blobs = Blob::all((clip, state.run.frame()), found, is_gray_needed)?;
+        observer.see(|| Event(EventKind::Looked(Arc::new(blobs.clone()), left_out)));
+        let tracked_blobs = std::mem::take(&mut state.tracked_blobs).into_iter();
+        let tracked_blobs: Vec<TrackedBlob> = tracked_blobs.map(|tracked| if self.predict { tracked.expected() } else { tracked }).collect();
+        observer.see(|| Event(EventKind::Expected(Arc::new(tracked_blobs.clone()))));
+        let table = Arc::new(Correspondence::new(clip, (tracked_blobs, blobs), (self.min_overlap, self.max_distance))?);
+        observer.see(|| Event(EventKind::Corresponded(Arc::clone(&table))));
+        let objects = self.assign(clip, state, &table, observer)?;
         let detections: Vec<Detection> = table.blobs.iter().map(|blob| blob.detection).collect();
         let frame = Arc::new(ObjectFrame { mask: None, detections, objects });
-        observer.see(|| Event(What::Done(Arc::clone(&frame))));
-        Ok(state.course.note(clip, frame))
+        observer.see(|| Event(EventKind::Done(Arc::clone(&frame))));
+        Ok(state.run.note(clip, frame))
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        state.course.span.frames()
+        state.run.span.frames()
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        state.course.place()
+        state.run.place()
     }
 
     fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
@@ -434,15 +434,15 @@ impl Estimator for BlobTracker {
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.course.frame())
+        Some(state.run.frame())
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
         match &event.0 {
-            What::Begun(_) => Some(Role::Reference),
-            What::Ended(_) => Some(Role::Rejected),
-            What::Decided(decision) if decision.is_merge() => Some(Role::Window),
-            What::Decided(decision) if decision.is_split() => Some(Role::Best),
+            EventKind::Begun(_) => Some(Role::Reference),
+            EventKind::Ended(_) => Some(Role::Rejected),
+            EventKind::Decided(decision) if decision.is_merge() => Some(Role::Window),
+            EventKind::Decided(decision) if decision.is_split() => Some(Role::Best),
             _ => None,
         }
     }
@@ -460,7 +460,7 @@ impl Estimator for BlobTracker {
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::of(state.course.field())
+        Output::of(state.run.field())
     }
 }
 
@@ -470,11 +470,11 @@ impl Footprint<State> for BlobTracker {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        let bodies = state.bodies.iter().map(|body| size_of_val(&body.centers[..]) + size_of_val(&body.members[..]));
-        state.course.own_bytes() + size_of_val(&state.bodies[..]) + bodies.sum::<usize>()
+        let tracked_blobs = state.tracked_blobs.iter().map(|tracked| size_of_val(&tracked.centers[..]) + size_of_val(&tracked.members[..]));
+        state.run.own_bytes() + size_of_val(&state.tracked_blobs[..]) + tracked_blobs.sum::<usize>()
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.course.shared_bytes()
+        self.state_bytes(state) + state.run.shared_bytes()
     }
 }

@@ -14,7 +14,7 @@ use crate::methods::{
     kalman::{Filter, Measurement, MotionModel, chi_square},
     multi_object::{
         Extent,
-        source::{Detector, Given, Noise, Source, center, truth_of, usual_detector},
+        source::{Detector, SourceSettings, Noise, Source, center, truth_of, usual_detector},
     },
 };
 use crate::params::Spots;
@@ -23,7 +23,7 @@ use crate::run::{Estimator, Footprint, Foreground, Granularity, Guarantee, Info,
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
-use sensors::{Look, Sensed, Sensors};
+use sensors::{Observations, SensorReading, Sensors};
 
 choices! {
     /// How much of what may be an ellipse holds.
@@ -114,7 +114,7 @@ pub struct State {
     /// Its box, once it has begun.
     extent: Option<Extent>,
     /// What each frame came to.
-    moments: Vec<Arc<Moment>>,
+    records: Vec<Arc<FrameRecord>>,
     /// Frames that are smoothed, counted from the last; `None` while frames are filtered.
     back: Option<usize>,
     picture: (usize, usize),
@@ -122,7 +122,7 @@ pub struct State {
 
 /// What a frame came to.
 #[derive(Clone, Debug, Default)]
-struct Moment {
+struct FrameRecord {
     detections: Arc<Vec<Detection>>,
     /// What was measured beside what was expected, whether it was taken or not, in its order.
     gated: Vec<Gated>,
@@ -136,7 +136,7 @@ struct Moment {
     object: Option<Object>,
 }
 
-impl Moment {
+impl FrameRecord {
     /// Memory of its own, in bytes.
     fn own_bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&self.gated[..])
@@ -148,7 +148,7 @@ impl Moment {
 
     /// What a sensor measured.
     fn of_sensor(&self, sensor: usize) -> Option<&Gated> {
-        self.gated.iter().find(|gated| gated.sensed.sensor == sensor)
+        self.gated.iter().find(|gated| gated.reading.sensor == sensor)
     }
 }
 
@@ -158,7 +158,7 @@ pub enum Event {
     /// A time step.
     Predicted(Box<[Filter; 2]>),
     /// What was detected, and what is measured of the object.
-    Looked(Arc<Look>),
+    Observed(Arc<Observations>),
     /// A measurement is compared with what is expected.
     Gated(Box<Gated>),
     /// A measurement was taken, and the state estimate after it.
@@ -190,7 +190,7 @@ pub struct Gated {
     expected: Filter,
     /// Whether another measurement of the frame is part of what is expected.
     is_updated: bool,
-    sensed: Sensed,
+    reading: SensorReading,
     /// Normalised innovation squared, NIS.
     squared_distance: f64,
     /// It is taken up to here.
@@ -203,7 +203,7 @@ impl Gated {
     }
 
     fn measurement(&self) -> &Measurement {
-        &self.sensed.measurement
+        &self.reading.measurement
     }
 }
 
@@ -212,14 +212,14 @@ impl KalmanFilter {
     fn take(
         &self,
         (expected, is_updated): (Filter, bool),
-        sensed: Sensed,
-        moment: &mut Moment,
+        reading: SensorReading,
+        record: &mut FrameRecord,
         observer: &mut impl Observer<Event>,
     ) -> Option<Filter> {
-        let (updated, squared_distance) = expected.updated(&sensed.measurement)?;
-        let limit = chi_square::quantile(f64::from(self.gate), sensed.measurement.numbers());
-        let gated = Gated { expected, is_updated, sensed, squared_distance, limit };
-        moment.gated.push(gated);
+        let (updated, squared_distance) = expected.updated(&reading.measurement)?;
+        let limit = chi_square::quantile(f64::from(self.gate), reading.measurement.numbers());
+        let gated = Gated { expected, is_updated, reading, squared_distance, limit };
+        record.gated.push(gated);
         observer.see(|| Event::Gated(Box::new(gated)));
         if !gated.is_inside() {
             return None;
@@ -233,39 +233,39 @@ impl KalmanFilter {
         clip: &Clip,
         state: &mut State,
         observer: &mut impl Observer<Event>,
-    ) -> Result<Moment, Error> {
-        let t = state.span.first + state.moments.len();
+    ) -> Result<FrameRecord, Error> {
+        let t = state.span.first + state.records.len();
         let predicted = state.filter.map(|before| {
             let predicted = before.predicted();
             observer.see(|| Event::Predicted(Box::new([before, predicted])));
             predicted
         });
-        let look = Arc::new(self.look((clip, t), state, predicted.as_ref())?);
-        observer.see(|| Event::Looked(Arc::clone(&look)));
-        let mut moment = Moment { detections: Arc::clone(&look.detections), truth: look.truth, ..Moment::default() };
+        let observed = Arc::new(self.observe((clip, t), state, predicted.as_ref())?);
+        observer.see(|| Event::Observed(Arc::clone(&observed)));
+        let mut record = FrameRecord { detections: Arc::clone(&observed.detections), truth: observed.truth, ..FrameRecord::default() };
         let mut taken = None;
         match predicted {
-            None => taken = self.begin((clip, t), state, (&mut moment, &look), observer)?,
+            None => taken = self.begin((clip, t), state, (&mut record, &observed), observer)?,
             Some(predicted) => {
                 let (mut filter, mut is_seen) = (predicted, false);
-                for sensed in &look.measured {
-                    if let Some(updated) = self.take((filter, is_seen), *sensed, &mut moment, observer) {
-                        (filter, is_seen, taken) = (updated, true, taken.or(sensed.detection));
+                for reading in &observed.measured {
+                    if let Some(updated) = self.take((filter, is_seen), *reading, &mut record, observer) {
+                        (filter, is_seen, taken) = (updated, true, taken.or(reading.detection));
                     }
                 }
                 self.go_on(state, (filter, is_seen), observer);
             }
         }
-        if let Some(found) = taken.map(|i| &look.detections[i]) {
+        if let Some(found) = taken.map(|i| &observed.detections[i]) {
             state.extent = Some(state.extent.map_or(Extent::of(found), |extent| extent.towards(found)));
         }
-        moment.filtered = state.filter;
-        let life = if state.missed == 0 { TrackStatus::Confirmed } else { TrackStatus::Coasting };
-        moment.object = state.filter.zip(state.extent).map(|(filter, extent)| Object {
+        record.filtered = state.filter;
+        let status = if state.missed == 0 { TrackStatus::Confirmed } else { TrackStatus::Coasting };
+        record.object = state.filter.zip(state.extent).map(|(filter, extent)| Object {
             detection: taken,
-            ..object_of(&filter, state.begun, extent.around(filter.place()), life)
+            ..object_of(&filter, state.begun, extent.around(filter.place()), status)
         });
-        Ok(moment)
+        Ok(record)
     }
 
     /// Begins an object with its first measurement, if there is one; gives the detection that it is.
@@ -273,21 +273,21 @@ impl KalmanFilter {
         &self,
         (clip, t): (&Clip, usize),
         state: &mut State,
-        (moment, look): (&mut Moment, &Look),
+        (record, observed): (&mut FrameRecord, &Observations),
         observer: &mut impl Observer<Event>,
     ) -> Result<Option<usize>, Error> {
-        let Some(first) = look.measured.first() else {
+        let Some(first) = observed.measured.first() else {
             observer.see(|| Event::Missed(None));
             return Ok(None);
         };
         let model = self.motion.model(self.process_noise, self.turn_noise);
         let filter = Filter::begun(model, &first.measurement, f64::from(self.first_speed));
-        observer.see(|| Event::Begun(Box::new(filter), look.detections.len()));
-        (state.filter, state.missed, state.extent, moment.begins) = (Some(filter), 0, None, true);
+        observer.see(|| Event::Begun(Box::new(filter), observed.detections.len()));
+        (state.filter, state.missed, state.extent, record.begins) = (Some(filter), 0, None, true);
         state.begun += 1;
         state.truth_id = nearest_object(clip, t, first.measurement.place)?;
         state.truth_ids.extend(state.truth_id);
-        moment.truth = state.truth_id.map(|id| truth_of(clip, t, id)).transpose()?.flatten();
+        record.truth = state.truth_id.map(|id| truth_of(clip, t, id)).transpose()?.flatten();
         Ok(first.detection)
     }
 
@@ -310,23 +310,23 @@ impl KalmanFilter {
 
     /// Smooths the frame whose turn it is, going back.
     fn smooth_frame(&self, state: &mut State, done: usize, observer: &mut impl Observer<Event>) {
-        let index = state.moments.len() - 1 - done;
-        let next = state.moments.get(index + 1).filter(|next| !next.begins).and_then(|next| next.smoothed);
-        let moment = Arc::make_mut(&mut state.moments[index]);
-        let filtered = moment.filtered;
-        moment.smoothed = match (filtered, next) {
+        let index = state.records.len() - 1 - done;
+        let next = state.records.get(index + 1).filter(|next| !next.begins).and_then(|next| next.smoothed);
+        let record = Arc::make_mut(&mut state.records[index]);
+        let filtered = record.filtered;
+        record.smoothed = match (filtered, next) {
             (Some(filtered), Some(next)) => filtered.smoothed(&next).or(Some(filtered)),
             (filtered, _) => filtered,
         };
-        let smoothed = moment.smoothed;
+        let smoothed = record.smoothed;
         observer.see(|| match (filtered, next, smoothed) {
             (Some(filtered), Some(_), Some(smoothed)) => Event::Smoothed(Box::new([filtered, smoothed])),
             (filtered, ..) => Event::Kept(filtered.map(Box::new)),
         });
-        moment.object = moment.object.zip(smoothed).map(|(object, smoothed)| {
+        record.object = record.object.zip(smoothed).map(|(object, smoothed)| {
             let moved = [0, 1].map(|i| (smoothed.place()[i] - object.position[i]) as f32);
             let bounds = object.bounds.moved(moved);
-            Object { detection: object.detection, ..object_of(&smoothed, object.id, bounds, object.life) }
+            Object { detection: object.detection, ..object_of(&smoothed, object.id, bounds, object.status) }
         });
     }
 }
@@ -385,7 +385,7 @@ impl Estimator for KalmanFilter {
             self.source,
             clip,
             &span,
-            Given { noise, clicks: self.clicks.clone(), stage: self.detector.clone() },
+            SourceSettings { noise, clicks: self.clicks.clone(), stage: self.detector.clone() },
         )?;
         Ok(State {
             span,
@@ -396,7 +396,7 @@ impl Estimator for KalmanFilter {
             missed: 0,
             begun: 0,
             extent: None,
-            moments: Vec::new(),
+            records: Vec::new(),
             back: None,
             picture: clip.size(),
         })
@@ -406,11 +406,11 @@ impl Estimator for KalmanFilter {
         if let Some(done) = state.back {
             self.smooth_frame(state, done, observer);
             state.back = Some(done + 1);
-            return Ok(if done + 1 < state.moments.len() { Progress::More } else { Progress::Done });
+            return Ok(if done + 1 < state.records.len() { Progress::More } else { Progress::Done });
         }
-        let moment = self.filter_frame(clip, state, observer)?;
-        state.moments.push(Arc::new(moment));
-        if !state.span.is_over(clip, state.span.first + state.moments.len()) {
+        let record = self.filter_frame(clip, state, observer)?;
+        state.records.push(Arc::new(record));
+        if !state.span.is_over(clip, state.span.first + state.records.len()) {
             return Ok(Progress::More);
         }
         state.back = self.smooth.then_some(0);
@@ -423,7 +423,7 @@ impl Estimator for KalmanFilter {
 
     fn place(&self, state: &State) -> Vec<Granularity> {
         let passes = Some(if self.smooth { 2 } else { 1 });
-        let (pass, done) = state.back.map_or((0, state.moments.len()), |done| (1, done));
+        let (pass, done) = state.back.map_or((0, state.records.len()), |done| (1, done));
         let clip = Granularity { index: 0, of: Some(1) };
         vec![clip, Granularity { index: pass, of: passes }, Granularity { index: done, of: state.span.frames() }]
     }
@@ -433,7 +433,7 @@ impl Estimator for KalmanFilter {
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
-        let count = state.moments.len();
+        let count = state.records.len();
         let index = state.back.map_or(count, |done| count.saturating_sub(done + 1));
         Some(state.span.first + index)
     }
@@ -456,11 +456,11 @@ impl Estimator for KalmanFilter {
     }
 
     fn output(&self, state: &State) -> Output {
-        let frame = |moment: &Arc<Moment>| {
-            let objects = moment.object.into_iter().collect();
-            Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&moment.detections), objects })
+        let frame = |record: &Arc<FrameRecord>| {
+            let objects = record.object.into_iter().collect();
+            Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&record.detections), objects })
         };
-        let frames = state.moments.iter().map(frame).collect();
+        let frames = state.records.iter().map(frame).collect();
         Output::of(ObjectField {
             // A click has no size that could be compared with a true box.
             followed: Followed::One(match state.detector.takes_clicks() {
@@ -482,13 +482,13 @@ impl Footprint<State> for KalmanFilter {
 
     fn state_bytes(&self, state: &State) -> usize {
         // What earlier frames came to is shared with the states before, up to where it was smoothed: then it is a copy.
-        let smoothed = state.moments.iter().rev().take(state.back.unwrap_or(0)).map(|moment| moment.own_bytes());
-        let last = state.moments.last().map_or(0, |moment| moment.bytes());
-        size_of::<State>() + size_of_val(&state.moments[..]) + last + smoothed.sum::<usize>()
+        let smoothed = state.records.iter().rev().take(state.back.unwrap_or(0)).map(|record| record.own_bytes());
+        let last = state.records.last().map_or(0, |record| record.bytes());
+        size_of::<State>() + size_of_val(&state.records[..]) + last + smoothed.sum::<usize>()
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        let earlier: usize = state.moments.iter().map(|moment| moment.bytes()).sum();
+        let earlier: usize = state.records.iter().map(|record| record.bytes()).sum();
         self.state_bytes(state) + state.detector.bytes() + earlier
     }
 }

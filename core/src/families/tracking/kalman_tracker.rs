@@ -1,7 +1,7 @@
 //! Many objects, each with a Kalman filter: in every frame detections are shared out among them.
 
 mod explain;
-mod share;
+mod association;
 
 use std::sync::Arc;
 
@@ -13,8 +13,8 @@ use crate::methods::{
     kalman::{Filter, Measurement, Model, MotionModel},
     multi_object::{
         Extent,
-        course::{self, Course},
-        lifecycle::{Age, Rules},
+        tracker_run::{self, TrackerRun},
+        lifecycle::{TrackAge, Rules},
     },
 };
 use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
@@ -22,7 +22,7 @@ use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progr
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
-pub use share::Costs;
+pub use association::Costs;
 
 choices! {
     /// How pairs of objects and detections are chosen.
@@ -50,12 +50,12 @@ params! {
     /// Many objects, each with a Kalman filter.
     pub struct KalmanTracker {
         /// The frames of the run, and the source of the detections.
-        given: course::Settings = course::Settings::default();
+        settings: tracker_run::Settings = tracker_run::Settings::default();
         /// How objects are thought to move.
         motion: MotionModel = MotionModel::Velocity;
         /// Standard deviation of what disturbs the motion, in px/frame² for each px of the height that the object has by then.
         process_noise: f32 = 0.02, 0.0..=2.0;
-        /// Standard deviation of what disturbs the rate of a coordinated turn.
+        /// Standard deviation of what disturbs the rate of a coordinated stage.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
         /// Standard deviation of a measured place along each axis, as a share of the height of its box.
         measurement_noise: f32 = 0.1, 0.001..=2.0;
@@ -81,7 +81,7 @@ params! {
 /// What a run reads and writes.
 #[derive(Clone)]
 pub struct State {
-    course: Course,
+    run: TrackerRun,
     tracks: Vec<Track>,
 }
 
@@ -93,7 +93,7 @@ pub struct Track {
     extent: Extent,
     /// The box in which it was last seen.
     last: Bounds,
-    age: Age,
+    age: TrackAge,
 }
 
 /// What happens in a frame.
@@ -126,7 +126,7 @@ impl Track {
     }
 
     fn object(&self, detection: Option<usize>) -> Object {
-        Object { detection, ..object_of(&self.filter, self.id, self.bounds(), self.age.life) }
+        Object { detection, ..object_of(&self.filter, self.id, self.bounds(), self.age.status) }
     }
 }
 
@@ -200,11 +200,11 @@ impl Estimator for KalmanTracker {
     type Event = Event;
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        Ok(State { course: Course::new(self.given.clone(), clip, frame)?, tracks: Vec::new() })
+        Ok(State { run: TrackerRun::new(self.settings.clone(), clip, frame)?, tracks: Vec::new() })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let (detections, left_out) = state.course.look(clip)?;
+        let (detections, left_out) = state.run.look(clip)?;
         let detections = Arc::new(detections);
         observer.see(|| Event::Looked(Arc::clone(&detections), left_out));
         let mut tracks = std::mem::take(&mut state.tracks);
@@ -212,24 +212,24 @@ impl Estimator for KalmanTracker {
             track.filter = track.filter.going_by(self.model(&track.extent)).predicted();
         }
         observer.see(|| Event::Predicted(Arc::new(tracks.clone())));
-        let is_sure = |found: &Detection| !state.course.tells_scores() || found.score >= self.sure_score;
-        let costs = Arc::new(self.costs(clip, (tracks, detections), is_sure)?);
+        let is_high = |found: &Detection| !state.run.tells_scores() || found.score >= self.sure_score;
+        let costs = Arc::new(self.costs(clip, (tracks, detections), is_high)?);
         observer.see(|| Event::Costs(Arc::clone(&costs)));
         for (row, pair) in costs.pairs.iter().enumerate().filter_map(|(row, pair)| Some((row, (*pair)?))) {
             observer.see(|| Event::Paired(Arc::clone(&costs), [row, pair.column]));
         }
-        let objects = self.share_out(state, &costs, observer);
+        let objects = self.update_tracks(state, &costs, observer);
         let frame = Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&costs.detections), objects });
         observer.see(|| Event::Done(Arc::clone(&frame)));
-        Ok(state.course.note(clip, frame))
+        Ok(state.run.note(clip, frame))
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        state.course.span.frames()
+        state.run.span.frames()
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        state.course.place()
+        state.run.place()
     }
 
     fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
@@ -237,7 +237,7 @@ impl Estimator for KalmanTracker {
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.course.frame())
+        Some(state.run.frame())
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -261,7 +261,7 @@ impl Estimator for KalmanTracker {
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::of(state.course.field())
+        Output::of(state.run.field())
     }
 }
 
@@ -271,17 +271,17 @@ impl Footprint<State> for KalmanTracker {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        state.course.own_bytes() + size_of_val(&state.tracks[..])
+        state.run.own_bytes() + size_of_val(&state.tracks[..])
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.course.shared_bytes()
+        self.state_bytes(state) + state.run.shared_bytes()
     }
 }
 
 impl KalmanTracker {
     /// Moves objects to their detections, ends and begins some; gives those there are in this frame.
-    fn share_out(&self, state: &mut State, costs: &Costs, observer: &mut impl Observer<Event>) -> Vec<Object> {
+    fn update_tracks(&self, state: &mut State, costs: &Costs, observer: &mut impl Observer<Event>) -> Vec<Object> {
         let (mut objects, mut is_taken) = (Vec::new(), vec![false; costs.detections.len()]);
         for (track, pair) in costs.tracks.iter().zip(&costs.pairs) {
             let column = pair.map(|pair| pair.column);
@@ -294,11 +294,11 @@ impl KalmanTracker {
                         let both = Box::new([track.clone(), updated.clone()]);
                         Event::Updated(both, self.measurement(detection))
                     });
-                    state.course.look_back(self.rules, &updated.object(Some(column)), track.age);
+                    state.run.look_back(self.rules, &updated.object(Some(column)), track.age);
                     Some(updated)
                 }
                 None => {
-                    let missed = self.missed(track, state.course.picture());
+                    let missed = self.missed(track, state.run.picture());
                     observer.see(|| match &missed {
                         Some(track) => Event::Missed(Box::new(track.clone())),
                         None => Event::Ended(Box::new(track.clone())),
@@ -310,10 +310,10 @@ impl KalmanTracker {
             state.tracks.extend(next);
         }
         for (column, detection) in costs.detections.iter().enumerate() {
-            if !costs.is_sure[column] || is_taken[column] {
+            if !costs.is_high[column] || is_taken[column] {
                 continue;
             }
-            let track = self.begun(detection, state.course.next_id());
+            let track = self.begun(detection, state.run.next_id());
             observer.see(|| Event::Begun(Box::new(track.clone())));
             objects.push(track.object(Some(column)));
             state.tracks.push(track);

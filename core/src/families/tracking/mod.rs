@@ -32,11 +32,11 @@ fn need(clip: &Clip) -> Need {
 }
 
 /// The object that a filter follows.
-fn object_of(filter: &Filter, id: u32, bounds: Bounds, life: TrackStatus) -> Object {
+fn object_of(filter: &Filter, id: u32, bounds: Bounds, status: TrackStatus) -> Object {
     Object {
         id,
         bounds,
-        life,
+        status,
         position: filter.place(),
         velocity: Some(filter.velocity()),
         covariance: Some(filter.place_covariance()),

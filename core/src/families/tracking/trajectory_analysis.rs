@@ -11,7 +11,7 @@ use crate::methods::multi_object::directions::Directions;
 use crate::params::Line;
 use crate::products::{
     ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus,
-    objects::trajectory::{Crossing, News, Places, Stay, Trajectory, Unusual},
+    objects::trajectory::{Crossing, TrajectoryEvents, Places, Dwell, Trajectory, DirectionAnomaly},
 };
 use crate::run::{
     Estimator, Explained, Footprint, Frames, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, Stage,
@@ -55,7 +55,7 @@ params! {
 /// Others have a common heading where their mean of unit vectors is at least so long.
 const AGREEMENT: f64 = 0.7;
 /// So many objects are followed before it is asked whether to go on.
-const OBJECTS_AT_ONCE: usize = 64;
+const TRACKS_PER_CHECK: usize = 64;
 /// Who points so near to the way of an object, in px, hears of it.
 const NEAR_PX: f64 = 16.0;
 
@@ -82,11 +82,11 @@ pub enum Event {
     /// It has gone over the line.
     Crossed(Arc<Trajectory>, Crossing),
     /// It has come into the zone.
-    Entered(Arc<Trajectory>, Stay),
+    Entered(Arc<Trajectory>, Dwell),
     /// It has left the zone.
-    Left(Arc<Trajectory>, Stay),
+    Left(Arc<Trajectory>, Dwell),
     /// It goes where the others do not.
-    Unusual(Arc<Trajectory>, Unusual),
+    Unusual(Arc<Trajectory>, DirectionAnomaly),
     /// The directions of this frame are taken in.
     Learned(Arc<Directions>),
 }
@@ -103,7 +103,7 @@ impl Event {
 }
 
 /// That an object goes in a direction, a unit vector, at a place.
-struct Lesson {
+struct DirectionSample {
     id: u32,
     at: [f64; 2],
     direction: [f64; 2],
@@ -116,7 +116,7 @@ impl TrajectoryAnalysis {
 
     /// Takes in all places of an object up to now that are not known yet: that it was seen where it was not yet confirmed is
     /// known only once it is.
-    fn follow(&self, state: &mut State, id: u32, observer: &mut impl Observer<Event>) -> Vec<Lesson> {
+    fn follow(&self, state: &mut State, id: u32, observer: &mut impl Observer<Event>) -> Vec<DirectionSample> {
         let (first, frames) = (state.span.first, &state.frames);
         let place = state.trajectories.binary_search_by_key(&id, |trajectory| trajectory.id);
         // Taken out, so that it is not copied where nobody else holds it.
@@ -125,23 +125,23 @@ impl TrajectoryAnalysis {
             Err(_) => Arc::new(Trajectory { id, ..Trajectory::default() }),
         };
         let begin = if place.is_ok() { frames.len() - 1 } else { 0 };
-        let mut lessons = Vec::new();
+        let mut samples = Vec::new();
         for (i, frame) in frames.iter().enumerate().skip(begin) {
             let seen = frame.object(id).filter(|object| object.detection.is_some());
             let Some(object) = seen else { continue };
             let news = Arc::make_mut(&mut trajectory).see(first + i, object.position, &self.places());
-            lessons.extend(self.judge(&mut trajectory, &state.directions));
+            samples.extend(self.compare_direction(&mut trajectory, &state.directions));
             tell(&trajectory, news, observer);
         }
         match place {
             Ok(i) => state.trajectories[i] = trajectory,
             Err(i) => state.trajectories.insert(i, trajectory),
         }
-        lessons
+        samples
     }
 
     /// Compares the heading of an object with that of the others; gives what they can learn from it.
-    fn judge(&self, trajectory: &mut Arc<Trajectory>, directions: &Directions) -> Option<Lesson> {
+    fn compare_direction(&self, trajectory: &mut Arc<Trajectory>, directions: &Directions) -> Option<DirectionSample> {
         let id = trajectory.id;
         let last = Arc::make_mut(trajectory).sightings.last_mut()?;
         let [u, v] = last.velocity?;
@@ -150,32 +150,32 @@ impl TrajectoryAnalysis {
             return None;
         }
         let direction = [u / speed, v / speed];
-        let usual = directions.usual(id, last.at);
+        let usual = directions.mean_of_others(id, last.at);
         let known = usual.filter(|usual| usual.others >= self.least_others && usual.agreement >= AGREEMENT);
-        last.unusual = known.and_then(|usual| {
+        last.anomaly = known.and_then(|usual| {
             let cosine = direction[0] * usual.direction[0] + direction[1] * usual.direction[1];
             let angle_deg = cosine.clamp(-1.0, 1.0).acos().to_degrees();
-            let unusual = Unusual { angle_deg, usual: usual.direction, others: usual.others };
+            let unusual = DirectionAnomaly { angle_deg, usual: usual.direction, others: usual.others };
             (angle_deg > f64::from(self.unusual_angle)).then_some(unusual)
         });
-        Some(Lesson { id, at: last.at, direction })
+        Some(DirectionSample { id, at: last.at, direction })
     }
 }
 
 /// Tells what is new of an object.
-fn tell(trajectory: &Arc<Trajectory>, news: News, observer: &mut impl Observer<Event>) {
+fn tell(trajectory: &Arc<Trajectory>, news: TrajectoryEvents, observer: &mut impl Observer<Event>) {
     let of = || Arc::clone(trajectory);
     observer.see(|| Event::Moved(of()));
     if let Some(crossing) = news.crossed {
         observer.see(|| Event::Crossed(of(), crossing));
     }
-    if let Some(stay) = news.entered {
-        observer.see(|| Event::Entered(of(), stay));
+    if let Some(dwell) = news.entered {
+        observer.see(|| Event::Entered(of(), dwell));
     }
-    if let Some(stay) = news.left {
-        observer.see(|| Event::Left(of(), stay));
+    if let Some(dwell) = news.left {
+        observer.see(|| Event::Left(of(), dwell));
     }
-    if let Some(unusual) = trajectory.sightings.last().and_then(|last| last.unusual) {
+    if let Some(unusual) = trajectory.sightings.last().and_then(|last| last.anomaly) {
         observer.see(|| Event::Unusual(of(), unusual));
     }
 }
@@ -224,18 +224,18 @@ impl Estimator for TrajectoryAnalysis {
         let frame = state.tracked.at(t)?.unwrap_or_default();
         state.frames.push(Arc::clone(&frame));
         observer.see(|| Event::Tracked(Arc::clone(&frame)));
-        let is_seen = |life: TrackStatus, has_detection: bool| life == TrackStatus::Confirmed && has_detection;
-        let seen = frame.objects.iter().filter(|object| is_seen(object.life, object.detection.is_some()));
-        let mut lessons: Vec<Lesson> = Vec::new();
+        let is_seen = |status: TrackStatus, has_detection: bool| status == TrackStatus::Confirmed && has_detection;
+        let seen = frame.objects.iter().filter(|object| is_seen(object.status, object.detection.is_some()));
+        let mut samples: Vec<DirectionSample> = Vec::new();
         for (i, object) in seen.enumerate() {
-            if i.is_multiple_of(OBJECTS_AT_ONCE) {
+            if i.is_multiple_of(TRACKS_PER_CHECK) {
                 clip.wanted()?;
             }
-            lessons.extend(self.follow(state, object.id, observer));
+            samples.extend(self.follow(state, object.id, observer));
         }
-        if !lessons.is_empty() {
+        if !samples.is_empty() {
             let directions = Arc::make_mut(&mut state.directions);
-            lessons.into_iter().for_each(|Lesson { id, at, direction }| directions.learn(id, at, direction));
+            samples.into_iter().for_each(|DirectionSample { id, at, direction }| directions.learn(id, at, direction));
         }
         observer.see(|| Event::Learned(Arc::clone(&state.directions)));
         Ok(if state.span.is_over(clip, t + 1) { Progress::Done } else { Progress::More })
@@ -319,8 +319,8 @@ impl Pointed<State> for TrajectoryAnalysis {
 }
 
 fn bytes(trajectory: &Trajectory) -> usize {
-    let Trajectory { sightings, crossings, stays, .. } = trajectory;
-    size_of::<Trajectory>() + size_of_val(&sightings[..]) + size_of_val(&crossings[..]) + size_of_val(&stays[..])
+    let Trajectory { sightings, crossings, dwells, .. } = trajectory;
+    size_of::<Trajectory>() + size_of_val(&sightings[..]) + size_of_val(&crossings[..]) + size_of_val(&dwells[..])
 }
 
 /// The trajectory that comes nearest to a point, if one does.

@@ -10,12 +10,12 @@ use crate::geometry::Grid;
 pub struct Directions {
     /// Side of a part in px.
     pub side_px: usize,
-    parts: Grid<Vec<Passed>>,
+    parts: Grid<Vec<TrackDirection>>,
 }
 
 /// What one object has left in a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Passed {
+struct TrackDirection {
     id: u32,
     /// The sum of its directions, unit vectors.
     sum: [f64; 2],
@@ -23,7 +23,7 @@ struct Passed {
     direction: Option<[f64; 2]>,
 }
 
-impl Passed {
+impl TrackDirection {
     fn new(id: u32, sum: [f64; 2]) -> Self {
         let length = sum[0].hypot(sum[1]);
         Self { id, sum, direction: (length > 0.0).then(|| sum.map(|c| c / length)) }
@@ -32,7 +32,7 @@ impl Passed {
 
 /// Where others go.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Usual {
+pub struct MeanDirection {
     /// The mean of their directions, a unit vector.
     pub direction: [f64; 2],
     /// How well they agree, 0 to 1: the length of the mean of unit vectors.
@@ -61,18 +61,18 @@ impl Directions {
         let passed = &mut self.parts[part];
         // Whoever passes is mostly among the last that came.
         match passed.iter_mut().rev().find(|passed| passed.id == id) {
-            Some(passed) => *passed = Passed::new(id, [0, 1].map(|i| passed.sum[i] + direction[i])),
-            None => passed.push(Passed::new(id, direction)),
+            Some(passed) => *passed = TrackDirection::new(id, [0, 1].map(|i| passed.sum[i] + direction[i])),
+            None => passed.push(TrackDirection::new(id, direction)),
         }
     }
 
     /// Where objects but `id` go at a place. Each counts once, however long it was there.
-    pub fn usual(&self, id: u32, at: [f64; 2]) -> Option<Usual> {
+    pub fn mean_of_others(&self, id: u32, at: [f64; 2]) -> Option<MeanDirection> {
         mean(self.parts[self.part(at)].iter().filter(|passed| passed.id != id))
     }
 
     /// The middle of each part that at least so many objects have passed, and where they usually go there.
-    pub fn all(&self, least: usize) -> Vec<([f32; 2], Usual)> {
+    pub fn all(&self, least: usize) -> Vec<([f32; 2], MeanDirection)> {
         let (width, height) = self.parts.size();
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let middle = |c: usize| (c as f32 + 0.5) * self.side_px as f32 - 0.5;
@@ -87,14 +87,14 @@ impl Directions {
     }
 }
 
-fn mean<'a>(passed: impl Iterator<Item = &'a Passed>) -> Option<Usual> {
+fn mean<'a>(passed: impl Iterator<Item = &'a TrackDirection>) -> Option<MeanDirection> {
     let (mut sum, mut others) = ([0.0, 0.0], 0);
     for [u, v] in passed.filter_map(|passed| passed.direction) {
         sum = [sum[0] + u, sum[1] + v];
         others += 1;
     }
     let length = f64::hypot(sum[0], sum[1]);
-    (length > 0.0).then(|| Usual { direction: sum.map(|c| c / length), agreement: length / others as f64, others })
+    (length > 0.0).then(|| MeanDirection { direction: sum.map(|c| c / length), agreement: length / others as f64, others })
 }
 
 #[cfg(test)]
@@ -108,12 +108,12 @@ mod tests {
             directions.learn(1, [30.0, 30.0], [1.0, 0.0]);
         }
         directions.learn(2, [31.0, 39.4], [0.0, 1.0]);
-        let usual = directions.usual(3, [25.0, 25.0]).expect("two have passed");
+        let usual = directions.mean_of_others(3, [25.0, 25.0]).expect("two have passed");
         let diagonal = 0.5f64.sqrt();
         assert!(usual.direction.iter().all(|c| (c - diagonal).abs() < 1e-12), "{usual:?}");
         assert!((usual.agreement - diagonal).abs() < 1e-12 && usual.others == 2);
-        assert_eq!(directions.usual(2, [25.0, 25.0]).map(|usual| usual.direction), Some([1.0, 0.0]), "without itself");
-        assert_eq!(directions.usual(3, [5.0, 25.0]), None, "nobody was there");
+        assert_eq!(directions.mean_of_others(2, [25.0, 25.0]).map(|usual| usual.direction), Some([1.0, 0.0]), "without itself");
+        assert_eq!(directions.mean_of_others(3, [5.0, 25.0]), None, "nobody was there");
     }
 
     #[test]
@@ -121,7 +121,7 @@ mod tests {
         let mut directions = Directions::new((40, 40), 20);
         directions.learn(1, [-80.0, 5.0], [1.0, 0.0]);
         directions.learn(2, [3.0, -9.0], [-1.0, 0.0]);
-        assert_eq!(directions.usual(9, [0.0, 0.0]), None);
+        assert_eq!(directions.mean_of_others(9, [0.0, 0.0]), None);
         directions.learn(3, [1e9, f64::from(u16::MAX)], [0.0, 1.0]);
         assert_eq!(directions.all(1).iter().map(|(at, _)| *at).collect::<Vec<_>>(), [[29.5, 29.5]]);
     }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::course::Course;
+use super::tracker_run::TrackerRun;
 pub(crate) use crate::base::words::{counted as count, number_64 as short};
 use crate::base::words::{heading, number};
 use crate::data::Detection;
@@ -110,8 +110,8 @@ pub(crate) fn label(scene: &mut Scene, role: Role, at: [f32; 2], text: String) {
 }
 
 /// The role of an object, and what that means.
-pub(crate) fn role(life: TrackStatus) -> (Role, &'static str) {
-    match life {
+pub(crate) fn role(status: TrackStatus) -> (Role, &'static str) {
+    match status {
         TrackStatus::Tentative => (Role::Candidate, "tentative"),
         TrackStatus::Confirmed => (Role::Estimate, "tracked"),
         TrackStatus::Coasting => (Role::Predicted, "predicted"),
@@ -119,9 +119,9 @@ pub(crate) fn role(life: TrackStatus) -> (Role, &'static str) {
 }
 
 /// Where an object was in the frames before, up to where it is now.
-pub(crate) fn trail(scene: &mut Scene, course: &Course, role: Role, (id, now): (u32, [f64; 2])) {
-    let recent = course.frames().len().saturating_sub(TRAIL_FRAMES);
-    let places = course.frames()[recent..]
+pub(crate) fn trail(scene: &mut Scene, run: &TrackerRun, role: Role, (id, now): (u32, [f64; 2])) {
+    let recent = run.frames().len().saturating_sub(TRAIL_FRAMES);
+    let places = run.frames()[recent..]
         .iter()
         .filter_map(|frame| frame.object(id).map(|object| object.position.map(|c| c as f32)));
     let points: Vec<[f32; 2]> = places.chain([now.map(|c| c as f32)]).collect();
@@ -131,18 +131,18 @@ pub(crate) fn trail(scene: &mut Scene, course: &Course, role: Role, (id, now): (
 }
 
 /// How many objects there are from frame to frame.
-pub(crate) fn series(course: &Course) -> Option<Readout> {
-    let frames = course.frames();
+pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
+    let frames = run.frames();
     let line = |of: &dyn Fn(&ObjectFrame) -> usize| -> Vec<[f32; 2]> {
-        frames.iter().enumerate().map(|(i, frame)| [(course.span.first + i) as f32, of(frame) as f32]).collect()
+        frames.iter().enumerate().map(|(i, frame)| [(run.span.first + i) as f32, of(frame) as f32]).collect()
     };
-    let with = |life: TrackStatus| line(&move |frame| of_life(frame, life));
+    let with = |status: TrackStatus| line(&move |frame| of_status(frame, status));
     let lines = vec![
         ("detected", Role::Measured, line(&|frame| frame.detections.len())),
         ("tracked", Role::Estimate, with(TrackStatus::Confirmed)),
         ("coasting", Role::Predicted, with(TrackStatus::Coasting)),
     ];
-    let x_max = course.span.first + course.span.frames().map_or(frames.len(), |frames| frames - 1);
+    let x_max = run.span.first + run.span.frames().map_or(frames.len(), |frames| frames - 1);
     let series = Series {
         title: "Objects",
         x_label: "frame",
@@ -155,13 +155,13 @@ pub(crate) fn series(course: &Course) -> Option<Readout> {
     (frames.len() > 1).then_some(Readout::Series(series))
 }
 
-fn of_life(frame: &ObjectFrame, life: TrackStatus) -> usize {
-    frame.objects.iter().filter(|object| object.life == life).count()
+fn of_status(frame: &ObjectFrame, status: TrackStatus) -> usize {
+    frame.objects.iter().filter(|object| object.status == status).count()
 }
 
 /// What a frame came to, in words.
 pub(crate) fn done(number: usize, frame: &ObjectFrame) -> String {
-    let of = |life| of_life(frame, life);
+    let of = |status| of_status(frame, status);
     let [seen, coasting, tentative] = [TrackStatus::Confirmed, TrackStatus::Coasting, TrackStatus::Tentative].map(of);
     format!("Frame {number} is over: {seen} seen, {coasting} coasting, {tentative} tentative.")
 }

@@ -20,13 +20,13 @@ params! {
 
 /// How long an object has lived.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Age {
+pub(crate) struct TrackAge {
     /// Frames in which it was seen.
-    pub seen: usize,
+    pub hits: usize,
     /// Frames in a row in which it was not.
     pub missed: usize,
     /// What it counts as.
-    pub life: TrackStatus,
+    pub status: TrackStatus,
 }
 
 impl Rules {
@@ -36,22 +36,22 @@ impl Rules {
     }
 
     /// An object is seen for the first time.
-    pub(crate) fn begun(&self) -> Age {
-        let life = if self.confirm <= 1 { TrackStatus::Confirmed } else { TrackStatus::Tentative };
-        Age { seen: 1, missed: 0, life }
+    pub(crate) fn begun(&self) -> TrackAge {
+        let status = if self.confirm <= 1 { TrackStatus::Confirmed } else { TrackStatus::Tentative };
+        TrackAge { hits: 1, missed: 0, status }
     }
 
     /// It is seen once more.
-    pub(crate) fn seen(&self, age: Age) -> Age {
-        let seen = age.seen + 1;
-        let is_believed = seen >= self.confirm || age.life != TrackStatus::Tentative;
-        Age { seen, missed: 0, life: if is_believed { TrackStatus::Confirmed } else { TrackStatus::Tentative } }
+    pub(crate) fn seen(&self, age: TrackAge) -> TrackAge {
+        let hits = age.hits + 1;
+        let is_confirmed = hits >= self.confirm || age.status != TrackStatus::Tentative;
+        TrackAge { hits, missed: 0, status: if is_confirmed { TrackStatus::Confirmed } else { TrackStatus::Tentative } }
     }
 
     /// It is not seen; `None` where it is given up.
-    pub(crate) fn missed(&self, age: Age) -> Option<Age> {
+    pub(crate) fn missed(&self, age: TrackAge) -> Option<TrackAge> {
         let missed = age.missed + 1;
-        let is_over = missed > self.patience || age.life == TrackStatus::Tentative;
-        (!is_over).then_some(Age { seen: age.seen, missed, life: TrackStatus::Coasting })
+        let is_over = missed > self.patience || age.status == TrackStatus::Tentative;
+        (!is_over).then_some(TrackAge { hits: age.hits, missed, status: TrackStatus::Coasting })
     }
 }

@@ -1,6 +1,6 @@
 //! What trackers of many objects share: the detections, how tracks live, and how they are told.
 
-pub(crate) mod course;
+pub(crate) mod tracker_run;
 pub mod directions;
 pub(crate) mod explain;
 mod extent;

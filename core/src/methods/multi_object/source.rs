@@ -46,7 +46,7 @@ pub struct Noise {
 
 /// What a detector is given beside the clip.
 #[derive(Clone, Debug)]
-pub struct Given {
+pub struct SourceSettings {
     /// How the truth is measured.
     pub noise: Noise,
     /// Places that were clicked.
@@ -81,8 +81,8 @@ impl Detector {
     ///
     /// # Errors
     /// If the clip has none of what is wanted, or a frame is damaged.
-    pub fn new(source: Source, clip: &Clip, span: &Span, given: Given) -> Result<Self, Error> {
-        let Given { noise, clicks, stage } = given;
+    pub fn new(source: Source, clip: &Clip, span: &Span, settings: SourceSettings) -> Result<Self, Error> {
+        let SourceSettings { noise, clicks, stage } = settings;
         let has_detections = clip.detections(span.first).is_some();
         let has_truth = match clip.truth() {
             Some(truth) => truth.objects(span.first)?.is_some(),

@@ -8,7 +8,7 @@ use crate::base::Error;
 use crate::geometry::Grid;
 
 /// How much an assignment may work, and whether its result is still wanted; `E` is what refuses it.
-pub struct Effort<'a, E = Error> {
+pub struct WorkBudget<'a, E = Error> {
     /// Pairs that may still be looked at.
     left: u64,
     /// Pairs that were looked at since it was last asked whether to go on.
@@ -19,7 +19,7 @@ pub struct Effort<'a, E = Error> {
 /// So many pairs are looked at before it is asked whether to go on: some milliseconds.
 const ASK_AFTER: u64 = 1 << 16;
 
-impl<'a, E> Effort<'a, E> {
+impl<'a, E> WorkBudget<'a, E> {
     /// As much as it takes, until `wanted` refuses.
     pub fn endless(wanted: &'a dyn Fn() -> Result<(), E>) -> Self {
         Self::limited(u64::MAX, wanted)
@@ -49,8 +49,8 @@ impl<'a, E> Effort<'a, E> {
 pub struct Assigned {
     /// The column of each row.
     pub columns: Vec<Option<usize>>,
-    /// The rows that were paired nearest first, because the effort was used up.
-    pub hasty: usize,
+    /// The rows that were paired nearest first, because the budget was used up.
+    pub greedy: usize,
 }
 
 /// Tables of so many cells are worked out whole. Larger ones are only by the pairs that there are, which comes to the same sum; of
@@ -62,35 +62,35 @@ fn is_small(pairs: &Pairs) -> bool {
 }
 
 /// Pairs each row with at most one column, so that as many are paired as can be and the sum of their costs is least: the
-/// Hungarian method, by shortest augmenting paths (H. W. Kuhn 1955; R. Jonker and A. Volgenant 1987). Where `effort` is used up,
+/// Hungarian method, by shortest augmenting paths (H. W. Kuhn 1955; R. Jonker and A. Volgenant 1987). Where `budget` is used up,
 /// the rows that are left are paired nearest first.
 ///
 /// # Errors
 /// If the result is not wanted any more.
-pub fn least_cost<E>(costs: &Pairs, effort: &mut Effort<E>) -> Result<Assigned, E> {
+pub fn least_cost<E>(costs: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
     if is_small(costs) {
-        return Ok(Assigned { columns: of_table(&costs.table(f64::INFINITY)), hasty: 0 });
+        return Ok(Assigned { columns: of_table(&costs.table(f64::INFINITY)), greedy: 0 });
     }
     let (low, high) = costs.iter().fold((0.0_f64, 0.0_f64), |(low, high), (.., cost)| (low.min(cost), high.max(cost)));
     // To stay alone costs more than all that is allowed, however much of it is paired.
     let alone = (high - low + 1.0) * (costs.rows().min(costs.columns()) + 1) as f64;
-    Paths::new(costs, low, alone).all(effort)
+    Paths::new(costs, low, alone).all(budget)
 }
 
-/// Pairs each row with at most one column, so that the sum of what they are worth is largest; whoever stays alone is worth 0, and
+/// Pairs each row with at most one column, so that the sum of what they are worth is largest; whoever dwells alone is worth 0, and
 /// nothing is worth less.
 ///
 /// # Errors
 /// If the result is not wanted any more.
-pub fn most_worth<E>(worths: &Pairs, effort: &mut Effort<E>) -> Result<Assigned, E> {
+pub fn most_worth<E>(worths: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
     let costs = worths.filter_map(|_, _, worth| (worth > 0.0).then_some(-worth));
     if is_small(&costs) {
         let columns = of_table(&costs.table(0.0)).into_iter().enumerate();
         let columns = columns.map(|(row, column)| column.filter(|column| costs.get(row, *column).is_some()));
-        return Ok(Assigned { columns: columns.collect(), hasty: 0 });
+        return Ok(Assigned { columns: columns.collect(), greedy: 0 });
     }
     let low = costs.iter().fold(0.0_f64, |low, (.., cost)| low.min(cost));
-    Paths::new(&costs, low, -low).all(effort)
+    Paths::new(&costs, low, -low).all(budget)
 }
 
 /// The pairs of least cost of a whole table. Costs that are not finite are never paired.
@@ -177,7 +177,7 @@ fn shortest_paths((rows, columns): (usize, usize), cost: impl Fn(usize, usize) -
 }
 
 /// Pairs of a large table, by paths that lead only through pairs that there are, so that rows and columns that have nothing to do
-/// with each other cost nothing. Each row has a place of its own where it stays alone.
+/// with each other cost nothing. Each row has a place of its own where it dwells alone.
 struct Paths<'a> {
     costs: &'a Pairs,
     /// What is taken off each cost, so that none is negative.
@@ -221,7 +221,7 @@ impl Ord for Reached {
 enum End {
     /// At a column that was free.
     At(usize),
-    /// At a row that stays alone.
+    /// At a row that dwells alone.
     Alone(usize),
 }
 
@@ -242,27 +242,27 @@ impl<'a> Paths<'a> {
         }
     }
 
-    fn all<E>(mut self, effort: &mut Effort<E>) -> Result<Assigned, E> {
+    fn all<E>(mut self, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
         for row in 0..self.costs.rows() {
-            if !self.pair(row, effort)? {
-                return Ok(self.hasty(row));
+            if !self.pair(row, budget)? {
+                return Ok(self.greedy(row));
             }
         }
-        Ok(Assigned { columns: self.column_of, hasty: 0 })
+        Ok(Assigned { columns: self.column_of, greedy: 0 })
     }
 
     /// Pairs the rows from `first` on nearest first, with what is left.
-    fn hasty(mut self, first: usize) -> Assigned {
+    fn greedy(mut self, first: usize) -> Assigned {
         let left = self.costs.filtered(|row, column, _| row >= first && self.row_of[column].is_none());
         for (row, column) in nearest_first(&left).into_iter().enumerate().skip(first) {
             self.column_of[row] = column;
         }
-        let hasty = self.column_of.len() - first;
-        Assigned { columns: self.column_of, hasty }
+        let greedy = self.column_of.len() - first;
+        Assigned { columns: self.column_of, greedy }
     }
 
-    /// Takes in one more row by a shortest augmenting path; `false` if the effort was used up before there was one.
-    fn pair<E>(&mut self, row: usize, effort: &mut Effort<E>) -> Result<bool, E> {
+    /// Takes in one more row by a shortest augmenting path; `false` if the budget was used up before there was one.
+    fn pair<E>(&mut self, row: usize, budget: &mut WorkBudget<E>) -> Result<bool, E> {
         let (mut heap, mut touched, mut rows, mut done) = (BinaryHeap::new(), Vec::new(), Vec::new(), Vec::new());
         let (mut next, mut alone) = (Some((row, 0.0)), (f64::INFINITY, row));
         let end = loop {
@@ -272,7 +272,7 @@ impl<'a> Paths<'a> {
                     alone = (to_stay, row);
                 }
                 rows.push((row, far));
-                if !effort.take(self.relax(row, far, (&mut heap, &mut touched)))? {
+                if !budget.take(self.relax(row, far, (&mut heap, &mut touched)))? {
                     self.forget(&touched);
                     return Ok(false);
                 }
@@ -360,14 +360,14 @@ mod tests {
     }
 
     fn least(costs: &Pairs) -> Vec<Option<usize>> {
-        least_cost(costs, &mut Effort::endless(&wanted)).expect("it is wanted").columns
+        least_cost(costs, &mut WorkBudget::endless(&wanted)).expect("it is wanted").columns
     }
 
     /// The same by paths, as it is done for large tables.
     fn by_paths(costs: &Pairs) -> Vec<Option<usize>> {
         let (low, high) = costs.iter().fold((0.0_f64, 0.0_f64), |(a, b), (.., cost)| (a.min(cost), b.max(cost)));
         let alone = (high - low + 1.0) * (costs.rows() + 1) as f64;
-        Paths::new(costs, low, alone).all(&mut Effort::endless(&wanted)).expect("it is wanted").columns
+        Paths::new(costs, low, alone).all(&mut WorkBudget::endless(&wanted)).expect("it is wanted").columns
     }
 
     /// How many are paired and what that costs; no column twice.
@@ -433,12 +433,12 @@ mod tests {
             prop_assert!(of_paths.0 == count && (of_paths.1 - sum).abs() < 1e-9, "{of_paths:?} instead of {sum}");
             let greedy = worth(&costs, &nearest_first(&costs));
             prop_assert!(greedy.0 <= count && (greedy.0 < count || greedy.1 >= sum - 1e-9));
-            let all = most_worth(&costs, &mut Effort::endless(&wanted)).expect("it is wanted");
+            let all = most_worth(&costs, &mut WorkBudget::endless(&wanted)).expect("it is wanted");
             let most = most(&costs, 0, &mut Vec::new());
             prop_assert!((worth(&costs, &all.columns).1 - most).abs() < 1e-9);
             let negative = costs.filter_map(|_, _, worth| (worth > 0.0).then_some(-worth));
             let low = negative.iter().fold(0.0_f64, |low, (.., cost)| low.min(cost));
-            let paths = Paths::new(&negative, low, -low).all(&mut Effort::endless(&wanted)).expect("it is wanted");
+            let paths = Paths::new(&negative, low, -low).all(&mut WorkBudget::endless(&wanted)).expect("it is wanted");
             prop_assert!((worth(&costs, &paths.columns).1 - most).abs() < 1e-9);
         }
 
@@ -476,12 +476,12 @@ mod tests {
     fn effort_has_an_end_and_work_that_is_not_wanted_stops() {
         // Each pair is as good as any other, and there are twice as many rows as columns.
         let costs = Pairs::of(&Grid::new(300, 600, 1.0));
-        let cut = least_cost(&costs, &mut Effort::limited(40_000, &wanted)).expect("it is wanted");
-        assert!((1..600).contains(&cut.hasty), "{}", cut.hasty);
+        let cut = least_cost(&costs, &mut WorkBudget::limited(40_000, &wanted)).expect("it is wanted");
+        assert!((1..600).contains(&cut.greedy), "{}", cut.greedy);
         assert_eq!(worth(&costs, &cut.columns), (300, 300.0), "those that were left are paired all the same");
-        let whole = least_cost(&costs, &mut Effort::endless(&wanted)).expect("it is wanted");
-        assert_eq!((worth(&costs, &whole.columns), whole.hasty), ((300, 300.0), 0));
+        let whole = least_cost(&costs, &mut WorkBudget::endless(&wanted)).expect("it is wanted");
+        assert_eq!((worth(&costs, &whole.columns), whole.greedy), ((300, 300.0), 0));
         let refused = || Err(Error::new("enough"));
-        assert!(least_cost(&costs, &mut Effort::endless(&refused)).is_err());
+        assert!(least_cost(&costs, &mut WorkBudget::endless(&refused)).is_err());
     }
 }

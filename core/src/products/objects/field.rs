@@ -37,7 +37,7 @@ pub struct Object {
     /// Its box.
     pub bounds: Bounds,
     /// Where it stands in its life.
-    pub life: TrackStatus,
+    pub status: TrackStatus,
     /// The estimated place, in px.
     pub position: [f64; 2],
     /// Its velocity in px/frame, where that is estimated.
@@ -55,15 +55,15 @@ pub struct ObjectFrame {
     pub mask: Option<PackedMask>,
     /// What was detected.
     pub detections: Vec<Detection>,
-    /// The objects, by identity; none where [`Followed::Nobody`] is.
+    /// The objects, by identity; none where [`Followed::Nothing`] is.
     pub objects: Vec<Object>,
 }
 
 /// Whom an estimator follows from frame to frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Followed {
-    /// Nobody: each frame is looked at by itself.
-    Nobody,
+    /// Nothing: each frame is looked at by itself.
+    Nothing,
     /// One object at a time, with the true identities that these had, as far as they are known.
     One(BTreeSet<u32>),
     /// All.

@@ -2,7 +2,7 @@
 
 pub mod assignment;
 mod field;
-pub mod near;
+pub mod box_index;
 pub mod pairs;
 mod product;
 pub mod score;

@@ -56,7 +56,7 @@ impl Product for ObjectField {
     fn table(&self) -> Option<Table> {
         Some(if !self.trajectories.is_empty() {
             trajectories(self)
-        } else if self.followed == Followed::Nobody {
+        } else if self.followed == Followed::Nothing {
             detections(self)
         } else {
             self.object_table()
@@ -84,7 +84,7 @@ impl Product for ObjectField {
 
 fn counted(field: &ObjectField) -> Assessment {
     let confirmed = |frame: &Arc<ObjectFrame>| {
-        let confirmed = frame.objects.iter().filter(|object| object.life == TrackStatus::Confirmed);
+        let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
         confirmed.map(|object| object.id).collect::<Vec<_>>()
     };
     let objects = field.frames.iter().flat_map(confirmed).collect::<BTreeSet<u32>>().len();
@@ -95,7 +95,7 @@ fn counted(field: &ObjectField) -> Assessment {
     let values = [frames, detections, objects].map(Figure::from);
     let told = match field.followed {
         // Each frame was looked at by itself: there are no tracks to count.
-        Followed::Nobody => fact("Detections", format!("{from} in {of} frames")),
+        Followed::Nothing => fact("Detections", format!("{from} in {of} frames")),
         _ => fact("Tracks", text),
     };
     Assessment::default().with(scores(&COUNTS, values), vec![told])
@@ -109,28 +109,28 @@ fn ways(all: &[Arc<Trajectory>]) -> Assessment {
     let crossed = |to_right: bool| {
         all.iter().flat_map(|of| &of.crossings).filter(|crossing| crossing.is_forward == to_right).count()
     };
-    let stays: Vec<usize> = all.iter().map(|of| of.dwell_frames()).filter(|frames| *frames > 0).collect();
-    let is_unusual = |of: &&Arc<Trajectory>| of.sightings.iter().any(|seen| seen.unusual.is_some());
+    let dwells: Vec<usize> = all.iter().map(|of| of.dwell_frames()).filter(|frames| *frames > 0).collect();
+    let is_unusual = |of: &&Arc<Trajectory>| of.sightings.iter().any(|seen| seen.anomaly.is_some());
     let (right, left) = (crossed(true), crossed(false));
-    let dwell = (!stays.is_empty()).then(|| stays.iter().sum::<usize>() as f64 / stays.len() as f64);
+    let dwell = (!dwells.is_empty()).then(|| dwells.iter().sum::<usize>() as f64 / dwells.len() as f64);
     let unusual = all.iter().filter(is_unusual).count();
     let mut facts = Vec::new();
     if right + left > 0 {
         facts.push(fact("Over line", format!("{} to its right, {} to its left", grouped(right), grouped(left))));
     }
     if let Some(frames) = dwell {
-        let objects = if stays.len() == 1 { "object" } else { "objects" };
-        facts.push(fact("In zone", format!("{} {objects}, {frames:.1} frames each", grouped(stays.len()))));
+        let objects = if dwells.len() == 1 { "object" } else { "objects" };
+        facts.push(fact("In zone", format!("{} {objects}, {frames:.1} frames each", grouped(dwells.len()))));
     }
     if unusual > 0 {
         facts.push(fact("Unusual", format!("{} by direction", grouped(unusual))));
     }
-    let values = [right.into(), left.into(), stays.len().into(), dwell.into(), unusual.into()];
+    let values = [right.into(), left.into(), dwells.len().into(), dwell.into(), unusual.into()];
     Assessment::default().with(scores(&WAYS, values), facts)
 }
 
 fn tracking(of: Scores) -> Assessment {
-    let Scores { truths, switches, mota, motp, idf1, precision, recall, hota, hasty, .. } = of;
+    let Scores { truths, switches, mota, motp, idf1, precision, recall, hota, greedy, .. } = of;
     let values = [mota, motp, idf1, hota].map(Figure::from);
     let [a, b, c, d] = values;
     let values = [a, b, c, d, switches.into(), precision.into(), recall.into(), truths.into()];
@@ -144,9 +144,9 @@ fn tracking(of: Scores) -> Assessment {
             format!("{:.1} %, {:.1} % of {} true boxes", 100.0 * precision, 100.0 * recall, grouped(truths)),
         ),
     ];
-    if hasty > 0 {
+    if greedy > 0 {
         let told =
-            format!("{} boxes were paired greedily: their crowd is too large for the best assignment", grouped(hasty));
+            format!("{} boxes were paired greedily: their crowd is too large for the best assignment", grouped(greedy));
         facts.push(fact("Approximate", told));
     }
     let headline = format!("MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches");
@@ -187,7 +187,7 @@ impl ObjectField {
             let [u, v] = object.velocity.map_or([Cell::Empty; 2], |velocity| velocity.map(Cell::Real));
             let [left, top, width, height] = place(&object.bounds);
             let sigma = |i: usize| object.covariance.map(|c| c[i][i].max(0.0).sqrt()).into();
-            let status = Cell::Word(object.life.name());
+            let status = Cell::Word(object.status.name());
             [frame, object.id.into(), x, y, u, v, left, top, width, height, status, sigma(0), sigma(1)]
         };
         Table::new(columns, frames(self).flat_map(|(t, frame)| frame.objects.iter().map(move |object| row(t, object))))
@@ -214,7 +214,7 @@ fn trajectories(field: &ObjectField) -> Table {
         let [x, y] = seen.at.map(Cell::Real);
         let speed = |v: Option<[f64; 2]>| v.map(|[u, v]| u.hypot(v)).into();
         let crossing = of.crossings.iter().find(|crossing| crossing.frame == seen.frame);
-        let is_inside = of.stays.iter().any(|stay| (stay.entered..=stay.last).contains(&seen.frame));
+        let is_inside = of.dwells.iter().any(|dwell| (dwell.entered..=dwell.last).contains(&seen.frame));
         [
             seen.frame.into(),
             of.id.into(),
@@ -225,7 +225,7 @@ fn trajectories(field: &ObjectField) -> Table {
             speed(seen.step),
             Cell::Int(crossing.map_or(0, |crossing| if crossing.is_forward { 1 } else { -1 })),
             Cell::Int(i64::from(is_inside)),
-            seen.unusual.map(|unusual| unusual.angle_deg).into(),
+            seen.anomaly.map(|unusual| unusual.angle_deg).into(),
         ]
     };
     Table::new(columns, field.trajectories.iter().flat_map(|of| of.sightings.iter().map(move |seen| row(of, seen))))

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 
-use super::assignment::{Effort, least_cost, most_worth};
-use super::near::{Near, corners};
+use super::assignment::{WorkBudget, least_cost, most_worth};
+use super::box_index::{BoxIndex, corners};
 use super::pairs::{Pairs, Sums};
 use crate::base::Error;
 use crate::data::{Clip, Truth};
@@ -42,7 +42,59 @@ pub struct Scores {
     pub hota: f64,
     /// True objects and tracks that were paired nearest first, and not as well as can be, because so many overlap so many: 0 unless
     /// nearly everything lies on everything.
-    pub hasty: usize,
+    pub greedy: usize,
+}
+
+/// Boxes of frames matched one to one with the true boxes at an IoU of at least 0.5.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Matches {
+    /// The true boxes.
+    pub truths: usize,
+    /// The estimated boxes.
+    pub estimates: usize,
+    /// The pairs of both.
+    pub pairs: usize,
+}
+
+impl Matches {
+    /// Matches the true and the estimated boxes of a frame at the least cost 1 − IoU.
+    pub fn of(frame: &(Boxes, Boxes)) -> Self {
+        let (mut clear, go_on) = (Clear::default(), &|| Ok::<_, Infallible>(()));
+        let Ok(()) = overlaps(frame, go_on).and_then(|overlaps| clear.see(frame, &overlaps, go_on));
+        Self { truths: frame.0.len(), estimates: frame.1.len(), pairs: clear.matches }
+    }
+
+    /// The sum over the frames of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let Self { truths, estimates, pairs } = other;
+        Self { truths: self.truths + truths, estimates: self.estimates + estimates, pairs: self.pairs + pairs }
+    }
+
+    /// True boxes without a match: false negatives.
+    pub fn misses(self) -> usize {
+        self.truths - self.pairs
+    }
+
+    /// Estimated boxes without a match: false positives.
+    pub fn false_positives(self) -> usize {
+        self.estimates - self.pairs
+    }
+
+    /// Share of the estimated boxes that are matched.
+    pub fn precision(self) -> f64 {
+        share(self.pairs as f64, self.estimates as f64)
+    }
+
+    /// Share of the true boxes that are matched.
+    pub fn recall(self) -> f64 {
+        share(self.pairs as f64, self.truths as f64)
+    }
+
+    /// F₁ score: the harmonic mean of precision and recall.
+    pub fn f1(self) -> f64 {
+        share(2.0 * self.pairs as f64, (self.truths + self.estimates) as f64)
+    }
 }
 
 /// A share of nothing is 0.
@@ -62,7 +114,7 @@ const MOST_WORK: u64 = 100_000_000;
 
 /// Overlaps of true objects, a row each, and told ones that have something in common.
 fn overlaps<E>((truth, told): &(Boxes, Boxes), wanted: Wanted<E>) -> Result<Pairs, E> {
-    let near = Near::new(told.iter().map(|(_, bounds)| corners(bounds)));
+    let near = BoxIndex::new(told.iter().map(|(_, bounds)| corners(bounds)));
     let (mut pairs, mut found) = (Pairs::new(told.len()), Vec::new());
     for (y, (_, bounds)) in truth.iter().enumerate() {
         if y.is_multiple_of(ROWS_AT_ONCE) {
@@ -95,12 +147,12 @@ pub fn scores_on(clip: &Clip, field: &ObjectField) -> Result<Option<Scores>, Err
 
 fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -> Result<Option<Scores>, Error> {
     let counts = |id: u32| match &field.followed {
-        Followed::Nobody => false,
+        Followed::Nothing => false,
         Followed::One(ids) => ids.contains(&id),
         Followed::All => true,
     };
     let is_anyone = match &field.followed {
-        Followed::Nobody => false,
+        Followed::Nothing => false,
         Followed::One(ids) => !ids.is_empty(),
         Followed::All => true,
     };
@@ -112,7 +164,7 @@ fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -
         let Some(objects) = truth.objects(field.first + i)? else { return Ok(None) };
         let known = objects.iter().filter(|object| counts(object.id));
         let known = known.map(|object| (object.id, Bounds::from(object))).collect();
-        let confirmed = frame.objects.iter().filter(|object| object.life == TrackStatus::Confirmed);
+        let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
         frames.push((known, confirmed.map(|object| (object.id, object.bounds)).collect()));
     }
     Scores::of_frames(&frames, wanted).map(Some)
@@ -141,16 +193,16 @@ impl Scores {
         }
         let columns = tracks.told.ids.len();
         let aligned = tracks.aligned(&shared.pairs(columns));
-        let (matched, hasty) = tracks.matched(frames, &aligned, wanted)?;
+        let (matched, greedy) = tracks.matched(frames, &aligned, wanted)?;
         let (agree, hota) = (agree.pairs(columns), tracks.hota(&matched));
-        let identities = most_worth(&agree, &mut Effort::limited(MOST_WORK, wanted))?;
-        clear.hasty += hasty + identities.hasty;
+        let identities = most_worth(&agree, &mut WorkBudget::limited(MOST_WORK, wanted))?;
+        clear.greedy += greedy + identities.greedy;
         let identities = paired(&agree, &identities.columns) as usize;
         Ok(Self::from_counts([tracks.truth.total, tracks.told.total], &clear, (identities, hota)))
     }
 
     fn from_counts([truths, told]: [usize; 2], clear: &Clear, (identities, hota): (usize, f64)) -> Self {
-        let Clear { matches, switches, overlap, hasty, .. } = *clear;
+        let Clear { matches, switches, overlap, greedy, .. } = *clear;
         let wrong = (truths - matches) + (told - matches) + switches;
         let [all, found] = [truths, told].map(|count| count as f64);
         Self {
@@ -164,7 +216,7 @@ impl Scores {
             precision: share(matches as f64, found),
             recall: share(matches as f64, all),
             hota,
-            hasty,
+            greedy,
         }
     }
 }
@@ -182,13 +234,13 @@ struct Clear {
     switches: usize,
     overlap: f64,
     /// True objects that were paired nearest first.
-    hasty: usize,
+    greedy: usize,
     /// Which track was found as which true object.
     found_as: BTreeMap<u32, u32>,
 }
 
 impl Clear {
-    /// Takes in a frame. A track stays that of its true object while it can; the others are paired anew.
+    /// Takes in a frame. A track dwells that of its true object while it can; the others are paired anew.
     fn see<E>(&mut self, (truth, told): &(Boxes, Boxes), overlaps: &Pairs, wanted: Wanted<E>) -> Result<(), E> {
         let mut first: BTreeMap<u32, usize> = BTreeMap::new();
         told.iter().enumerate().for_each(|(x, (id, _))| _ = first.entry(*id).or_insert(x));
@@ -202,8 +254,8 @@ impl Clear {
         let free = overlaps.filter_map(|y, x, overlap| {
             (pairs[y].is_none() && !is_taken[x] && overlap >= FOUND).then_some(1.0 - overlap)
         });
-        let new = least_cost(&free, &mut Effort::limited(MOST_WORK, wanted))?;
-        self.hasty += new.hasty;
+        let new = least_cost(&free, &mut WorkBudget::limited(MOST_WORK, wanted))?;
+        self.greedy += new.greedy;
         for (pair, new) in pairs.iter_mut().zip(new.columns) {
             *pair = pair.or(new);
         }
@@ -294,17 +346,17 @@ impl Tracks {
         aligned: &Pairs,
         wanted: Wanted<E>,
     ) -> Result<(Vec<Matched>, usize), E> {
-        let (mut matched, mut hasty) = (Vec::new(), 0);
+        let (mut matched, mut greedy) = (Vec::new(), 0);
         for frame in frames {
             let ([rows, columns], overlaps) = (self.places(frame), overlaps(frame, wanted)?);
             let worth = overlaps.map(|y, x, overlap| aligned.get(rows[y], columns[x]).unwrap_or_default() * overlap);
-            let pairs = most_worth(&worth, &mut Effort::limited(MOST_WORK, wanted))?;
-            hasty += pairs.hasty;
+            let pairs = most_worth(&worth, &mut WorkBudget::limited(MOST_WORK, wanted))?;
+            greedy += pairs.greedy;
             let pairs = pairs.columns.into_iter().enumerate().filter_map(|(y, x)| Some((y, x?)));
             matched.extend(pairs.map(|(y, x)| ((rows[y], columns[x]), overlaps.get(y, x).unwrap_or_default())));
         }
         matched.sort_by_key(|(place, _)| *place);
-        Ok((matched, hasty))
+        Ok((matched, greedy))
     }
 
     /// The score of what was matched, by tracks.
@@ -339,6 +391,19 @@ mod tests {
         let Scores { mota, motp, idf1, hota, switches, precision, recall, .. } = Scores::of(&frames);
         assert_eq!((mota, motp, idf1, switches, precision, recall), (1.0, 1.0, 1.0, 0, 1.0, 1.0));
         assert!((hota - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn matches_of_frames_add_up_to_precision_recall_and_f1() {
+        let frames = [
+            (vec![at(1, 0.0), at(2, 40.0)], vec![at(7, 1.0)]),
+            (vec![at(1, 0.0)], vec![at(7, 0.0), at(8, 20.0), at(9, 60.0)]),
+        ];
+        let all = frames.iter().map(Matches::of).fold(Matches::default(), Matches::and);
+        assert_eq!(all, Matches { truths: 3, estimates: 4, pairs: 2 });
+        assert_eq!((all.misses(), all.false_positives()), (1, 2));
+        assert!((all.precision() - 0.5).abs() < 1e-12 && (all.recall() - 2.0 / 3.0).abs() < 1e-12);
+        assert!((all.f1() - 4.0 / 7.0).abs() < 1e-12 && Matches::default().f1() == 0.0);
     }
 
     #[test]

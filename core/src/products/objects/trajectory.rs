@@ -1,4 +1,4 @@
-//! What the way of an object tells: how fast and where it goes, what it crosses, where it stays, and whether others go that way.
+//! What the way of an object tells: how fast and where it goes, what it crosses, where it dwells, and whether others go that way.
 
 use crate::base::words::heading_deg;
 use crate::geometry::Bounds;
@@ -16,12 +16,12 @@ pub struct TrackPoint {
     /// Velocity in px/frame of the straight line that fits its last places best; none where there is only one.
     pub velocity: Option<[f64; 2]>,
     /// How the way others go differs from this one, where it does by more than is usual.
-    pub unusual: Option<Unusual>,
+    pub anomaly: Option<DirectionAnomaly>,
 }
 
 /// A heading that others do not have there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unusual {
+pub struct DirectionAnomaly {
     /// Between the heading and the mean of the others, 0 to 180°.
     pub angle_deg: f64,
     /// The direction of that mean, a unit vector.
@@ -43,7 +43,7 @@ pub struct Crossing {
 
 /// A stay of an object in a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stay {
+pub struct Dwell {
     /// The first frame in which it was seen there.
     pub entered: usize,
     /// The last one so far.
@@ -60,7 +60,7 @@ impl TrackPoint {
     }
 }
 
-impl Stay {
+impl Dwell {
     /// Its frames, the first and the last counted in.
     pub fn frames(&self) -> usize {
         self.last - self.entered + 1
@@ -77,18 +77,18 @@ pub struct Trajectory {
     /// Where it went over the line.
     pub crossings: Vec<Crossing>,
     /// When it was in the zone.
-    pub stays: Vec<Stay>,
+    pub dwells: Vec<Dwell>,
 }
 
 /// What [`Trajectory::see`] has found out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct News {
+pub struct TrajectoryEvents {
     /// It has gone over the line.
     pub crossed: Option<Crossing>,
     /// It has come into the zone.
-    pub entered: Option<Stay>,
+    pub entered: Option<Dwell>,
     /// It has left the zone.
-    pub left: Option<Stay>,
+    pub left: Option<Dwell>,
 }
 
 /// Where trajectories are looked at.
@@ -104,13 +104,13 @@ pub struct Places {
 
 impl Trajectory {
     /// Takes in where the object is seen next.
-    pub fn see(&mut self, frame: usize, at: [f64; 2], places: &Places) -> News {
+    pub fn see(&mut self, frame: usize, at: [f64; 2], places: &Places) -> TrajectoryEvents {
         let before = self.sightings.last().copied();
         let step = before.map(|before| {
             let frames = (frame - before.frame).max(1) as f64;
             [0, 1].map(|i| (at[i] - before.at[i]) / frames)
         });
-        self.sightings.push(TrackPoint { frame, at, step, velocity: None, unusual: None });
+        self.sightings.push(TrackPoint { frame, at, step, velocity: None, anomaly: None });
         let recent = self.sightings.iter().rev().take_while(|seen| seen.frame + places.window > frame);
         let velocity = slope(recent.map(|seen| (seen.frame as f64, seen.at)));
         if let Some(last) = self.sightings.last_mut() {
@@ -122,22 +122,22 @@ impl Trajectory {
             Some(Crossing { frame, at, is_forward })
         });
         self.crossings.extend(crossed);
-        let (entered, left) = self.stay(frame, places.zone.is_some_and(|zone| holds(&zone, at)));
-        News { crossed, entered, left }
+        let (entered, left) = self.update_dwell(frame, places.zone.is_some_and(|zone| holds(&zone, at)));
+        TrajectoryEvents { crossed, entered, left }
     }
 
     /// Takes in whether it is in the zone.
-    fn stay(&mut self, frame: usize, is_inside: bool) -> (Option<Stay>, Option<Stay>) {
-        match self.stays.last_mut().filter(|stay| !stay.is_over) {
-            Some(stay) if is_inside => stay.last = frame,
-            Some(stay) => {
-                stay.is_over = true;
-                return (None, Some(*stay));
+    fn update_dwell(&mut self, frame: usize, is_inside: bool) -> (Option<Dwell>, Option<Dwell>) {
+        match self.dwells.last_mut().filter(|dwell| !dwell.is_over) {
+            Some(dwell) if is_inside => dwell.last = frame,
+            Some(dwell) => {
+                dwell.is_over = true;
+                return (None, Some(*dwell));
             }
             None if is_inside => {
-                let stay = Stay { entered: frame, last: frame, is_over: false };
-                self.stays.push(stay);
-                return (Some(stay), None);
+                let dwell = Dwell { entered: frame, last: frame, is_over: false };
+                self.dwells.push(dwell);
+                return (Some(dwell), None);
             }
             None => {}
         }
@@ -164,7 +164,7 @@ impl Trajectory {
 
     /// Frames in which it was in the zone.
     pub fn dwell_frames(&self) -> usize {
-        self.stays.iter().map(Stay::frames).sum()
+        self.dwells.iter().map(Dwell::frames).sum()
     }
 }
 
@@ -216,7 +216,7 @@ mod tests {
         Line { from, to }
     }
 
-    fn followed(places: &Places, way: impl IntoIterator<Item = (usize, [f64; 2])>) -> (Trajectory, Vec<News>) {
+    fn followed(places: &Places, way: impl IntoIterator<Item = (usize, [f64; 2])>) -> (Trajectory, Vec<TrajectoryEvents>) {
         let mut trajectory = Trajectory::default();
         let news = way.into_iter().map(|(frame, at)| trajectory.see(frame, at, places)).collect();
         (trajectory, news)
@@ -250,8 +250,8 @@ mod tests {
         let places = Places { line: None, zone: Some(zone), window: 5 };
         let way = [(0, 5.0), (1, 10.0), (2, 15.0), (5, 19.0), (6, 20.0), (7, 12.0)].map(|(t, x)| (t, [x, 3.0]));
         let (trajectory, news) = followed(&places, way);
-        let stays: Vec<_> = trajectory.stays.iter().map(|stay| (stay.entered, stay.last, stay.is_over)).collect();
-        assert_eq!(stays, [(1, 5, true), (7, 7, false)]);
+        let dwells: Vec<_> = trajectory.dwells.iter().map(|dwell| (dwell.entered, dwell.last, dwell.is_over)).collect();
+        assert_eq!(dwells, [(1, 5, true), (7, 7, false)]);
         assert_eq!(
             (trajectory.dwell_frames(), news[1].entered.is_some(), news[4].left.map(|s| s.frames())),
             (6, true, Some(5))

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::correspond::MOST_NEAR;
-use super::{BlobTracker, Body, Decision, Event, Identity, Member, State, Table, What, line};
+use super::{BlobTracker, TrackedBlob, Decision, Event, Identity, Member, State, Correspondence, EventKind, line};
 use crate::geometry::Bounds;
 use crate::methods::multi_object::explain::{self, Names, count, short};
 use crate::products::TrackStatus;
@@ -36,11 +36,11 @@ fn ids_short(members: &[Member]) -> String {
 }
 
 /// `Object 3`, or `The group of objects 1 and 2`.
-fn named(body: &Body) -> String {
-    if body.is_group() {
-        format!("The group of objects {}", ids(&body.members))
+fn named(tracked: &TrackedBlob) -> String {
+    if tracked.is_group() {
+        format!("The group of objects {}", ids(&tracked.members))
     } else {
-        format!("Object {}", ids(&body.members))
+        format!("Object {}", ids(&tracked.members))
     }
 }
 
@@ -48,7 +48,7 @@ fn percent(share: f64) -> String {
     format!("{} %", short(100.0 * share))
 }
 
-fn last(events: &[Event]) -> Option<&What> {
+fn last(events: &[Event]) -> Option<&EventKind> {
     events.last().map(|event| &event.0)
 }
 
@@ -59,23 +59,23 @@ fn gray(value: Option<f64>) -> String {
 impl BlobTracker {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match last(seen.events) {
-            None | Some(What::Done(_)) => line::EACH_FRAME,
-            Some(What::Looked(..)) => line::DETECT,
-            Some(What::Expected(_)) => line::PREDICT,
-            Some(What::Corresponded(_)) => line::COMPUTE_OVERLAPS,
-            Some(What::Decided(decision)) if decision.is_split() => line::SPLIT,
-            Some(What::Decided(decision)) if decision.is_merge() => line::MERGE,
-            Some(What::Decided(decision)) if is_nearest(decision) => line::TAKE_NEAREST,
-            Some(What::Decided(_)) => line::GO_ON,
-            Some(What::Missed(_) | What::Ended(_)) => line::COAST_OR_END,
-            Some(What::Begun(_)) => line::BEGIN_OBJECT,
+            None | Some(EventKind::Done(_)) => line::EACH_FRAME,
+            Some(EventKind::Looked(..)) => line::DETECT,
+            Some(EventKind::Expected(_)) => line::PREDICT,
+            Some(EventKind::Corresponded(_)) => line::COMPUTE_OVERLAPS,
+            Some(EventKind::Decided(decision)) if decision.is_split() => line::SPLIT,
+            Some(EventKind::Decided(decision)) if decision.is_merge() => line::MERGE,
+            Some(EventKind::Decided(decision)) if is_nearest(decision) => line::TAKE_NEAREST,
+            Some(EventKind::Decided(_)) => line::GO_ON,
+            Some(EventKind::Missed(_) | EventKind::Ended(_)) => line::COAST_OR_END,
+            Some(EventKind::Begun(_)) => line::BEGIN_OBJECT,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
         let said = Sentence::default();
-        let frame = seen.before.course.frame();
+        let frame = seen.before.run.frame();
         let Some(what) = last(seen.events) else {
             return said
                 .text("What is ")
@@ -84,24 +84,24 @@ impl BlobTracker {
                        otherwise objects merge or split.");
         };
         match what {
-            What::Looked(all, left_out) => {
-                explain::looked((all.len(), "blob"), frame, (*left_out, self.given.min_score))
+            EventKind::Looked(all, left_out) => {
+                explain::looked((all.len(), "blob"), frame, (*left_out, self.settings.min_score))
             }
-            What::Expected(bodies) if bodies.is_empty() => {
+            EventKind::Expected(tracked_blobs) if tracked_blobs.is_empty() => {
                 said.text("There is no object yet whose place could be expected.")
             }
-            What::Expected(bodies) if self.predict => {
+            EventKind::Expected(tracked_blobs) if self.predict => {
                 said.text("Each object is expected where its ").ink(Role::Predicted, "mean displacement").text(format!(
                     " over up to {} leads: {} in {}.",
                     count(self.velocity_frames, "frame"),
-                    count(bodies.iter().map(|body| body.members.len()).sum(), "object"),
-                    count(bodies.len(), "place")
+                    count(tracked_blobs.iter().map(|tracked| tracked.members.len()).sum(), "object"),
+                    count(tracked_blobs.len(), "place")
                 ))
             }
-            What::Expected(_) => said.text("Each object is expected where it was last."),
-            What::Corresponded(table) => said.text(format!(
+            EventKind::Expected(_) => said.text("Each object is expected where it was last."),
+            EventKind::Corresponded(table) => said.text(format!(
                 "Of {} {} have boxes that overlap enough: at least {} of the smaller one lies in the other.{}",
-                count(table.bodies.len() * table.blobs.len(), "pair"),
+                count(table.tracked_blobs.len() * table.blobs.len(), "pair"),
                 table.corresponding,
                 percent(f64::from(self.min_overlap)),
                 match table.crowded {
@@ -109,22 +109,22 @@ impl BlobTracker {
                     all => format!(" Of {}, only the {MOST_NEAR} nearest blobs are compared.", count(all, "object")),
                 }
             )),
-            What::Decided(decision) => self.decided(decision),
-            What::Missed(body) => said.ink(Role::Predicted, named(body)).text(format!(
+            EventKind::Decided(decision) => self.decided(decision),
+            EventKind::Missed(tracked) => said.ink(Role::Predicted, named(tracked)).text(format!(
                 " has no blob and coasts for {}. After more than {} it is deleted.",
-                count(body.members.iter().map(|member| member.age.missed).max().unwrap_or(0), "frame"),
+                count(tracked.members.iter().map(|member| member.age.missed).max().unwrap_or(0), "frame"),
                 count(self.rules.patience, "frame")
             )),
-            What::Ended(body) => said.ink(Role::Rejected, named(body)).text(
-                match body.members.iter().all(|member| member.age.life == TrackStatus::Tentative) {
+            EventKind::Ended(tracked) => said.ink(Role::Rejected, named(tracked)).text(
+                match tracked.members.iter().all(|member| member.age.status == TrackStatus::Tentative) {
                     true => " was not seen again and is deleted: it was still tentative.",
                     false => " was not seen for too long and is deleted.",
                 },
             ),
-            What::Begun(body) => {
-                said.text("An unassigned blob begins ").ink(Role::Reference, named(body).to_lowercase()).text(".")
+            EventKind::Begun(tracked) => {
+                said.text("An unassigned blob begins ").ink(Role::Reference, named(tracked).to_lowercase()).text(".")
             }
-            What::Done(done) => said.text(explain::done(frame, done)),
+            EventKind::Done(done) => said.text(explain::done(frame, done)),
         }
     }
 
@@ -132,7 +132,7 @@ impl BlobTracker {
         let said = Sentence::default();
         let blobs = listed(decision.columns.iter().map(|column| column + 1));
         let members = decision.members();
-        if let Some(unlike) = &decision.unlike {
+        if let Some(dissimilarity) = &decision.dissimilarity {
             let said = match &members[..] {
                 [member] => said
                     .ink(Role::Window, format!("Object {}", member.id))
@@ -146,11 +146,11 @@ impl BlobTracker {
                 Identity::Place => " By where each would be",
             });
             let order =
-                decision.after.iter().flat_map(|(column, body)| body.members.iter().map(move |m| (m.id, *column)));
+                decision.after.iter().flat_map(|(column, tracked)| tracked.members.iter().map(move |m| (m.id, *column)));
             for (i, (id, column)) in order.take(LISTED).enumerate() {
                 let x = decision.columns.iter().position(|other| *other == column);
                 let y = members.iter().position(|member| member.id == id);
-                let cost = x.zip(y).map_or(0.0, |place| unlike[place]);
+                let cost = x.zip(y).map_or(0.0, |place| dissimilarity[place]);
                 said = said
                     .text(if i == 0 { ", " } else { "; " })
                     .ink(Role::Estimate, format!("object {id}"))
@@ -161,7 +161,7 @@ impl BlobTracker {
                 _ => said.text("."),
             };
         }
-        let Some((column, body)) = decision.after.first() else { return said };
+        let Some((column, tracked)) = decision.after.first() else { return said };
         if decision.is_merge() {
             return said
                 .ink(Role::Window, format!("Objects {}", ids(&members)))
@@ -169,7 +169,7 @@ impl BlobTracker {
         }
         let row = decision.rows.first().copied().unwrap_or(0);
         let table = &decision.table;
-        let said = said.ink(Role::Estimate, named(body));
+        let said = said.ink(Role::Estimate, named(tracked));
         let said = if is_nearest(decision) {
             said.text(format!(
                 " overlaps no blob enough: it goes on with the nearest, blob {blobs}, {} px away.",
@@ -181,9 +181,9 @@ impl BlobTracker {
                 percent(table.share(row, *column))
             ))
         };
-        match members.iter().zip(&body.members).find(|(was, is)| was.age.life != is.age.life) {
-            Some((was, is)) if was.age.life == TrackStatus::Tentative => {
-                said.text(format!(" It was matched in {} and is confirmed.", count(is.age.seen, "frame")))
+        match members.iter().zip(&tracked.members).find(|(was, is)| was.age.status != is.age.status) {
+            Some((was, is)) if was.age.status == TrackStatus::Tentative => {
+                said.text(format!(" It was matched in {} and is confirmed.", count(is.age.hits, "frame")))
             }
             Some((was, _)) => said.text(format!(" It is back after {}.", count(was.age.missed, "frame"))),
             None => said,
@@ -191,58 +191,58 @@ impl BlobTracker {
     }
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
-        let course = &seen.after.unwrap_or(seen.before).course;
-        let mut facts = vec![Fact::new("Frame", seen.before.course.frame().to_string(), None)];
+        let run = &seen.after.unwrap_or(seen.before).run;
+        let mut facts = vec![Fact::new("Frame", seen.before.run.frame().to_string(), None)];
         let mut tables = Vec::new();
         match last(seen.events) {
-            Some(What::Decided(decision)) => {
+            Some(EventKind::Decided(decision)) => {
                 facts.extend(decision_facts(decision));
-                tables.extend(self.unlike_table(decision));
+                tables.extend(self.dissimilarity_table(decision));
             }
-            Some(What::Missed(body) | What::Ended(body) | What::Begun(body)) => facts.extend(body_facts(body)),
+            Some(EventKind::Missed(tracked) | EventKind::Ended(tracked) | EventKind::Begun(tracked)) => facts.extend(tracked_facts(tracked)),
             _ => {
-                let bodies = &seen.after.unwrap_or(seen.before).bodies;
-                let objects: usize = bodies.iter().map(|body| body.members.len()).sum();
+                let tracked_blobs = &seen.after.unwrap_or(seen.before).tracked_blobs;
+                let objects: usize = tracked_blobs.iter().map(|tracked| tracked.members.len()).sum();
                 facts.push(Fact::new("Objects", objects.to_string(), None));
-                let groups = bodies.iter().filter(|body| body.is_group()).count();
+                let groups = tracked_blobs.iter().filter(|tracked| tracked.is_group()).count();
                 facts.push(Fact::new("Groups", groups.to_string(), None));
             }
         }
         if let Some((table, decision)) = table_of(seen) {
-            let rows = table.bodies.iter().map(|body| ids_short(&body.members));
+            let rows = table.tracked_blobs.iter().map(|tracked| ids_short(&tracked.members));
             let names = Names::new(rows, 0..table.blobs.len());
             facts.extend(names.shown());
             tables.extend(correspondence(table, &names, decision));
         }
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
-        readouts.extend(explain::series(course));
+        readouts.extend(explain::series(run));
         readouts
     }
 
-    /// How unlike the objects and blobs of a split are, with who is who lit.
-    fn unlike_table(&self, decision: &Decision) -> Option<Matrix> {
+    /// How dissimilarity the objects and blobs of a split are, with who is who lit.
+    fn dissimilarity_table(&self, decision: &Decision) -> Option<Matrix> {
         let members = decision.members();
-        let unlike = decision.unlike.as_ref()?;
-        let paired = decision.after.iter().flat_map(|(column, body)| {
+        let dissimilarity = decision.dissimilarity.as_ref()?;
+        let paired = decision.after.iter().flat_map(|(column, tracked)| {
             let column = decision.columns.binary_search(column).ok();
-            body.members.iter().map(move |member| Some((member.id, column?)))
+            tracked.members.iter().map(move |member| Some((member.id, column?)))
         });
         let row = |id: u32| members.binary_search_by_key(&id, |member| member.id).ok();
         let paired: Vec<_> = paired.flatten().filter_map(|(id, column)| Some((row(id)?, column))).collect();
         let name = match self.identity {
             Identity::Appearance => {
-                "how unlike: |Δ gray| / 20 + |log₂ of the areas' ratio|, objects down, blobs across"
+                "how dissimilarity: |Δ gray| / 20 + |log₂ of the areas' ratio|, objects down, blobs across"
             }
             Identity::Place => "from where each would be, in px: objects down, blobs across",
         };
         let names = Names::new(members.iter().map(|member| member.id.to_string()), decision.columns.iter().copied());
-        names.table(("D", name), |row, column| unlike[(column, row)], &paired)
+        names.table(("D", name), |row, column| dissimilarity[(column, row)], &paired)
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let looked =
-            seen.events.iter().find_map(|event| if let What::Looked(all, _) = &event.0 { Some(all) } else { None });
+            seen.events.iter().find_map(|event| if let EventKind::Looked(all, _) = &event.0 { Some(all) } else { None });
         let blobs = looked.into_iter().flat_map(|all| all.iter());
         explain::draw_detections(scene, blobs.clone().map(|blob| &blob.detection));
         if seen.after.is_none() {
@@ -253,7 +253,7 @@ impl BlobTracker {
         }
         let state = seen.after.unwrap_or(seen.before);
         if seen.after.is_some() || seen.events.is_empty() {
-            return state.bodies.iter().for_each(|body| draw_body(scene, body, state));
+            return state.tracked_blobs.iter().for_each(|tracked| draw_tracked(scene, tracked, state));
         }
         draw_work(seen, scene);
     }
@@ -265,19 +265,19 @@ fn is_nearest(decision: &Decision) -> bool {
     !decision.rows.iter().any(is_linked)
 }
 
-fn body_facts(body: &Body) -> Vec<Fact> {
-    let mut facts = vec![Fact::new(if body.is_group() { "Group" } else { "Object" }, ids(&body.members), None)];
-    if let [member] = &body.members[..] {
-        facts.push(Fact::new("State", member.age.life.name(), None));
-        facts.push(Fact::new("Seen", count(member.age.seen, "frame"), None));
+fn tracked_facts(tracked: &TrackedBlob) -> Vec<Fact> {
+    let mut facts = vec![Fact::new(if tracked.is_group() { "Group" } else { "Object" }, ids(&tracked.members), None)];
+    if let [member] = &tracked.members[..] {
+        facts.push(Fact::new("State", member.age.status.name(), None));
+        facts.push(Fact::new("Seen", count(member.age.hits, "frame"), None));
     }
-    facts.extend(body.velocity().map(|velocity| Fact::new("Velocity", explain::speed(velocity), None)));
+    facts.extend(tracked.velocity().map(|velocity| Fact::new("Velocity", explain::speed(velocity), None)));
     facts
 }
 
 fn decision_facts(decision: &Decision) -> Vec<Fact> {
     let mut facts = match &decision.after[..] {
-        [(_, body)] => body_facts(body),
+        [(_, tracked)] => tracked_facts(tracked),
         _ => Vec::new(),
     };
     facts.push(Fact::new("Blob", listed(decision.columns.iter().map(|column| column + 1)), Some(Role::Measured)));
@@ -297,19 +297,19 @@ fn decision_facts(decision: &Decision) -> Vec<Fact> {
 }
 
 /// The table, from when on there is one, and the decision that the step is about.
-fn table_of<'a>(seen: &Seen<'a, BlobTracker>) -> Option<(&'a Table, Option<&'a Decision>)> {
+fn table_of<'a>(seen: &Seen<'a, BlobTracker>) -> Option<(&'a Correspondence, Option<&'a Decision>)> {
     let decision = match last(seen.events)? {
-        What::Decided(decision) => Some(&**decision),
+        EventKind::Decided(decision) => Some(&**decision),
         _ => None,
     };
     let table =
-        seen.events.iter().find_map(|event| if let What::Corresponded(all) = &event.0 { Some(all) } else { None });
+        seen.events.iter().find_map(|event| if let EventKind::Corresponded(all) = &event.0 { Some(all) } else { None });
     table.map(|table| (&**table, decision))
 }
 
 /// The overlaps of objects and blobs, with the correspondences lit.
-fn correspondence(table: &Table, names: &Names, decision: Option<&Decision>) -> impl Iterator<Item = Matrix> {
-    let rows: Vec<usize> = decision.map_or_else(|| (0..table.bodies.len()).collect(), |decision| decision.rows.clone());
+fn correspondence(table: &Correspondence, names: &Names, decision: Option<&Decision>) -> impl Iterator<Item = Matrix> {
+    let rows: Vec<usize> = decision.map_or_else(|| (0..table.tracked_blobs.len()).collect(), |decision| decision.rows.clone());
     let linked = rows.iter().flat_map(|&row| table.links(row).iter().map(move |column| (row, *column)));
     let lit: Vec<_> = linked.collect();
     let shares = ("O", "in common, as a share of the smaller box: objects down, blobs across");
@@ -325,33 +325,33 @@ fn correspondence(table: &Table, names: &Names, decision: Option<&Decision>) -> 
 fn draw_work(seen: &Seen<BlobTracker>, scene: &mut Scene) {
     let before = seen.before;
     let expected =
-        seen.events.iter().find_map(|event| if let What::Expected(all) = &event.0 { Some(all) } else { None });
+        seen.events.iter().find_map(|event| if let EventKind::Expected(all) = &event.0 { Some(all) } else { None });
     let Some(expected) = expected else {
-        return before.bodies.iter().for_each(|body| draw_body(scene, body, before));
+        return before.tracked_blobs.iter().for_each(|tracked| draw_tracked(scene, tracked, before));
     };
     let (mut gone, mut done, mut arrows) = (BTreeSet::new(), Vec::new(), Vec::new());
     for event in seen.events {
         match &event.0 {
-            What::Decided(decision) => {
+            EventKind::Decided(decision) => {
                 arrows.extend(moves(decision));
-                done.extend(decision.after.iter().map(|(_, body)| body));
+                done.extend(decision.after.iter().map(|(_, tracked)| tracked));
                 gone.extend(decision.members().iter().map(|member| member.id));
             }
-            What::Missed(body) => {
-                done.push(&**body);
-                gone.extend(body.members.iter().map(|member| member.id));
+            EventKind::Missed(tracked) => {
+                done.push(&**tracked);
+                gone.extend(tracked.members.iter().map(|member| member.id));
             }
-            What::Ended(body) => gone.extend(body.members.iter().map(|member| member.id)),
-            What::Begun(body) => done.push(&**body),
+            EventKind::Ended(tracked) => gone.extend(tracked.members.iter().map(|member| member.id)),
+            EventKind::Begun(tracked) => done.push(&**tracked),
             _ => {}
         }
     }
-    for body in expected.iter().filter(|body| !body.members.iter().any(|member| gone.contains(&member.id))) {
-        explain::rect(scene, Role::Predicted, body.bounds);
-        explain::label(scene, Role::Predicted, body.bounds.min, ids(&body.members));
+    for tracked in expected.iter().filter(|tracked| !tracked.members.iter().any(|member| gone.contains(&member.id))) {
+        explain::rect(scene, Role::Predicted, tracked.bounds);
+        explain::label(scene, Role::Predicted, tracked.bounds.min, ids(&tracked.members));
         scene.legend(Role::Predicted, "predicted");
     }
-    done.into_iter().for_each(|body| draw_body(scene, body, before));
+    done.into_iter().for_each(|tracked| draw_tracked(scene, tracked, before));
     if !arrows.is_empty() {
         scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(arrows));
     }
@@ -360,29 +360,29 @@ fn draw_work(seen: &Seen<BlobTracker>, scene: &mut Scene) {
 /// From where objects are expected to the blobs in which they go on.
 fn moves(decision: &Decision) -> impl Iterator<Item = Arrow> {
     let table = &decision.table;
-    decision.after.iter().flat_map(move |(column, body)| {
+    decision.after.iter().flat_map(move |(column, tracked)| {
         let to = table.blobs[*column].detection.center;
-        let bodies = decision.rows.iter().map(|&row| &table.bodies[row]);
-        let own = bodies.filter(|before| before.members.iter().any(|member| body.has(member.id)));
+        let tracked_blobs = decision.rows.iter().map(|&row| &table.tracked_blobs[row]);
+        let own = tracked_blobs.filter(|before| before.members.iter().any(|member| tracked.has(member.id)));
         own.map(move |before| Arrow { from: before.center().map(|c| c as f32), to })
     })
 }
 
 /// An object, or those of a group within its blob.
-fn draw_body(scene: &mut Scene, body: &Body, state: &State) {
-    if body.is_group() {
-        explain::rect(scene, Role::Window, body.bounds);
+fn draw_tracked(scene: &mut Scene, tracked: &TrackedBlob, state: &State) {
+    if tracked.is_group() {
+        explain::rect(scene, Role::Window, tracked.bounds);
         explain::label(
             scene,
             Role::Window,
-            [body.bounds.min[0], body.bounds.max[1]],
-            format!("group {}", ids(&body.members)),
+            [tracked.bounds.min[0], tracked.bounds.max[1]],
+            format!("group {}", ids(&tracked.members)),
         );
         scene.legend(Role::Window, "group");
     }
-    for member in &body.members {
-        let (role, meaning) = explain::role(member.age.life);
-        explain::trail(scene, &state.course, role, (member.id, member.center));
+    for member in &tracked.members {
+        let (role, meaning) = explain::role(member.age.status);
+        explain::trail(scene, &state.run, role, (member.id, member.center));
         explain::rect(scene, role, member.bounds);
         explain::label(scene, role, member.bounds.min, member.id.to_string());
         scene.legend(role, meaning);

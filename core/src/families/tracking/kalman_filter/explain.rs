@@ -1,8 +1,8 @@
 //! How the filter is told and drawn.
 
 use super::matrices::matrices;
-use super::sensors::{Look, Sensed, Sensors};
-use super::{Event, Gated, KalmanFilter, Loss, Moment, State, line};
+use super::sensors::{Observations, SensorReading, Sensors};
+use super::{Event, Gated, KalmanFilter, Loss, FrameRecord, State, line};
 use crate::base::words::{self, counted as count, fine, number_64 as short, percent};
 use crate::methods::kalman::{Filter, Measurement, chi_square, ellipse};
 use crate::run::Seen;
@@ -21,7 +21,7 @@ fn point(place: [f64; 2]) -> [f32; 2] {
 }
 
 /// What is on the way of a step: the filters before and after it, as far as it has them.
-struct Now<'a> {
+struct StepEstimates<'a> {
     frame: usize,
     before: Option<Filter>,
     predicted: Option<Filter>,
@@ -29,19 +29,19 @@ struct Now<'a> {
     after: Option<Filter>,
 }
 
-impl Now<'_> {
+impl StepEstimates<'_> {
     /// The state estimate by now, and in which role.
-    fn believed(&self) -> Option<(&Filter, Role)> {
+    fn current(&self) -> Option<(&Filter, Role)> {
         let predicted = || self.predicted.as_ref().or(self.before.as_ref()).map(|filter| (filter, Role::Predicted));
         self.after.as_ref().map(|filter| (filter, Role::Estimate)).or_else(predicted)
     }
 }
 
 impl KalmanFilter {
-    fn now<'a>(&self, seen: &Seen<'a, Self>) -> Now<'a> {
+    fn now<'a>(&self, seen: &Seen<'a, Self>) -> StepEstimates<'a> {
         let state = seen.before;
         let mut now =
-            Now { frame: frame_of(state), before: state.filter, predicted: None, gated: Vec::new(), after: None };
+            StepEstimates { frame: frame_of(state), before: state.filter, predicted: None, gated: Vec::new(), after: None };
         for event in seen.events {
             match event {
                 Event::Predicted(both) => now.predicted = Some(both[1]),
@@ -54,7 +54,7 @@ impl KalmanFilter {
                 Event::Kept(filter) => {
                     (now.before, now.after) = (filter.as_deref().copied(), filter.as_deref().copied())
                 }
-                Event::Looked(_) => {}
+                Event::Observed(_) => {}
             }
         }
         now
@@ -64,7 +64,7 @@ impl KalmanFilter {
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
             Some(Event::Predicted(_)) => line::PREDICT,
-            Some(Event::Looked(_)) => line::MEASURE,
+            Some(Event::Observed(_)) => line::MEASURE,
             Some(Event::Begun(..) | Event::Missed(None)) => line::BEGIN_OBJECT,
             Some(Event::Gated(_)) => line::GATE,
             Some(Event::Updated(_)) => line::UPDATE,
@@ -76,9 +76,9 @@ impl KalmanFilter {
         Step { line, sentence: self.sentence(seen, &now), readouts: self.readouts(seen, &now) }
     }
 
-    fn sentence(&self, seen: &Seen<Self>, now: &Now) -> Sentence {
+    fn sentence(&self, seen: &Seen<Self>, now: &StepEstimates) -> Sentence {
         let said = Sentence::default();
-        let Now { frame, .. } = now;
+        let StepEstimates { frame, .. } = now;
         match seen.events.last() {
             None => said
                 .text("A filter estimates the place and velocity of an object, and their covariance. In each frame it ")
@@ -98,7 +98,7 @@ impl KalmanFilter {
                         short(after)
                     ))
             }
-            Some(Event::Looked(look)) => looked(frame, look, seen.before.detector.told()),
+            Some(Event::Observed(observed)) => looked(frame, observed, seen.before.detector.told()),
             Some(Event::Gated(gated)) => {
                 let distance = short(gated.squared_distance);
                 let gate = format!("the {} gate is {}", percent(self.gate), short(gated.limit));
@@ -177,17 +177,17 @@ impl KalmanFilter {
                 ))
             }
             Some(Event::Kept(Some(_))) => said.text(format!(
-                "After frame {frame} nothing more is known of the object: the state estimate stays as it is."
+                "After frame {frame} nothing more is known of the object: the state estimate dwells as it is."
             )),
             Some(Event::Kept(None)) => said.text(format!("In frame {frame} there is no state estimate to smooth.")),
         }
     }
 
-    fn readouts(&self, seen: &Seen<Self>, now: &Now) -> Vec<Readout> {
+    fn readouts(&self, seen: &Seen<Self>, now: &StepEstimates) -> Vec<Readout> {
         let mut readouts = vec![Readout::Facts(self.facts(seen, now))];
         readouts.extend(self.equation(seen.events.last()));
-        let moments = seen.before.moments.iter().map(|moment| &**moment);
-        let matrices = matrices(seen.events.last(), now.believed(), moments);
+        let records = seen.before.records.iter().map(|record| &**record);
+        let matrices = matrices(seen.events.last(), now.current(), records);
         if !matrices.is_empty() {
             readouts.push(Readout::Matrices(matrices));
         }
@@ -195,10 +195,10 @@ impl KalmanFilter {
         readouts
     }
 
-    fn facts(&self, seen: &Seen<Self>, now: &Now) -> Vec<Fact> {
+    fn facts(&self, seen: &Seen<Self>, now: &StepEstimates) -> Vec<Fact> {
         let mut facts = vec![Fact::new("Frame", now.frame.to_string(), None)];
-        let believed = now.believed();
-        if let Some((filter, role)) = believed {
+        let current = now.current();
+        if let Some((filter, role)) = current {
             let ([u, v], [[xx, _], [_, yy]]) = (filter.velocity(), filter.place_covariance());
             facts.push(Fact::new("Place", format!("{} px", place(filter.place())), Some(role)));
             facts.push(Fact::new(
@@ -220,7 +220,7 @@ impl KalmanFilter {
                 None,
             ));
         }
-        if let (Some(truth), Some((filter, _))) = (truth(seen), believed) {
+        if let (Some(truth), Some((filter, _))) = (truth(seen), current) {
             facts.push(Fact::new("Truth", format!("{} px", place(truth)), Some(Role::Truth)));
             facts.push(Fact::new("Error", format!("{} px", short(distance(truth, filter.place()))), Some(Role::Error)));
             facts.extend(filter.squared_error(truth).map(|nees| Fact::new("NEES", short(nees), None)));
@@ -299,20 +299,20 @@ impl KalmanFilter {
     /// What goes from frame to frame, up to the one at hand.
     fn series(&self, seen: &Seen<Self>) -> Vec<Readout> {
         let state = seen.after.unwrap_or(seen.before);
-        let moments = || state.moments.iter().enumerate();
+        let records = || state.records.iter().enumerate();
         let x = |i: usize| (state.span.first + i) as f32;
-        let line = |of: &dyn Fn(&Moment) -> Option<f64>| -> Vec<[f32; 2]> {
-            moments().filter_map(|(i, moment)| Some([x(i), of(moment)? as f32])).collect()
+        let line = |of: &dyn Fn(&FrameRecord) -> Option<f64>| -> Vec<[f32; 2]> {
+            records().filter_map(|(i, record)| Some([x(i), of(record)? as f32])).collect()
         };
         // Two-sided: a filter that is far too unsure lies below the lower one.
         let bounds = |dof: usize| -> Vec<Line> {
             let at = |p: f64| {
                 let value = chi_square::quantile(p, dof) as f32;
-                [0, state.moments.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
+                [0, state.records.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
             };
             vec![("95 % lie between", Role::Window, at(0.025)), ("these two", Role::Window, at(0.975))]
         };
-        let x_max = state.span.first + state.span.frames().map_or(state.moments.len(), |frames| frames - 1);
+        let x_max = state.span.first + state.span.frames().map_or(state.records.len(), |frames| frames - 1);
         let series = |title, y_label, lines: Vec<Line>| {
             Readout::Series(Series {
                 title,
@@ -324,11 +324,11 @@ impl KalmanFilter {
                 lines,
             })
         };
-        if state.moments.len() < 2 {
+        if state.records.len() < 2 {
             return Vec::new();
         }
-        let sigma = line(&|moment| moment.filtered.as_ref().map(deviation));
-        let smoothed = line(&|moment| moment.smoothed.as_ref().map(deviation));
+        let sigma = line(&|record| record.filtered.as_ref().map(deviation));
+        let smoothed = line(&|record| record.smoothed.as_ref().map(deviation));
         let mut deviations = vec![("filtered", Role::Estimate, sigma)];
         if !smoothed.is_empty() {
             deviations.push(("smoothed", Role::Result, smoothed));
@@ -342,12 +342,12 @@ impl KalmanFilter {
         for (sensor, title) in names.into_iter().enumerate() {
             // Where nothing was measured the line is broken.
             let all_of =
-                line(&|moment| Some(moment.of_sensor(sensor).map_or(f64::NAN, |gated| gated.squared_distance)));
-            let refused = line(&|moment| {
-                let gated = moment.of_sensor(sensor).filter(|gated| !gated.is_inside())?;
+                line(&|record| Some(record.of_sensor(sensor).map_or(f64::NAN, |gated| gated.squared_distance)));
+            let refused = line(&|record| {
+                let gated = record.of_sensor(sensor).filter(|gated| !gated.is_inside())?;
                 Some(gated.squared_distance)
             });
-            let dof = moments().find_map(|(_, moment)| Some(moment.of_sensor(sensor)?.measurement().numbers()));
+            let dof = records().find_map(|(_, record)| Some(record.of_sensor(sensor)?.measurement().numbers()));
             let Some(dof) = dof else { continue };
             let mut lines = vec![("NIS", Role::Measured, all_of)];
             if !refused.is_empty() {
@@ -357,18 +357,18 @@ impl KalmanFilter {
             all.push(series(title, "squared distance", lines));
         }
         all.push(series("Standard deviation", "px", deviations));
-        let nees = line(&|moment| moment.filtered?.squared_error(moment.truth?));
+        let nees = line(&|record| record.filtered?.squared_error(record.truth?));
         if nees.len() > 1 {
-            let off = |of: fn(&Moment) -> Option<Filter>| {
-                line(&move |moment: &Moment| Some(distance(of(moment)?.place(), moment.truth?)))
+            let off = |of: fn(&FrameRecord) -> Option<Filter>| {
+                line(&move |record: &FrameRecord| Some(distance(of(record)?.place(), record.truth?)))
             };
             let lines = [vec![("NEES", Role::Error, nees)], bounds(2)].concat();
             all.push(series("NEES", "squared distance", lines));
-            let mut errors = vec![("filtered", Role::Estimate, off(|moment| moment.filtered))];
-            let measured = line(&|moment| Some(distance(moment.of_sensor(0)?.measurement().place, moment.truth?)));
+            let mut errors = vec![("filtered", Role::Estimate, off(|record| record.filtered))];
+            let measured = line(&|record| Some(distance(record.of_sensor(0)?.measurement().place, record.truth?)));
             errors.push(("measured", Role::Measured, measured));
             if state.back.is_some() {
-                errors.push(("smoothed", Role::Result, off(|moment| moment.smoothed)));
+                errors.push(("smoothed", Role::Result, off(|record| record.smoothed)));
             }
             all.push(series("Distance from the truth", "px", errors));
         }
@@ -379,7 +379,7 @@ impl KalmanFilter {
         let (state, now) = (seen.before, self.now(seen));
         trails(seen, scene);
         let detections = seen.events.iter().find_map(|event| match event {
-            Event::Looked(look) => Some(&look.detections),
+            Event::Observed(observed) => Some(&observed.detections),
             _ => None,
         });
         for found in detections.into_iter().flat_map(|all| all.iter()) {
@@ -389,7 +389,7 @@ impl KalmanFilter {
         }
         self.truth(seen, scene);
         if let Some(predicted) = now.predicted {
-            self.belief(&predicted, (Role::Predicted, "predicted"), scene);
+            self.draw_estimate(&predicted, (Role::Predicted, "predicted"), scene);
         }
         if let Some(Event::Gated(gated)) = seen.events.last() {
             gate(gated, scene);
@@ -397,11 +397,11 @@ impl KalmanFilter {
         measured(seen, &now, scene);
         let is_back = state.back.is_some();
         if let Some(before) = now.before.filter(|_| is_back) {
-            self.belief(&before, (Role::Estimate, "filtered"), scene);
+            self.draw_estimate(&before, (Role::Estimate, "filtered"), scene);
         }
         if let Some(after) = now.after {
             let role = if is_back { (Role::Result, "smoothed") } else { (Role::Estimate, "estimated") };
-            self.belief(&after, role, scene);
+            self.draw_estimate(&after, role, scene);
         }
         if scene.legend.is_empty() {
             scene.legend(Role::Measured, "measured");
@@ -411,7 +411,7 @@ impl KalmanFilter {
     }
 
     /// An estimated place, with its ellipse.
-    fn belief(&self, filter: &Filter, (role, meaning): (Role, &'static str), scene: &mut Scene) {
+    fn draw_estimate(&self, filter: &Filter, (role, meaning): (Role, &'static str), scene: &mut Scene) {
         let center = filter.place();
         if let Some(shape) = ellipse(center, filter.place_covariance(), self.confidence.share()) {
             scene.mark(Picture::CURRENT, role, shape);
@@ -429,23 +429,23 @@ impl KalmanFilter {
 }
 
 /// What there is to see of a frame, in words.
-fn looked(frame: &usize, look: &Look, how: &str) -> Sentence {
+fn looked(frame: &usize, observed: &Observations, how: &str) -> Sentence {
     let said = Sentence::default();
-    let [first, second] = [0, 1].map(|sensor| look.measured.iter().find(|sensed| sensed.sensor == sensor));
-    let measured = |sensed: &Sensed| {
-        let Measurement { place: at, place_deviation, .. } = sensed.measurement;
+    let [first, second] = [0, 1].map(|sensor| observed.measured.iter().find(|reading| reading.sensor == sensor));
+    let measured = |reading: &SensorReading| {
+        let Measurement { place: at, place_deviation, .. } = reading.measurement;
         (place(at), format!(", with a standard deviation of {} px", short(place_deviation)))
     };
     let said = match first.map(measured) {
         Some((at, sure)) => said.ink(Role::Measured, format!("Measured: {at}")).text(format!(", {how}{sure}.")),
-        None if look.is_hidden && second.is_some() => {
+        None if observed.is_hidden && second.is_some() => {
             said.text(format!("Frame {frame} is one of those in which the first sensor sees nothing of the object."))
         }
-        None if look.is_hidden => {
+        None if observed.is_hidden => {
             said.text(format!("Frame {frame} is one of those in which nothing is to be seen of the object."))
         }
-        None if !look.detections.is_empty() => said
-            .ink(Role::Measured, format!("{} in frame {frame}", count(look.detections.len(), "detection")))
+        None if !observed.detections.is_empty() => said
+            .ink(Role::Measured, format!("{} in frame {frame}", count(observed.detections.len(), "detection")))
             .text(", and none of them lies at a clicked place: the object begins where it is."),
         None => said.text(format!("Nothing is detected in frame {frame}.")),
     };
@@ -463,12 +463,12 @@ fn are(there: usize) -> String {
 
 /// The frame at work.
 fn frame_of(state: &State) -> usize {
-    let count = state.moments.len();
+    let count = state.records.len();
     state.span.first + state.back.map_or(count, |done| count.saturating_sub(done + 1))
 }
 
 fn sensor(gated: &Gated) -> &'static str {
-    if gated.sensed.sensor == 0 { "The measurement" } else { "The second sensor's measurement" }
+    if gated.reading.sensor == 0 { "The measurement" } else { "The second sensor's measurement" }
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -484,22 +484,22 @@ fn deviation(filter: &Filter) -> f64 {
 /// The true place in the frame at hand.
 fn truth(seen: &Seen<KalmanFilter>) -> Option<[f64; 2]> {
     let told = seen.events.iter().find_map(|event| match event {
-        Event::Looked(look) => look.truth,
+        Event::Observed(observed) => observed.truth,
         _ => None,
     });
     let index = frame_of(seen.before) - seen.before.span.first;
-    told.or_else(|| seen.before.moments.get(index)?.truth)
+    told.or_else(|| seen.before.records.get(index)?.truth)
 }
 
 /// The estimated places up to here, and where what came later puts it.
 fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
     let state = seen.before;
-    let mut draw = |of: fn(&Moment) -> Option<Filter>, role: Role, meaning: &'static str| {
+    let mut draw = |of: fn(&FrameRecord) -> Option<Filter>, role: Role, meaning: &'static str| {
         let mut runs: Vec<Vec<[f32; 2]>> = Vec::new();
-        for moment in &state.moments {
-            match of(moment) {
+        for record in &state.records {
+            match of(record) {
                 Some(filter) => {
-                    if runs.is_empty() || moment.begins {
+                    if runs.is_empty() || record.begins {
                         runs.push(Vec::new());
                     }
                     if let Some(run) = runs.last_mut() {
@@ -514,9 +514,9 @@ fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
             scene.legend(role, meaning);
         }
     };
-    draw(|moment| moment.filtered, Role::Estimate, if state.back.is_some() { "filtered" } else { "estimated" });
+    draw(|record| record.filtered, Role::Estimate, if state.back.is_some() { "filtered" } else { "estimated" });
     if state.back.is_some() {
-        draw(|moment| moment.smoothed, Role::Result, "smoothed");
+        draw(|record| record.smoothed, Role::Result, "smoothed");
     }
 }
 
@@ -533,18 +533,18 @@ fn gate(gated: &Gated, scene: &mut Scene) {
 }
 
 /// What was measured, and the way there from what was expected.
-fn measured(seen: &Seen<KalmanFilter>, now: &Now, scene: &mut Scene) {
+fn measured(seen: &Seen<KalmanFilter>, now: &StepEstimates, scene: &mut Scene) {
     let looked = seen.events.iter().find_map(|event| match event {
-        Event::Looked(look) => Some(&look.measured),
+        Event::Observed(observed) => Some(&observed.measured),
         _ => None,
     });
     let Some(all) = looked.filter(|all| !all.is_empty()) else { return };
     let is_refused =
-        |sensed: &&Sensed| now.gated.iter().any(|gated| gated.sensed.sensor == sensed.sensor && !gated.is_inside());
-    let (refused, taken): (Vec<&Sensed>, Vec<&Sensed>) = all.iter().partition(is_refused);
-    for (role, sensed) in [(Role::Measured, taken), (Role::Rejected, refused)] {
-        if !sensed.is_empty() {
-            let points = sensed.iter().map(|sensed| point(sensed.measurement.place)).collect();
+        |reading: &&SensorReading| now.gated.iter().any(|gated| gated.reading.sensor == reading.sensor && !gated.is_inside());
+    let (refused, taken): (Vec<&SensorReading>, Vec<&SensorReading>) = all.iter().partition(is_refused);
+    for (role, reading) in [(Role::Measured, taken), (Role::Rejected, refused)] {
+        if !reading.is_empty() {
+            let points = reading.iter().map(|reading| point(reading.measurement.place)).collect();
             scene.mark(Picture::CURRENT, role, Shape::Points(points));
             scene.legend(role, if role == Role::Rejected { "measured, and refused by the gate" } else { "measured" });
         }

@@ -1,6 +1,6 @@
 //! The matrices of a step, with what differs from those before lit.
 
-use super::{Event, Gated, Moment};
+use super::{Event, Gated, FrameRecord};
 use crate::geometry::Grid;
 use crate::methods::kalman::{Filter, UpdateNumbers};
 use crate::scene::{Matrix, Role};
@@ -38,7 +38,7 @@ fn changes(now: &Grid<f64>, before: &Grid<f64>) -> Grid<bool> {
 }
 
 /// The state and its covariance.
-fn belief(filter: &Filter, before: Option<&Filter>, role: Role) -> [Matrix; 2] {
+fn estimate_matrices(filter: &Filter, before: Option<&Filter>, role: Role) -> [Matrix; 2] {
     let rows = owned(filter.names());
     let state = Matrix { rows: rows.clone(), ..matrix("x", "state", Some(role), column(&filter.state())) };
     let covariance = matrix("P", "its covariance", Some(role), filter.covariance());
@@ -89,17 +89,17 @@ fn of_prediction(from: &Filter, before: Option<&Filter>) -> [Matrix; 2] {
     ]
 }
 
-/// All matrices of a step after those `moments`.
+/// All matrices of a step after those `records`.
 pub(super) fn matrices<'a>(
     event: Option<&Event>,
-    believed: Option<(&Filter, Role)>,
-    moments: impl DoubleEndedIterator<Item = &'a Moment>,
+    current: Option<(&Filter, Role)>,
+    records: impl DoubleEndedIterator<Item = &'a FrameRecord>,
 ) -> Vec<Matrix> {
     // Of the same object, the latest first.
     let mut earlier = Vec::new();
-    for moment in moments.rev() {
-        earlier.push(moment);
-        if moment.begins {
+    for record in records.rev() {
+        earlier.push(record);
+        if record.begins {
             break;
         }
     }
@@ -107,19 +107,19 @@ pub(super) fn matrices<'a>(
         None | Some(Event::Kept(None)) => Vec::new(),
         Some(Event::Predicted(both)) => {
             let [before, after] = &**both;
-            let one_step_before = earlier.get(1).and_then(|moment| moment.filtered.as_ref());
-            let mut all = belief(after, Some(before), Role::Predicted).to_vec();
+            let one_step_before = earlier.get(1).and_then(|record| record.filtered.as_ref());
+            let mut all = estimate_matrices(after, Some(before), Role::Predicted).to_vec();
             all.extend(of_prediction(before, one_step_before));
             all
         }
         Some(Event::Gated(gated)) => {
             let role = if gated.is_updated { Role::Estimate } else { Role::Predicted };
-            let before = earlier.iter().find_map(|moment| moment.of_sensor(gated.sensed.sensor));
-            with_update(belief(&gated.expected, None, role), gated, before)
+            let before = earlier.iter().find_map(|record| record.of_sensor(gated.reading.sensor));
+            with_update(estimate_matrices(&gated.expected, None, role), gated, before)
         }
         Some(Event::Updated(update)) => {
             let (gated, after) = &**update;
-            with_update(belief(after, Some(&gated.expected), Role::Estimate), gated, None)
+            with_update(estimate_matrices(after, Some(&gated.expected), Role::Estimate), gated, None)
         }
         Some(Event::Smoothed(both)) => {
             let [filtered, smoothed] = &**both;
@@ -129,16 +129,16 @@ pub(super) fn matrices<'a>(
                 columns: names,
                 ..matrix("C", "gain of smoothing", None, gain)
             });
-            belief(smoothed, Some(filtered), Role::Result).into_iter().chain(gain).collect()
+            estimate_matrices(smoothed, Some(filtered), Role::Result).into_iter().chain(gain).collect()
         }
-        Some(_) => believed.map_or_else(Vec::new, |(filter, role)| belief(filter, None, role).to_vec()),
+        Some(_) => current.map_or_else(Vec::new, |(filter, role)| estimate_matrices(filter, None, role).to_vec()),
     }
 }
 
-fn with_update(belief: [Matrix; 2], gated: &Gated, before: Option<&Gated>) -> Vec<Matrix> {
+fn with_update(estimate_matrices: [Matrix; 2], gated: &Gated, before: Option<&Gated>) -> Vec<Matrix> {
     let numbers = |gated: &Gated| gated.expected.update_numbers(gated.measurement());
     let before = before.and_then(numbers);
-    let mut all = belief.to_vec();
+    let mut all = estimate_matrices.to_vec();
     all.extend(
         numbers(gated).into_iter().flat_map(|numbers| of_update(&numbers, before.as_ref(), gated.expected.names())),
     );

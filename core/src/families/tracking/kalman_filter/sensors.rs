@@ -26,7 +26,7 @@ choices! {
 
 /// What one sensor measures of the object.
 #[derive(Clone, Copy, Debug)]
-pub struct Sensed {
+pub struct SensorReading {
     /// 0 or 1.
     pub sensor: usize,
     pub measurement: Measurement,
@@ -36,10 +36,10 @@ pub struct Sensed {
 
 /// What there is to see of a frame.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct Observations {
     pub detections: Arc<Vec<Detection>>,
     /// What is measured of the object, by sensor.
-    pub measured: Vec<Sensed>,
+    pub measured: Vec<SensorReading>,
     /// Where it truly is.
     pub truth: Option<[f64; 2]>,
     /// Whether the frame is one of those in which the first sensor sees nothing.
@@ -48,12 +48,12 @@ pub struct Look {
 
 impl KalmanFilter {
     /// What all sensors see of frame `t` if an object is expected there; what it may begin with if there is none.
-    pub(super) fn look(
+    pub(super) fn observe(
         &self,
         (clip, t): (&Clip, usize),
         state: &State,
         expected: Option<&Filter>,
-    ) -> Result<Look, Error> {
+    ) -> Result<Observations, Error> {
         let truth = state.truth_id.map(|id| truth_of(clip, t, id)).transpose()?.flatten();
         let index = t - state.span.first;
         let is_hidden = index.checked_sub(self.drop_from).is_some_and(|index| index < self.drop_frames);
@@ -62,11 +62,11 @@ impl KalmanFilter {
             Some(expected) => self.nearest(expected, &detections),
             None => self.begin_with((state, t), &detections),
         };
-        let first = chosen.map(|i| Sensed { sensor: 0, measurement: self.first(&detections[i]), detection: Some(i) });
+        let first = chosen.map(|i| SensorReading { sensor: 0, measurement: self.first(&detections[i]), detection: Some(i) });
         // An object that has not begun has no truth that could be measured.
         let second = expected.map(|_| self.second(clip, state, t)).transpose()?.flatten();
-        let second = second.map(|measurement| Sensed { sensor: 1, measurement, detection: None });
-        Ok(Look { detections, measured: first.into_iter().chain(second).collect(), truth, is_hidden })
+        let second = second.map(|measurement| SensorReading { sensor: 1, measurement, detection: None });
+        Ok(Observations { detections, measured: first.into_iter().chain(second).collect(), truth, is_hidden })
     }
 
     /// What the first sensor says of a detection.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::share::{Costs, MOST_NEAR, Turn};
+use super::association::{Costs, MOST_NEAR, MatchingStage};
 use super::{Event, KalmanTracker, PairCost, Track, line};
 use crate::methods::{
     kalman::ellipse,
@@ -37,7 +37,7 @@ impl KalmanTracker {
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
         let said = Sentence::default();
-        let frame = seen.before.course.frame();
+        let frame = seen.before.run.frame();
         let Some(event) = seen.events.last() else {
             return said
                 .text("Each object has a filter that ")
@@ -48,7 +48,7 @@ impl KalmanTracker {
         };
         match event {
             Event::Looked(all, left_out) => {
-                explain::looked((all.len(), "detection"), frame, (*left_out, self.given.min_score))
+                explain::looked((all.len(), "detection"), frame, (*left_out, self.settings.min_score))
             }
             Event::Predicted(tracks) if tracks.is_empty() => {
                 said.text("There is no object yet whose place could be predicted.")
@@ -66,13 +66,13 @@ impl KalmanTracker {
             )),
             Event::Paired(costs, [row, column]) => {
                 let pair = costs.pairs[*row];
-                let why = match pair.map(|pair| pair.turn) {
-                    None | Some(Turn::First) => "",
-                    Some(Turn::LessSure) => {
+                let why = match pair.map(|pair| pair.stage) {
+                    None | Some(MatchingStage::First) => "",
+                    Some(MatchingStage::LowScore) => {
                         " The detection is less sure; it may only go on with an object seen in the frame before."
                     }
-                    Some(Turn::Tentative) => " Confirmed tracks have left it unassigned.",
-                    Some(Turn::LastBox) => {
+                    Some(MatchingStage::Tentative) => " Confirmed tracks have left it unassigned.",
+                    Some(MatchingStage::LastBox) => {
                         " It is outside the gate of the prediction, but overlaps the track's last box."
                     }
                 };
@@ -85,9 +85,9 @@ impl KalmanTracker {
                 let [before, after] = &**both;
                 let said =
                     said.ink(Role::Estimate, named(after)).text(format!(" moves to its detection: {}.", speed(after)));
-                match (before.age.life, after.age.life) {
+                match (before.age.status, after.age.status) {
                     (TrackStatus::Tentative, TrackStatus::Confirmed) => {
-                        said.text(format!(" It was matched in {} frames and is confirmed.", after.age.seen))
+                        said.text(format!(" It was matched in {} frames and is confirmed.", after.age.hits))
                     }
                     (TrackStatus::Coasting, _) => {
                         said.text(format!(" It is back after {}.", count(before.age.missed, "frame")))
@@ -100,7 +100,7 @@ impl KalmanTracker {
                 count(track.age.missed, "frame"),
                 count(self.rules.patience, "frame")
             )),
-            Event::Ended(track) => said.ink(Role::Rejected, named(track)).text(match track.age.life {
+            Event::Ended(track) => said.ink(Role::Rejected, named(track)).text(match track.age.status {
                 TrackStatus::Tentative => " was not seen again and is deleted: it was still tentative.",
                 _ if track.age.missed < self.rules.patience => " is predicted far outside the picture and is deleted.",
                 _ => " was not seen for too long and is deleted.",
@@ -127,14 +127,14 @@ impl KalmanTracker {
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
         let state = seen.before;
-        let mut facts = vec![Fact::new("Frame", state.course.frame().to_string(), None)];
+        let mut facts = vec![Fact::new("Frame", state.run.frame().to_string(), None)];
         let objects = seen.after.unwrap_or(state).tracks.len();
         facts.push(Fact::new("Objects", objects.to_string(), None));
         if let Some(track) = track_of(seen) {
             let [[xx, _], [_, yy]] = track.filter.place_covariance();
             facts.push(Fact::new("Object", track.id.to_string(), None));
-            facts.push(Fact::new("State", track.age.life.name(), None));
-            facts.push(Fact::new("Seen", count(track.age.seen, "frame"), None));
+            facts.push(Fact::new("State", track.age.status.name(), None));
+            facts.push(Fact::new("Seen", count(track.age.hits, "frame"), None));
             facts.push(Fact::new("Velocity", speed(track), None));
             facts.push(Fact::new(
                 "Standard deviation",
@@ -152,7 +152,7 @@ impl KalmanTracker {
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend(equation.map(Readout::Equation));
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
-        readouts.extend(explain::series(&seen.after.unwrap_or(state).course));
+        readouts.extend(explain::series(&seen.after.unwrap_or(state).run));
         readouts
     }
 
@@ -260,7 +260,7 @@ fn crowd(costs: &Costs) -> String {
         0 => String::new(),
         all => format!(" Of {}, only the {MOST_NEAR} nearest detections are compared.", count(all, "object")),
     };
-    match costs.hasty {
+    match costs.greedy {
         0 => crowded,
         all => {
             format!("{crowded} Too many compete for one assignment: {} took the nearest left.", count(all, "object"))
@@ -316,7 +316,7 @@ fn draw(scene: &mut Scene, track: &Track, (role, meaning): (Role, &'static str))
 
 /// An object with its trail, as its life has it.
 fn draw_track(scene: &mut Scene, track: &Track, seen: &Seen<KalmanTracker>) {
-    let role = explain::role(track.age.life);
-    explain::trail(scene, &seen.after.unwrap_or(seen.before).course, role.0, (track.id, track.filter.place()));
+    let role = explain::role(track.age.status);
+    explain::trail(scene, &seen.after.unwrap_or(seen.before).run, role.0, (track.id, track.filter.place()));
     draw(scene, track, role);
 }

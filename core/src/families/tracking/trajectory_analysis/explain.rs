@@ -53,7 +53,7 @@ impl TrajectoryAnalysis {
         };
         match event {
             Event::Tracked(frame) => {
-                let seen = frame.objects.iter().filter(|object| object.life == TrackStatus::Confirmed).count();
+                let seen = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed).count();
                 said.ink(Role::Estimate, counted(seen, "object")).text(" confirmed.")
             }
             Event::Moved(of) => self.moved(said.ink(Role::Estimate, name(of)), of),
@@ -68,12 +68,12 @@ impl TrajectoryAnalysis {
             Event::Entered(of, _) => {
                 said.ink(Role::Estimate, name(of)).text(" comes into the ").ink(Role::Reference, "zone").text(".")
             }
-            Event::Left(of, stay) => {
+            Event::Left(of, dwell) => {
                 said.ink(Role::Estimate, name(of)).text(" has left the ").ink(Role::Reference, "zone").text(format!(
                     ": it was there from frame {} to {}, {}.",
-                    stay.entered,
-                    stay.last,
-                    counted(stay.frames(), "frame")
+                    dwell.entered,
+                    dwell.last,
+                    counted(dwell.frames(), "frame")
                 ))
             }
             Event::Unusual(of, unusual) => said
@@ -129,7 +129,7 @@ impl TrajectoryAnalysis {
         if self.zone.is_some() {
             let frame = frame_at(seen);
             let is_here = |of: &Trajectory| frame.is_some_and(|frame| frame.object(of.id).is_some());
-            let is_inside = |of: &&Arc<Trajectory>| is_here(of) && of.stays.last().is_some_and(|stay| !stay.is_over);
+            let is_inside = |of: &&Arc<Trajectory>| is_here(of) && of.dwells.last().is_some_and(|dwell| !dwell.is_over);
             let inside = now(seen).iter().filter(is_inside).count();
             facts.push(Fact::new("In the zone", inside.to_string(), Some(Role::Reference)));
         }
@@ -292,8 +292,8 @@ fn chevron(at: [f64; 2], [u, v]: [f64; 2], size_px: f64) -> Shape {
 
 /// An object with its box, its number and where it goes.
 fn draw_object(scene: &mut Scene, object: &Object, last: Option<&TrackPoint>) {
-    let is_unusual = last.is_some_and(|last| last.unusual.is_some());
-    let (role, meaning) = match object.life {
+    let is_unusual = last.is_some_and(|last| last.anomaly.is_some());
+    let (role, meaning) = match object.status {
         _ if is_unusual => (Role::Error, "unusual direction"),
         TrackStatus::Tentative => (Role::Candidate, "tentative"),
         TrackStatus::Confirmed => (Role::Estimate, "tracked"),

@@ -10,19 +10,19 @@ use crate::methods::kalman::{Measurement, chi_square};
 use crate::products::{
     TrackStatus,
     objects::{
-        assignment::{Assigned, Effort, least_cost, nearest_first},
-        near::{Corners, Near, corners, nearest},
+        assignment::{Assigned, WorkBudget, least_cost, nearest_first},
+        box_index::{Corners, BoxIndex, corners, nearest},
         pairs::Pairs,
     },
 };
 
-/// In whose turn a pair was chosen.
+/// In whose stage a pair was chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
+pub enum MatchingStage {
     /// Of confirmed tracks, or of all, with sure detections.
     First,
     /// Of objects that were seen in the frame before, with detections that are less sure.
-    LessSure,
+    LowScore,
     /// Of tentative objects.
     Tentative,
     /// Of confirmed tracks, by the boxes in which they were last seen.
@@ -34,7 +34,7 @@ pub enum Turn {
 pub struct Pair {
     pub column: usize,
     pub cost: f64,
-    pub turn: Turn,
+    pub stage: MatchingStage,
 }
 
 /// Objects beside detections.
@@ -43,7 +43,7 @@ pub struct Costs {
     pub tracks: Vec<Track>,
     pub detections: Arc<Vec<Detection>>,
     /// Which detections are sure.
-    pub is_sure: Vec<bool>,
+    pub is_high: Vec<bool>,
     /// What the allowed pairs cost; a row for each object.
     pub costs: Pairs,
     /// The limit of the squared distances.
@@ -53,7 +53,7 @@ pub struct Costs {
     /// Objects with more than [`MOST_NEAR`] detections near them, of which only the nearest count.
     pub crowded: usize,
     /// Objects that were paired nearest first, because so many compete.
-    pub hasty: usize,
+    pub greedy: usize,
 }
 
 /// An object competes for so many detections at most, those that are nearest to it: in a crowd in which everything lies on
@@ -64,7 +64,7 @@ pub const MOST_NEAR: usize = 500;
 const MOST_WORK: u64 = 20_000_000;
 
 /// So many objects are compared before it is asked whether to go on.
-const OBJECTS_AT_ONCE: usize = 64;
+const TRACKS_PER_CHECK: usize = 64;
 
 impl Costs {
     /// The overlap of an object and a detection, as intersection over union.
@@ -91,20 +91,20 @@ impl KalmanTracker {
         &self,
         clip: &Clip,
         (tracks, detections): (Vec<Track>, Arc<Vec<Detection>>),
-        is_sure: impl Fn(&Detection) -> bool,
+        is_high: impl Fn(&Detection) -> bool,
     ) -> Result<Costs, Error> {
         let measured = detections.iter().map(|detection| self.measurement(detection)).collect();
         let limit = chi_square::quantile(f64::from(self.gate), 2);
         let frame = Frame { clip, detections: &detections, measured, limit };
-        let boxes = Near::new(detections.iter().map(|detection| corners(&detection.bounds)));
+        let boxes = BoxIndex::new(detections.iter().map(|detection| corners(&detection.bounds)));
         let (costs, crowded) = match self.cost {
             PairCost::Mahalanobis => self.by_distance(&frame, &tracks),
             PairCost::Overlap | PairCost::Both => self.by_overlap(&frame, &boxes, &tracks),
         }?;
-        let is_sure = detections.iter().map(is_sure).collect();
+        let is_high = detections.iter().map(is_high).collect();
         let pairs = vec![None; tracks.len()];
-        let mut all = Costs { tracks, detections, is_sure, costs, limit, pairs, crowded, hasty: 0 };
-        self.share(clip, &mut all, &boxes)?;
+        let mut all = Costs { tracks, detections, is_high, costs, limit, pairs, crowded, greedy: 0 };
+        self.associate(clip, &mut all, &boxes)?;
         Ok(all)
     }
 
@@ -113,7 +113,7 @@ impl KalmanTracker {
         // No farther along an axis than √limit (σ + σ'), those of the object and of the measurement: |a + b| ≤ |a| + |b|.
         let reach = (frame.limit * ROUNDING).sqrt();
         let gates = frame.measured.iter().map(|measured| around(measured.place, [reach * measured.place_deviation; 2]));
-        let gates = Near::new(gates);
+        let gates = BoxIndex::new(gates);
         rows_of(frame, tracks, |track, found| {
             let gate = Gate::of(track, frame.limit);
             let corners = around(gate.place, [gate.xx, gate.yy].map(|variance| reach * variance.sqrt()));
@@ -125,7 +125,7 @@ impl KalmanTracker {
     }
 
     /// The pairs whose boxes overlap enough, and where both count, whose detection lies in the gate as well.
-    fn by_overlap(&self, frame: &Frame, boxes: &Near, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
+    fn by_overlap(&self, frame: &Frame, boxes: &BoxIndex, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
         let least = f64::from(self.min_overlap);
         rows_of(frame, tracks, |track, found| {
             self.overlapping(&track.bounds(), (boxes, frame.detections), found);
@@ -143,38 +143,38 @@ impl KalmanTracker {
     }
 
     /// The detections that have enough in common with a box, and how much.
-    fn overlapping(&self, bounds: &Bounds, (boxes, all): (&Near, &[Detection]), found: &mut Vec<(usize, f64)>) {
+    fn overlapping(&self, bounds: &Bounds, (boxes, all): (&BoxIndex, &[Detection]), found: &mut Vec<(usize, f64)>) {
         let is_enough = |overlap: &f64| *overlap > 0.0 && *overlap >= f64::from(self.min_overlap);
         let overlap = |x: usize| Some(f64::from(bounds.iou(&all[x].bounds))).filter(is_enough);
         boxes.touching(corners(bounds), found, overlap);
     }
 
-    /// Chooses pairs, turn after turn.
-    fn share(&self, clip: &Clip, all: &mut Costs, boxes: &Near) -> Result<(), Error> {
-        let is_first = |track: &Track| !self.in_turns || track.age.life != TrackStatus::Tentative;
+    /// Chooses pairs, stage after stage.
+    fn associate(&self, clip: &Clip, all: &mut Costs, boxes: &BoxIndex) -> Result<(), Error> {
+        let is_first = |track: &Track| !self.in_turns || track.age.status != TrackStatus::Tentative;
         let by_cost = all.costs.clone();
-        self.take_turn(clip, (all, Turn::First), &by_cost, |track, is_sure| is_sure && is_first(track))?;
-        self.take_turn(clip, (all, Turn::LessSure), &by_cost, |track, is_sure| {
-            !is_sure && is_first(track) && track.age.missed == 0
+        self.match_stage(clip, (all, MatchingStage::First), &by_cost, |track, is_high| is_high && is_first(track))?;
+        self.match_stage(clip, (all, MatchingStage::LowScore), &by_cost, |track, is_high| {
+            !is_high && is_first(track) && track.age.missed == 0
         })?;
         if self.in_turns {
-            self.take_turn(clip, (all, Turn::Tentative), &by_cost, |track, is_sure| is_sure && !is_first(track))?;
+            self.match_stage(clip, (all, MatchingStage::Tentative), &by_cost, |track, is_high| is_high && !is_first(track))?;
         }
         if self.recover {
             let by_last_box = self.by_last_box(all, boxes);
-            self.take_turn(clip, (all, Turn::LastBox), &by_last_box, |track, is_sure| {
-                is_sure && track.age.life != TrackStatus::Tentative
+            self.match_stage(clip, (all, MatchingStage::LastBox), &by_last_box, |track, is_high| {
+                is_high && track.age.status != TrackStatus::Tentative
             })?;
         }
         Ok(())
     }
 
     /// What pairs cost of objects that are left and detections that overlap the boxes in which these were last seen.
-    fn by_last_box(&self, all: &Costs, boxes: &Near) -> Pairs {
+    fn by_last_box(&self, all: &Costs, boxes: &BoxIndex) -> Pairs {
         let (mut pairs, mut found) = (Pairs::new(all.detections.len()), Vec::new());
         for (track, pair) in all.tracks.iter().zip(&all.pairs) {
             found.clear();
-            if pair.is_none() && track.age.life != TrackStatus::Tentative {
+            if pair.is_none() && track.age.status != TrackStatus::Tentative {
                 self.overlapping(&track.last, (boxes, &all.detections), &mut found);
             }
             nearest(&mut found, track.filter.place(), (&all.detections, MOST_NEAR));
@@ -184,28 +184,28 @@ impl KalmanTracker {
     }
 
     /// Chooses pairs of objects and detections that are left, as far as they take part.
-    fn take_turn(
+    fn match_stage(
         &self,
         clip: &Clip,
-        (all, turn): (&mut Costs, Turn),
+        (all, stage): (&mut Costs, MatchingStage),
         costs: &Pairs,
         takes_part: impl Fn(&Track, bool) -> bool,
     ) -> Result<(), Error> {
         let mut is_free = vec![true; costs.columns()];
         all.pairs.iter().flatten().for_each(|pair| is_free[pair.column] = false);
         let costs = costs
-            .filtered(|y, x, _| is_free[x] && all.pairs[y].is_none() && takes_part(&all.tracks[y], all.is_sure[x]));
+            .filtered(|y, x, _| is_free[x] && all.pairs[y].is_none() && takes_part(&all.tracks[y], all.is_high[x]));
         if costs.is_empty() {
             return Ok(());
         }
-        let Assigned { columns, hasty } = match self.association {
-            Association::Nearest => Assigned { columns: nearest_first(&costs), hasty: 0 },
-            Association::Assignment => least_cost(&costs, &mut Effort::limited(MOST_WORK, &|| clip.wanted()))?,
+        let Assigned { columns, greedy } = match self.association {
+            Association::Nearest => Assigned { columns: nearest_first(&costs), greedy: 0 },
+            Association::Assignment => least_cost(&costs, &mut WorkBudget::limited(MOST_WORK, &|| clip.wanted()))?,
         };
-        all.hasty += hasty;
+        all.greedy += greedy;
         for (row, column) in columns.into_iter().enumerate() {
             let cost = column.and_then(|column| Some((column, costs.get(row, column)?)));
-            all.pairs[row] = all.pairs[row].or(cost.map(|(column, cost)| Pair { column, cost, turn }));
+            all.pairs[row] = all.pairs[row].or(cost.map(|(column, cost)| Pair { column, cost, stage }));
         }
         Ok(())
     }
@@ -261,7 +261,7 @@ fn rows_of(
 ) -> Result<(Pairs, usize), Error> {
     let (mut pairs, mut found, mut cut) = (Pairs::new(frame.detections.len()), Vec::new(), 0);
     for (y, track) in tracks.iter().enumerate() {
-        if y.is_multiple_of(OBJECTS_AT_ONCE) {
+        if y.is_multiple_of(TRACKS_PER_CHECK) {
             frame.clip.wanted()?;
         }
         let (row, is_cut) = row(track, &mut found);
@@ -316,7 +316,7 @@ mod tests {
                 })
                 .collect();
             let costs = tracker.costs(&clip, (tracks, Arc::new(seen)), |_| true).expect("it is wanted");
-            assert_eq!((costs.crowded, costs.hasty), (0, 0));
+            assert_eq!((costs.crowded, costs.greedy), (0, 0));
             for (y, x) in (0..170).flat_map(|y| (0..150).map(move |x| (y, x))) {
                 let measured = tracker.measurement(&costs.detections[x]);
                 let distance = costs.tracks[y].filter.squared_distance(&measured).unwrap_or(f64::INFINITY);

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::lifecycle::{Age, Rules};
-use super::source::{Detector, Given, Noise, Source, usual_detector};
+use super::lifecycle::{TrackAge, Rules};
+use super::source::{Detector, SourceSettings, Noise, Source, usual_detector};
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;
@@ -35,7 +35,7 @@ params! {
 
 /// The frames of a run, those that are done and what is detected in those that follow.
 #[derive(Clone)]
-pub(crate) struct Course {
+pub(crate) struct TrackerRun {
     /// All of them.
     pub span: Span,
     detector: Detector,
@@ -48,7 +48,7 @@ pub(crate) struct Course {
     picture: (usize, usize),
 }
 
-impl Course {
+impl TrackerRun {
     /// No frame is done yet.
     ///
     /// # Errors
@@ -57,7 +57,7 @@ impl Course {
         let Settings { frames, source, detector, clicks, min_score, added_noise, seed } = settings;
         let span = Span::new(clip, frame, frames)?;
         let noise = Noise { deviation_px: f64::from(added_noise), seed: u64::from(seed) };
-        let detector = Detector::new(source, clip, &span, Given { noise, clicks, stage: detector })?;
+        let detector = Detector::new(source, clip, &span, SourceSettings { noise, clicks, stage: detector })?;
         let picture = clip.size();
         Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), changed_from: 0, picture })
     }
@@ -112,11 +112,11 @@ impl Course {
 
     /// Tells earlier frames of an object that is seen what became of it: that it is confirmed, and where it was while it was
     /// not seen; `was` is its age before.
-    pub fn look_back(&mut self, rules: Rules, object: &Object, was: Age) {
-        if rules.backdate && was.life == TrackStatus::Tentative && object.life == TrackStatus::Confirmed {
+    pub fn look_back(&mut self, rules: Rules, object: &Object, was: TrackAge) {
+        if rules.backdate && was.status == TrackStatus::Tentative && object.status == TrackStatus::Confirmed {
             for (t, frame) in self.frames.iter_mut().enumerate().rev() {
                 let Some(i) = frame.place(object.id) else { break };
-                Arc::make_mut(frame).objects[i].life = TrackStatus::Confirmed;
+                Arc::make_mut(frame).objects[i].status = TrackStatus::Confirmed;
                 self.changed_from = self.changed_from.min(t);
             }
         }
@@ -140,7 +140,7 @@ impl Course {
                 // Where it was is known by now, but how it moved and how sure that is was only predicted.
                 *other = Object {
                     bounds,
-                    life: TrackStatus::Confirmed,
+                    status: TrackStatus::Confirmed,
                     position: bounds.center().map(f64::from),
                     velocity: None,
                     covariance: None,

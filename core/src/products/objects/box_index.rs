@@ -18,7 +18,7 @@ pub fn corners(bounds: &Bounds) -> Corners {
 
 /// Boxes by place and size.
 #[derive(Clone, Debug, Default)]
-pub struct Near {
+pub struct BoxIndex {
     grids: Vec<Cells>,
     /// Those that lie nowhere: a corner of theirs is no number, or infinitely far.
     nowhere: Vec<u32>,
@@ -40,7 +40,7 @@ const ROUNDING: f64 = 1e-9;
 const SMALLEST: i32 = -10;
 const LARGEST: i32 = 200;
 
-impl Near {
+impl BoxIndex {
     /// The boxes in their places.
     pub fn new(boxes: impl IntoIterator<Item = Corners>) -> Self {
         let (mut near, mut by_size) = (Self::default(), BTreeMap::<i32, Vec<_>>::new());
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn no_box_that_has_something_in_common_is_left_out() {
         let (all, asked) = (boxes(400), boxes(530));
-        let near = Near::new(all.iter().map(corners));
+        let near = BoxIndex::new(all.iter().map(corners));
         let (mut found, mut told, mut shared) = (Vec::new(), 0, 0);
         for one in &asked[130..] {
             let overlap = |index: usize| f64::from(one.iou(&all[index]));
@@ -180,13 +180,13 @@ mod tests {
     fn boxes_that_touch_are_found_at_every_size() {
         for power in -12..60 {
             let side = f64::from(power).exp2();
-            let near = Near::new([[[0.0; 2], [side; 2]], [[3.0 * side, 0.0], [4.0 * side, side]]]);
+            let near = BoxIndex::new([[[0.0; 2], [side; 2]], [[3.0 * side, 0.0], [4.0 * side, side]]]);
             let mut found = Vec::new();
             near.touching([[side, side], [1.5 * side, 1.5 * side]], &mut found, |_| Some(0.0));
             assert!(found.contains(&(0, 0.0)), "{side}");
         }
         let mut found = vec![(1, 2.0)];
-        Near::default().touching([[0.0; 2], [9.0; 2]], &mut found, |_| Some(0.0));
+        BoxIndex::default().touching([[0.0; 2], [9.0; 2]], &mut found, |_| Some(0.0));
         assert!(found.is_empty());
     }
 }
