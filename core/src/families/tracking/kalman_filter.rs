@@ -1,4 +1,4 @@
-//! The Kalman filter on one object: predict, gate and update in each frame, and at the end a walk back.
+//! The Kalman filter on one object: prediction, gating and update in each frame, then smoothing backward (RTS).
 
 mod explain;
 mod matrices;
@@ -14,7 +14,7 @@ use crate::methods::{
     kalman::{Filter, Measurement, MotionModel, chi_square},
     multi_object::{
         Extent,
-        source::{Detector, SourceSettings, Noise, Source, center, truth_of, usual_detector},
+        source::{Detector, SourceSettings, Noise, Source, center, truth_of, default_detector},
     },
 };
 use crate::params::Spots;
@@ -26,19 +26,19 @@ use crate::{choices, params, pseudocode};
 use sensors::{Observations, SensorReading, Sensors};
 
 choices! {
-    /// How much of what may be an ellipse holds.
+    /// The probability inside a covariance ellipse.
     pub enum Confidence {
-        /// One standard deviation along each of its axes: 39 %.
+        /// One standard deviation along each axis: 39 % of a 2-D normal distribution.
         One = "1-sigma" "1 σ",
-        /// Two standard deviations: 86 %.
+        /// Two standard deviations along each axis: 86 %.
         Two = "2-sigma" "2 σ",
-        /// 95 %, which takes 2.45 standard deviations.
+        /// 95 %: 2.45 standard deviations along each axis.
         NinetyFive = "95-percent" "95 %",
     }
 }
 
 impl Confidence {
-    /// The share of a normal distribution in the plane.
+    /// Returns the share of a 2-D normal distribution inside.
     fn share(self) -> f64 {
         match self {
             Self::One => chi_square::share(1.0, 2),
@@ -49,95 +49,101 @@ impl Confidence {
 }
 
 params! {
-    /// The Kalman filter on one object.
+    /// Kalman filter on one object.
     pub struct KalmanFilter {
-        /// At most so many frames, the first one counted; fewer where the clip ends.
+        /// Maximum number of frames, the first included.
         frames: usize = 300, 2..=10_000;
-        /// How the object is thought to move.
+        /// Motion model of the filter.
         motion: MotionModel = MotionModel::Velocity;
-        /// Standard deviation of what disturbs the motion: an acceleration, or in constant acceleration its change in a frame.
+        /// Process noise: standard deviation of the acceleration, with constant acceleration of its change per frame. Raise it if NIS lies above its band.
         process_noise: f32 = 0.5, 0.0..=50.0, "px/frame²";
-        /// Standard deviation of what disturbs the rate of a coordinated turn.
+        /// Process noise of the turn rate: standard deviation of its change. Used with motion = turn only.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
-        /// Standard deviation of a measured place along each axis, as the filter takes it to be.
+        /// Measurement noise: standard deviation of a measured position along each axis, from which R is made.
         measurement_noise: f32 = 2.0, 0.01..=100.0, "px";
         /// Source of the detections.
         source: Source = Source::Auto;
-        /// Detector of moving objects, for a source that is what moves.
-        detector: Stage<Foreground> = usual_detector();
-        /// Places in frames, clicked on the picture: what is measured, or where another source is chosen, which object is followed and from when on.
+        /// Detector of moving objects. Used with source = moving, or where there are neither clicks, detections nor truth.
+        detector: Stage<Foreground> = default_detector();
+        /// Clicked positions: the measurements; with another source, the object to track and the frame in which its track starts.
         clicks: Spots = Spots::default();
-        /// Which object is followed, of those in the first frame that shows any: true ones by their number, detections by their score, all others as they were found or clicked.
+        /// Number of the tracked object in the first frame with detections: true objects in order, detections by score, blobs and clicks in order.
         object: usize = 1, 1..=1000;
-        /// Standard deviation of the noise that a true place is measured with.
+        /// Standard deviation of the noise added to true positions (source = truth).
         added_noise: f32 = 2.0, 0.0..=100.0, "px";
         /// Random seed. The same seed gives the same noise.
         seed: u32 = 1, 0..=9999;
-        /// What measures the object, each sensor by itself: where the first sees nothing, the second goes on.
+        /// Sensors that measure the object, fused by one update each. Where the first is occluded, the second continues.
         sensors: Sensors = Sensors::One;
-        /// Standard deviation of what the second sensor says of the place, if there is one.
+        /// Measurement noise of the second sensor's position. Used with two sensors only.
         second_noise: f32 = 4.0, 0.01..=100.0, "px";
-        /// Standard deviation of what it says of the velocity.
+        /// Measurement noise of the second sensor's velocity. Used with sensors = position-and-velocity only.
         velocity_noise: f32 = 1.0, 0.01..=100.0, "px/frame";
-        /// A measurement is taken if it lies where this share of all measurements of the object would lie.
+        /// Gate probability: share of the true measurements inside the gate. It sets the gating threshold of d² by the χ² distribution.
         gate: f32 = 0.99, 0.5..=0.9999;
-        /// The first frame of the run, counted from 0, in which the first sensor sees nothing, if there are such.
-        drop_from: usize = 0, 0..=10_000;
-        /// In so many frames the first sensor sees nothing, as if something hid the object.
-        drop_frames: usize = 0, 0..=1000;
-        /// After more than so many frames in a row without a measurement the track is deleted and the filter begins anew; sooner where its estimate lies outside the picture by more than the picture's size.
-        patience: usize = 30, 1..=1000;
-        /// How fast the object may be at first.
-        first_speed: f32 = 30.0, 0.1..=500.0, "px/frame";
-        /// How much of what may be an ellipse holds.
+        /// First frame of a simulated occlusion of the first sensor, counted from 0 in the run.
+        occlusion_start: usize = 0, 0..=10_000;
+        /// Length of the simulated occlusion; 0 for none.
+        occlusion_frames: usize = 0, 0..=1000;
+        /// Max age: missed frames in a row before the track is deleted; the next measurement starts another. A track far outside the picture is deleted at once.
+        max_age: usize = 30, 1..=1000;
+        /// Initial standard deviation of each velocity component; the initial velocity is 0.
+        initial_speed: f32 = 30.0, 0.1..=500.0, "px/frame";
+        /// Probability inside the drawn covariance ellipses.
         confidence: Confidence = Confidence::NinetyFive;
-        /// Walk back at the end, so that each frame knows what came later.
+        /// Smooth backward at the end (RTS smoother), so that each estimate uses later measurements too. With hindsight (non-causal).
         smooth: bool = true;
+    }
+    renamed {
+        "patience" => "max-age",
+        "first-speed" => "initial-speed",
+        "drop-from" => "occlusion-start",
+        "drop-frames" => "occlusion-frames",
     }
 }
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
     span: Span,
     detector: Detector,
-    /// Who is followed, once that is known: its true identity, where there is truth.
+    /// The true identity of the tracked object, where there is truth.
     truth_id: Option<u32>,
-    /// All who were followed so far.
+    /// The true identities of all objects tracked so far.
     truth_ids: BTreeSet<u32>,
-    /// The state estimate now, unless nothing was seen yet or the track was deleted.
+    /// The current state estimate, if there is a track.
     filter: Option<Filter>,
     /// Frames in a row without a measurement.
     missed: usize,
-    /// How many objects there were before this one: its identity less 1.
+    /// The number of tracks so far, and the identity of the last one.
     begun: u32,
-    /// Its box, once it has begun.
+    /// The box of the track.
     extent: Option<Extent>,
-    /// What each frame came to.
+    /// The results of the frames so far.
     records: Vec<Arc<FrameRecord>>,
-    /// Frames that are smoothed, counted from the last; `None` while frames are filtered.
+    /// The number of smoothed frames, from the last backward; `None` while frames are filtered.
     back: Option<usize>,
     picture: (usize, usize),
 }
 
-/// What a frame came to.
+/// The result of a frame.
 #[derive(Clone, Debug, Default)]
 struct FrameRecord {
     detections: Arc<Vec<Detection>>,
-    /// What was measured beside what was expected, whether it was taken or not, in its order.
+    /// The gated measurements, accepted or rejected, in their order.
     gated: Vec<Gated>,
-    /// The state estimate then.
+    /// The filtered estimate.
     filtered: Option<Filter>,
-    /// The smoothed state estimate, with all that came later.
+    /// The smoothed estimate.
     smoothed: Option<Filter>,
-    /// Whether the object is another one than in the frame before.
+    /// Whether a track starts in this frame.
     begins: bool,
     truth: Option<[f64; 2]>,
     object: Option<Object>,
 }
 
 impl FrameRecord {
-    /// Memory of its own, in bytes.
+    /// Memory of its own in bytes.
     fn own_bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&self.gated[..])
     }
@@ -146,54 +152,55 @@ impl FrameRecord {
         self.own_bytes() + size_of_val(&self.detections[..])
     }
 
-    /// What a sensor measured.
+    /// Returns the gated measurement of a sensor.
     fn of_sensor(&self, sensor: usize) -> Option<&Gated> {
         self.gated.iter().find(|gated| gated.reading.sensor == sensor)
     }
 }
 
-/// What happens in a frame.
+/// An event of a frame.
 #[derive(Clone, Debug)]
 pub enum Event {
-    /// A time step.
+    /// The estimate before and after the prediction.
     Predicted(Box<[Filter; 2]>),
-    /// What was detected, and what is measured of the object.
+    /// The detections and the measurements of the object.
     Observed(Arc<Observations>),
-    /// A measurement is compared with what is expected.
+    /// A measurement is tested against the gate.
     Gated(Box<Gated>),
-    /// A measurement was taken, and the state estimate after it.
+    /// An accepted measurement and the updated estimate.
     Updated(Box<(Gated, Filter)>),
-    /// The first measurement of an object, one of so many.
+    /// A track starts with a measurement, one of this many detections.
     Begun(Box<Filter>, usize),
-    /// Nothing was taken: the prediction stands, or there is none.
+    /// No accepted measurement: the prediction, if there is a track.
     Missed(Option<Box<Filter>>),
-    /// The object was given up.
+    /// A deleted track.
     Lost(Box<Filter>, Loss),
-    /// A frame, with what is known of the next one: the state estimate before, and now.
+    /// The filtered and the smoothed estimate of a frame.
     Smoothed(Box<[Filter; 2]>),
-    /// There is no next frame to learn from.
+    /// A frame without a successor to smooth with.
     Kept(Option<Box<Filter>>),
 }
 
-/// Why an object was given up.
+/// The reason for the deletion of a track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Loss {
-    /// It was not seen for too long.
-    Unseen,
-    /// Its estimate is far outside the picture.
+    /// Missed for more than the max age.
+    Missed,
+    /// Predicted far outside the picture.
     Outside,
 }
 
-/// A measurement beside what is expected.
+/// A measurement and its gate.
 #[derive(Clone, Copy, Debug)]
 pub struct Gated {
+    /// The estimate before the measurement.
     expected: Filter,
-    /// Whether another measurement of the frame is part of what is expected.
+    /// Whether that estimate is updated with another measurement of the frame.
     is_updated: bool,
     reading: SensorReading,
-    /// Normalised innovation squared, NIS.
+    /// Squared Mahalanobis distance d² of the innovation: the NIS.
     squared_distance: f64,
-    /// It is taken up to here.
+    /// The gating threshold of d².
     limit: f64,
 }
 
@@ -208,7 +215,7 @@ impl Gated {
 }
 
 impl KalmanFilter {
-    /// Compares a measurement with what is expected, and takes it if it lies in the gate.
+    /// Gates a measurement and updates the filter if it is accepted.
     fn take(
         &self,
         (expected, is_updated): (Filter, bool),
@@ -268,7 +275,7 @@ impl KalmanFilter {
         Ok(record)
     }
 
-    /// Begins an object with its first measurement, if there is one; gives the detection that it is.
+    /// Starts a track with the first measurement, if there is one; returns its detection.
     fn begin(
         &self,
         (clip, t): (&Clip, usize),
@@ -281,7 +288,7 @@ impl KalmanFilter {
             return Ok(None);
         };
         let model = self.motion.model(self.process_noise, self.turn_noise);
-        let filter = Filter::begun(model, &first.measurement, f64::from(self.first_speed));
+        let filter = Filter::begun(model, &first.measurement, f64::from(self.initial_speed));
         observer.see(|| Event::Begun(Box::new(filter), observed.detections.len()));
         (state.filter, state.missed, state.extent, record.begins) = (Some(filter), 0, None, true);
         state.begun += 1;
@@ -291,13 +298,13 @@ impl KalmanFilter {
         Ok(first.detection)
     }
 
-    /// Keeps the state estimate, or deletes the track if it was not seen for too long or is far away.
+    /// Keeps the estimate, or deletes the track if it is too old or far outside the picture.
     fn go_on(&self, state: &mut State, (filter, is_seen): (Filter, bool), observer: &mut impl Observer<Event>) {
         state.filter = Some(filter);
         state.missed = if is_seen { 0 } else { state.missed + 1 };
         let loss = match is_seen {
             true => None,
-            false if state.missed > self.patience => Some(Loss::Unseen),
+            false if state.missed > self.max_age => Some(Loss::Missed),
             false => is_far_outside(filter.place(), state.picture).then_some(Loss::Outside),
         };
         if let Some(loss) = loss {
@@ -308,7 +315,7 @@ impl KalmanFilter {
         }
     }
 
-    /// Smooths the frame whose turn it is, going back.
+    /// Smooths the next frame backward.
     fn smooth_frame(&self, state: &mut State, done: usize, observer: &mut impl Observer<Event>) {
         let index = state.records.len() - 1 - done;
         let next = state.records.get(index + 1).filter(|next| !next.begins).and_then(|next| next.smoothed);
@@ -331,7 +338,7 @@ impl KalmanFilter {
     }
 }
 
-/// The true object nearest to a place, if there is truth.
+/// Returns the true object nearest to a position, if there is truth.
 fn nearest_object(clip: &Clip, t: usize, place: [f64; 2]) -> Result<Option<u32>, Error> {
     let Some(truth) = clip.truth() else { return Ok(None) };
     let objects = truth.objects(t)?.unwrap_or_default();
@@ -343,12 +350,12 @@ fn nearest_object(clip: &Clip, t: usize, place: [f64; 2]) -> Result<Option<u32>,
 pseudocode! {
     EACH_FRAME: "for each frame t",
     PREDICT: "  predict: x ← f(x), P ← F P F^T + Q",
-    MEASURE: "  z ← what is measured in frame t, if anything is",
-    BEGIN_OBJECT: "  without an object: begin one, x ← z with velocity 0, P ← what is uncertain of both",
-    GATE: "  gate: ν ← z − H x, S ← H P H^T + R; taken if ν^T S⁻¹ ν ≤ limit",
+    MEASURE: "  z ← measurement of frame t, if there is one",
+    BEGIN_OBJECT: "  no track: start one, x ← z with velocity 0, P ← diag(σ²) of measurement and initial-speed",
+    GATE: "  gate: ν ← z − H x, S ← H P H^T + R; accept if d² = ν^T S⁻¹ ν ≤ γ",
     UPDATE: "  update: K ← P H^T S⁻¹, x ← x + K ν, P ← (I − K H) P (I − K H)^T + K R K^T",
-    COAST_OR_END: "  without a measurement x and P stay as predicted; the object ends if it was not seen for too long",
-    EACH_FRAME_BACK: "for each frame t, backwards",
+    COAST_OR_END: "  no measurement accepted: coast with the predicted x, P; delete if missed > max-age frames",
+    EACH_FRAME_BACK: "for each frame t, backward",
     SMOOTH: "  smooth: C ← P F^T P⁻¹(t+1|t), x ← x + C (x(t+1) − x(t+1|t)), P ← P + C (P(t+1) − P(t+1|t)) C^T",
 }
 
@@ -357,7 +364,7 @@ impl Estimator for KalmanFilter {
         id: "kalman-filter",
         name: "Kalman filter",
         family: "Tracking",
-        summary: "Predicts where one object will be, compares that with what is measured, and moves to what is likeliest.",
+        summary: "Estimates position and velocity of one object: predicts with a motion model and updates with measurements inside the gate.",
         source: "R. E. Kalman, A new approach to linear filtering and prediction problems, Journal of Basic Engineering 82, 1960; \
                  models, gate and consistency: Y. Bar-Shalom, X. R. Li and T. Kirubarajan, Estimation with applications to \
                  tracking and navigation, 2001; smoothing: H. E. Rauch, F. Tung and C. T. Striebel, AIAA Journal 3, 1965",
@@ -376,7 +383,7 @@ impl Estimator for KalmanFilter {
         let span = Span::new(clip, frame, self.frames)?;
         if self.sensors != Sensors::One && clip.truth().is_none_or(|truth| !truth.kinds().contains(&"objects")) {
             return Err(Error::new(format!(
-                "a second sensor measures the truth with noise, and {} has no true objects; set sensors to one",
+                "the second sensor measures true positions with noise, and {} has no true objects; set sensors to one",
                 clip.info().name
             )));
         }
@@ -462,8 +469,8 @@ impl Estimator for KalmanFilter {
         };
         let frames = state.records.iter().map(frame).collect();
         Output::of(ObjectField {
-            // A click has no size that could be compared with a true box.
-            followed: Followed::One(match state.detector.takes_clicks() {
+            // A click has no size to compare with a true box.
+            followed: Followed::One(match state.detector.is_clicked() {
                 true => BTreeSet::new(),
                 false => state.truth_ids.clone(),
             }),
@@ -481,7 +488,7 @@ impl Footprint<State> for KalmanFilter {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        // What earlier frames came to is shared with the states before, up to where it was smoothed: then it is a copy.
+        // Earlier frames are shared with the states before; smoothed ones are copies.
         let smoothed = state.records.iter().rev().take(state.back.unwrap_or(0)).map(|record| record.own_bytes());
         let last = state.records.last().map_or(0, |record| record.bytes());
         size_of::<State>() + size_of_val(&state.records[..]) + last + smoothed.sum::<usize>()

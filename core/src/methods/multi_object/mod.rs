@@ -1,4 +1,4 @@
-//! What trackers of many objects share: the detections, how tracks live, and how they are told.
+//! Multi-object tracking: sources of detections, track management, and what steps say of them.
 
 pub(crate) mod tracker_run;
 pub mod directions;

@@ -1,58 +1,72 @@
-//! What trackers of many objects have beside their tracks: parameters, a detector, and the frames that are done.
+//! A run of a multi-object tracker: its parameters, detections, finished frames and conclusions.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::lifecycle::{TrackAge, Rules};
-use super::source::{Detector, SourceSettings, Noise, Source, usual_detector};
+use super::source::{Detector, SourceSettings, Noise, Source, default_detector};
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;
 use crate::params;
 use crate::params::Spots;
-use crate::products::{Followed, Object, ObjectField, ObjectFrame, TrackStatus};
+use crate::products::{
+    Followed, Object, ObjectField, ObjectFrame, TrackStatus,
+    objects::score::{Boxes, Matches, Scores, scores_on},
+};
 use crate::run::{Foreground, Granularity, Progress, Span, Stage, need};
 
 params! {
-    /// The parameters that all trackers have and a run is begun with.
+    /// The parameters of all trackers that a run starts with.
     pub struct Settings {
-        /// At most so many frames, the first one counted; fewer where the clip ends.
+        /// Maximum number of frames, the first included.
         frames: usize = 300, 2..=10_000;
         /// Source of the detections.
         source: Source = Source::Auto;
-        /// Detector of moving objects, for a source that is what moves.
-        detector: Stage<Foreground> = usual_detector();
-        /// Places in frames, clicked on the picture, that stand for what a detector finds.
+        /// Detector of moving objects. Used with source = moving, or where there are neither clicks, detections nor truth.
+        detector: Stage<Foreground> = default_detector();
+        /// Positions clicked on the frames, used as detections.
         clicks: Spots = Spots::default();
-        /// Detections beside the clip with a lower score are left out.
+        /// Minimum score. Detections of the clip's file with a lower score are discarded.
         min_score: f32 = 0.3, -1000.0..=1000.0;
-        /// Standard deviation of the noise that a true place is measured with.
+        /// Standard deviation of the noise added to true positions (source = truth).
         added_noise: f32 = 2.0, 0.0..=100.0, "px";
-        /// Which noise that is.
+        /// Random seed. The same seed gives the same noise.
         seed: u32 = 1, 0..=9999;
     }
 }
 
-/// The frames of a run, those that are done and what is detected in those that follow.
+/// The confirmed tracks of a frame and of the run beside the ground truth.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Conclusion {
+    /// The matches of the frame.
+    pub frame: Option<Matches>,
+    /// The scores of the run, at its end.
+    pub run: Option<Scores>,
+    /// The frame of the run with the most misses and false alarms, at its end.
+    pub worst: Option<(usize, Matches)>,
+}
+
+/// The finished frames of a run, and the detector of those to come.
 #[derive(Clone)]
 pub(crate) struct TrackerRun {
-    /// All of them.
+    /// All frames of the run.
     pub span: Span,
     detector: Detector,
     min_score: f32,
-    /// How many objects there have been.
+    /// The number of tracks so far.
     begun: u32,
     frames: Vec<Arc<ObjectFrame>>,
-    /// The first of the frames that are done which the last unit has changed.
+    /// The first finished frame that the last unit has changed.
     changed_from: usize,
     picture: (usize, usize),
 }
 
 impl TrackerRun {
-    /// No frame is done yet.
+    /// Starts a run.
     ///
     /// # Errors
-    /// If the clip has no pair there, or none of what is to be detected.
+    /// If the clip has no pair there, or lacks the source of detections.
     pub fn new(settings: Settings, clip: &Clip, frame: usize) -> Result<Self, Error> {
         let Settings { frames, source, detector, clicks, min_score, added_noise, seed } = settings;
         let span = Span::new(clip, frame, frames)?;
@@ -62,17 +76,17 @@ impl TrackerRun {
         Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), changed_from: 0, picture })
     }
 
-    /// The frame that comes next.
+    /// Returns the next frame.
     pub fn frame(&self) -> usize {
         self.span.first + self.frames.len()
     }
 
-    /// The frames that are done.
+    /// Returns the finished frames.
     pub fn frames(&self) -> &[Arc<ObjectFrame>] {
         &self.frames
     }
 
-    /// What is detected in the frame that comes next, and how much of it is left out because of its score.
+    /// Returns the detections of the next frame, and the number discarded by the minimum score.
     ///
     /// # Errors
     /// If the frame or the truth cannot be read, or there is no room for more.
@@ -80,17 +94,17 @@ impl TrackerRun {
         self.changed_from = self.frames.len();
         need::check_kept(clip, self.own_bytes() + self.shared_bytes())?;
         let mut detections = self.detector.look(clip, self.frame())?;
-        let found = detections.len();
-        if self.detector.tells_scores() {
+        let count = detections.len();
+        if self.detector.has_scores() {
             detections.retain(|detection| detection.score >= self.min_score);
         }
-        let left_out = found - detections.len();
-        Ok((detections, left_out))
+        let discarded = count - detections.len();
+        Ok((detections, discarded))
     }
 
-    /// Whether the scores of what is detected tell how sure that is.
-    pub fn tells_scores(&self) -> bool {
-        self.detector.tells_scores()
+    /// Returns whether detections have scores of a detector.
+    pub fn has_scores(&self) -> bool {
+        self.detector.has_scores()
     }
 
     /// Width and height of the picture in px.
@@ -98,20 +112,20 @@ impl TrackerRun {
         self.picture
     }
 
-    /// The identity of a new object.
+    /// Returns the identity of a new track.
     pub fn next_id(&mut self) -> u32 {
         self.begun += 1;
         self.begun
     }
 
-    /// A frame is done.
+    /// Adds a finished frame.
     pub fn note(&mut self, clip: &Clip, frame: Arc<ObjectFrame>) -> Progress {
         self.frames.push(frame);
         if self.span.is_over(clip, self.frame()) { Progress::Done } else { Progress::More }
     }
 
-    /// Tells earlier frames of an object that is seen what became of it: that it is confirmed, and where it was while it was
-    /// not seen; `was` is its age before.
+    /// Applies hindsight to the earlier frames of a matched track: confirms its tentative frames and interpolates its coasted
+    /// ones; `was` is its age before the match.
     pub fn look_back(&mut self, rules: Rules, object: &Object, was: TrackAge) {
         if rules.backdate && was.status == TrackStatus::Tentative && object.status == TrackStatus::Confirmed {
             for (t, frame) in self.frames.iter_mut().enumerate().rev() {
@@ -120,13 +134,13 @@ impl TrackerRun {
                 self.changed_from = self.changed_from.min(t);
             }
         }
-        if rules.bridge && was.missed > 0 {
-            self.bridge(object, was.missed);
+        if rules.interpolate && was.missed > 0 {
+            self.interpolate(object, was.missed);
         }
     }
 
-    /// Puts an object that was not seen for some frames on the straight line to where it is now.
-    fn bridge(&mut self, object: &Object, missed: usize) {
+    /// Interpolates the boxes of the missed frames linearly.
+    fn interpolate(&mut self, object: &Object, missed: usize) {
         let (now, count) = (object.bounds, self.frames.len());
         let Some(before) = count.checked_sub(missed + 1).map(|i| Arc::clone(&self.frames[i])) else { return };
         let Some(from) = before.object(object.id) else { return };
@@ -137,7 +151,7 @@ impl TrackerRun {
             let bounds = Bounds { min: between(from.bounds.min, now.min), max: between(from.bounds.max, now.max) };
             if let Some(i) = frame.place(object.id) {
                 let other = &mut Arc::make_mut(frame).objects[i];
-                // Where it was is known by now, but how it moved and how sure that is was only predicted.
+                // Only the box is interpolated: velocity and covariance were predictions.
                 *other = Object {
                     bounds,
                     status: TrackStatus::Confirmed,
@@ -150,13 +164,36 @@ impl TrackerRun {
         }
     }
 
-    /// Where the run stands.
+    /// Scores a frame, and at the end of the run all of them.
+    pub fn conclusion(&self, clip: &Clip, frame: &Arc<ObjectFrame>) -> Conclusion {
+        if self.detector.is_clicked() {
+            return Conclusion::default();
+        }
+        let is_last = self.span.is_over(clip, self.frame() + 1);
+        if !is_last {
+            return Conclusion { frame: matches(clip, self.frame(), frame), ..Conclusion::default() };
+        }
+        let mut field = self.field();
+        field.frames.push(Arc::clone(frame));
+        let all = field.frames.iter().enumerate().filter_map(|(i, frame)| {
+            let t = self.span.first + i;
+            Some((t, matches(clip, t, frame)?))
+        });
+        let errors = |all: &Matches| all.misses() + all.false_positives();
+        let worst = all.reduce(|a, b| if errors(&b.1) > errors(&a.1) { b } else { a });
+        Conclusion {
+            frame: matches(clip, self.frame(), frame),
+            run: scores_on(clip, &field).ok().flatten(),
+            worst: worst.filter(|(_, all)| errors(all) > 0),
+        }
+    }
+
+    /// Returns the position of the run.
     pub fn place(&self) -> Vec<Granularity> {
         self.span.place(self.frames.len())
     }
 
-    /// Memory that it takes by itself, in bytes: what earlier frames came to is shared with the states before, as far as the last
-    /// unit has not changed it.
+    /// Memory of its own in bytes. Earlier frames are shared with the states before, as far as the last unit has not changed them.
     pub fn own_bytes(&self) -> usize {
         let changed: usize = self.frames[self.changed_from..].iter().map(|frame| frame.bytes()).sum();
         size_of::<Self>() + size_of_val(&self.frames[..]) + changed
@@ -168,15 +205,23 @@ impl TrackerRun {
         self.detector.bytes() + frames
     }
 
-    /// What all frames came to.
+    /// Returns the tracks of all frames.
     pub fn field(&self) -> ObjectField {
         ObjectField {
-            // A click has no size that could be compared with a true box.
-            followed: if self.detector.takes_clicks() { Followed::One(BTreeSet::new()) } else { Followed::All },
+            // A click has no size to compare with a true box.
+            followed: if self.detector.is_clicked() { Followed::One(BTreeSet::new()) } else { Followed::All },
             picture: self.picture,
             first: self.span.first,
             frames: self.frames.clone(),
             trajectories: Vec::new(),
         }
     }
+}
+
+/// Matches the confirmed tracks of a frame with the true boxes, if these are known.
+fn matches(clip: &Clip, t: usize, frame: &ObjectFrame) -> Option<Matches> {
+    let truth = clip.truth()?.objects(t).ok().flatten()?;
+    let known: Boxes = truth.iter().map(|object| (object.id, Bounds::from(object))).collect();
+    let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
+    Some(Matches::of(&(known, confirmed.map(|object| (object.id, object.bounds)).collect())))
 }

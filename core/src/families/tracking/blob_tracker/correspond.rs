@@ -1,4 +1,4 @@
-//! Which objects and blobs correspond.
+//! The correspondence of tracks and blobs.
 
 use std::ops::Range;
 
@@ -15,17 +15,17 @@ use crate::products::{
     },
 };
 
-/// Something that was detected, and what it looks like.
+/// A detection and its appearance.
 #[derive(Clone, Debug)]
 pub(super) struct Blob {
     pub detection: Detection,
-    /// Mean gray value of its pixels, where it has some.
+    /// Mean gray level of its pixels, where known.
     pub gray: Option<f64>,
     pub area_px: f64,
 }
 
 impl Blob {
-    /// What was detected in frame `t`; where only boxes are known and their gray is asked for, the pixels in them tell it.
+    /// Adds the appearance to the detections of frame `t`; that of a bare box is the mean of its pixels, if asked for.
     ///
     /// # Errors
     /// If the frame cannot be read.
@@ -49,14 +49,14 @@ impl Blob {
     }
 }
 
-/// The gray values of a picture, of which many boxes are asked.
+/// Mean gray levels of boxes of a picture.
 struct BoxMeans<'a> {
     picture: &'a Gray,
-    /// The sums of all pixels to the left and above, where the boxes have more pixels than those take to be made.
+    /// The integral image, where the boxes have enough pixels to pay for it.
     sums: Option<Grid<u64>>,
 }
 
-/// Sums over all pixels are worth while where boxes have so many times as many.
+/// The integral image pays where the boxes have this many times the pixels of the picture.
 const WORTH_SUMS: usize = 4;
 
 impl<'a> BoxMeans<'a> {
@@ -70,9 +70,9 @@ impl<'a> BoxMeans<'a> {
         Self { sums: is_worth.then(|| sums(picture)), ..own }
     }
 
-    /// The columns and rows of the pixels whose centres lie in a box.
+    /// Returns the columns and rows of the pixels whose centres lie in a box.
     fn pixels(&self, bounds: &Bounds) -> [Range<usize>; 2] {
-        // A cast takes what lies outside to the edge.
+        // The cast saturates at the edge.
         let range = |i: usize, extent: usize| {
             let [start, end] = [bounds.min[i], bounds.max[i]].map(|c| (c.ceil() as usize).min(extent));
             start..end.max(start)
@@ -80,7 +80,7 @@ impl<'a> BoxMeans<'a> {
         [range(0, self.picture.width()), range(1, self.picture.height())]
     }
 
-    /// The mean of the pixels in a box, if there are any.
+    /// Returns the mean of the pixels in a box, if there are any.
     fn mean(&self, bounds: &Bounds) -> Option<f64> {
         let [columns, rows] = self.pixels(bounds);
         let count = columns.len() * rows.len();
@@ -99,7 +99,7 @@ impl<'a> BoxMeans<'a> {
     }
 }
 
-/// The sum of all pixels to the left of each corner of a pixel and above it.
+/// Returns the integral image.
 fn sums(picture: &Gray) -> Grid<u64> {
     let (width, height) = picture.size();
     let mut sums = Grid::new(width + 1, height + 1, 0);
@@ -113,30 +113,28 @@ fn sums(picture: &Gray) -> Grid<u64> {
     sums
 }
 
-/// Objects and groups, a row each, beside blobs.
+/// The correspondence of tracks or groups (rows) and blobs (columns).
 #[derive(Clone, Debug)]
 pub(super) struct Correspondence {
     pub tracked_blobs: Vec<TrackedBlob>,
     pub blobs: Vec<Blob>,
-    /// How many pairs have enough in common to correspond.
+    /// The number of pairs with sufficient overlap.
     pub corresponding: usize,
-    /// Bodies with more than [`MOST_NEAR`] blobs near them, of which only the nearest count.
+    /// The number of tracks with more than [`MOST_NEAR`] blobs nearby, of which only the nearest count.
     pub crowded: usize,
-    /// The correspondences: the columns of each row, and the rows of each column, in ascending order.
+    /// The columns of each row and the rows of each column, in ascending order.
     links: [Vec<Vec<usize>>; 2],
 }
 
-/// A tracked is compared with so many blobs at most, those that are nearest to it: in a crowd in which everything lies on
-/// everything, comparing all pairs would take for ever.
+/// The maximum number of blobs compared with a track, the nearest ones. It bounds the work in dense crowds.
 pub(super) const MOST_NEAR: usize = 500;
 
-/// So many tracked_blobs are compared before it is asked whether to go on.
+/// The number of tracks between checks for cancellation.
 const TRACKS_PER_CHECK: usize = 64;
 
 impl Correspondence {
-    /// Pairs are chosen by overlap, the largest first. An object that corresponds to some blob, but has none of its own, merges
-    /// into the one that it has most in common with; a blob that is left in the same way is split off. Those that correspond to
-    /// nothing are paired with what is nearest.
+    /// Pairs tracks and blobs greedily by IoU. A track that overlaps blobs but is left without one merges into the blob of the
+    /// largest overlap; a blob left in the same way is a split. What overlaps nothing is paired with the nearest.
     ///
     /// # Errors
     /// If the work is cancelled.
@@ -153,28 +151,28 @@ impl Correspondence {
         Ok(table)
     }
 
-    /// What the boxes of a tracked and a blob have in common, as a share of the smaller one.
+    /// Returns the intersection of a track's and a blob's box as a share of the smaller one.
     pub fn share(&self, row: usize, column: usize) -> f64 {
         f64::from(self.tracked_blobs[row].bounds.shared(&self.blobs[column].detection.bounds))
     }
 
-    /// The same as intersection over union.
+    /// Returns their intersection over union.
     pub fn overlap(&self, row: usize, column: usize) -> f64 {
         f64::from(self.tracked_blobs[row].bounds.iou(&self.blobs[column].detection.bounds))
     }
 
-    /// From centre to centre, in px.
+    /// Returns the distance of their centres in px.
     pub fn distance(&self, row: usize, column: usize) -> f64 {
         let (a, b) = (self.tracked_blobs[row].center(), self.blobs[column].center());
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
-    /// The blobs with which a tracked goes on, in ascending order.
+    /// Returns the blobs of a track, in ascending order.
     pub fn links(&self, row: usize) -> &[usize] {
         &self.links[0][row]
     }
 
-    /// What the pairs share that have enough in common.
+    /// Returns the overlaps of the pairs with sufficient overlap.
     fn corresponding(&mut self, clip: &Clip, min_overlap: f32) -> Result<Pairs, Error> {
         let detections: Vec<Detection> = self.blobs.iter().map(|blob| blob.detection).collect();
         let near = BoxIndex::new(detections.iter().map(|found| corners(&found.bounds)));
@@ -193,7 +191,7 @@ impl Correspondence {
         Ok(shares)
     }
 
-    /// Links those that correspond.
+    /// Links corresponding tracks and blobs.
     fn link(&mut self, shares: &Pairs) {
         let pairs = nearest_first(&shares.map(|y, x, _| 1.0 - self.overlap(y, x)));
         let mut has_row = vec![false; self.blobs.len()];
@@ -212,7 +210,7 @@ impl Correspondence {
         self.add_links(all);
     }
 
-    /// Links those that correspond to nothing with what is nearest.
+    /// Links tracks that overlap nothing with the nearest unmatched blob.
     fn link_nearest(&mut self, clip: &Clip, max_distance: f64) -> Result<(), Error> {
         let left: Vec<usize> = (0..self.blobs.len()).filter(|x| self.links[1][*x].is_empty()).collect();
         let detections: Vec<Detection> = left.iter().map(|x| self.blobs[*x].detection).collect();
@@ -249,7 +247,7 @@ impl Correspondence {
         }
     }
 
-    /// The rows and columns that belong together, by their first row; rows without any column stand alone.
+    /// Returns the connected rows and columns, by their first row; a row without columns is alone.
     pub fn parts(&self) -> Vec<(Vec<usize>, Vec<usize>)> {
         let [of_row, of_column] = &self.links;
         let (mut is_done, mut is_seen, mut parts) =
@@ -277,7 +275,7 @@ impl Correspondence {
 }
 
 impl TrackedBlob {
-    /// The centre of its box in px; of an object by itself where it is expected.
+    /// Returns the centre in px: of a single track the predicted one, of a group that of its box.
     pub fn center(&self) -> [f64; 2] {
         match &self.members[..] {
             [member] => member.center,
@@ -285,7 +283,7 @@ impl TrackedBlob {
         }
     }
 
-    /// Whether it can be hidden behind another one: it was seen in the frame before, and is confirmed.
+    /// Returns whether it may merge: confirmed and matched in the previous frame.
     fn may_merge(&self) -> bool {
         self.members.iter().any(|member| member.age.status == TrackStatus::Confirmed)
     }
@@ -326,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn objects_go_on_merge_split_and_are_missed() {
+    fn tracks_continue_merge_split_and_are_missed() {
         let (a, b) = ((0.0, 10.0), (12.0, 10.0));
         assert_eq!(parts(&[a, b], &[(13.0, 10.0), (1.0, 10.0)]), [(vec![0], vec![1]), (vec![1], vec![0])]);
         assert_eq!(parts(&[a, b], &[(0.0, 22.0)]), [(vec![0, 1], vec![0])]);
@@ -339,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn who_was_not_seen_is_not_hidden_behind_another() {
+    fn a_coasting_track_does_not_merge() {
         let mut coasting = tracked((2.0, 10.0));
         coasting.members[0].age = TrackAge { hits: 9, missed: 2, status: TrackStatus::Coasting };
         let table = table(vec![tracked((0.0, 10.0)), coasting], &[(0.0, 10.0)]);

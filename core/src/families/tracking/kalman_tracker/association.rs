@@ -1,4 +1,4 @@
-//! Data association in a frame: which detection belongs to which track.
+//! Data association: gating, costs and assignment of tracks and detections.
 
 use std::sync::Arc;
 
@@ -16,20 +16,20 @@ use crate::products::{
     },
 };
 
-/// In whose stage a pair was chosen.
+/// The stage of the matching in which a pair was assigned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatchingStage {
-    /// Of confirmed tracks, or of all, with sure detections.
+    /// Confirmed tracks, or all, with high-score detections.
     First,
-    /// Of objects that were seen in the frame before, with detections that are less sure.
+    /// Tracks matched in the previous frame with low-score detections.
     LowScore,
-    /// Of tentative objects.
+    /// Tentative tracks.
     Tentative,
-    /// Of confirmed tracks, by the boxes in which they were last seen.
+    /// Confirmed tracks by their last detected boxes.
     LastBox,
 }
 
-/// The detection of an object.
+/// The detection assigned to a track.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
     pub column: usize,
@@ -37,53 +37,52 @@ pub struct Pair {
     pub stage: MatchingStage,
 }
 
-/// Objects beside detections.
+/// The cost matrix and the assignment.
 #[derive(Clone, Debug)]
 pub struct Costs {
     pub tracks: Vec<Track>,
     pub detections: Arc<Vec<Detection>>,
-    /// Which detections are sure.
+    /// Whether the score of each detection reaches the score threshold.
     pub is_high: Vec<bool>,
-    /// What the allowed pairs cost; a row for each object.
+    /// The costs of the pairs inside the gate; a row for each track.
     pub costs: Pairs,
-    /// The limit of the squared distances.
+    /// The gating threshold of d².
     pub limit: f64,
-    /// The detection of each object.
+    /// The detection of each track.
     pub pairs: Vec<Option<Pair>>,
-    /// Objects with more than [`MOST_NEAR`] detections near them, of which only the nearest count.
+    /// The number of tracks with more than [`MOST_NEAR`] detections nearby, of which only the nearest count.
     pub crowded: usize,
-    /// Objects that were paired nearest first, because so many compete.
+    /// The number of tracks assigned greedily because too many compete.
     pub greedy: usize,
 }
 
-/// An object competes for so many detections at most, those that are nearest to it: in a crowd in which everything lies on
-/// everything, comparing all pairs would take for ever.
+/// The maximum number of detections compared with a track, the nearest ones. It bounds the work in dense crowds.
 pub const MOST_NEAR: usize = 500;
 
-/// An assignment looks at so many pairs at most, some tenths of a second long; then it goes on nearest first.
+/// The maximum number of pairs visited by an assignment, a few tenths of a second; beyond it the assignment is greedy.
 const MOST_WORK: u64 = 20_000_000;
 
-/// So many objects are compared before it is asked whether to go on.
+/// The number of tracks between checks for cancellation.
 const TRACKS_PER_CHECK: usize = 64;
 
 impl Costs {
-    /// The overlap of an object and a detection, as intersection over union.
+    /// Returns the IoU of a track and a detection.
     pub fn overlap(&self, row: usize, column: usize) -> f64 {
         f64::from(self.tracks[row].bounds().iou(&self.detections[column].bounds))
     }
 }
 
-/// What is compared in a frame.
+/// The detections of a frame and the gating threshold.
 struct Frame<'a> {
     clip: &'a Clip,
     detections: &'a [Detection],
     measured: Vec<Measurement>,
-    /// The limit of the squared distances.
+    /// The gating threshold of d².
     limit: f64,
 }
 
 impl KalmanTracker {
-    /// What the pairs of `tracks` and `detections` cost that are allowed, and the assignment.
+    /// Computes the costs of the pairs inside the gate, and the assignment.
     ///
     /// # Errors
     /// If the work is cancelled.
@@ -108,9 +107,9 @@ impl KalmanTracker {
         Ok(all)
     }
 
-    /// The pairs of which the detection lies in the gate of the object.
+    /// Returns the costs d² of the pairs inside the gate.
     fn by_distance(&self, frame: &Frame, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
-        // No farther along an axis than √limit (σ + σ'), those of the object and of the measurement: |a + b| ≤ |a| + |b|.
+        // Along an axis the gate reaches at most √limit (σ + σ'), of track and measurement: |a + b| ≤ |a| + |b|.
         let reach = (frame.limit * ROUNDING).sqrt();
         let gates = frame.measured.iter().map(|measured| around(measured.place, [reach * measured.place_deviation; 2]));
         let gates = BoxIndex::new(gates);
@@ -124,9 +123,9 @@ impl KalmanTracker {
         })
     }
 
-    /// The pairs whose boxes overlap enough, and where both count, whose detection lies in the gate as well.
+    /// Returns the costs of the pairs above the IoU threshold and, if both count, inside the gate.
     fn by_overlap(&self, frame: &Frame, boxes: &BoxIndex, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
-        let least = f64::from(self.min_overlap);
+        let least = f64::from(self.iou_threshold);
         rows_of(frame, tracks, |track, found| {
             self.overlapping(&track.bounds(), (boxes, frame.detections), found);
             let is_cut = nearest(found, track.filter.place(), (frame.detections, MOST_NEAR));
@@ -142,22 +141,22 @@ impl KalmanTracker {
         })
     }
 
-    /// The detections that have enough in common with a box, and how much.
+    /// Finds the detections above the IoU threshold with a box, and their IoU.
     fn overlapping(&self, bounds: &Bounds, (boxes, all): (&BoxIndex, &[Detection]), found: &mut Vec<(usize, f64)>) {
-        let is_enough = |overlap: &f64| *overlap > 0.0 && *overlap >= f64::from(self.min_overlap);
+        let is_enough = |overlap: &f64| *overlap > 0.0 && *overlap >= f64::from(self.iou_threshold);
         let overlap = |x: usize| Some(f64::from(bounds.iou(&all[x].bounds))).filter(is_enough);
         boxes.touching(corners(bounds), found, overlap);
     }
 
-    /// Chooses pairs, stage after stage.
+    /// Assigns detections in stages.
     fn associate(&self, clip: &Clip, all: &mut Costs, boxes: &BoxIndex) -> Result<(), Error> {
-        let is_first = |track: &Track| !self.in_turns || track.age.status != TrackStatus::Tentative;
+        let is_first = |track: &Track| !self.cascade || track.age.status != TrackStatus::Tentative;
         let by_cost = all.costs.clone();
         self.match_stage(clip, (all, MatchingStage::First), &by_cost, |track, is_high| is_high && is_first(track))?;
         self.match_stage(clip, (all, MatchingStage::LowScore), &by_cost, |track, is_high| {
             !is_high && is_first(track) && track.age.missed == 0
         })?;
-        if self.in_turns {
+        if self.cascade {
             self.match_stage(clip, (all, MatchingStage::Tentative), &by_cost, |track, is_high| is_high && !is_first(track))?;
         }
         if self.recover {
@@ -169,7 +168,7 @@ impl KalmanTracker {
         Ok(())
     }
 
-    /// What pairs cost of objects that are left and detections that overlap the boxes in which these were last seen.
+    /// Returns the costs of unassigned tracks by their last detected boxes.
     fn by_last_box(&self, all: &Costs, boxes: &BoxIndex) -> Pairs {
         let (mut pairs, mut found) = (Pairs::new(all.detections.len()), Vec::new());
         for (track, pair) in all.tracks.iter().zip(&all.pairs) {
@@ -183,7 +182,7 @@ impl KalmanTracker {
         pairs
     }
 
-    /// Chooses pairs of objects and detections that are left, as far as they take part.
+    /// Assigns the free tracks and detections that take part in a stage.
     fn match_stage(
         &self,
         clip: &Clip,
@@ -211,13 +210,13 @@ impl KalmanTracker {
     }
 }
 
-/// What is allowed may be farther by so much, since distances are rounded: all that is told here is checked again.
+/// Tolerance of the quick gate test for rounding. Pairs that pass are tested again exactly.
 const ROUNDING: f64 = 1.001;
 
-/// The gate of an object without its measurement: what lies clearly outside is told without the filter.
+/// The gate of a track, for a quick test without the filter.
 struct Gate {
     place: [f64; 2],
-    /// The covariance of the place.
+    /// The covariance of the position.
     xx: f64,
     xy: f64,
     yy: f64,
@@ -230,7 +229,7 @@ impl Gate {
         Self { place: track.filter.place(), xx, xy, yy, limit }
     }
 
-    /// Whether a measurement is farther than the limit, by more than rounding makes of it.
+    /// Returns whether a measurement is clearly outside the gate.
     fn is_far(&self, measured: &Measurement) -> bool {
         let variance = measured.place_deviation * measured.place_deviation;
         let [x, y] = [0, 1].map(|i| measured.place[i] - self.place[i]);
@@ -242,18 +241,18 @@ impl Gate {
     }
 }
 
-/// A smaller determinant, as a share of the product of the variances, is not worked out exactly enough.
+/// The minimum determinant, as a share of the product of the variances, for the quick test to be accurate.
 const SOUND: f64 = 1e-6;
 
-/// The box of a place and how far it reaches.
+/// Returns the box around a position.
 fn around(place: [f64; 2], reach: [f64; 2]) -> Corners {
     [[place[0] - reach[0], place[1] - reach[1]], [place[0] + reach[0], place[1] + reach[1]]]
 }
 
-/// A row of pairs, and whether not all detections that are near were compared.
+/// A row of pairs, and whether nearby detections were left out.
 type Row = (Vec<(usize, f64)>, bool);
 
-/// The rows of all objects, and how many of them were cut.
+/// Returns the rows of all tracks, and the number of rows with detections left out.
 fn rows_of(
     frame: &Frame,
     tracks: &[Track],
@@ -277,7 +276,7 @@ mod tests {
     use crate::methods::kalman::MotionModel;
     use crate::synth::random::hash;
 
-    /// Detections of all sizes, some far away, some as large as the picture, one nowhere.
+    /// Detections of all sizes, some far away, some as large as the picture, one without coordinates.
     fn detections(count: u64, seed: u64) -> Vec<Detection> {
         let of = |i: u64| {
             let chance = |k: u64| (hash(seed, i, k) >> 40) as f32 / (1u64 << 24) as f32;
@@ -293,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn pairs_are_those_of_which_all_are_compared() {
+    fn gating_by_boxes_finds_the_same_pairs_as_comparing_all() {
         let clip = Clip::blank("boxes", (640, 480), 2);
         let mut allowed = 0;
         for (motion, cost, unseen, min_overlap) in [
@@ -303,7 +302,7 @@ mod tests {
             (MotionModel::Acceleration, PairCost::Mahalanobis, 30, 0.2),
             (MotionModel::Acceleration, PairCost::Overlap, 3, 0.0),
         ] {
-            let tracker = KalmanTracker { motion, cost, min_overlap, gate: 0.99, ..KalmanTracker::default() };
+            let tracker = KalmanTracker { motion, cost, iou_threshold: min_overlap, gate: 0.99, ..KalmanTracker::default() };
             let seen = detections(150, 2);
             let tracks: Vec<Track> = detections(170, 1)
                 .iter()
