@@ -137,14 +137,14 @@ fn known_fractions_of_a_pixel_are_tracked() {
         for kind in ["detect", "grid"] {
             let found = points("pyramidal-lucas-kanade", &[("points", kind), ("max-points", "60")], &clip);
             // Of windows near the border only what is still there counts, so that they are as exact.
-            let dwells = |p: &&Feature| {
+            let stays = |p: &&Feature| {
                 let inside = |c: f32, by: f64, extent: usize| {
                     let reach = 3.0..extent as f64 - 4.0;
                     reach.contains(&f64::from(c)) && reach.contains(&(f64::from(c) + by))
                 };
                 inside(p.at[0], motion[0], SIZE.0) && inside(p.at[1], motion[1], SIZE.1)
             };
-            let stay: Vec<_> = found.iter().filter(dwells).collect();
+            let stay: Vec<_> = found.iter().filter(stays).collect();
             assert!(stay.len() > 30, "{} points", stay.len());
             for point in stay {
                 let [u, v] = point.displacement.unwrap_or([f32::NAN; 2]).map(f64::from);

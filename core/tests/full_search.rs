@@ -171,7 +171,7 @@ fn every_event_says_why() {
     assert_eq!(sentences(&clip, &settings, 0, "0 at"), ["0 at (1, 0) is less than 160 at (0, 0): the new best."]);
     assert_eq!(
         sentences(&clip, &settings, 0, "Candidate (1, 1)"),
-        ["Candidate (1, 1) costs 0, the same as the best so far, 0 at (1, 0), which is shorter and dwells."]
+        ["Candidate (1, 1) costs 0, the same as the best so far, 0 at (1, 0), which is shorter and stays."]
     );
     let whole = [("block", "8"), ("range", "1"), ("border", "replicate")];
     assert!(sentences(&clip, &whole, 0, "Block")[0].ends_with("holds 3×3 = 9 candidates."));
@@ -188,7 +188,7 @@ fn ties_say_which_rule_decided() {
         "0 at (0, −1) equals the best so far at (−1, −1), and the displacement is shorter: it is preferred."
     );
     let kept = sentences(&flat, &settings, 0, "Candidate (1, −1)");
-    assert!(kept[0].ends_with("0 at (0, −1), which is shorter and dwells."), "{}", kept[0]);
+    assert!(kept[0].ends_with("0 at (0, −1), which is shorter and stays."), "{}", kept[0]);
     // Diagonal stripes one pixel off: (0, −1) and (1, 0) are as short and fit as well.
     let spiral = [("block", "8"), ("range", "1"), ("border", "replicate"), ("order", "spiral")];
     let stripe = |k: usize| (k * 37 % 251) as u8;

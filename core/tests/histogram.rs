@@ -5,7 +5,7 @@ use motionscope_core::{BlockField, Clip, Coding, Cursor, Direction, Frame, Grid,
 
 fn clip() -> Clip {
     let texture = |x: usize, y: usize| ((x * x * 3 + y * 37 + x * y * 5) % 251) as u8;
-    // The left half moves by (2, 1), the right half dwells.
+    // The left half moves by (2, 1), the right half stays.
     let next =
         Grid::from_fn(
             80,

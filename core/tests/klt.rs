@@ -228,7 +228,7 @@ fn a_damaged_frame_is_told_and_the_end_of_a_clip_is_none() {
     assert_eq!((whole.failure(), whole.at_frame()), (None, 2));
     let told = damaged.failure().expect("the damage").to_string();
     assert!(told.contains("frame 3 of waves"), "{told}");
-    // What was done dwells: two pairs with all their features.
+    // What was done stays: two pairs with all their features.
     let Some(field) = damaged.output().get::<TrackField>().cloned() else { panic!("tracks") };
     assert_eq!((damaged.at_frame(), field.last), (1, 2));
     assert!(field.tracks.iter().any(|track| track.points.len() == 3 && track.is_alive()));

@@ -105,7 +105,7 @@ fn small(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
             estimator.set(name, value).expect("in range");
         }
     }
-    for name in ["patience", "tracker.patience"] {
+    for name in ["max-age", "tracker.max-age"] {
         // Only trackers have it: tracks end within a short clip.
         estimator.set(name, "3").ok();
     }
@@ -221,7 +221,8 @@ fn the_clip_of_the_laws_has_tracks_that_confirm_coast_come_back_and_end() {
         let output = estimator.run(&clip, 0, &Threads::single()).expect("a run");
         let Some(field) = output.get::<ObjectField>().filter(|field| field.followed == Followed::All) else { return };
         let id = estimator.info().id;
-        let lives = |object: u32| field.frames.iter().map(move |frame| frame.object(object).map(|object| object.status));
+        let lives =
+            |object: u32| field.frames.iter().map(move |frame| frame.object(object).map(|object| object.status));
         let ids: std::collections::BTreeSet<u32> =
             field.frames.iter().flat_map(|frame| frame.objects.iter().map(|object| object.id)).collect();
         assert_eq!(ids.len(), 2, "{id}: one track each, none is torn");

@@ -80,7 +80,7 @@ fn what_a_mark_encloses_is_what_the_search_compares() {
             if (0..2).all(|i| min[i] < at[i] as f32 && (at[i] as f32) < max[i]) {
                 inside += 1;
                 let seen = enlarged.luma()[(at[0], at[1])];
-                assert_eq!(seen, small[(x, y)], "the middle of a pixel dwells in its place");
+                assert_eq!(seen, small[(x, y)], "the middle of a pixel stays in its place");
             }
         }
         let size = [0, 1].map(|i| (max[i] - min[i]) as usize / scale);

@@ -455,7 +455,7 @@ fn every_decision_says_why() {
         "The large diamond stands at (2, 0), with 9 points. \
          Of these 9, 5 lie in the window and were not tested before.",
     );
-    has("diamond", &range, "Nothing on the large diamond beats its centre (2, 0): it dwells.");
+    has("diamond", &range, "Nothing on the large diamond beats its centre (2, 0): it stays.");
     has(
         "diamond",
         &range,

@@ -185,8 +185,8 @@ fn a_merge_and_a_split_are_told_with_their_numbers() {
         }
     }
     let [(merge, merged), (split, parted)] = &told[..] else { panic!("one merge and one split, not {told:?}") };
-    assert!(merged.contains("Objects 1 and 2") && merged.contains("group"), "{merged}");
-    assert!(parted.contains("object 1 is blob") && parted.contains("at a cost of"), "{parted}");
+    assert!(merged.contains("Tracks 1 and 2") && merged.contains("group"), "{merged}");
+    assert!(parted.contains("track 1 is blob") && parted.contains("(cost "), "{parted}");
     assert!(merge.unit < split.unit);
     // The table of the split has a row for each object and a column for each blob.
     walk.jump(Move::To(Cursor { unit: split.unit, event: split.event }));

@@ -116,7 +116,7 @@ fn a_step_never_knows_what_comes_later() {
         walk.jump(Move::Granularity(unit, motionscope_core::Direction::Forward));
         let step = walk.step(None);
         let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None });
-        let fact = facts.and_then(|facts| facts.iter().find(|fact| fact.label == "Counted")).expect("it counts");
+        let fact = facts.and_then(|facts| facts.iter().find(|fact| fact.label == "Crossings")).expect("it counts");
         counted.push(fact.value.clone());
         let Scene { marks, .. } = walk.scene(None);
         assert!(marks.iter().all(|mark| mark.shape.is_finite()));
@@ -151,7 +151,7 @@ fn who_ends_in_the_zone_is_not_counted_there_for_ever() {
         let facts =
             readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts.clone()) } else { None });
         let facts = facts.expect("facts");
-        facts.iter().find(|fact| fact.label == "In the zone").expect("it counts").value.clone()
+        facts.iter().find(|fact| fact.label == "Tracks in the zone").expect("it counts").value.clone()
     };
     assert_eq!([inside(5), inside(18), inside(58)], ["0", "1", "0"]);
 }

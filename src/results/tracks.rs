@@ -68,7 +68,7 @@ fn mot(field: &ObjectField) -> Result<String, Error> {
 const NUMBERS: usize = 11;
 
 /// The objects of each frame as an `.npy` of version 1.0: little-endian f64 of shape (rows, 11) with frame, identity, x, y, u, v,
-/// left, top, width, height in px and px/frame, and where it stands in its life: 0 tentative, 1 seen, 2 coasting. What is not
+/// left, top, width, height in px and px/frame, and track status: 0 tentative, 1 confirmed, 2 coasting. What is not
 /// known is NaN.
 fn npy(field: &ObjectField) -> Vec<u8> {
     let row = |frame: usize, object: &Object| -> [f64; NUMBERS] {
@@ -138,7 +138,7 @@ mod tests {
         let places = Places { line: Some(Line { from: [10.0, 9.0], to: [10.0, 0.0] }), zone: None, window: 3 };
         let mut of = Trajectory { id: 4, ..Trajectory::default() };
         for (t, x) in [(6, 8.0), (7, 9.0), (8, 12.0)] {
-            of.see(t, [x, 5.0], &places);
+            of.add(t, [x, 5.0], &places);
         }
         let all = csv_of(ObjectField { trajectories: vec![Arc::new(of)], ..field() });
         let rows: Vec<_> = all.lines().collect();

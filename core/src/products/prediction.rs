@@ -8,7 +8,7 @@ use crate::geometry::{Border, Gray, Grid};
 
 /// The motion-compensated prediction of frame t: each pixel is fetched from where it goes in `next`.
 ///
-/// Whole displacements are copied exactly, fractional ones interpolated; a pixel of unknown motion dwells where it is.
+/// Whole displacements are copied exactly, fractional ones interpolated; a pixel of unknown motion stays where it is.
 pub fn predict(flow: &Flow, next: &Gray, (border, filter): (Border, Interpolation)) -> Gray {
     Grid::from_fn(flow.0.width(), flow.0.height(), |x, y| {
         let [u, v] = flow.at(x, y).unwrap_or([0.0; 2]);

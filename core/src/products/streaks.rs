@@ -23,7 +23,7 @@ pub struct Streak {
     pub strength: f32,
 }
 
-/// The ways of all particles through a flow that dwells the same from frame to frame.
+/// The ways of all particles through a flow that stays the same from frame to frame.
 ///
 /// They are found once; [`Streaks::at`] then shows where everybody is at any moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl Streaks {
         let lengths = places.clone().filter_map(|[x, y]| flow.at(x, y)).map(|[u, v]| u.hypot(v));
         let usual = median(lengths.filter(|length| *length > 0.0).collect());
         let life = REACH * spacing as f32 / usual * STEPS as f32 / TAIL as f32;
-        // A power of two, so that it dwells the same from step to step of an estimator.
+        // A power of two, so that it stays the same from step to step of an estimator.
         let life_frames = life.log2().round().exp2().clamp(*LIFE_FRAMES.start(), *LIFE_FRAMES.end());
         let way = |[x, y]: [usize; 2]| {
             let points = carried(flow, [x as f32, y as f32], life_frames / STEPS as f32);
@@ -103,7 +103,7 @@ fn carried(flow: &Flow, from: [f32; 2], step: f32) -> Vec<[f32; 2]> {
         Some(toward(flow.sample(middle)?, 1.0))
     };
     let way: Vec<_> = std::iter::successors(Some(from), next).take(STEPS + 1).collect();
-    // What dwells where it is leaves no streak.
+    // What stays where it is leaves no streak.
     let goes = way.last().is_some_and(|last| (last[0] - from[0]).hypot(last[1] - from[1]) > 0.5);
     if goes { way } else { Vec::new() }
 }

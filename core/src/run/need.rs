@@ -85,7 +85,7 @@ mod tests {
         let clip = Clip::blank("paper", (16_000, 8000), 2).within(3 << 30);
         let need = Need::per_pixel(&clip, [69.0, 120.0]).and([0.0, 1e9]);
         assert_eq!(need.run, BASE + 69 * 128_000_000);
-        assert!(check(&clip, "Nothing", 3 << 30).is_ok() && check_kept(&clip, 3 << 30).is_ok());
+        assert!(check(&clip, "Nobody", 3 << 30).is_ok() && check_kept(&clip, 3 << 30).is_ok());
         let refused = check(&clip, "Horn–Schunck", need.run).unwrap_err().to_string();
         assert!(
             refused.starts_with(

@@ -302,8 +302,8 @@ impl<E: Estimator> Timeline<E> {
         }
     }
 
-    /// Unit `index` cannot be run: the run ends before it. The first unit was run once, so it dwells. Where it was only given up,
-    /// so is the journey: the run dwells where it is.
+    /// Unit `index` cannot be run: the run ends before it. The first unit was run once, so it stays. Where it was only given up,
+    /// so is the journey: the run stays where it is.
     fn end(&mut self, index: usize, error: Error) -> Option<Journey<E>> {
         if error == Stop::cancelled() || self.clip.wanted().is_err() {
             return None;

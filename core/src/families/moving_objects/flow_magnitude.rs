@@ -192,9 +192,7 @@ impl Background for FlowMagnitude {
                 Math::text(format!("{at_rest} = mean |I(x, t) − I(x, t−1)|")),
             ]),
         ];
-        let said = Sentence::default()
-            .text(": flow magnitude ")
-            .ink(role(is_long), format!("{length} px/frame"));
+        let said = Sentence::default().text(": flow magnitude ").ink(role(is_long), format!("{length} px/frame"));
         let verdict = match (is_long, is_explained) {
             (false, _) => said.text(format!(" is within the threshold {limit} px/frame: background.")),
             (true, true) => said

@@ -135,7 +135,8 @@ impl Background for FrameDifference {
         let value = f32::from(frame.luma()[place]);
         let of = |earlier: &Arc<Frame>| f32::from(earlier.luma()[place]);
         let nearest = self.compared_with(before, frame, place);
-        let mut explanation = compared(value, Expected { value: nearest, symbol: "B", is_whole: true }, self.threshold as f32);
+        let mut explanation =
+            compared(value, Expected { value: nearest, symbol: "B", is_whole: true }, self.threshold as f32);
         if let [last, earlier] = &before[..] {
             let [last, earlier] = [last, earlier].map(|frame| level(of(frame)));
             explanation.facts.push(Fact::new(

@@ -100,7 +100,11 @@ impl Background for MedianBackground {
     fn explain(&self, [before, after]: [Option<&Gray>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
         let value = f32::from(frame.luma()[place]);
-        let mut explanation = compared(value, Expected { value: f32::from(before[place]), symbol: "B", is_whole: true }, self.threshold as f32);
+        let mut explanation = compared(
+            value,
+            Expected { value: f32::from(before[place]), symbol: "B", is_whole: true },
+            self.threshold as f32,
+        );
         if let Some(after) = after {
             let [old, new] = [before[place], after[place]].map(|value| level(value.into()));
             explanation.facts.push(Fact::new("Background after update", new.clone(), Some(Role::Estimate)));

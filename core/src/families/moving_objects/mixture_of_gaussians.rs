@@ -116,7 +116,11 @@ impl Background for MixtureOfGaussians {
     }
 
     fn rule(&self) -> String {
-        format!("no mode within {} σ belongs to the background, the {} of the weight", gray(self.threshold), words::percent(self.background_ratio))
+        format!(
+            "no mode within {} σ belongs to the background, the {} of the weight",
+            gray(self.threshold),
+            words::percent(self.background_ratio)
+        )
     }
 
     fn at_rest(&self, model: &Arc<Mixture>) -> Arc<Mixture> {

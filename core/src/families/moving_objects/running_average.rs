@@ -101,7 +101,8 @@ impl Background for RunningAverage {
     fn explain(&self, [before, after]: [Option<&Grid<f32>>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
         let value = f32::from(frame.luma()[place]);
-        let mut explanation = compared(value, Expected { value: before[place], symbol: "B", is_whole: false }, self.threshold);
+        let mut explanation =
+            compared(value, Expected { value: before[place], symbol: "B", is_whole: false }, self.threshold);
         if let Some(after) = after {
             let [old, new] = [before[place], after[place]].map(gray);
             let is_frozen = self.selective && (value - before[place]).abs() > self.threshold;

@@ -9,8 +9,8 @@ use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::geometry::{Bounds, Grid};
 use crate::methods::multi_object::{
+    lifecycle::{Rules, TrackAge},
     tracker_run::{self, Conclusion, TrackerRun},
-    lifecycle::{TrackAge, Rules},
 };
 use crate::products::{
     Object, ObjectField, ObjectFrame, Output, Product, ProductKind,
@@ -148,7 +148,8 @@ impl Decision {
 
 /// Returns the tracks of some rows, by identity.
 fn members_of(table: &Correspondence, rows: &[usize]) -> Vec<Member> {
-    let mut members: Vec<Member> = rows.iter().flat_map(|&row| table.tracked_blobs[row].members.iter().cloned()).collect();
+    let mut members: Vec<Member> =
+        rows.iter().flat_map(|&row| table.tracked_blobs[row].members.iter().cloned()).collect();
     members.sort_by_key(|member| member.id);
     members
 }
@@ -260,8 +261,10 @@ impl BlobTracker {
     /// Returns a track or group after a missed frame; `None` if it is deleted.
     fn missed(&self, tracked: &TrackedBlob) -> Option<TrackedBlob> {
         let rules = self.rules;
-        let left =
-            tracked.members.iter().filter_map(|member| Some(Member { age: rules.missed(member.age)?, ..member.clone() }));
+        let left = tracked
+            .members
+            .iter()
+            .filter_map(|member| Some(Member { age: rules.missed(member.age)?, ..member.clone() }));
         let members: Vec<Member> = left.collect();
         (!members.is_empty()).then(|| TrackedBlob { members, ..tracked.clone() })
     }
@@ -301,7 +304,8 @@ impl BlobTracker {
             return Ok(Decision { table: Arc::clone(table), rows, columns, after, dissimilarity: None });
         }
         let dissimilarity = self.dissimilarity(&members, &blobs);
-        let pairs = least_cost(&Pairs::of(&dissimilarity), &mut WorkBudget::limited(MOST_WORK, &|| clip.wanted()))?.columns;
+        let pairs =
+            least_cost(&Pairs::of(&dissimilarity), &mut WorkBudget::limited(MOST_WORK, &|| clip.wanted()))?.columns;
         // With fewer blobs than tracks, the tracks left over join the most similar blob.
         let alike = |row: usize| {
             let costs = (0..blobs.len()).map(|x| dissimilarity[(x, row)]).enumerate();
@@ -336,7 +340,8 @@ impl BlobTracker {
                     Some(tracked) => Event(EventKind::Missed(Arc::new(tracked.clone()))),
                     None => Event(EventKind::Deleted(Arc::new(before.clone()))),
                 });
-                objects.extend(missed.iter().flat_map(|tracked| tracked.members.iter().map(|member| member.object(None))));
+                objects
+                    .extend(missed.iter().flat_map(|tracked| tracked.members.iter().map(|member| member.object(None))));
                 state.tracked_blobs.extend(missed);
                 continue;
             }
@@ -410,7 +415,8 @@ impl Estimator for BlobTracker {
         let blobs = Blob::all((clip, state.run.frame()), found, is_gray_needed)?;
         observer.see(|| Event(EventKind::Detected(Arc::new(blobs.clone()), discarded)));
         let tracked_blobs = std::mem::take(&mut state.tracked_blobs).into_iter();
-        let tracked_blobs: Vec<TrackedBlob> = tracked_blobs.map(|tracked| if self.predict { tracked.predicted() } else { tracked }).collect();
+        let tracked_blobs: Vec<TrackedBlob> =
+            tracked_blobs.map(|tracked| if self.predict { tracked.predicted() } else { tracked }).collect();
         observer.see(|| Event(EventKind::Predicted(Arc::new(tracked_blobs.clone()))));
         let table = Arc::new(Correspondence::new(clip, (tracked_blobs, blobs), (self.min_overlap, self.max_distance))?);
         observer.see(|| Event(EventKind::Corresponded(Arc::clone(&table))));
@@ -471,7 +477,10 @@ impl Footprint<State> for BlobTracker {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        let tracked_blobs = state.tracked_blobs.iter().map(|tracked| size_of_val(&tracked.centers[..]) + size_of_val(&tracked.members[..]));
+        let tracked_blobs = state
+            .tracked_blobs
+            .iter()
+            .map(|tracked| size_of_val(&tracked.centers[..]) + size_of_val(&tracked.members[..]));
         state.run.own_bytes() + size_of_val(&state.tracked_blobs[..]) + tracked_blobs.sum::<usize>()
     }
 

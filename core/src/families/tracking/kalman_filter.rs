@@ -14,7 +14,7 @@ use crate::methods::{
     kalman::{Filter, Measurement, MotionModel, chi_square},
     multi_object::{
         Extent,
-        source::{Detector, SourceSettings, Noise, Source, center, truth_of, default_detector},
+        source::{Detector, Noise, Source, SourceSettings, center, default_detector, truth_of},
     },
 };
 use crate::params::Spots;
@@ -249,7 +249,11 @@ impl KalmanFilter {
         });
         let observed = Arc::new(self.observe((clip, t), state, predicted.as_ref())?);
         observer.see(|| Event::Observed(Arc::clone(&observed)));
-        let mut record = FrameRecord { detections: Arc::clone(&observed.detections), truth: observed.truth, ..FrameRecord::default() };
+        let mut record = FrameRecord {
+            detections: Arc::clone(&observed.detections),
+            truth: observed.truth,
+            ..FrameRecord::default()
+        };
         let mut taken = None;
         match predicted {
             None => taken = self.begin((clip, t), state, (&mut record, &observed), observer)?,

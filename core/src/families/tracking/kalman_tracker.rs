@@ -1,7 +1,7 @@
 //! Multi-object tracking with a Kalman filter per track and data association in every frame (SORT and its successors).
 
-mod explain;
 mod association;
+mod explain;
 
 use std::sync::Arc;
 
@@ -13,8 +13,8 @@ use crate::methods::{
     kalman::{Filter, Measurement, Model, MotionModel},
     multi_object::{
         Extent,
+        lifecycle::{Rules, TrackAge},
         tracker_run::{self, Conclusion, TrackerRun},
-        lifecycle::{TrackAge, Rules},
     },
 };
 use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
@@ -217,7 +217,7 @@ impl Estimator for KalmanTracker {
         observer.see(|| Event::Detected(Arc::clone(&detections), discarded));
         let mut tracks = std::mem::take(&mut state.tracks);
         for track in &mut tracks {
-            track.filter = track.filter.going_by(self.model(&track.extent)).predicted();
+            track.filter = track.filter.with_model(self.model(&track.extent)).predicted();
         }
         observer.see(|| Event::Predicted(Arc::new(tracks.clone())));
         let is_high = |found: &Detection| !state.run.has_scores() || found.score >= self.score_threshold;

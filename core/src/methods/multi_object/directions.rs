@@ -94,7 +94,11 @@ fn mean<'a>(passed: impl Iterator<Item = &'a TrackDirection>) -> Option<MeanDire
         others += 1;
     }
     let length = f64::hypot(sum[0], sum[1]);
-    (length > 0.0).then(|| MeanDirection { direction: sum.map(|c| c / length), agreement: length / others as f64, others })
+    (length > 0.0).then(|| MeanDirection {
+        direction: sum.map(|c| c / length),
+        agreement: length / others as f64,
+        others,
+    })
 }
 
 #[cfg(test)]
@@ -112,7 +116,11 @@ mod tests {
         let diagonal = 0.5f64.sqrt();
         assert!(usual.direction.iter().all(|c| (c - diagonal).abs() < 1e-12), "{usual:?}");
         assert!((usual.agreement - diagonal).abs() < 1e-12 && usual.others == 2);
-        assert_eq!(directions.mean_of_others(2, [25.0, 25.0]).map(|mean| usual.direction), Some([1.0, 0.0]), "without itself");
+        assert_eq!(
+            directions.mean_of_others(2, [25.0, 25.0]).map(|mean| mean.direction),
+            Some([1.0, 0.0]),
+            "without itself"
+        );
         assert_eq!(directions.mean_of_others(3, [5.0, 25.0]), None, "an empty cell");
     }
 

@@ -1,10 +1,10 @@
 //! Multi-object tracking: sources of detections, track management, and what steps say of them.
 
-pub(crate) mod tracker_run;
 pub mod directions;
 pub(crate) mod explain;
 mod extent;
 pub(crate) mod lifecycle;
 pub mod source;
+pub(crate) mod tracker_run;
 
 pub use extent::Extent;

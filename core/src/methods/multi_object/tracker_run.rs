@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::lifecycle::{TrackAge, Rules};
-use super::source::{Detector, SourceSettings, Noise, Source, default_detector};
+use super::lifecycle::{Rules, TrackAge};
+use super::source::{Detector, Noise, Source, SourceSettings, default_detector};
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;

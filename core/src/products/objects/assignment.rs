@@ -1,4 +1,4 @@
-//! Assignment: pairs of rows and columns of a table of costs.
+//! Assignment: the pairs of rows and columns of a cost matrix of least total cost.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -7,30 +7,30 @@ use super::pairs::Pairs;
 use crate::base::Error;
 use crate::geometry::Grid;
 
-/// How much an assignment may work, and whether its result is still wanted; `E` is what refuses it.
+/// The work budget of an assignment and its check for cancellation, which `E` reports.
 pub struct WorkBudget<'a, E = Error> {
-    /// Pairs that may still be looked at.
+    /// Pairs that may still be visited.
     left: u64,
-    /// Pairs that were looked at since it was last asked whether to go on.
+    /// Pairs visited since the last check for cancellation.
     since: u64,
     wanted: &'a dyn Fn() -> Result<(), E>,
 }
 
-/// So many pairs are looked at before it is asked whether to go on: some milliseconds.
+/// The number of pairs between checks for cancellation, some milliseconds.
 const ASK_AFTER: u64 = 1 << 16;
 
 impl<'a, E> WorkBudget<'a, E> {
-    /// As much as it takes, until `wanted` refuses.
+    /// Creates an unlimited budget.
     pub fn endless(wanted: &'a dyn Fn() -> Result<(), E>) -> Self {
         Self::limited(u64::MAX, wanted)
     }
 
-    /// At most so many pairs are looked at.
+    /// Creates a budget of this many pairs.
     pub fn limited(pairs: u64, wanted: &'a dyn Fn() -> Result<(), E>) -> Self {
         Self { left: pairs, since: 0, wanted }
     }
 
-    /// Whether so many pairs may be looked at.
+    /// Takes pairs from the budget; returns whether any was left.
     fn take(&mut self, pairs: usize) -> Result<bool, E> {
         let pairs = pairs as u64;
         self.since += pairs;
@@ -44,44 +44,43 @@ impl<'a, E> WorkBudget<'a, E> {
     }
 }
 
-/// The pairs.
+/// The result of an assignment.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Assigned {
     /// The column of each row.
     pub columns: Vec<Option<usize>>,
-    /// The rows that were paired nearest first, because the budget was used up.
+    /// The number of rows assigned greedily because the budget was used up.
     pub greedy: usize,
 }
 
-/// Tables of so many cells are worked out whole. Larger ones are only by the pairs that there are, which comes to the same sum; of
-/// several ways to come to it, to another one.
+/// The maximum number of cells of a table solved densely. Larger ones are solved by their entries only, with the same total cost,
+/// but among equal optima perhaps another one.
 const SMALL: usize = 1 << 14;
 
 fn is_small(pairs: &Pairs) -> bool {
     pairs.rows() * pairs.columns() <= SMALL
 }
 
-/// Pairs each row with at most one column, so that as many are paired as can be and the sum of their costs is least: the
-/// Hungarian method, by shortest augmenting paths (H. W. Kuhn 1955; R. Jonker and A. Volgenant 1987). Where `budget` is used up,
-/// the rows that are left are paired nearest first.
+/// Assigns each row at most one column: as many pairs as possible at the least total cost, by the
+/// Hungarian method, by shortest augmenting paths (H. W. Kuhn 1955; R. Jonker and A. Volgenant 1987). Once `budget` is used up,
+/// the remaining rows are assigned greedily.
 ///
 /// # Errors
-/// If the result is not wanted any more.
+/// If the work is cancelled.
 pub fn least_cost<E>(costs: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
     if is_small(costs) {
         return Ok(Assigned { columns: of_table(&costs.table(f64::INFINITY)), greedy: 0 });
     }
     let (low, high) = costs.iter().fold((0.0_f64, 0.0_f64), |(low, high), (.., cost)| (low.min(cost), high.max(cost)));
-    // To stay alone costs more than all that is allowed, however much of it is paired.
+    // An unassigned row costs more than any sum of entries.
     let alone = (high - low + 1.0) * (costs.rows().min(costs.columns()) + 1) as f64;
     Paths::new(costs, low, alone).all(budget)
 }
 
-/// Pairs each row with at most one column, so that the sum of what they are worth is largest; whoever dwells alone is worth 0, and
-/// nothing is worth less.
+/// Assigns each row at most one column so that the total worth is largest; unassigned rows and negative worths count 0.
 ///
 /// # Errors
-/// If the result is not wanted any more.
+/// If the work is cancelled.
 pub fn most_worth<E>(worths: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
     let costs = worths.filter_map(|_, _, worth| (worth > 0.0).then_some(-worth));
     if is_small(&costs) {
@@ -93,10 +92,10 @@ pub fn most_worth<E>(worths: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assig
     Paths::new(&costs, low, -low).all(budget)
 }
 
-/// The pairs of least cost of a whole table. Costs that are not finite are never paired.
+/// Returns the assignment of a dense table. Costs that are not finite are never assigned.
 fn of_table(costs: &Grid<f64>) -> Vec<Option<usize>> {
     let (columns, rows) = costs.size();
-    // What is not allowed costs more than all that is, however much of it is paired.
+    // A forbidden pair costs more than any sum of allowed ones.
     let known = costs.cells().iter().copied().filter(|cost| cost.is_finite());
     let (low, high) = known.fold((0.0_f64, 0.0_f64), |(low, high), cost| (low.min(cost), high.max(cost)));
     let forbidden = (high - low + 1.0) * (rows.min(columns) + 1) as f64;
@@ -120,7 +119,7 @@ fn of_table(costs: &Grid<f64>) -> Vec<Option<usize>> {
     pairs.into_iter().enumerate().map(|(row, column)| column.filter(|&column| is_allowed(row, column))).collect()
 }
 
-/// The same where no row lacks a column: there are at least as many columns as rows.
+/// Solves a dense table with at least as many columns as rows by shortest augmenting paths.
 fn shortest_paths((rows, columns): (usize, usize), cost: impl Fn(usize, usize) -> f64) -> Vec<Option<usize>> {
     // Column `columns` stands for none: there each path begins.
     let mut row_price = vec![0.0; rows];
@@ -176,8 +175,8 @@ fn shortest_paths((rows, columns): (usize, usize), cost: impl Fn(usize, usize) -
     of_row
 }
 
-/// Pairs of a large table, by paths that lead only through pairs that there are, so that rows and columns that have nothing to do
-/// with each other cost nothing. Each row has a place of its own where it dwells alone.
+/// Shortest augmenting paths through the entries of a sparse table. Each row has a column of its own that stands for no
+/// assignment.
 struct Paths<'a> {
     costs: &'a Pairs,
     /// What is taken off each cost, so that none is negative.
@@ -221,7 +220,7 @@ impl Ord for Reached {
 enum End {
     /// At a column that was free.
     At(usize),
-    /// At a row that dwells alone.
+    /// At a row that remains unassigned.
     Alone(usize),
 }
 

@@ -1,4 +1,4 @@
-//! Objects: what was detected in each frame, the tracks of objects, and where these went.
+//! The product of detectors and trackers: its tables, counts and scores.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ const WAYS: [Measure; 5] = [
     Measure::new("crossed_left", "Crossings of the line to its left."),
     Measure::new("in_zone", "Objects that were in the zone."),
     Measure::new("dwell_frames", "Mean dwell time in the zone in frames."),
-    Measure::new("unusual", "Objects with an unusual direction of motion."),
+    Measure::new("unusual", "Objects with an anomalous direction of motion."),
 ];
 
 const TRACKING: [Measure; 8] = [
@@ -51,8 +51,8 @@ impl Product for ObjectField {
         measures: &[&COUNTS, &WAYS, &TRACKING],
     };
 
-    /// One row for each place of a trajectory where these were looked at; else for each object in each frame, or for each
-    /// detection where none is tracked. Velocities are in px/frame; the edge of the first pixel lies at −0.5 px.
+    /// One row for each position of a trajectory, if trajectories were analysed; else for each object in each frame, or for each
+    /// detection if nothing is tracked. Velocities are in px/frame; the edge of the first pixel lies at −0.5 px.
     fn table(&self) -> Option<Table> {
         Some(if !self.trajectories.is_empty() {
             trajectories(self)
@@ -94,14 +94,14 @@ fn counted(field: &ObjectField) -> Assessment {
     let text = format!("{told}, from {from} detections in {of} frames");
     let values = [frames, detections, objects].map(Figure::from);
     let told = match field.followed {
-        // Each frame was looked at by itself: there are no tracks to count.
+        // Frames were processed by themselves: there are no tracks to count.
         Followed::Nothing => fact("Detections", format!("{from} in {of} frames")),
         _ => fact("Tracks", text),
     };
     Assessment::default().with(scores(&COUNTS, values), vec![told])
 }
 
-/// What trajectories tell of the line, the zone and unusual directions, where they were looked at.
+/// The counts of line, zone and anomalous directions, where trajectories were analysed.
 fn ways(all: &[Arc<Trajectory>]) -> Assessment {
     if all.is_empty() {
         return Assessment::default();
@@ -116,14 +116,15 @@ fn ways(all: &[Arc<Trajectory>]) -> Assessment {
     let unusual = all.iter().filter(is_unusual).count();
     let mut facts = Vec::new();
     if right + left > 0 {
-        facts.push(fact("Over line", format!("{} to its right, {} to its left", grouped(right), grouped(left))));
+        facts.push(fact("Line crossings", format!("{} to the right, {} to the left", grouped(right), grouped(left))));
     }
     if let Some(frames) = dwell {
         let objects = if dwells.len() == 1 { "object" } else { "objects" };
-        facts.push(fact("In zone", format!("{} {objects}, {frames:.1} frames each", grouped(dwells.len()))));
+        facts
+            .push(fact("Dwell in zone", format!("{} {objects}, {frames:.1} frames on average", grouped(dwells.len()))));
     }
     if unusual > 0 {
-        facts.push(fact("Unusual", format!("{} by direction", grouped(unusual))));
+        facts.push(fact("Anomalous", format!("{} by direction", grouped(unusual))));
     }
     let values = [right.into(), left.into(), dwells.len().into(), dwell.into(), unusual.into()];
     Assessment::default().with(scores(&WAYS, values), facts)
@@ -146,14 +147,14 @@ fn tracking(of: Scores) -> Assessment {
     ];
     if greedy > 0 {
         let told =
-            format!("{} boxes were paired greedily: their crowd is too large for the best assignment", grouped(greedy));
+            format!("{} boxes are matched greedily: the frame is too dense for an optimal assignment", grouped(greedy));
         facts.push(fact("Approximate", told));
     }
     let headline = format!("MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches");
     Assessment { headline, ..Assessment::default() }.with(scores(&TRACKING, values), facts)
 }
 
-/// The number of each frame, with what it came to.
+/// The number and the results of each frame.
 fn frames(field: &ObjectField) -> impl Iterator<Item = (Cell, &ObjectFrame)> {
     field.frames.iter().enumerate().map(|(i, frame)| ((field.first + i).into(), &**frame))
 }
@@ -194,9 +195,9 @@ impl ObjectField {
     }
 }
 
-/// Where each object was seen, how it moved there, and what became of it: `crossed` is 1 where it went over the line to its right
-/// and −1 to its left, `in_zone` is 1 in the zone, and `unusual_deg` is how far its heading is off those of others where that
-/// is unusual. Headings count from right, against the clock.
+/// The positions of each trajectory: `crossed` is 1 for a crossing of the line to its right and −1 to its left, `in_zone` is 1 in
+/// the zone, and `unusual_deg` is the angle to the mean direction of the others where that is anomalous. Headings count
+/// counter-clockwise from right.
 fn trajectories(field: &ObjectField) -> Table {
     let columns = [
         "frame",

@@ -1,4 +1,4 @@
-//! How good tracks are beside the true ones.
+//! Scores of tracks against the ground truth: CLEAR MOT, IDF1, HOTA.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -11,37 +11,36 @@ use crate::data::{Clip, Truth};
 use crate::geometry::Bounds;
 use crate::products::{Followed, ObjectField, TrackStatus};
 
-/// From here on, as intersection over union, an object counts as found.
-const FOUND: f64 = 0.5;
+/// The minimum IoU of a match.
+const MATCH_IOU: f64 = 0.5;
 
-/// Objects in one frame, each with its identity.
+/// The boxes of one frame, each with its identity.
 pub type Boxes = Vec<(u32, Bounds)>;
 
-/// Tracks beside the true ones, over all frames.
+/// The scores of tracks over all frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scores {
     /// True objects, counted in each frame.
     pub truths: usize,
-    /// Objects that were told, counted in each frame.
+    /// Confirmed tracks, counted in each frame.
     pub told: usize,
-    /// True objects that were found.
+    /// True objects with a match.
     pub matches: usize,
-    /// How often a true object was found as another one than before.
+    /// Identity switches: matches of a true object with another track than before.
     pub switches: usize,
     /// Multiple object tracking accuracy: 1 − (misses + false alarms + switches) / truths.
     pub mota: f64,
-    /// Multiple object tracking precision: mean intersection over union of what was found.
+    /// Multiple object tracking precision: mean IoU of the matches.
     pub motp: f64,
-    /// F₁ of identities: of pairs of true and told tracks that agree in the most frames.
+    /// F₁ score of identities, under the pairing of true and estimated tracks that agrees in the most frames.
     pub idf1: f64,
-    /// Share of what was told that is true.
+    /// Share of the estimated boxes with a match.
     pub precision: f64,
-    /// Share of the true objects that were found.
+    /// Share of the true boxes with a match.
     pub recall: f64,
     /// Higher order tracking accuracy: the mean of √(DetA · AssA) over limits of 0.05 to 0.95.
     pub hota: f64,
-    /// True objects and tracks that were paired nearest first, and not as well as can be, because so many overlap so many: 0 unless
-    /// nearly everything lies on everything.
+    /// The boxes and tracks matched greedily because the optimal assignment is too large: 0 except in extremely dense frames.
     pub greedy: usize,
 }
 
@@ -97,22 +96,21 @@ impl Matches {
     }
 }
 
-/// A share of nothing is 0.
+/// Returns a ratio, 0 where the denominator is 0.
 fn share(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
 
-/// Asks whether scores are still wanted; `E` is what refuses them.
+/// The check for cancellation, which `E` reports.
 type Wanted<'a, E> = &'a dyn Fn() -> Result<(), E>;
 
-/// So many rows are compared before it is asked whether to go on.
+/// The number of rows between checks for cancellation.
 const ROWS_AT_ONCE: usize = 64;
 
-/// The pairs of a frame, and those of all tracks, are worked out from so many at most, about a second long; then they are chosen
-/// nearest first.
+/// The maximum number of pairs visited by an assignment, about a second; beyond it the assignment is greedy.
 const MOST_WORK: u64 = 100_000_000;
 
-/// Overlaps of true objects, a row each, and told ones that have something in common.
+/// Returns the IoU of the overlapping true (rows) and estimated boxes (columns).
 fn overlaps<E>((truth, told): &(Boxes, Boxes), wanted: Wanted<E>) -> Result<Pairs, E> {
     let near = BoxIndex::new(told.iter().map(|(_, bounds)| corners(bounds)));
     let (mut pairs, mut found) = (Pairs::new(told.len()), Vec::new());
@@ -127,8 +125,8 @@ fn overlaps<E>((truth, told): &(Boxes, Boxes), wanted: Wanted<E>) -> Result<Pair
     Ok(pairs)
 }
 
-/// Scores the confirmed objects of a run beside the truth, where one was followed beside that one; `None` where nothing is known
-/// of its frames, or no object is followed in them.
+/// Scores the confirmed tracks of a run against the truth, or against one true object if one was tracked; `None` where the truth
+/// of a frame is unknown or nothing is tracked.
 ///
 /// # Errors
 /// If the truth cannot be read.
@@ -136,7 +134,7 @@ pub fn scores(field: &ObjectField, truth: &dyn Truth) -> Result<Option<Scores>, 
     scores_while(field, truth, &|| Ok(()))
 }
 
-/// The same of a run on a clip, beside its truth; `None` as well where it has none.
+/// Scores a run on a clip against the clip's truth; `None` where it has none.
 ///
 /// # Errors
 /// If the truth cannot be read, or the work is cancelled (see [`Clip::until`]).
@@ -171,7 +169,7 @@ fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -
 }
 
 impl Scores {
-    /// The scores of frames with their true and told objects.
+    /// Returns the scores of frames of true and estimated boxes.
     ///
     /// MOTA and MOTP: K. Bernardin and R. Stiefelhagen, Evaluating multiple object tracking performance, 2008. IDF1: E. Ristani and
     /// others, Performance measures and a data set for multi-target, multi-camera tracking, 2016. HOTA: J. Luiten and others, 2021.
@@ -180,7 +178,7 @@ impl Scores {
         scores
     }
 
-    /// The same, as long as they are wanted.
+    /// Returns the same scores, unless cancelled.
     fn of_frames<E>(frames: &[(Boxes, Boxes)], wanted: Wanted<E>) -> Result<Self, E> {
         let (tracks, mut clear) = (Tracks::of(frames), Clear::default());
         let rows = tracks.truth.ids.len();
@@ -221,38 +219,38 @@ impl Scores {
     }
 }
 
-/// What pairs add up to.
+/// Returns the sum over pairs.
 fn paired(numbers: &Pairs, columns: &[Option<usize>]) -> f64 {
     let pairs = columns.iter().enumerate().filter_map(|(row, column)| numbers.get(row, (*column)?));
     pairs.sum()
 }
 
-/// What CLEAR-MOT counts.
+/// The counts of CLEAR MOT.
 #[derive(Default)]
 struct Clear {
     matches: usize,
     switches: usize,
     overlap: f64,
-    /// True objects that were paired nearest first.
+    /// True objects matched greedily.
     greedy: usize,
-    /// Which track was found as which true object.
+    /// The last matched track of each true object.
     found_as: BTreeMap<u32, u32>,
 }
 
 impl Clear {
-    /// Takes in a frame. A track dwells that of its true object while it can; the others are paired anew.
+    /// Adds a frame. Matches of the previous frame are kept where possible; the others are assigned anew.
     fn see<E>(&mut self, (truth, told): &(Boxes, Boxes), overlaps: &Pairs, wanted: Wanted<E>) -> Result<(), E> {
         let mut first: BTreeMap<u32, usize> = BTreeMap::new();
         told.iter().enumerate().for_each(|(x, (id, _))| _ = first.entry(*id).or_insert(x));
         let (mut pairs, mut is_taken) = (vec![None; truth.len()], vec![false; told.len()]);
         for (y, (id, _)) in truth.iter().enumerate() {
-            // Two may have been found as the same one before: the first of them has it.
+            // Two true objects may have matched one track before: the first keeps it.
             let same = self.found_as.get(id).and_then(|other| first.get(other)).copied();
-            let is_found = |x: &usize| overlaps.get(y, *x).is_some_and(|overlap| overlap >= FOUND);
+            let is_found = |x: &usize| overlaps.get(y, *x).is_some_and(|overlap| overlap >= MATCH_IOU);
             pairs[y] = same.filter(|x| is_found(x) && !std::mem::replace(&mut is_taken[*x], true));
         }
         let free = overlaps.filter_map(|y, x, overlap| {
-            (pairs[y].is_none() && !is_taken[x] && overlap >= FOUND).then_some(1.0 - overlap)
+            (pairs[y].is_none() && !is_taken[x] && overlap >= MATCH_IOU).then_some(1.0 - overlap)
         });
         let new = least_cost(&free, &mut WorkBudget::limited(MOST_WORK, wanted))?;
         self.greedy += new.greedy;
@@ -269,7 +267,7 @@ impl Clear {
     }
 }
 
-/// The identities of all frames, in order, with how often each is there.
+/// The identities of all frames, in order, with their numbers of boxes.
 struct Identities {
     ids: Vec<u32>,
     counts: Vec<f64>,
@@ -287,19 +285,19 @@ impl Identities {
         Self { ids, counts, total }
     }
 
-    /// The places of the objects of a frame, which are there.
+    /// Returns the indices of the objects of a frame.
     fn places(&self, boxes: &Boxes) -> Vec<usize> {
         boxes.iter().map(|(id, _)| self.ids.partition_point(|other| other < id)).collect()
     }
 }
 
-/// All true tracks, a row each, and all told ones.
+/// All true and all estimated tracks.
 struct Tracks {
     truth: Identities,
     told: Identities,
 }
 
-/// A true and a told object that were matched in a frame: their tracks, and how much they overlap.
+/// A match in a frame: the true and the estimated track, and their IoU.
 type Matched = ((usize, usize), f64);
 
 impl Tracks {
@@ -312,15 +310,15 @@ impl Tracks {
         [self.truth.places(truth), self.told.places(told)]
     }
 
-    /// Adds a frame in which tracks agree that overlap enough.
+    /// Counts the tracks that agree in a frame.
     fn add_agreement(&self, frame: &(Boxes, Boxes), overlaps: &Pairs, agree: &mut Sums) {
         let [rows, columns] = self.places(frame);
-        for (y, x, _) in overlaps.iter().filter(|(.., overlap)| *overlap >= FOUND) {
+        for (y, x, _) in overlaps.iter().filter(|(.., overlap)| *overlap >= MATCH_IOU) {
             agree.add((rows[y], columns[x]), 1.0);
         }
     }
 
-    /// Adds how much of two tracks is alike in a frame, which is shared out among those that overlap in it.
+    /// Adds the similarity of tracks in a frame, normalised over all that overlap there.
     fn add_shared(&self, frame: &(Boxes, Boxes), overlaps: &Pairs, shared: &mut Sums) {
         let [rows, columns] = self.places(frame);
         let (mut of_truth, mut of_told) = (vec![0.0; rows.len()], vec![0.0; columns.len()]);
@@ -333,13 +331,12 @@ impl Tracks {
         }
     }
 
-    /// How much of two tracks is alike over the whole clip.
+    /// Returns the alignment of two tracks over the whole clip.
     fn aligned(&self, shared: &Pairs) -> Pairs {
         shared.map(|y, x, both| share(both, self.truth.counts[y] + self.told.counts[x] - both))
     }
 
-    /// One pairing of each frame for all limits: what aligns best over the whole clip, weighed by the overlap in the frame; and how
-    /// many were paired nearest first.
+    /// Returns the matches of each frame for all thresholds, by global alignment times IoU, and the number matched greedily.
     fn matched<E>(
         &self,
         frames: &[(Boxes, Boxes)],
@@ -359,7 +356,7 @@ impl Tracks {
         Ok((matched, greedy))
     }
 
-    /// The score of what was matched, by tracks.
+    /// Returns HOTA from the matches by tracks.
     fn hota(&self, matched: &[Matched]) -> f64 {
         let all = (self.truth.total + self.told.total) as f64;
         let of_limit = |limit: f64| {
@@ -407,7 +404,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_told_and_nothing_true_are_no_division_by_zero() {
+    fn no_estimates_and_no_truth_are_no_division_by_zero() {
         let missed: Vec<(Boxes, Boxes)> = vec![(vec![at(1, 0.0)], vec![]); 3];
         let scores = Scores::of(&missed);
         assert_eq!((scores.mota, scores.idf1, scores.hota, scores.precision), (0.0, 0.0, 0.0, 0.0));
@@ -417,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn an_identity_that_changes_in_the_middle_is_told_by_each_score() {
+    fn an_identity_switch_lowers_each_score() {
         let frames: Vec<_> = (0..10).map(|t| (vec![at(1, 0.0)], vec![at(if t < 5 { 7 } else { 8 }, 0.0)])).collect();
         let scores = Scores::of(&frames);
         assert_eq!((scores.switches, scores.mota), (1, 0.9));
@@ -427,7 +424,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_is_found_twice_as_the_same() {
+    fn no_track_is_matched_twice() {
         // Each true object was found as 9 once; then both stand where 9 is.
         let frames = vec![
             (vec![at(1, 0.0)], vec![at(9, 0.0)]),

@@ -211,8 +211,10 @@ impl ConnectedComponents {
                 MaskHistory::new(&events).draw(scene);
             }
             Some(Event::Row(_) | Event::Run(_)) => {
-                let masked =
-                    seen.events.iter().find_map(|event| if let Event::Row(masked) = event { Some(masked) } else { None });
+                let masked = seen
+                    .events
+                    .iter()
+                    .find_map(|event| if let Event::Row(masked) = event { Some(masked) } else { None });
                 masked.into_iter().for_each(|masked| draw_unlabelled(scene, masked, state.row));
                 let labels = Labels::new(seen).labels(state.picture);
                 draw_labels(scene, Arc::new(labels), "provisional labels, one colour per root");

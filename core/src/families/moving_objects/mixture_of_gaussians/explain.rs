@@ -43,7 +43,8 @@ impl MixtureOfGaussians {
             let ([_, _, _], [_, _, _]) = (pixel, &mode.mean[..]) else { return None };
             let [pixel, mean] = [pixel, &mode.mean].map(|of| [of[0], of[1], of[2]]);
             let [along, square] = [pixel, mean].map(|of| (0..3).map(|c| of[c] * mean[c]).sum::<f32>());
-            (self.detect_shadows && is_darker(pixel, mean, (self.shadow_threshold, limit(mode)))).then_some((index, along / square))
+            (self.detect_shadows && is_darker(pixel, mean, (self.shadow_threshold, limit(mode))))
+                .then_some((index, along / square))
         });
         Verdict { background, matched, shadow }
     }
@@ -76,9 +77,11 @@ impl MixtureOfGaussians {
             Fact::new("Background modes", verdict.background.to_string(), Some(Role::Predicted)),
             Fact::new("Matched mode", verdict.matched.map_or("none".into(), |mode| (mode + 1).to_string()), Some(role)),
         ];
-        facts.extend(verdict.matched.map(|mode| {
-            Fact::new("Distance", format!("{} σ", gray(modes[mode].distance(pixel))), Some(role))
-        }));
+        facts.extend(
+            verdict
+                .matched
+                .map(|mode| Fact::new("Distance", format!("{} σ", gray(modes[mode].distance(pixel))), Some(role))),
+        );
         facts.push(Fact::new("Threshold", format!("{} σ", gray(self.threshold)), None));
         facts
     }
@@ -117,7 +120,10 @@ impl MixtureOfGaussians {
         let said = match verdict.matched {
             None => {
                 let nearest = modes.iter().map(|mode| mode.distance(pixel)).fold(f32::INFINITY, f32::min);
-                said.text(format!(" matches no mode: the nearest is {} σ away, the threshold {limit} σ. ", gray(nearest)))
+                said.text(format!(
+                    " matches no mode: the nearest is {} σ away, the threshold {limit} σ. ",
+                    gray(nearest)
+                ))
             }
             Some(mode) => {
                 let (weight, share) = (f64::from(modes[mode].weight), words::percent(self.background_ratio));

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::correspond::MOST_NEAR;
-use super::{BlobTracker, TrackedBlob, Decision, Event, Identity, Member, State, Correspondence, EventKind, line};
-use crate::geometry::Bounds;
+use super::{BlobTracker, Correspondence, Decision, Event, EventKind, Identity, Member, State, TrackedBlob, line};
 use crate::base::words;
+use crate::geometry::Bounds;
 use crate::methods::multi_object::explain::{self, Names, count};
 use crate::methods::numbers::{fixed, percent, px, ratio};
 use crate::products::TrackStatus;
@@ -103,13 +103,14 @@ impl BlobTracker {
                 explain::detected((all.len(), "blob"), frame, (*discarded, self.settings.min_score))
             }
             EventKind::Predicted(tracked_blobs) if tracked_blobs.is_empty() => said.text("No tracks to predict yet."),
-            EventKind::Predicted(tracked_blobs) if self.predict => {
-                said.text("Prediction of ").ink(Role::Predicted, count(tracks_of(tracked_blobs), "track")).text(format!(
+            EventKind::Predicted(tracked_blobs) if self.predict => said
+                .text("Prediction of ")
+                .ink(Role::Predicted, count(tracks_of(tracked_blobs), "track"))
+                .text(format!(
                     " in {} by the mean displacement of up to {}.",
                     count(tracked_blobs.len(), "blob"),
                     count(self.velocity_frames, "frame")
-                ))
-            }
+                )),
             EventKind::Predicted(tracked_blobs) => said.text(format!(
                 "Without prediction {} keep the last position.",
                 count(tracks_of(tracked_blobs), "track")
@@ -238,7 +239,9 @@ impl BlobTracker {
                 facts.extend(decision_facts(decision));
                 tables.extend(self.dissimilarity_table(decision));
             }
-            Some(EventKind::Missed(tracked) | EventKind::Deleted(tracked) | EventKind::Begun(tracked)) => facts.extend(tracked_facts(tracked)),
+            Some(EventKind::Missed(tracked) | EventKind::Deleted(tracked) | EventKind::Begun(tracked)) => {
+                facts.extend(tracked_facts(tracked))
+            }
             _ => {
                 let tracked_blobs = &seen.after.unwrap_or(seen.before).tracked_blobs;
                 facts.push(Fact::new("Tracks", tracks_of(tracked_blobs).to_string(), None));
@@ -269,9 +272,7 @@ impl BlobTracker {
         let row = |id: u32| members.binary_search_by_key(&id, |member| member.id).ok();
         let paired: Vec<_> = paired.flatten().filter_map(|(id, column)| Some((row(id)?, column))).collect();
         let name = match self.identity {
-            Identity::Appearance => {
-                "cost |Δ gray| / 20 + |log₂ area ratio|: tracks (rows), blobs (columns)"
-            }
+            Identity::Appearance => "cost |Δ gray| / 20 + |log₂ area ratio|: tracks (rows), blobs (columns)",
             Identity::Place => "distance from the predicted position in px: tracks (rows), blobs (columns)",
         };
         let names = Names::new(members.iter().map(|member| member.id.to_string()), decision.columns.iter().copied());
@@ -279,8 +280,10 @@ impl BlobTracker {
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let detected =
-            seen.events.iter().find_map(|event| if let EventKind::Detected(all, _) = &event.0 { Some(all) } else { None });
+        let detected = seen
+            .events
+            .iter()
+            .find_map(|event| if let EventKind::Detected(all, _) = &event.0 { Some(all) } else { None });
         let blobs = detected.into_iter().flat_map(|all| all.iter());
         explain::draw_detections(scene, blobs.clone().map(|blob| &blob.detection));
         if seen.after.is_none() {
@@ -320,7 +323,8 @@ fn decision_facts(decision: &Decision) -> Vec<Fact> {
     };
     facts.push(Fact::new("Blob", listed(decision.columns.iter().map(|column| column + 1)), Some(Role::Measured)));
     if decision.is_split() {
-        let looks = |value: Option<f64>, area_px: f64| format!("gray level {}, area {} px", gray(value), fixed(area_px, 0));
+        let looks =
+            |value: Option<f64>, area_px: f64| format!("gray level {}, area {} px", gray(value), fixed(area_px, 0));
         for member in decision.members() {
             let value = format!("track {}: {}", member.id, looks(member.gray, member.area_px));
             facts.push(Fact::new("Before the merge", value, Some(Role::Predicted)));
@@ -347,7 +351,8 @@ fn table_of<'a>(seen: &Seen<'a, BlobTracker>) -> Option<(&'a Correspondence, Opt
 
 /// The overlaps of tracks and blobs, with the correspondences lit.
 fn correspondence(table: &Correspondence, names: &Names, decision: Option<&Decision>) -> impl Iterator<Item = Matrix> {
-    let rows: Vec<usize> = decision.map_or_else(|| (0..table.tracked_blobs.len()).collect(), |decision| decision.rows.clone());
+    let rows: Vec<usize> =
+        decision.map_or_else(|| (0..table.tracked_blobs.len()).collect(), |decision| decision.rows.clone());
     let linked = rows.iter().flat_map(|&row| table.links(row).iter().map(move |column| (row, *column)));
     let lit: Vec<_> = linked.collect();
     let shares = ("O", "intersection / smaller box: tracks (rows), blobs (columns)");

@@ -2,7 +2,7 @@
 
 use super::matrices::matrices;
 use super::sensors::{Observations, SensorReading, Sensors};
-use super::{Event, Gated, KalmanFilter, Loss, FrameRecord, State, line};
+use super::{Event, FrameRecord, Gated, KalmanFilter, Loss, State, line};
 use crate::base::words::{self, counted as count, percent};
 use crate::methods::kalman::{Filter, Measurement, chi_square, ellipse};
 use crate::methods::numbers::{px, ratio, squared};
@@ -41,8 +41,13 @@ impl StepEstimates<'_> {
 impl KalmanFilter {
     fn now<'a>(&self, seen: &Seen<'a, Self>) -> StepEstimates<'a> {
         let state = seen.before;
-        let mut now =
-            StepEstimates { frame: frame_of(state), before: state.filter, predicted: None, gated: Vec::new(), after: None };
+        let mut now = StepEstimates {
+            frame: frame_of(state),
+            before: state.filter,
+            predicted: None,
+            gated: Vec::new(),
+            after: None,
+        };
         for event in seen.events {
             match event {
                 Event::Predicted(both) => now.predicted = Some(both[1]),
@@ -176,7 +181,8 @@ impl KalmanFilter {
             .text(format!(". {missed} missed in a row; max-age is {}.", self.max_age));
         let earlier = seen.before.records.iter().rev();
         let is_rejected = |gated: &[Gated]| !gated.is_empty() && !gated.iter().any(Gated::is_inside);
-        let rejected = earlier.take_while(|record| is_rejected(&record.gated)).count() + usize::from(!now.gated.is_empty());
+        let rejected =
+            earlier.take_while(|record| is_rejected(&record.gated)).count() + usize::from(!now.gated.is_empty());
         match rejected {
             3.. if !now.gated.is_empty() => said.text(format!(
                 " {rejected} rejections in a row: the motion model does not fit. Raise process-noise, widen the gate or choose another motion model."
@@ -205,9 +211,10 @@ impl KalmanFilter {
             said += &format!(" position error (RMS) {} px filtered", px(filtered));
             let smoothed = rmse(|record| record.smoothed).filter(|_| self.smooth);
             said += &smoothed.map_or_else(String::new, |smoothed| format!(", {} px smoothed", px(smoothed)));
-            let measured = state.records.iter().filter_map(|record| {
-                Some(distance(record.of_sensor(0)?.measurement().place, record.truth?))
-            });
+            let measured = state
+                .records
+                .iter()
+                .filter_map(|record| Some(distance(record.of_sensor(0)?.measurement().place, record.truth?)));
             said += &root_mean_square(measured).map_or_else(String::new, |off| format!(", {} px measured", px(off)));
             said += ".";
         }
@@ -261,7 +268,11 @@ impl KalmanFilter {
             ));
         }
         if let Some(gated) = now.gated.last() {
-            facts.push(Fact::new("Measurement", format!("{} px", place(gated.measurement().place)), Some(Role::Measured)));
+            facts.push(Fact::new(
+                "Measurement",
+                format!("{} px", place(gated.measurement().place)),
+                Some(Role::Measured),
+            ));
             facts.push(Fact::new(
                 "NIS",
                 format!("{}, gate {}", squared(gated.squared_distance), squared(gated.limit)),
@@ -360,7 +371,10 @@ impl KalmanFilter {
                 let value = chi_square::quantile(p, dof) as f32;
                 [0, state.records.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
             };
-            vec![("95 % band, lower bound", Role::Window, at(0.025)), ("95 % band, upper bound", Role::Window, at(0.975))]
+            vec![
+                ("95 % band, lower bound", Role::Window, at(0.025)),
+                ("95 % band, upper bound", Role::Window, at(0.975)),
+            ]
         };
         let x_max = state.span.first + state.span.frames().map_or(state.records.len(), |frames| frames - 1);
         let series = |title, y_label, lines: Vec<Line>| {
@@ -491,7 +505,9 @@ fn measurements(frame: usize, observed: &Observations, kind: &str) -> Sentence {
         None if observed.is_hidden && second.is_some() => {
             said.text(format!("Frame {frame} is in the simulated occlusion of the first sensor."))
         }
-        None if observed.is_hidden => said.text(format!("Frame {frame} is in the simulated occlusion: no measurement.")),
+        None if observed.is_hidden => {
+            said.text(format!("Frame {frame} is in the simulated occlusion: no measurement."))
+        }
         None if !observed.detections.is_empty() => said
             .ink(Role::Measured, format!("{} in frame {frame}", count(observed.detections.len(), "detection")))
             .text(", none of them at a clicked position. The track starts at the clicked object."),
@@ -585,7 +601,11 @@ fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
             scene.legend(role, meaning);
         }
     };
-    draw(|record| record.filtered, Role::Estimate, if state.back.is_some() { "filtered estimate" } else { "updated estimate" });
+    draw(
+        |record| record.filtered,
+        Role::Estimate,
+        if state.back.is_some() { "filtered estimate" } else { "updated estimate" },
+    );
     if state.back.is_some() {
         draw(|record| record.smoothed, Role::Result, "smoothed estimate");
     }
@@ -610,8 +630,9 @@ fn measured(seen: &Seen<KalmanFilter>, now: &StepEstimates, scene: &mut Scene) {
         _ => None,
     });
     let Some(all) = looked.filter(|all| !all.is_empty()) else { return };
-    let is_refused =
-        |reading: &&SensorReading| now.gated.iter().any(|gated| gated.reading.sensor == reading.sensor && !gated.is_inside());
+    let is_refused = |reading: &&SensorReading| {
+        now.gated.iter().any(|gated| gated.reading.sensor == reading.sensor && !gated.is_inside())
+    };
     let (refused, taken): (Vec<&SensorReading>, Vec<&SensorReading>) = all.iter().partition(is_refused);
     for (role, reading) in [(Role::Measured, taken), (Role::Rejected, refused)] {
         if !reading.is_empty() {

@@ -1,6 +1,6 @@
 //! The matrices of a step, with changed entries lit.
 
-use super::{Event, Gated, FrameRecord};
+use super::{Event, FrameRecord, Gated};
 use crate::geometry::Grid;
 use crate::methods::kalman::{Filter, UpdateNumbers};
 use crate::scene::{Matrix, Role};
@@ -59,7 +59,8 @@ fn of_update(numbers: &UpdateNumbers, before: Option<&UpdateNumbers>, names: &[&
         ..matrix(symbol, meaning, None, entries.clone())
     };
     let innovation = matrix("ν", "innovation", Some(Role::Measured), column(residual));
-    let gain = Matrix { rows: owned(names), columns: measured.clone(), ..matrix("K", "Kalman gain", None, gain.clone()) };
+    let gain =
+        Matrix { rows: owned(names), columns: measured.clone(), ..matrix("K", "Kalman gain", None, gain.clone()) };
     let observation = Matrix {
         rows: measured.clone(),
         columns: owned(names),

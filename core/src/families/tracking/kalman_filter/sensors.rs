@@ -62,7 +62,8 @@ impl KalmanFilter {
             Some(expected) => self.nearest(expected, &detections),
             None => self.begin_with((state, t), &detections),
         };
-        let first = chosen.map(|i| SensorReading { sensor: 0, measurement: self.first(&detections[i]), detection: Some(i) });
+        let first =
+            chosen.map(|i| SensorReading { sensor: 0, measurement: self.first(&detections[i]), detection: Some(i) });
         // Before a track starts its true object is unknown.
         let second = expected.map(|_| self.second(clip, state, t)).transpose()?.flatten();
         let second = second.map(|measurement| SensorReading { sensor: 1, measurement, detection: None });

@@ -11,7 +11,7 @@ use crate::products::{
     TrackStatus,
     objects::{
         assignment::{Assigned, WorkBudget, least_cost, nearest_first},
-        box_index::{Corners, BoxIndex, corners, nearest},
+        box_index::{BoxIndex, Corners, corners, nearest},
         pairs::Pairs,
     },
 };
@@ -157,7 +157,9 @@ impl KalmanTracker {
             !is_high && is_first(track) && track.age.missed == 0
         })?;
         if self.cascade {
-            self.match_stage(clip, (all, MatchingStage::Tentative), &by_cost, |track, is_high| is_high && !is_first(track))?;
+            self.match_stage(clip, (all, MatchingStage::Tentative), &by_cost, |track, is_high| {
+                is_high && !is_first(track)
+            })?;
         }
         if self.recover {
             let by_last_box = self.by_last_box(all, boxes);
@@ -302,7 +304,8 @@ mod tests {
             (MotionModel::Acceleration, PairCost::Mahalanobis, 30, 0.2),
             (MotionModel::Acceleration, PairCost::Overlap, 3, 0.0),
         ] {
-            let tracker = KalmanTracker { motion, cost, iou_threshold: min_overlap, gate: 0.99, ..KalmanTracker::default() };
+            let tracker =
+                KalmanTracker { motion, cost, iou_threshold: min_overlap, gate: 0.99, ..KalmanTracker::default() };
             let seen = detections(150, 2);
             let tracks: Vec<Track> = detections(170, 1)
                 .iter()

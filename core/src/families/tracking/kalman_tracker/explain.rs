@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use super::association::{Costs, MOST_NEAR, MatchingStage};
 use super::{Event, KalmanTracker, PairCost, Track, line};
 use crate::base::words;
+use crate::geometry::Grid;
 use crate::methods::{
     kalman::{Filter, Measurement, ellipse},
     multi_object::explain::{self, Names, count},
     numbers::{fixed, px, ratio, squared},
 };
-use crate::geometry::Grid;
 use crate::products::TrackStatus;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
@@ -152,7 +152,8 @@ impl KalmanTracker {
                 fixed(self.iou_threshold.into(), 2)
             ),
             stage => {
-                let distance = format!("d² = {} ≤ {}", squared(self.distance(costs, row, column)), squared(costs.limit));
+                let distance =
+                    format!("d² = {} ≤ {}", squared(self.distance(costs, row, column)), squared(costs.limit));
                 let iou = format!("IoU {overlap} ≥ {}", fixed(self.iou_threshold.into(), 2));
                 let decided = match self.cost {
                     PairCost::Mahalanobis => distance,
@@ -205,11 +206,7 @@ impl KalmanTracker {
 
     /// The gating thresholds in words.
     fn limits(&self, costs: &Costs) -> String {
-        let near = format!(
-            "the gate is d² ≤ {} (χ², 2 dof, {})",
-            squared(costs.limit),
-            words::percent(self.gate)
-        );
+        let near = format!("the gate is d² ≤ {} (χ², 2 dof, {})", squared(costs.limit), words::percent(self.gate));
         let shared = match self.iou_threshold > 0.0 {
             true => format!("the IoU threshold is {}", fixed(self.iou_threshold.into(), 2)),
             false => "boxes have to overlap".into(),
@@ -232,11 +229,7 @@ impl KalmanTracker {
             facts.push(Fact::new("Status", track.age.status.name(), None));
             facts.push(Fact::new("Hits", count(track.age.hits, "matched frame"), None));
             facts.push(Fact::new("Velocity", speed(track), None));
-            facts.push(Fact::new(
-                "Standard deviation σ",
-                format!("{} px", deviations(track)),
-                None,
-            ));
+            facts.push(Fact::new("Standard deviation σ", format!("{} px", deviations(track)), None));
         }
         let (mut tables, mut equation) = (Vec::new(), None);
         if let Some((costs, pair)) = costs_of(seen) {
