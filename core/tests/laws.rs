@@ -124,6 +124,18 @@ fn each(mut law: impl FnMut(Box<dyn AnyEstimator>)) {
 }
 
 #[test]
+fn old_names_of_parameters_are_those_of_present_ones() {
+    for estimator in estimators() {
+        let id = estimator.info().id;
+        for (old, new) in estimator.renamed() {
+            assert!(estimator.get(new).is_ok(), "{id}: there is no {new}");
+            assert_eq!(estimator.get(old), estimator.get(new), "{id}: {old}");
+            assert!(estimator.specs().iter().all(|spec| spec.name != *old), "{id}: {old} is still a parameter");
+        }
+    }
+}
+
+#[test]
 fn run_equals_stepping_on_any_number_of_threads() {
     each(|estimator| {
         let clip = clip_for(&*estimator, moving(50, 41, (1, -2), 2));

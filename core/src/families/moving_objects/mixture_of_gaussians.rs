@@ -70,8 +70,8 @@ impl Background for MixtureOfGaussians {
         name: "Mixture of Gaussians",
         family: "Moving objects",
         summary: "Models each pixel by several weighted Gaussians, so that waving leaves and blinking lamps are background too. Rare colours are foreground.",
-        source: "C. Stauffer and W. E. L. Grimson, Adaptive background mixture models for real-time tracking, CVPR 1999; how many \
-                 modes: Z. Zivkovic, Improved adaptive Gaussian mixture model for background subtraction, ICPR 2004; shadows: \
+        source: "C. Stauffer and W. E. L. Grimson, Adaptive background mixture models for real-time tracking, CVPR 1999; number \
+                 of modes: Z. Zivkovic, Improved adaptive Gaussian mixture model for background subtraction, ICPR 2004; shadows: \
                  A. Prati, I. Mikić, M. Trivedi and R. Cucchiara, Detecting moving shadows, PAMI 2003",
         pseudocode: line::ALL,
         granularities: &["clip", "frame", "stage"],
@@ -117,9 +117,9 @@ impl Background for MixtureOfGaussians {
 
     fn rule(&self) -> String {
         format!(
-            "no mode within {} σ belongs to the background, the {} of the weight",
-            gray(self.threshold),
-            words::percent(self.background_ratio)
+            "no background mode (the heaviest with {} of the weight) lies within {} σ",
+            words::percent(self.background_ratio),
+            gray(self.threshold)
         )
     }
 

@@ -81,7 +81,7 @@ impl Motion<6> for Acceleration {
     }
 
     fn transition(&self, _: &SVector<f64, 6>) -> SMatrix<f64, 6, 6> {
-        // By twos: 1 for itself, 1 for what is one derivative further, ½ for two.
+        // In blocks of two: 1 on the diagonal, 1 for the next derivative, ½ for the one after it.
         SMatrix::from_fn(|i, j| match (i % 2 == j % 2, (j / 2).checked_sub(i / 2)) {
             (true, Some(0 | 1)) => 1.0,
             (true, Some(2)) => 0.5,

@@ -189,6 +189,7 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
 /// The matches of a frame in words.
 fn of_frame(all: Matches) -> String {
     match all.misses() + all.false_positives() {
+        0 if all.truths == 0 => " No true objects in this frame.".into(),
         0 => format!(" All {} true objects are matched (IoU ≥ 0.5).", grouped(all.truths)),
         _ => format!(
             " Truth (IoU ≥ 0.5): {} of {} objects matched, {}.",

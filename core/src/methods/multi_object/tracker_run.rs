@@ -193,7 +193,7 @@ impl TrackerRun {
         self.span.place(self.frames.len())
     }
 
-    /// Memory of its own in bytes. Earlier frames are shared with the states before, as far as the last unit has not changed them.
+    /// Memory of its own in bytes. Earlier frames are shared with the states before, unless the last unit has changed them.
     pub fn own_bytes(&self) -> usize {
         let changed: usize = self.frames[self.changed_from..].iter().map(|frame| frame.bytes()).sum();
         size_of::<Self>() + size_of_val(&self.frames[..]) + changed

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::declare::line;
 use super::{Background, Conclusion, Event, Explanation, Initial, State, Subtraction};
-use crate::base::words::{counted as count, grouped, pixel};
+use crate::base::words::{capital, counted as count, grouped, pixel};
 use crate::data::{Detection, Frame, Mask};
 use crate::methods::differential::explain;
 use crate::methods::numbers::{fixed, percent};
@@ -216,15 +216,15 @@ impl Conclusion {
         match self.ghosts {
             0 if misses + alarms == 0 => String::new(),
             0 if misses > alarms => format!(
-                " {} dominate: try a lower threshold, a smaller opening or min-area.",
-                counted(misses, ["miss", "misses"])
+                " Most errors are misses ({}): try a lower threshold, a smaller opening or min-area.",
+                grouped(misses)
             ),
             0 => format!(
-                " {} dominate: try a higher threshold, a larger opening or min-area.",
-                counted(alarms, ["false alarm", "false alarms"])
+                " Most errors are false alarms ({}): try a higher threshold, a larger opening or min-area.",
+                grouped(alarms)
             ),
             ghosts => format!(
-                " {} where an object of the first frame has left: initialise with the median, or raise the learning rate.",
+                " {} where an object of the first frame has left: initialise with the median, or let the model learn faster.",
                 counted(ghosts, ["ghost remains", "ghosts remain"])
             ),
         }
@@ -322,10 +322,12 @@ impl<M: Background> Subtraction<M> {
         let (said, number) = (Sentence::default(), seen.before.frame);
         let history = MaskHistory::new(seen.events);
         let Some(event) = seen.events.last() else {
-            return said.text(
-                "Background subtraction compares each pixel with a background model; large differences are foreground. \
-                 Opening, closing and connected components turn the mask into blobs.",
-            );
+            let reference = if self.0.get("initial").is_ok() { "a background model" } else { "the previous frame" };
+            return said.text(format!(
+                "Each pixel is compared with {reference}; a large {} is foreground. Opening, closing and connected components \
+                 turn the mask into blobs.",
+                M::COMPARED
+            ));
         };
         if let Event::Updated(conclusion) = event {
             return self.updated(seen, conclusion);
@@ -351,7 +353,8 @@ impl<M: Background> Subtraction<M> {
                 ),
             }),
             Event::Compared(..) => said.text(format!(
-                "Each pixel of frame {number} is compared with the background model. The heat map shows {}.",
+                "{} at each pixel of frame {number}. The heat map shows {}.",
+                capital(M::COMPARED),
                 M::SHOWN
             )),
             Event::Decided(mask) => {

@@ -179,7 +179,7 @@ fn shortest_paths((rows, columns): (usize, usize), cost: impl Fn(usize, usize) -
 /// assignment.
 struct Paths<'a> {
     costs: &'a Pairs,
-    /// What is taken off each cost, so that none is negative.
+    /// The offset subtracted from each cost, so that none is negative.
     low: f64,
     /// The cost of staying alone.
     alone: f64,
@@ -187,7 +187,7 @@ struct Paths<'a> {
     column_price: Vec<f64>,
     row_of: Vec<Option<usize>>,
     column_of: Vec<Option<usize>>,
-    /// How far each column is, and the row before it on the shortest path.
+    /// The distance of each column, and the row before it on the shortest path.
     far: Vec<f64>,
     from: Vec<usize>,
     is_done: Vec<bool>,
@@ -250,7 +250,7 @@ impl<'a> Paths<'a> {
         Ok(Assigned { columns: self.column_of, greedy: 0 })
     }
 
-    /// Pairs the rows from `first` on nearest first, with what is left.
+    /// Assigns the rows from `first` on greedily to the free columns.
     fn greedy(mut self, first: usize) -> Assigned {
         let left = self.costs.filtered(|row, column, _| row >= first && self.row_of[column].is_none());
         for (row, column) in nearest_first(&left).into_iter().enumerate().skip(first) {
@@ -260,7 +260,7 @@ impl<'a> Paths<'a> {
         Assigned { columns: self.column_of, greedy }
     }
 
-    /// Takes in one more row by a shortest augmenting path; `false` if the budget was used up before there was one.
+    /// Assigns one more row by a shortest augmenting path; `false` if the budget is used up first.
     fn pair<E>(&mut self, row: usize, budget: &mut WorkBudget<E>) -> Result<bool, E> {
         let (mut heap, mut touched, mut rows, mut done) = (BinaryHeap::new(), Vec::new(), Vec::new(), Vec::new());
         let (mut next, mut alone) = (Some((row, 0.0)), (f64::INFINITY, row));
@@ -294,7 +294,7 @@ impl<'a> Paths<'a> {
         Ok(true)
     }
 
-    /// Goes from a row that is so far to its columns; gives how many they are.
+    /// Relaxes the columns of a row at this distance; returns their number.
     fn relax(&mut self, row: usize, far: f64, (heap, touched): (&mut BinaryHeap<Reached>, &mut Vec<usize>)) -> usize {
         let mut count = 0;
         for (column, cost) in self.costs.row(row) {
@@ -369,7 +369,7 @@ mod tests {
         Paths::new(costs, low, alone).all(&mut WorkBudget::endless(&wanted)).expect("it is wanted").columns
     }
 
-    /// How many are paired and what that costs; no column twice.
+    /// Returns the number of pairs and their total cost; asserts that no column is used twice.
     fn worth(costs: &Pairs, pairs: &[Option<usize>]) -> (usize, f64) {
         let mut columns: Vec<_> = pairs.iter().flatten().collect();
         columns.sort();

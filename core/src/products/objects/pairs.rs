@@ -138,7 +138,7 @@ impl Pairs {
 pub struct Sums(Vec<Vec<(u32, f64)>>);
 
 impl Sums {
-    /// Nothing so far, in so many rows.
+    /// Creates empty sums of this many rows.
     pub fn new(rows: usize) -> Self {
         Self(vec![Vec::new(); rows])
     }
@@ -157,7 +157,7 @@ impl Sums {
         }
     }
 
-    /// The sums, of a table with so many columns.
+    /// Returns the sums as a matrix with this many columns.
     pub fn pairs(self, columns: usize) -> Pairs {
         let mut pairs = Pairs::new(columns);
         self.0.into_iter().for_each(|row| pairs.push(row.into_iter().map(|(column, sum)| (column as usize, sum))));

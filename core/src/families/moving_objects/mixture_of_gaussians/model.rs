@@ -223,7 +223,7 @@ impl Mixture {
             let planes: Vec<&mut [f32]> = planes.iter_mut().filter_map(Iterator::next).collect();
             (counts, planes)
         });
-        // Groups reach beyond the width; what they say of pixels there is not kept.
+        // Groups reach beyond the width; the mask drops their bits there.
         mask.write(|words, in_row| {
             shadows.write(|shadows, _| {
                 let words = words.chunks_mut(BAND_ROWS * in_row).zip(shadows.chunks_mut(BAND_ROWS * in_row));
@@ -263,7 +263,7 @@ impl Mixture {
         modes
     }
 
-    /// How far a pixel is from the nearest mode of the background, in standard deviations; from the heaviest where no mode is.
+    /// Returns the distance of a pixel from the nearest background mode in σ; from the heaviest mode if none is background.
     /// The heaviest modes whose weight adds up to `background` are the background.
     pub fn distance(&self, frame: &Frame, (x, y): (usize, usize), background: f32) -> f32 {
         let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);

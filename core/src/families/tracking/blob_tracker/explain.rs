@@ -15,7 +15,7 @@ use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Role, Scene, Sentence,
 /// The maximum number of tracks or blobs listed in a sentence.
 const LISTED: usize = 12;
 
-/// `1`, `1 and 2`, `1, 2 and 3`; of very many, the first ones and how many more there are.
+/// `1`, `1 and 2`, `1, 2 and 3`; of a long list, the first ones and the number of the others.
 fn listed(all: impl IntoIterator<Item = usize>) -> String {
     let mut names: Vec<String> = all.into_iter().map(|number| number.to_string()).collect();
     if let Some(more) = names.len().checked_sub(LISTED).filter(|more| *more > 0) {
@@ -146,7 +146,7 @@ impl BlobTracker {
             EventKind::Begun(tracked) => said
                 .text("An unmatched blob starts ")
                 .ink(Role::Reference, named(tracked).to_lowercase())
-                .text(format!("; min-hits = {} matches confirm it.", self.rules.min_hits)),
+                .text(format!(". It is tentative until min-hits = {}.", self.rules.min_hits)),
             EventKind::Done(done, conclusion) => said.text(explain::done(frame, done, conclusion)),
         }
     }

@@ -122,7 +122,7 @@ impl KalmanTracker {
                 .text("An unassigned detection starts ")
                 .ink(Role::Reference, named(track).to_lowercase())
                 .text(format!(
-                    " with velocity 0 ± {} px/frame; min-hits = {} matches confirm it.",
+                    " with velocity 0 ± {} px/frame. It is tentative until min-hits = {}.",
                     px(track.filter.covariance()[(2, 2)].max(0.0).sqrt()),
                     self.rules.min_hits
                 )),
