@@ -95,7 +95,7 @@ impl FlowMagnitude {
 subtraction_pseudocode! {
     begin: "frame 0 is the reference of frame 1",
     compare: "  w ← optical flow from frame t back to frame t−1",
-    decide: "  foreground if |w| > threshold and Σ |I(x, t) − I(x + w, t−1)| < Σ |I(x, t) − I(x, t−1)| over the window",
+    decide: "  foreground if |w| > threshold and Σ |I(x, t) − I(x + w, t−1)| < Σ |I(x, t) − I(x, t−1)|",
     update: "  frame t becomes the reference of frame t+1",
 }
 

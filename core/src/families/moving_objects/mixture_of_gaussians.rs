@@ -24,9 +24,9 @@ params! {
         learning_rate: f32 = 0.005, 0.0..=1.0;
         /// Threshold on |I − μ| / σ within which a pixel matches a mode; OpenCV's variance threshold is its square. σ² is the mean squared distance over all channels together. Stauffer and Grimson use 2.5, Zivkovic 3.
         threshold: f32 = 4.0, 0.5..=20.0, "σ";
-        /// Background ratio: the heaviest modes that together reach this share of the weight are the background.
+        /// Share of the weight that the background modes, the heaviest ones, reach together.
         background_ratio: f32 = 0.9, 0.0..=1.0;
-        /// Complexity reduction c_T (Zivkovic): share of the data that a mode needs to persist; without it its weight decays to zero. 0 keeps all modes, as in Stauffer and Grimson.
+        /// Zivkovic's c_T: share of the data that a mode needs to persist; without it its weight decays to zero. 0 keeps all modes, as in Stauffer and Grimson.
         complexity_reduction: f32 = 0.05, 0.0..=0.5;
         /// Initial standard deviation σ of a new mode in gray levels, over all channels together; in colour √3 times that of one channel.
         initial_sigma: f32 = 4.0, 0.5..=50.0;
@@ -34,7 +34,7 @@ params! {
         min_sigma: f32 = 2.0, 0.5..=50.0;
         /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour.
         detect_shadows: bool = true;
-        /// Shadow threshold τ: minimum brightness of a shadow as a share of that of the background. Darker pixels are objects.
+        /// Minimum brightness τ of a shadow, as a share of that of the background. Darker pixels are objects.
         shadow_threshold: f32 = 0.5, 0.05..=1.0;
         /// Initial background: the first frame, or the median of the run.
         initial: Initial = Initial::FirstFrame;
@@ -61,7 +61,7 @@ subtraction_pseudocode! {
     compare: "  matched mode ← the heaviest with |I − μ| ≤ threshold · σ",
     decide: "  foreground if none matches, or if Σ w of the heavier modes ≥ background-ratio",
     shadows: "  shadow if I ≈ a μ with shadow-threshold ≤ a ≤ 1 for a background mode",
-    update: "  w ← w + α (o − w − c_T), o = 1 for the matched mode, else 0; its μ, σ² move by α / w; no match: new mode",
+    update: "  w ← w + α (o − w − c_T), o = 1 if matched, else 0; its μ, σ² move by α / w; no match: new mode",
 }
 
 impl Background for MixtureOfGaussians {

@@ -73,7 +73,7 @@ subtraction_pseudocode! {
     begin: "μ ← the initial background, σ ← initial-sigma",
     compare: "  d ← |I − μ| / σ",
     decide: "  foreground if d > threshold",
-    update: "  μ ← μ + α (I − μ), σ² ← σ² + α ((I − μ)² − σ²) with learning-rate α; if selective, at background pixels only",
+    update: "  μ ← μ + α (I − μ), σ² ← σ² + α ((I − μ)² − σ²); if selective, at background pixels only",
 }
 
 impl Background for SingleGaussian {

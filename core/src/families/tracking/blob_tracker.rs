@@ -43,7 +43,7 @@ params! {
         predict: bool = true;
         /// Number of frames over which the velocity of a track is averaged. Frames within a group do not count.
         velocity_frames: usize = 5, 1..=50;
-        /// Minimum overlap: intersection as a share of the smaller box. Pairs with less do not correspond.
+        /// Minimum intersection of two boxes as a share of the smaller one. Pairs with less do not correspond.
         min_overlap: f32 = 0.3, 0.01..=1.0;
         /// Maximum centre distance of the nearest-blob fallback, for tracks that overlap no blob.
         max_distance: f32 = 30.0, 0.0..=1000.0, "px";

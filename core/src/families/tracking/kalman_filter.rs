@@ -55,11 +55,11 @@ params! {
         frames: usize = 300, 2..=10_000;
         /// Motion model of the filter.
         motion: MotionModel = MotionModel::Velocity;
-        /// Process noise: standard deviation of the acceleration, with constant acceleration of its change per frame. Raise it if NIS lies above its band.
+        /// Standard deviation of the acceleration, with constant acceleration of its change per frame. Raise it if NIS lies above its band.
         process_noise: f32 = 0.5, 0.0..=50.0, "px/frame²";
-        /// Process noise of the turn rate: standard deviation of its change. Used with motion = turn only.
+        /// Standard deviation of the change of the turn rate. Used with motion = turn only.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
-        /// Measurement noise: standard deviation of a measured position along each axis, from which R is made.
+        /// Standard deviation of a measured position along each axis: the root of the diagonal of R. Lower values trust measurements more.
         measurement_noise: f32 = 2.0, 0.01..=100.0, "px";
         /// Source of the detections.
         source: Source = Source::Auto;
@@ -75,9 +75,9 @@ params! {
         seed: u32 = 1, 0..=9999;
         /// Sensors that measure the object, fused by one update each. Where the first is occluded, the second continues.
         sensors: Sensors = Sensors::One;
-        /// Measurement noise of the second sensor's position. Used with two sensors only.
+        /// Standard deviation of the second sensor's position. Used with two sensors only.
         second_noise: f32 = 4.0, 0.01..=100.0, "px";
-        /// Measurement noise of the second sensor's velocity. Used with sensors = position-and-velocity only.
+        /// Standard deviation of the second sensor's velocity. Used with sensors = position-and-velocity only.
         velocity_noise: f32 = 1.0, 0.01..=100.0, "px/frame";
         /// Gate probability: share of the true measurements inside the gate. It sets the gating threshold of d² by the χ² distribution.
         gate: f32 = 0.99, 0.5..=0.9999;
@@ -85,7 +85,7 @@ params! {
         occlusion_start: usize = 0, 0..=10_000;
         /// Length of the simulated occlusion; 0 for none.
         occlusion_frames: usize = 0, 0..=1000;
-        /// Max age: missed frames in a row before the track is deleted; the next measurement starts another. A track far outside the picture is deleted at once.
+        /// Missed frames in a row before the track is deleted; the next measurement starts another. A track far outside the picture is deleted at once.
         max_age: usize = 30, 1..=1000;
         /// Initial standard deviation of each velocity component; the initial velocity is 0.
         initial_speed: f32 = 30.0, 0.1..=500.0, "px/frame";

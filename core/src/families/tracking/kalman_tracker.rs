@@ -53,11 +53,11 @@ params! {
         settings: tracker_run::Settings = tracker_run::Settings::default();
         /// Motion model of the filters.
         motion: MotionModel = MotionModel::Velocity;
-        /// Process noise: standard deviation of the acceleration (with constant acceleration of its change per frame) in px/frame² per px of box height.
+        /// Standard deviation of the acceleration (with constant acceleration of its change per frame) in px/frame² per px of box height.
         process_noise: f32 = 0.02, 0.0..=2.0;
-        /// Process noise of the turn rate: standard deviation of its change. Used with motion = turn only.
+        /// Standard deviation of the change of the turn rate. Used with motion = turn only.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
-        /// Measurement noise: standard deviation of a detected position along each axis, as a share of the box height.
+        /// Standard deviation of a detected position along each axis, as a share of the box height.
         measurement_noise: f32 = 0.1, 0.001..=2.0;
         /// Assignment method of tracks and detections.
         association: Association = Association::Assignment;
@@ -65,11 +65,11 @@ params! {
         cost: PairCost = PairCost::Both;
         /// Gate probability: share of the true measurements inside the gate. It sets the gating threshold of d² by the χ² distribution with 2 degrees of freedom.
         gate: f32 = 0.999, 0.5..=0.9999;
-        /// IoU threshold: minimum IoU of the predicted box and a detection. With 0 the boxes only have to overlap.
+        /// Minimum IoU of the predicted box and a detection. With 0 the boxes only have to overlap.
         iou_threshold: f32 = 0.2, 0.0..=0.95;
         /// Matching cascade: confirmed tracks are matched first, tentative ones with the remaining detections. Off: all at once, as in SORT.
         cascade: bool = true;
-        /// Score threshold τ (ByteTrack): detections of at least this score are matched first and start tracks. Those of lower score only continue tracks matched in the previous frame.
+        /// Threshold τ of ByteTrack: detections of at least this score are matched first and start tracks. Those of lower score only continue tracks matched in the previous frame.
         score_threshold: f32 = 0.6, -1000.0..=1000.0;
         /// Observation-centric recovery (OC-SORT): match unmatched tracks by the last detected box too, for objects that stopped while occluded.
         recover: bool = true;

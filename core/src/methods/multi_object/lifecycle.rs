@@ -7,9 +7,9 @@ params! {
     /// The parameters of track management.
     #[derive(Copy)]
     pub struct Rules {
-        /// Min hits: matched frames before a tentative track is confirmed.
+        /// Matched frames before a tentative track is confirmed. Higher values suppress false tracks, but delay new ones.
         min_hits: usize = 3, 1..=50;
-        /// Max age: missed frames in a row before a confirmed track is deleted; a tentative one is deleted at the first.
+        /// Missed frames in a row before a confirmed track is deleted; a tentative one is deleted at the first miss. Higher values bridge longer occlusions, but keep lost tracks.
         max_age: usize = 15, 0..=500;
         /// Once a track is confirmed, count its tentative frames too. With hindsight (non-causal): in real time a track starts when it is confirmed.
         backdate: bool = true;

@@ -27,7 +27,7 @@ params! {
         detector: Stage<Foreground> = default_detector();
         /// Positions clicked on the frames, used as detections.
         clicks: Spots = Spots::default();
-        /// Minimum score. Detections of the clip's file with a lower score are discarded.
+        /// Minimum score of a detection of the clip's file. Those with a lower score are discarded.
         min_score: f32 = 0.3, -1000.0..=1000.0;
         /// Standard deviation of the noise added to true positions (source = truth).
         added_noise: f32 = 2.0, 0.0..=100.0, "px";

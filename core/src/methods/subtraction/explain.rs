@@ -262,7 +262,7 @@ fn draw_shapes(scene: &mut Scene, blobs: &[Detection]) {
         scene.legend(Role::Estimate, "ellipse of equal second moments");
         scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![*center]));
         scene.legend(Role::Measured, "centroid");
-        let text = Shape::Text { at: bounds.min, text: format!("{}: {} px", blob.label, blob.area_px) };
+        let text = Shape::Text { at: bounds.min, text: format!("{}: {}", blob.label, pixels(blob.area_px as usize)) };
         scene.mark(Picture::CURRENT, Role::Result, text);
     }
 }
