@@ -4,11 +4,11 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{set, waves};
+use common::{Objects, set, waves};
 use motionscope_core::scene::Focus;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Guarantee, Mask, Move, ObjectField,
-    Stop, Threads, estimators, synth,
+    AnyEstimator, Bounds, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Guarantee, Mask, Move, ObjectBox,
+    ObjectField, Stop, Threads, estimators, synth,
 };
 
 /// A number that tells a place and a frame from all others.
@@ -413,6 +413,34 @@ fn what_a_stage_does_can_be_seen() {
     let stages = ["compare", "decide", "remove-shadows", "open", "close", "label", "keep-blobs", "update-model"];
     assert_eq!(lines, stages);
     assert_eq!(walk.at_frame(), 11);
+}
+
+/// A square that leaves its place in the first frame, with its truth.
+fn leaving(frames: usize) -> Clip {
+    let x = |t: usize| 6 + 6 * t;
+    let frame = |t| {
+        let is_in = |u: usize, v: usize| (x(t)..x(t) + 12).contains(&u) && (10..22).contains(&v);
+        Frame::gray(Grid::from_fn(96, 40, |u, v| if is_in(u, v) { 200 } else { 60 }))
+    };
+    let truth = |t| vec![ObjectBox { id: 1, x: x(t) as f32, y: 10.0, width: 12.0, height: 12.0, visibility: 1.0 }];
+    let clip = Clip::from_frames("leaving", (0..frames).map(frame).collect()).expect("frames of one size");
+    clip.with_truth(Arc::new(Objects((0..frames).map(truth).collect())))
+}
+
+#[test]
+fn an_update_tells_its_numbers_and_a_ghost_is_called_a_ghost() {
+    let clip = leaving(8);
+    let told = |initial: &str, unit: usize| {
+        let mut walk = set("running-average", &[("initial", initial)]).walk(&clip, 0).expect("a run");
+        walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+        walk.step(None).sentence.plain()
+    };
+    let ghostly = told("first-frame", 5);
+    assert!(ghostly.contains("B moves from") && ghostly.contains("α = 0.020"), "{ghostly}");
+    assert!(ghostly.contains("1 ghost remains"), "{ghostly}");
+    assert!(ghostly.contains("precision 0.50, recall 1.00, F₁ 0.67"), "{ghostly}");
+    assert!(!told("median", 5).contains("ghost"), "{}", told("median", 5));
+    assert!(told("median", 7).contains("Run against the truth"), "{}", told("median", 7));
 }
 
 /// So many frames has [`Broken`].

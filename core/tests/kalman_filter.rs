@@ -255,6 +255,23 @@ fn what_is_told_is_true_of_the_step() {
 }
 
 #[test]
+fn three_rejections_in_a_row_suggest_a_remedy_and_a_run_ends_with_a_conclusion() {
+    let mut frames = vec![vec![found([100.0, 100.0], [10.0; 2], 1.0)]; 4];
+    frames.extend(vec![vec![found([400.0, 300.0], [10.0; 2], 1.0)]; 4]);
+    let mut told = Vec::new();
+    steps(&*set("kalman-filter", &[]), &rows(frames), |walk| told.push(walk.step(None).sentence.plain()));
+    let advised = |count: &str| told.iter().any(|said| said.contains(&format!("{count} rejections in a row")));
+    assert_eq!(["2", "3", "4"].map(advised), [false, true, true], "{}", told.join("\n"));
+    let mut told = Vec::new();
+    steps(&*set("kalman-filter", &[("source", "truth")]), &scene("crossing-stars"), |walk| {
+        told.push(walk.step(None).sentence.plain());
+    });
+    let concluded = |said: &&String| said.contains("Run: position error (RMS)") && said.contains("Mean NIS");
+    let last = told.last().expect("steps");
+    assert!(concluded(&last) && told.iter().filter(concluded).count() == 1, "{last}");
+}
+
+#[test]
 fn all_matrices_that_change_are_lit() {
     let clip = scene("crossing-stars");
     let mut lit: Vec<(&str, usize)> = Vec::new();
