@@ -810,7 +810,7 @@ fn objects_are_tracked_from_detections_alone_and_scored() {
     let share = 2.0 * (12.0 - 3.0) / 24.0;
     assert_eq!((&metrics["recall"], &told["live"]["recall"]), (&1.0.into(), &share.into()), "{told}");
     assert!(text.contains("live        MOTA ") && text.contains("without hindsight"), "{text}");
-    let causal = "run det.txt --truth gt.txt --estimator kalman-tracker --set bridge=off --set backdate=off";
+    let causal = "run det.txt --truth gt.txt --estimator kalman-tracker --set interpolate=off --set backdate=off";
     assert!(!stdout(folder.path(), causal).contains("live "));
     let part = json(folder.path(), "run det.txt --estimator kalman-filter --frames 2..7 --json");
     assert_eq!((&part["frame"], &part["last_frame"], &part["metrics"]["objects"]), (&2.into(), &7.into(), &1.into()));

@@ -4,11 +4,11 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{set, waves};
+use common::{Objects, set, waves};
 use motionscope_core::scene::Focus;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Guarantee, Mask, Move, ObjectField,
-    Stop, Threads, estimators, synth,
+    AnyEstimator, Bounds, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Guarantee, Mask, Move, ObjectBox,
+    ObjectField, Stop, Threads, estimators, synth,
 };
 
 /// A number that tells a place and a frame from all others.
@@ -53,7 +53,7 @@ fn in_gray(clip: &Clip, frames: usize) -> Clip {
 
 /// The estimator with what it decides left as it is.
 fn raw(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
-    set(id, &[&[("open", "0"), ("close", "0"), ("min-area", "1")], settings].concat())
+    set(id, &[&[("opening", "0"), ("closing", "0"), ("min-area", "1")], settings].concat())
 }
 
 fn objects(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
@@ -120,7 +120,7 @@ fn models_of_gray_values_decide_as_their_papers_say() {
             is_foreground
         },
     );
-    same("frame-difference", &[("threshold", "12"), ("compared", "3")], three);
+    same("frame-difference", &[("threshold", "12"), ("differencing", "3")], three);
     for (selective, name) in [(false, "off"), (true, "on")] {
         let average = plain(
             &clip,
@@ -134,7 +134,7 @@ fn models_of_gray_values_decide_as_their_papers_say() {
                 is_foreground
             },
         );
-        let settings = [("threshold", "20.3"), ("rate", "0.05"), ("selective", name)];
+        let settings = [("threshold", "20.3"), ("learning-rate", "0.05"), ("selective", name)];
         same("running-average", &settings, average);
         let gaussian = plain(
             &clip,
@@ -150,7 +150,7 @@ fn models_of_gray_values_decide_as_their_papers_say() {
                 is_foreground
             },
         );
-        let settings = [("threshold", "3.3"), ("rate", "0.05"), ("first-sigma", "5"), ("min-sigma", "1.5")];
+        let settings = [("threshold", "3.3"), ("learning-rate", "0.05"), ("initial-sigma", "5"), ("min-sigma", "1.5")];
         same("single-gaussian", &[&settings[..], &[("selective", name)]].concat(), gaussian);
     }
     for step in [1, 4] {
@@ -244,12 +244,12 @@ fn the_mixture_decides_as_its_papers_say() {
             let begin = |i: &[f64]| vec![Mode { weight: 1.0, mean: i.to_vec(), variance: 16.0 }];
             let expected = plain(clip, FRAMES, begin, |modes, i| plain_one.is_foreground(modes, i));
             let settings = [
-                ("rate", "0.02"),
-                ("prune", &prune.to_string()),
+                ("learning-rate", "0.02"),
+                ("complexity-reduction", &prune.to_string()),
                 ("threshold", "3.1"),
-                ("background", "0.7"),
+                ("background-ratio", "0.7"),
                 ("modes", &most.to_string()),
-                ("shadows", if shadows { "on" } else { "off" }),
+                ("detect-shadows", if shadows { "on" } else { "off" }),
             ];
             let found = masks(&*raw("mixture-of-gaussians", &settings), clip);
             let (off, set) = differing(&found, &expected);
@@ -261,7 +261,7 @@ fn the_mixture_decides_as_its_papers_say() {
 
 /// All that find objects by a model of the background.
 fn subtractions() -> Vec<Box<dyn AnyEstimator>> {
-    let all = estimators().into_iter().filter(|e| e.guarantee() == Guarantee::Objects && e.get("open").is_ok());
+    let all = estimators().into_iter().filter(|e| e.guarantee() == Guarantee::Objects && e.get("opening").is_ok());
     all.filter(|estimator| estimator.info().granularities.last() == Some(&"stage")).collect()
 }
 
@@ -272,7 +272,7 @@ fn what_is_told_of_a_pixel_is_what_was_decided() {
     for clip in [in_gray(&colorful, FRAMES), colorful] {
         for estimator in subtractions() {
             let id = estimator.info().id;
-            let shadows = if id == "mixture-of-gaussians" { &[("shadows", "off")][..] } else { &[] };
+            let shadows = if id == "mixture-of-gaussians" { &[("detect-shadows", "off")][..] } else { &[] };
             let estimator = raw(id, shadows);
             let mask = masks(&*estimator, &clip).pop().expect("a mask");
             let mut walk = estimator.walk(&clip, 0).expect("a run");
@@ -316,7 +316,7 @@ fn a_shadow_is_taken_off_and_a_dark_object_is_not() {
     };
     let clip = Clip::from_frames("shadow", (0..6).map(frame).collect()).expect("frames of one size");
     let boxes = |shadows| {
-        let field = objects(&*set("mixture-of-gaussians", &[("shadows", shadows)]), &clip);
+        let field = objects(&*set("mixture-of-gaussians", &[("detect-shadows", shadows)]), &clip);
         field.frames.last().expect("a frame").detections.iter().map(|found| found.bounds).collect::<Vec<_>>()
     };
     let square = |x: f32| Bounds { min: [x - 0.5, 19.5], max: [x + 19.5, 39.5] };
@@ -337,7 +337,7 @@ fn cars_are_found_where_they_are() {
         // There is no noise, and a blue car is hardly brighter than the road.
         match estimator.info().id {
             "running-average" | "median-background" => estimator.set("threshold", "10").expect("in range"),
-            "single-gaussian" => estimator.set("first-sigma", "2.5").expect("in range"),
+            "single-gaussian" => estimator.set("initial-sigma", "2.5").expect("in range"),
             _ => {}
         }
         let field = objects(&*estimator, &clip);
@@ -415,6 +415,34 @@ fn what_a_stage_does_can_be_seen() {
     assert_eq!(walk.at_frame(), 11);
 }
 
+/// A square that leaves its place in the first frame, with its truth.
+fn leaving(frames: usize) -> Clip {
+    let x = |t: usize| 6 + 6 * t;
+    let frame = |t| {
+        let is_in = |u: usize, v: usize| (x(t)..x(t) + 12).contains(&u) && (10..22).contains(&v);
+        Frame::gray(Grid::from_fn(96, 40, |u, v| if is_in(u, v) { 200 } else { 60 }))
+    };
+    let truth = |t| vec![ObjectBox { id: 1, x: x(t) as f32, y: 10.0, width: 12.0, height: 12.0, visibility: 1.0 }];
+    let clip = Clip::from_frames("leaving", (0..frames).map(frame).collect()).expect("frames of one size");
+    clip.with_truth(Arc::new(Objects((0..frames).map(truth).collect())))
+}
+
+#[test]
+fn an_update_tells_its_numbers_and_a_ghost_is_called_a_ghost() {
+    let clip = leaving(8);
+    let told = |initial: &str, unit: usize| {
+        let mut walk = set("running-average", &[("initial", initial)]).walk(&clip, 0).expect("a run");
+        walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+        walk.step(None).sentence.plain()
+    };
+    let ghostly = told("first-frame", 5);
+    assert!(ghostly.contains("B moves from") && ghostly.contains("α = 0.020"), "{ghostly}");
+    assert!(ghostly.contains("1 ghost remains"), "{ghostly}");
+    assert!(ghostly.contains("precision 0.50, recall 1.00, F₁ 0.67"), "{ghostly}");
+    assert!(!told("median", 5).contains("ghost"), "{}", told("median", 5));
+    assert!(told("median", 7).contains("Run against the truth"), "{}", told("median", 7));
+}
+
 /// So many frames has [`Broken`].
 const FRAMES: usize = 12;
 
@@ -467,7 +495,7 @@ fn connected_components_label_what_is_bright() {
         }))
     };
     let clip = Clip::from_frames("bright", (0..2).map(frame).collect()).expect("frames of one size");
-    let settings = [("pixels", "bright"), ("threshold", "100"), ("close", "0")];
+    let settings = [("pixels", "bright"), ("threshold", "100"), ("closing", "0")];
     let field = objects(&*set("connected-components", &settings), &clip);
     let found: Vec<_> =
         field.frames[0].detections.iter().map(|d| (d.bounds, d.blob.expect("a shape").area_px)).collect();
@@ -487,10 +515,11 @@ fn masks_end_where_the_picture_does_at_any_width() {
             };
             let clip = Clip::from_frames("noise", (0..4).map(frame).collect()).expect("frames of one size");
             // Where nothing is background, everything is foreground, and no more than that.
-            let all = objects(&*raw("mixture-of-gaussians", &[("background", "0"), ("shadows", "off")]), &clip);
+            let all =
+                objects(&*raw("mixture-of-gaussians", &[("background-ratio", "0"), ("detect-shadows", "off")]), &clip);
             assert_eq!(all.frames[3].mask.as_ref().map(|mask| mask.count()), Some(9 * width), "{width}");
-            for mut estimator in estimators().into_iter().filter(|e| e.get("open").is_ok()) {
-                for (name, text) in [("open", "0"), ("close", "0"), ("min-area", "1")] {
+            for mut estimator in estimators().into_iter().filter(|e| e.get("opening").is_ok()) {
+                for (name, text) in [("opening", "0"), ("closing", "0"), ("min-area", "1")] {
                     estimator.set(name, text).expect("in range");
                 }
                 for threads in [1, 2] {

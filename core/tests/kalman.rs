@@ -314,7 +314,7 @@ fn consistency<const N: usize>(
     let mut sums = vec![[0.0; 2]; frames];
     for seed in 0..seeds {
         let mut chance = Chance::new(seed);
-        let deviations = motion.doubts(3.0).map(|deviation| if deviation > 0.0 { deviation } else { 2.0 });
+        let deviations = motion.initial_deviations(3.0).map(|deviation| if deviation > 0.0 { deviation } else { 2.0 });
         let covariance = SMatrix::from_diagonal(&SVector::from(deviations).map(|d| d * d));
         let mut estimate = Estimate { state: SVector::zeros(), covariance };
         let mut truth = SVector::from(deviations).map(|deviation| deviation * chance.normal());

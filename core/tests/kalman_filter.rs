@@ -83,7 +83,7 @@ fn detections_are_ranked_by_score_whatever_their_boxes_are() {
     let mut told = String::new();
     let few = rows(vec![vec![found([100.0; 2], [10.0; 2], 1.0)]; 2]);
     steps(&*set("kalman-filter", &[("object", "7")]), &few, |walk| told += &walk.step(None).sentence.plain());
-    assert!(told.contains("Object 7 was asked for and only one is there"), "{told}");
+    assert!(told.contains("Object 7 was chosen, but only one was detected"), "{told}");
 }
 
 #[test]
@@ -202,14 +202,14 @@ fn the_estimator_is_consistent_on_clips_over_a_hundred_seeds() {
 }
 
 #[test]
-fn a_second_sensor_bridges_what_hides_the_first() {
+fn a_second_sensor_continues_through_an_occlusion_of_the_first() {
     let clip = scene("crossing-stars");
-    let hidden = [("drop-from", "8"), ("drop-frames", "6"), ("smooth", "off")];
+    let hidden = [("occlusion-start", "8"), ("occlusion-frames", "6"), ("smooth", "off")];
     let of = |sensors| run(&*set("kalman-filter", &[&hidden[..], &[("sensors", sensors)]].concat()), &clip);
     let (one, two) = (of("one"), of("two-positions"));
     for t in 8..14 {
         assert_eq!(
-            [&one, &two].map(|field| field.frames[t].objects[0].life),
+            [&one, &two].map(|field| field.frames[t].objects[0].status),
             [TrackStatus::Coasting, TrackStatus::Confirmed]
         );
     }
@@ -222,8 +222,8 @@ fn what_has_left_the_picture_is_given_up() {
     let at = |t: usize| found([100.0 * t as f32, 240.0], [400.0; 2], 1.0);
     let clip = rows((0..40).map(|t| if t < 6 { vec![at(t)] } else { vec![] }).collect());
     for (id, settings) in [
-        ("kalman-filter", vec![("first-speed", "200"), ("patience", "200")]),
-        ("kalman-tracker", vec![("patience", "200")]),
+        ("kalman-filter", vec![("initial-speed", "200"), ("max-age", "200")]),
+        ("kalman-tracker", vec![("max-age", "200")]),
     ] {
         let field = run(&*set(id, &settings), &clip);
         let last = field.frames.iter().rposition(|frame| !frame.objects.is_empty()).expect("it is followed");
@@ -238,20 +238,37 @@ fn what_is_told_is_true_of_the_step() {
     frames.push(vec![found([400.0, 300.0], [10.0; 2], 1.0)]);
     frames.extend([vec![], vec![]]);
     let (mut told, mut legends) = (Vec::new(), Vec::new());
-    steps(&*set("kalman-filter", &[("patience", "1"), ("gate", "0.9999")]), &rows(frames), |walk| {
+    steps(&*set("kalman-filter", &[("max-age", "1"), ("gate", "0.9999")]), &rows(frames), |walk| {
         told.push(walk.step(None).sentence.plain());
         let scene = walk.scene(None);
         let meaning = |role| scene.legend.iter().find(|(other, _)| *other == role).map(|(_, meaning)| *meaning);
         legends.push((meaning(Role::Best), meaning(Role::Estimate)));
     });
     let all = told.join("\n");
-    assert!(all.contains("the 99.99 % gate is"), "{all}");
-    assert!(all.contains("lies outside the gate, so the prediction stands"), "{all}");
-    assert!(all.contains("For 1 frame nothing was measured"), "{all}");
-    assert!(all.contains("was deleted, and nothing is measured in frame 5"), "{all}");
-    assert!(!all.contains("Nothing was ever measured"), "{all}");
+    assert!(all.contains("99.99 % gate"), "{all}");
+    assert!(all.contains("The measurement is rejected, so the track coasts"), "{all}");
+    assert!(all.contains("1 frame missed in a row"), "{all}");
+    assert!(all.contains("No track after the deletion, and no measurement in frame 5"), "{all}");
+    assert!(!all.contains("No measurement up to frame"), "{all}");
     assert!(legends.iter().any(|(arrow, _)| arrow.is_some_and(|text| text.contains("innovation"))));
-    assert!(legends.iter().any(|(_, estimate)| *estimate == Some("filtered")), "{legends:?}");
+    assert!(legends.iter().any(|(_, estimate)| *estimate == Some("filtered estimate")), "{legends:?}");
+}
+
+#[test]
+fn three_rejections_in_a_row_suggest_a_remedy_and_a_run_ends_with_a_conclusion() {
+    let mut frames = vec![vec![found([100.0, 100.0], [10.0; 2], 1.0)]; 4];
+    frames.extend(vec![vec![found([400.0, 300.0], [10.0; 2], 1.0)]; 4]);
+    let mut told = Vec::new();
+    steps(&*set("kalman-filter", &[]), &rows(frames), |walk| told.push(walk.step(None).sentence.plain()));
+    let advised = |count: &str| told.iter().any(|said| said.contains(&format!("{count} rejections in a row")));
+    assert_eq!(["2", "3", "4"].map(advised), [false, true, true], "{}", told.join("\n"));
+    let mut told = Vec::new();
+    steps(&*set("kalman-filter", &[("source", "truth")]), &scene("crossing-stars"), |walk| {
+        told.push(walk.step(None).sentence.plain());
+    });
+    let concluded = |said: &&String| said.contains("Run: position error (RMS)") && said.contains("Mean NIS");
+    let last = told.last().expect("steps");
+    assert!(concluded(&last) && told.iter().filter(concluded).count() == 1, "{last}");
 }
 
 #[test]

@@ -28,7 +28,7 @@ fn rows(frames: Vec<Vec<Detection>>) -> Clip {
 
 /// The identities in a frame that are seen there.
 fn seen(field: &ObjectField, t: usize) -> Vec<u32> {
-    let objects = field.frames[t].objects.iter().filter(|object| object.life == TrackStatus::Confirmed);
+    let objects = field.frames[t].objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
     objects.map(|object| object.id).collect()
 }
 
@@ -52,19 +52,19 @@ fn sentences(estimator: &dyn AnyEstimator, clip: &Clip) -> String {
 #[test]
 fn bridging_and_backdating_look_back_and_nothing_else_does() {
     let clip = walker(20, 8..12);
-    let causal = [("bridge", "off"), ("backdate", "off")];
+    let causal = [("interpolate", "off"), ("backdate", "off")];
     let of = |settings: &[(&str, &str)]| {
         let field = run(settings, &clip);
         (0..20).map(|t| !seen(&field, t).is_empty()).collect::<Vec<_>>()
     };
     let at = |frames: &dyn Fn(usize) -> bool| (0..20).map(frames).collect::<Vec<_>>();
     assert_eq!(of(&causal), at(&|t| (2..8).contains(&t) || t >= 12));
-    assert_eq!(of(&[("bridge", "off")]), at(&|t| !(8..12).contains(&t)));
+    assert_eq!(of(&[("interpolate", "off")]), at(&|t| !(8..12).contains(&t)));
     assert_eq!(of(&[("backdate", "off")]), at(&|t| t >= 2));
     assert_eq!(of(&[]), at(&|_| true));
     // What is put in between is a place, and nothing is known of how the object moved there.
-    let bridged = run(&[], &clip);
-    let object = &bridged.frames[10].objects[0];
+    let interpolated = run(&[], &clip);
+    let object = &interpolated.frames[10].objects[0];
     assert!((object.position[0] - 140.0).abs() < 3.0, "{:?}", object.position);
     assert_eq!((object.velocity, object.covariance, object.detection), (None, None, None));
     // A run that ends earlier says the same of its frames.
@@ -73,10 +73,10 @@ fn bridging_and_backdating_look_back_and_nothing_else_does() {
 }
 
 #[test]
-fn patience_is_the_most_frames_that_may_be_missed() {
-    for (patience, hidden, same) in [("4", 8..12, true), ("3", 8..12, false), ("0", 8..9, false)] {
-        let field = run(&[("patience", patience)], &walker(20, hidden.clone()));
-        assert_eq!(seen(&field, 19) == seen(&field, 7), same, "{patience} frames for {hidden:?}");
+fn max_age_is_the_most_frames_that_may_be_missed() {
+    for (max_age, hidden, same) in [("4", 8..12, true), ("3", 8..12, false), ("0", 8..9, false)] {
+        let field = run(&[("max-age", max_age)], &walker(20, hidden.clone()));
+        assert_eq!(seen(&field, 19) == seen(&field, 7), same, "{max_age} frames for {hidden:?}");
     }
 }
 
@@ -92,11 +92,11 @@ fn scores_count_where_a_detector_tells_them() {
             _ if t < 5 + gap => vec![],
             _ => vec![found([400.0, 200.0], BOX, 0.4)],
         };
-        seen(&run(&[("bridge", "off")], &rows((0..12).map(of).collect())), 11)
+        seen(&run(&[("interpolate", "off")], &rows((0..12).map(of).collect())), 11)
     };
     assert_eq!((fading(0), fading(2)), (vec![1], vec![]));
     let told = sentences(&*set("kalman-tracker", &[]), &rows(vec![frame(0.2); 4]));
-    assert!(told.contains("1 detection in frame 1; 1 more with a score below 0.300 left out."), "{told}");
+    assert!(told.contains("1 detection in frame 1; 1 more discarded with a score below min-score = 0.30."), "{told}");
     // The visibility of a true object is no score.
     let clip = synth::make("traffic", &synth::scene("traffic").expect("bundled").difficulty()).expect("a clip");
     assert_eq!(run(&[("min-score", "900"), ("source", "truth")], &clip), run(&[("source", "truth")], &clip));
@@ -108,7 +108,7 @@ fn confirmed_tracks_choose_first() {
     let mut frames: Vec<Vec<Detection>> = (0..8).map(|_| vec![found([100.0, 200.0], BOX, 0.9)]).collect();
     frames[6] = vec![found([100.0, 200.0], BOX, 0.9), found([122.0, 200.0], BOX, 0.9)];
     frames[7] = vec![found([113.0, 200.0], BOX, 0.9)];
-    let of = |in_turns: &str| seen(&run(&[("in-turns", in_turns)], &rows(frames.clone())), 7);
+    let of = |cascade: &str| seen(&run(&[("cascade", cascade)], &rows(frames.clone())), 7);
     assert_eq!((of("on"), of("off")), (vec![1], vec![]));
 }
 
@@ -123,7 +123,7 @@ fn who_has_stopped_while_hidden_is_found_by_its_last_box() {
     let clip = rows(frames.collect());
     let of = |recover: &str| seen(&run(&[("recover", recover)], &clip), 23);
     assert_eq!((of("on"), of("off")), (vec![1], vec![2]));
-    assert!(sentences(&*set("kalman-tracker", &[]), &clip).contains("overlaps the track's last box"));
+    assert!(sentences(&*set("kalman-tracker", &[]), &clip).contains("IoU with the last box"));
 }
 
 #[test]
@@ -151,13 +151,13 @@ fn each_cost_has_its_own_gate() {
     frames.push(vec![found([130.0, 200.0], BOX, 0.9)]);
     let clip = rows(frames);
     let of = |cost: &str, least: &str| {
-        let settings = [("cost", cost), ("min-overlap", least), ("measurement-noise", "0.3"), ("recover", "off")];
+        let settings = [("cost", cost), ("iou-threshold", least), ("measurement-noise", "0.3"), ("recover", "off")];
         seen(&run(&settings, &clip), 6) == [1]
     };
     assert_eq!([of("mahalanobis", "0.5"), of("overlap", "0.2"), of("both", "0.2")], [true, false, false]);
     assert_eq!([of("overlap", "0.1"), of("both", "0.1"), of("both", "0")], [true; 3]);
-    let told = sentences(&*set("kalman-tracker", &[("min-overlap", "0")]), &clip);
-    assert!(told.contains("their boxes overlap") && !told.contains("at least 0.00"), "{told}");
+    let told = sentences(&*set("kalman-tracker", &[("iou-threshold", "0")]), &clip);
+    assert!(told.contains("boxes have to overlap") && !told.contains("IoU threshold is 0.00"), "{told}");
 }
 
 #[test]
@@ -180,7 +180,7 @@ fn a_pair_is_shown_in_a_table_with_names() {
     while !walk.at_end() {
         walk.jump(Move::Granularity(2, Direction::Forward));
         let step = walk.step(None);
-        let Some(pair) = step.sentence.plain().strip_prefix("Object 19 is assigned to ").map(String::from) else {
+        let Some(pair) = step.sentence.plain().strip_prefix("Track 19 is assigned to ").map(String::from) else {
             continue;
         };
         let tables = step.readouts.iter().find_map(|r| if let Readout::Matrices(all) = r { Some(all) } else { None });
@@ -250,7 +250,7 @@ fn thousands_of_objects_are_followed_scored_and_walked_through_in_seconds() {
             let scored = scores(field, &**clip.truth().expect("exact")).expect("readable").expect("objects");
             assert_eq!(scored.truths, 4 * 5000);
             if is_smooth && id == "kalman-tracker" {
-                assert_eq!((scored.matches, scored.switches, scored.hasty), (4 * 5000, 0, 0), "{scored:?}");
+                assert_eq!((scored.matches, scored.switches, scored.greedy), (4 * 5000, 0, 0), "{scored:?}");
             }
             let mut walk = tracker.walk(clip, 0).expect("a run");
             walk.jump(Move::To(Cursor { unit: 2, event: 3 }));

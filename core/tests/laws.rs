@@ -105,7 +105,7 @@ fn small(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
             estimator.set(name, value).expect("in range");
         }
     }
-    for name in ["patience", "tracker.patience"] {
+    for name in ["max-age", "tracker.max-age"] {
         // Only trackers have it: tracks end within a short clip.
         estimator.set(name, "3").ok();
     }
@@ -120,6 +120,18 @@ fn clip_for(estimator: &dyn AnyEstimator, pair: Clip) -> Clip {
 fn each(mut law: impl FnMut(Box<dyn AnyEstimator>)) {
     for estimator in estimators() {
         law(small(estimator));
+    }
+}
+
+#[test]
+fn old_names_of_parameters_are_those_of_present_ones() {
+    for estimator in estimators() {
+        let id = estimator.info().id;
+        for (old, new) in estimator.renamed() {
+            assert!(estimator.get(new).is_ok(), "{id}: there is no {new}");
+            assert_eq!(estimator.get(old), estimator.get(new), "{id}: {old}");
+            assert!(estimator.specs().iter().all(|spec| spec.name != *old), "{id}: {old} is still a parameter");
+        }
     }
 }
 
@@ -221,7 +233,8 @@ fn the_clip_of_the_laws_has_tracks_that_confirm_coast_come_back_and_end() {
         let output = estimator.run(&clip, 0, &Threads::single()).expect("a run");
         let Some(field) = output.get::<ObjectField>().filter(|field| field.followed == Followed::All) else { return };
         let id = estimator.info().id;
-        let lives = |object: u32| field.frames.iter().map(move |frame| frame.object(object).map(|object| object.life));
+        let lives =
+            |object: u32| field.frames.iter().map(move |frame| frame.object(object).map(|object| object.status));
         let ids: std::collections::BTreeSet<u32> =
             field.frames.iter().flat_map(|frame| frame.objects.iter().map(|object| object.id)).collect();
         assert_eq!(ids.len(), 2, "{id}: one track each, none is torn");

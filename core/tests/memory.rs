@@ -93,10 +93,13 @@ fn all() -> Vec<(Box<dyn AnyEstimator>, String)> {
         ("point-trajectories", &[("method", "farneback")]),
         ("point-trajectories", &[("method", "tv-l1"), ("spacing", "5"), ("structure", "0")]),
         ("mixture-of-gaussians", &[("modes", "1")]),
-        ("mixture-of-gaussians", &[("modes", "8"), ("threshold", "0.5"), ("prune", "0"), ("rate", "0.4")]),
-        ("frame-difference", &[("open", "0"), ("close", "0"), ("threshold", "2"), ("connectivity", "4")]),
-        ("single-gaussian", &[("open", "0"), ("close", "0"), ("threshold", "0.5"), ("min-area", "1")]),
-        ("connected-components", &[("close", "0"), ("threshold", "3"), ("connectivity", "4")]),
+        (
+            "mixture-of-gaussians",
+            &[("modes", "8"), ("threshold", "0.5"), ("complexity-reduction", "0"), ("learning-rate", "0.4")],
+        ),
+        ("frame-difference", &[("opening", "0"), ("closing", "0"), ("threshold", "2"), ("connectivity", "4")]),
+        ("single-gaussian", &[("opening", "0"), ("closing", "0"), ("threshold", "0.5"), ("min-area", "1")]),
+        ("connected-components", &[("closing", "0"), ("threshold", "3"), ("connectivity", "4")]),
         ("flow-magnitude", &[("method", "tv-l1")]),
         ("kalman-tracker", &[("source", "moving")]),
     ] {
@@ -229,8 +232,8 @@ fn what_is_found_ends_a_run_where_there_is_no_room_for_more() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let clip = long();
     for (id, settings) in [
-        ("frame-difference", &[("open", "0"), ("close", "0"), ("threshold", "110"), ("min-area", "1")][..]),
-        ("connected-components", &[("close", "0"), ("threshold", "150"), ("pixels", "bright"), ("min-area", "1")]),
+        ("frame-difference", &[("opening", "0"), ("closing", "0"), ("threshold", "110"), ("min-area", "1")][..]),
+        ("connected-components", &[("closing", "0"), ("threshold", "150"), ("pixels", "bright"), ("min-area", "1")]),
         ("point-trajectories", &[("spacing", "4"), ("structure", "0"), ("method", "farneback"), ("frames", "10000")]),
         ("klt", &[("max-points", "100"), ("window", "3"), ("frames", "10000")]),
         ("kalman-tracker", &[("frames", "400")]),
@@ -247,7 +250,7 @@ fn what_is_found_ends_a_run_where_there_is_no_room_for_more() {
         println!("{id}: {:.1} of {:.1} MB", most as f64 / 1e6, need as f64 / 1e6);
         assert!(most < 2 * need + (8 << 20), "{id} takes {most} bytes, and may take {need}");
     }
-    let noisy = set("frame-difference", &[("open", "0"), ("close", "0"), ("threshold", "110"), ("min-area", "1")]);
+    let noisy = set("frame-difference", &[("opening", "0"), ("closing", "0"), ("threshold", "110"), ("min-area", "1")]);
     let tight = clip.clone().within(noisy.need(&clip).run);
     assert!(noisy.run(&tight, 0, &Threads::single()).is_err(), "there is more to keep than room");
 }

@@ -171,7 +171,7 @@ fn the_pipeline_of_the_course_has_four_links() {
         ("tracker.detector", "connected-components"),
         ("tracker.detector.min-area", "25"),
         ("tracker.detector.mask", "mixture-of-gaussians"),
-        ("tracker.detector.mask.rate", "0.02"),
+        ("tracker.detector.mask.learning-rate", "0.02"),
     ];
     let pipeline = set("trajectory-analysis", settings);
     let mut walk = pipeline.walk(&clip, 0).expect("a walk");

@@ -70,7 +70,7 @@ fn a_thrown_ball_is_followed_through_its_arc_and_behind_what_hides_it() {
         let object = field.frames[t].objects[0];
         let off = (object.position[0] as f32 - place[0]).hypot(object.position[1] as f32 - place[1]);
         let is_hidden = (9..13).contains(&t);
-        assert_eq!(object.life == TrackStatus::Coasting, is_hidden, "frame {t}");
+        assert_eq!(object.status == TrackStatus::Coasting, is_hidden, "frame {t}");
         assert!(off < if is_hidden { 12.0 } else { 2.0 }, "frame {t}: {off} px off");
         assert_eq!(object.id, 1, "it is the same all the way");
     }
@@ -163,7 +163,7 @@ fn blobs_that_merge_keep_their_names_inside_and_get_them_back() {
         let middle = &field.frames[23];
         assert_eq!((middle.detections.len(), middle.objects.len()), (1, 2));
         for object in &middle.objects {
-            assert_eq!((object.detection, object.life), (Some(0), TrackStatus::Confirmed));
+            assert_eq!((object.detection, object.status), (Some(0), TrackStatus::Confirmed));
             assert!(object.bounds.shared(&middle.detections[0].bounds) > 0.99, "{object:?}");
         }
         let names: BTreeSet<u32> = field.frames.iter().flat_map(|frame| frame.objects.iter().map(|o| o.id)).collect();
@@ -185,8 +185,8 @@ fn a_merge_and_a_split_are_told_with_their_numbers() {
         }
     }
     let [(merge, merged), (split, parted)] = &told[..] else { panic!("one merge and one split, not {told:?}") };
-    assert!(merged.contains("Objects 1 and 2") && merged.contains("group"), "{merged}");
-    assert!(parted.contains("object 1 is blob") && parted.contains("at a cost of"), "{parted}");
+    assert!(merged.contains("Tracks 1 and 2") && merged.contains("group"), "{merged}");
+    assert!(parted.contains("track 1 is blob") && parted.contains("(cost "), "{parted}");
     assert!(merge.unit < split.unit);
     // The table of the split has a row for each object and a column for each blob.
     walk.jump(Move::To(Cursor { unit: split.unit, event: split.event }));

@@ -58,9 +58,9 @@ fn speed_heading_counts_and_stays_are_those_of_the_objects() {
     }
     // 40 px at 4 px/frame.
     for of in &all[..2] {
-        assert!((10..=11).contains(&of.dwell_frames()) && of.stays.len() == 1, "{:?}", of.stays);
+        assert!((10..=11).contains(&of.dwell_frames()) && of.dwells.len() == 1, "{:?}", of.dwells);
     }
-    assert_eq!(all[2].stays, []);
+    assert_eq!(all[2].dwells, []);
 }
 
 #[test]
@@ -69,10 +69,10 @@ fn who_goes_against_the_others_is_told_and_nobody_else() {
     let against: Vec<_> = stream.chain([(70, [310.0, 118.0], [-5.0, 0.0], 40)]).collect();
     let field = run(&*analysis(&[]), &clip(&against, 115));
     let unusual: Vec<_> =
-        field.trajectories.iter().filter(|of| of.sightings.iter().any(|s| s.unusual.is_some())).collect();
+        field.trajectories.iter().filter(|of| of.sightings.iter().any(|s| s.anomaly.is_some())).collect();
     assert_eq!(unusual.len(), 1);
     assert_eq!(unusual[0].sightings[0].frame, 70);
-    let angles = unusual[0].sightings.iter().filter_map(|seen| Some(seen.unusual?.angle_deg));
+    let angles = unusual[0].sightings.iter().filter_map(|seen| Some(seen.anomaly?.angle_deg));
     assert!(
         angles.clone().count() > 25 && angles.clone().all(|angle| angle > 170.0),
         "{:?}",
@@ -116,7 +116,7 @@ fn a_step_never_knows_what_comes_later() {
         walk.jump(Move::Granularity(unit, motionscope_core::Direction::Forward));
         let step = walk.step(None);
         let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None });
-        let fact = facts.and_then(|facts| facts.iter().find(|fact| fact.label == "Counted")).expect("it counts");
+        let fact = facts.and_then(|facts| facts.iter().find(|fact| fact.label == "Crossings")).expect("it counts");
         counted.push(fact.value.clone());
         let Scene { marks, .. } = walk.scene(None);
         assert!(marks.iter().all(|mark| mark.shape.is_finite()));
@@ -151,7 +151,7 @@ fn who_ends_in_the_zone_is_not_counted_there_for_ever() {
         let facts =
             readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts.clone()) } else { None });
         let facts = facts.expect("facts");
-        facts.iter().find(|fact| fact.label == "In the zone").expect("it counts").value.clone()
+        facts.iter().find(|fact| fact.label == "Tracks in the zone").expect("it counts").value.clone()
     };
     assert_eq!([inside(5), inside(18), inside(58)], ["0", "1", "0"]);
 }

@@ -360,7 +360,7 @@ pub fn contenders(ids: &[String], settings: &[String]) -> Result<Vec<Box<dyn Any
 
 /// Sets `ESTIMATOR.NAME` in that one of `estimators`, or `NAME` in all of them that have it.
 fn set(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str) -> Result<(), Error> {
-    // `detector.rate` is a parameter of a stage, `diamond.block` one of an estimator.
+    // `detector.learning-rate` is a parameter of a stage, `diamond.block` one of an estimator.
     let is_shared = |name: &str| estimators.iter().any(|estimator| estimator.get(name).is_ok());
     let Some((id, name)) = name.split_once('.').filter(|_| !is_shared(name)) else {
         return set_all(estimators, name, value);

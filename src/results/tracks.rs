@@ -48,12 +48,12 @@ fn as_csv(output: &Output) -> Result<Made, Error> {
 /// # Errors
 /// If no object is followed.
 fn mot(field: &ObjectField) -> Result<String, Error> {
-    if field.followed == Followed::Nobody {
+    if field.followed == Followed::Nothing {
         return Err(Error::new(
             "each frame was looked at by itself, so there are no tracks; choose a tracker, or --table",
         ));
     }
-    let seen = |object: &&Object| object.life == TrackStatus::Confirmed;
+    let seen = |object: &&Object| object.status == TrackStatus::Confirmed;
     let row = |t: usize, object: &Object| {
         let ([x, y], [width, height]) = (object.bounds.min, object.bounds.size());
         let [left, top, width, height] = mot_rect([x, y, width, height]);
@@ -68,18 +68,18 @@ fn mot(field: &ObjectField) -> Result<String, Error> {
 const NUMBERS: usize = 11;
 
 /// The objects of each frame as an `.npy` of version 1.0: little-endian f64 of shape (rows, 11) with frame, identity, x, y, u, v,
-/// left, top, width, height in px and px/frame, and where it stands in its life: 0 tentative, 1 seen, 2 coasting. What is not
+/// left, top, width, height in px and px/frame, and track status: 0 tentative, 1 confirmed, 2 coasting. What is not
 /// known is NaN.
 fn npy(field: &ObjectField) -> Vec<u8> {
     let row = |frame: usize, object: &Object| -> [f64; NUMBERS] {
         let ([x, y], [u, v]) = (object.position, object.velocity.unwrap_or([f64::NAN; 2]));
         let ([left, top], [width, height]) = (object.bounds.min.map(f64::from), object.bounds.size().map(f64::from));
-        let life = match object.life {
+        let status = match object.status {
             TrackStatus::Tentative => 0.0,
             TrackStatus::Confirmed => 1.0,
             TrackStatus::Coasting => 2.0,
         };
-        [frame as f64, f64::from(object.id), x, y, u, v, left, top, width, height, life]
+        [frame as f64, f64::from(object.id), x, y, u, v, left, top, width, height, status]
     };
     let frames = field.frames.iter().enumerate();
     let rows: Vec<_> =
@@ -105,10 +105,10 @@ mod tests {
         let bounds = Bounds { min: [-0.5, 9.5], max: [3.5, 12.0] };
         let blob = Blob { label: 1, area_px: 10, radii: [2.0, 1.0], angle_rad: 0.0, gray: 90.0 };
         let found = Detection { bounds, center: bounds.center(), score: 0.5, blob: Some(blob) };
-        let object = |id, life| Object {
+        let object = |id, status| Object {
             id,
             bounds,
-            life,
+            status,
             position: [1.5, 10.75],
             velocity: Some([1.0, -0.5]),
             covariance: Some([[4.0, 0.0], [0.0, 2.25]]),
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn results_count_frames_and_pixels_from_one() {
         assert_eq!(mot(&field()), Ok("6,3,1,11,4,2.5,1,-1,-1,-1\n".into()));
-        let nobody = ObjectField { followed: Followed::Nobody, ..field() };
+        let nobody = ObjectField { followed: Followed::Nothing, ..field() };
         assert!(mot(&nobody).unwrap_err().to_string().contains("choose a tracker"));
     }
 
@@ -138,7 +138,7 @@ mod tests {
         let places = Places { line: Some(Line { from: [10.0, 9.0], to: [10.0, 0.0] }), zone: None, window: 3 };
         let mut of = Trajectory { id: 4, ..Trajectory::default() };
         for (t, x) in [(6, 8.0), (7, 9.0), (8, 12.0)] {
-            of.see(t, [x, 5.0], &places);
+            of.add(t, [x, 5.0], &places);
         }
         let all = csv_of(ObjectField { trajectories: vec![Arc::new(of)], ..field() });
         let rows: Vec<_> = all.lines().collect();
@@ -155,7 +155,7 @@ mod tests {
             csv_of(found.clone()).starts_with("frame,id,x_px,y_px,u_px_per_frame,"),
             "whoever tracks nobody has the same columns"
         );
-        found.followed = Followed::Nobody;
+        found.followed = Followed::Nothing;
         let all = csv_of(found);
         assert!(all.contains("\n4,1.5,10.75,-0.5,9.5,4,2.5,0.5,10,0,2,90\n"), "{all}");
     }

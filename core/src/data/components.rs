@@ -1,4 +1,4 @@
-//! Connected components: rows are cut into runs, runs that touch share a label, and labels that meet are merged.
+//! Connected-component labelling by runs, with a union–find forest of labels.
 //!
 //! The two passes of A. Rosenfeld and J. L. Pfaltz (Sequential operations in digital picture processing, J. ACM 13, 1966)
 //! over runs instead of pixels, as in L. He, Y. Chao and K. Suzuki (A run-based two-scan labeling algorithm, IEEE
@@ -10,16 +10,16 @@ use crate::choices;
 use crate::geometry::{Bounds, Gray, Grid};
 
 choices! {
-    /// Which pixels are neighbours.
+    /// The neighbourhood of a pixel.
     pub enum Connectivity {
-        /// Those that share an edge.
+        /// The 4 pixels that share an edge.
         Four = "4" "4",
-        /// Those that share an edge or a corner.
+        /// The 8 pixels that share an edge or a corner.
         Eight = "8" "8",
     }
 }
 
-/// Pixels of a row that are set, one beside the other.
+/// A run: adjacent set pixels of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Run {
     /// The row.
@@ -32,20 +32,20 @@ pub struct Run {
     pub label: u32,
 }
 
-/// What happens to a run.
+/// The labelling of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// No run above touches this one: it makes a label of its own.
+    /// No run above touches it: a new label.
     Made(Run),
-    /// It takes the label of the first run above that it touches.
+    /// It takes the root of the first run above that it touches.
     Took(Run, Run),
-    /// It touches another one as well, whose label is the same by now.
+    /// It touches another run of the same root.
     Met(Run, Run),
-    /// It touches another one as well, and the second label, of its root, becomes a child of the first.
+    /// It touches another run of another root: the second label becomes a child of the first.
     Merged(Run, Run, [u32; 2]),
 }
 
-/// The runs of the rows so far, and which of their labels are one.
+/// The runs of the rows so far and the forest of their labels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Labelling {
     connectivity: Connectivity,
@@ -58,12 +58,12 @@ pub struct Labelling {
 }
 
 impl Labelling {
-    /// No rows yet.
+    /// Creates an empty labelling.
     pub fn new(connectivity: Connectivity) -> Self {
         Self { connectivity, runs: Vec::new(), last_row: 0, parents: Vec::new() }
     }
 
-    /// All rows of `mask`.
+    /// Labels all rows of `mask`.
     pub fn of(mask: &Mask, connectivity: Connectivity) -> Self {
         let mut labelling = Self::new(connectivity);
         (0..mask.height()).for_each(|y| labelling.row(mask, y, &mut ()));
@@ -80,7 +80,7 @@ impl Labelling {
         &self.parents
     }
 
-    /// Takes in row `y`, the one after those before.
+    /// Labels row `y`, the next one.
     pub fn row(&mut self, mask: &Mask, y: usize, observer: &mut impl Observer<Event>) {
         let (above, here) = (self.last_row..self.runs.len(), self.runs.len());
         runs(mask.row(y), mask.width(), |start, end| self.runs.push(Run { y: y as u32, start, end, label: 0 }));
@@ -116,7 +116,7 @@ impl Labelling {
         }
     }
 
-    /// Makes the labels of two runs that touch one. The smaller root is that of both, so a label is that of its first run.
+    /// Unites the labels of two touching runs. The smaller root becomes the root of both, the label of the first run.
     fn merge(&mut self, run: Run, other: Run, observer: &mut impl Observer<Event>) {
         let (a, b) = (self.root(run.label), self.root(other.label));
         let (root, child) = (a.min(b), a.max(b));
@@ -127,7 +127,7 @@ impl Labelling {
         observer.see(|| Event::Merged(run, other, [root, child]));
     }
 
-    /// The root of a label; those on the way are hung up higher, which keeps ways short.
+    /// Finds the root of a label, with path halving.
     fn root(&mut self, mut label: u32) -> u32 {
         while self.parents[label as usize] != label {
             let parent = self.parents[label as usize];
@@ -153,7 +153,7 @@ impl Labelling {
         Finals { labels, count }
     }
 
-    /// Memory that it takes beside itself, in bytes.
+    /// Heap memory in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.runs[..]) + size_of_val(&self.parents[..])
     }
@@ -162,14 +162,14 @@ impl Labelling {
 /// The components' labels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finals {
-    /// That of each provisional label.
+    /// The final label of each provisional one.
     pub labels: Vec<u32>,
-    /// How many components there are.
+    /// The number of components.
     pub count: u32,
 }
 
 impl Finals {
-    /// Which component each pixel belongs to, 0 for none.
+    /// Returns the component of each pixel, 0 for none.
     pub fn grid(&self, labelling: &Labelling, (width, height): (usize, usize)) -> Grid<u32> {
         let mut grid = Grid::new(width, height, 0);
         for run in &labelling.runs {
@@ -179,7 +179,7 @@ impl Finals {
         grid
     }
 
-    /// Each component as a detection, by label; `picture` says how bright they are.
+    /// Returns each component as a detection, by label; `picture` gives the mean gray level.
     pub fn detections(&self, labelling: &Labelling, picture: &Gray) -> Vec<Detection> {
         let mut sums = vec![Sums::default(); self.count as usize];
         for run in &labelling.runs {
@@ -190,7 +190,7 @@ impl Finals {
     }
 }
 
-/// What the pixels of a component add up to; all sums are exact.
+/// The raw moments of a component; all sums are exact.
 #[derive(Clone)]
 struct Sums {
     pixels: u64,
@@ -233,7 +233,7 @@ impl Sums {
     fn detection(&self, label: u32) -> Detection {
         let count = self.pixels as f64;
         let [x, y] = [self.x, self.y].map(|sum| sum as f64 / count);
-        // A pixel is a square, whose own variance is a twelfth.
+        // The variance of a square pixel is 1/12.
         let xx = self.xx as f64 / count - x * x + 1.0 / 12.0;
         let yy = self.yy as f64 / count - y * y + 1.0 / 12.0;
         let xy = self.xy as f64 / count - x * y;

@@ -1,17 +1,17 @@
-//! What is found in one frame by itself.
+//! Detections of a single frame.
 
 use crate::geometry::Bounds;
 
-/// Something that was found in one frame by itself.
+/// A detection in a single frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detection {
     /// Its box.
     pub bounds: Bounds,
-    /// Where it is: its centroid, or the centre of its box.
+    /// Its position in px: the centroid of a blob, or the centre of the box.
     pub center: [f32; 2],
-    /// How sure the detector is, as large as it likes; 1 where it does not say.
+    /// The score of the detector, without a fixed scale; 1 where it has none.
     pub score: f32,
-    /// What it looks like, where its pixels are known.
+    /// Its blob, where its pixels are known.
     pub blob: Option<Blob>,
 }
 
@@ -20,12 +20,12 @@ pub struct Detection {
 pub struct Blob {
     /// Its label, from 1.
     pub label: u32,
-    /// Pixels.
+    /// Area in px.
     pub area_px: u32,
-    /// Half axes in px of the ellipse with the same second moments, the longer one first.
+    /// Semi-axes in px of the ellipse of equal second moments, the longer one first.
     pub radii: [f32; 2],
-    /// From x towards y to the longer axis, in radians, −π/2 to π/2.
+    /// Angle of the longer axis from x toward y in radians, −π/2 to π/2.
     pub angle_rad: f32,
-    /// Mean gray value.
+    /// Mean gray level.
     pub gray: f32,
 }

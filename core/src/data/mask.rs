@@ -1,11 +1,10 @@
-//! Which pixels of a picture belong to something: a bit for each.
+//! Binary masks of one bit per pixel.
 //!
-//! Whoever writes whole words may write beyond the width. What lies there is cleared wherever words are handed out, so that no
-//! operation sees it.
+//! Writers of whole words may write beyond the width. Those bits are cleared after each write, so that no operation sees them.
 
 use std::fmt;
 
-/// A set of pixels. Bit i of word w of a row is pixel 64 w + i; bits beyond the width are 0.
+/// A binary mask. Bit i of word w of a row is pixel 64 w + i; bits beyond the width are 0.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Mask {
     width: usize,
@@ -17,12 +16,12 @@ pub struct Mask {
 const BITS: usize = u64::BITS as usize;
 
 impl Mask {
-    /// No pixel of a picture of that many columns and rows.
+    /// Creates an empty mask of this many columns and rows.
     pub fn new(width: usize, height: usize) -> Self {
         Self { width, height, words: vec![0; width.div_ceil(BITS) * height] }
     }
 
-    /// The pixels for which `is_set` holds, asked along the rows.
+    /// Creates the mask of the pixels for which `is_set` holds.
     pub fn from_fn(width: usize, height: usize, mut is_set: impl FnMut(usize, usize) -> bool) -> Self {
         let mut mask = Self::new(width, height);
         for y in 0..height {
@@ -36,27 +35,27 @@ impl Mask {
         mask
     }
 
-    /// Columns.
+    /// The number of columns.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// The number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Columns and rows.
+    /// The numbers of columns and rows.
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
     }
 
-    /// Whether the pixel is set; none outside is.
+    /// Returns whether a pixel is set; false outside.
     pub fn get(&self, x: usize, y: usize) -> bool {
         x < self.width && y < self.height && self.row(y)[x / BITS] >> (x % BITS) & 1 == 1
     }
 
-    /// The words of row `y`.
+    /// Returns the words of row `y`.
     ///
     /// # Panics
     /// If there is no such row.
@@ -65,7 +64,7 @@ impl Mask {
         &self.words[y * words..(y + 1) * words]
     }
 
-    /// Has `write` change the words of row `y`. Bits beyond the width are 0 afterwards, whatever it writes there.
+    /// Changes the words of row `y` with `write`, and clears the bits beyond the width.
     ///
     /// # Panics
     /// If there is no such row.
@@ -79,8 +78,7 @@ impl Mask {
         result
     }
 
-    /// Has `write` change the words of all rows, one row after the other; it is told how many make a row. Bits beyond the width
-    /// are 0 afterwards, whatever it writes there.
+    /// Changes the words of all rows with `write`, which gets the words per row too, and clears the bits beyond the width.
     pub fn write<R>(&mut self, write: impl FnOnce(&mut [u64], usize) -> R) -> R {
         let (words, beyond) = (self.width.div_ceil(BITS), self.beyond());
         let result = write(&mut self.words, words);
@@ -98,18 +96,18 @@ impl Mask {
         }
     }
 
-    /// How many pixels are set.
+    /// The number of set pixels.
     pub fn count(&self) -> usize {
         self.words.iter().map(|word| word.count_ones() as usize).sum()
     }
 
-    /// Memory that it takes, in bytes.
+    /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.words[..])
     }
 }
 
-/// A mask that takes little memory, to be kept: a bit for each of its words, and only the words that are not 0.
+/// A compressed mask for storage: one bit per word, and the words that are not 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PackedMask {
     size: (usize, usize),
@@ -118,7 +116,7 @@ pub struct PackedMask {
 }
 
 impl PackedMask {
-    /// The same pixels.
+    /// Compresses a mask.
     pub fn new(mask: &Mask) -> Self {
         let bits = mask
             .words
@@ -128,7 +126,7 @@ impl PackedMask {
         Self { size: mask.size(), is_there: bits.collect(), words: words.collect() }
     }
 
-    /// The mask that it was made of.
+    /// Decompresses the mask.
     pub fn unpacked(&self) -> Mask {
         let (width, height) = self.size;
         let mut mask = Mask::new(width, height);
@@ -140,12 +138,12 @@ impl PackedMask {
         mask
     }
 
-    /// How many pixels are set.
+    /// The number of set pixels.
     pub fn count(&self) -> usize {
         self.words.iter().map(|word| word.count_ones() as usize).sum()
     }
 
-    /// Memory that it takes, in bytes.
+    /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.is_there[..]) + size_of_val(&self.words[..])
     }
@@ -162,7 +160,7 @@ pub(super) mod tests {
     use super::super::{Connectivity, Labelling};
     use super::*;
 
-    /// A mask without any order, of which so many of a hundred pixels are set.
+    /// A pseudo-random mask with this percentage of set pixels.
     pub fn scattered(width: usize, height: usize, share: u64) -> Mask {
         Mask::from_fn(width, height, |x, y| {
             let hash = ((x as u64 * 0x9E37_79B9) ^ (y as u64 * 0x85EB_CA6B)).wrapping_mul(0x2545_F491_4F6C_DD1D);

@@ -1,12 +1,12 @@
-//! Opening and closing of masks with a square, 64 pixels at once.
+//! Mathematical morphology of masks with a square structuring element, 64 pixels at once.
 
 use super::Mask;
 
-/// The largest radius that there are shifts for.
+/// The maximum radius of the structuring element in px.
 pub const MAX_RADIUS_PX: usize = 30;
 
 impl Mask {
-    /// The pixels of which one within `radius_px` px, along rows and columns alike, is set.
+    /// Dilation with a square of (2 `radius_px` + 1)² px.
     ///
     /// # Panics
     /// If the radius is larger than [`MAX_RADIUS_PX`].
@@ -29,7 +29,7 @@ impl Mask {
         out
     }
 
-    /// The pixels of which all within `radius_px` px that lie in the picture are set.
+    /// Erosion with a square of (2 `radius_px` + 1)² px. Pixels outside the picture count as set.
     ///
     /// # Panics
     /// If the radius is larger than [`MAX_RADIUS_PX`].
@@ -38,7 +38,7 @@ impl Mask {
         self.inverted().dilated(radius_px).inverted()
     }
 
-    /// All squares of (2 `radius_px` + 1)² px that fit into the pixels set: what is smaller goes.
+    /// Opening: erosion, then dilation. Removes regions narrower than the square of (2 `radius_px` + 1)² px.
     ///
     /// # Panics
     /// If the radius is larger than [`MAX_RADIUS_PX`].
@@ -47,7 +47,7 @@ impl Mask {
         self.eroded(radius_px).dilated(radius_px)
     }
 
-    /// The pixels set and all gaps into which no such square fits.
+    /// Closing: dilation, then erosion. Fills gaps narrower than the square.
     ///
     /// # Panics
     /// If the radius is larger than [`MAX_RADIUS_PX`].
@@ -56,7 +56,7 @@ impl Mask {
         self.dilated(radius_px).eroded(radius_px)
     }
 
-    /// The pixels that are not set.
+    /// Returns the complement.
     #[must_use]
     pub fn inverted(&self) -> Mask {
         let mut out = self.clone();
@@ -64,7 +64,7 @@ impl Mask {
         out
     }
 
-    /// The pixels that are set here and not in `other`, which is as large.
+    /// Returns the set difference with `other`, of the same size.
     #[must_use]
     pub fn without(&self, other: &Mask) -> Mask {
         let mut out = self.clone();
@@ -75,7 +75,7 @@ impl Mask {
     }
 }
 
-/// Sets all within `radius` bits of one that is set. `before` has room for a row.
+/// Dilates a row by `radius` bits. `before` is a buffer for a row.
 fn spread(row: &mut [u64], radius: usize, before: &mut [u64]) {
     let mut done = 0;
     while done < radius {

@@ -6,6 +6,7 @@ pub mod differential;
 pub mod features;
 pub mod kalman;
 pub mod multi_object;
+pub(crate) mod numbers;
 pub mod polynomial;
 pub mod subtraction;
 pub mod variational;

@@ -13,12 +13,12 @@ pub struct MaskField {
     pub picture: (usize, usize),
     /// The first frame.
     pub first: usize,
-    /// What it and those that follow came to; frames share it with the objects found in their masks.
+    /// Its results and those of the frames that follow, shared with the detections of their masks.
     pub frames: Vec<Arc<ObjectFrame>>,
 }
 
 impl MaskField {
-    /// The frames that have a mask, with it.
+    /// Returns the frames that have a mask, with it.
     pub fn masks(&self) -> impl Iterator<Item = (usize, &PackedMask)> {
         self.frames.iter().enumerate().filter_map(|(i, frame)| Some((self.first + i, frame.mask.as_ref()?)))
     }

@@ -1,4 +1,4 @@
-//! Feature tracks: features that were tracked from frame to frame.
+//! Feature tracks over several frames.
 
 use std::sync::Arc;
 
@@ -10,53 +10,52 @@ use super::{
 use crate::base::Error;
 use crate::data::Flow;
 
-/// Features that were tracked from frame to frame.
+/// The feature tracks of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackField {
     /// Width and height of the picture in px.
     pub picture: (usize, usize),
     /// The first frame.
     pub first: usize,
-    /// The frame that the last one was tracked to.
+    /// The last frame.
     pub last: usize,
-    /// The tracks in the order in which they began.
+    /// The tracks in the order of their first frames.
     pub tracks: Vec<Arc<Track>>,
 }
 
-/// One feature in all frames in which it was seen.
+/// The track of one feature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
-    /// The frame in which it begins.
+    /// Its first frame.
     pub first: usize,
-    /// What became of it in that frame and those that follow: tracked in all but the last, where it is lost or where the run
-    /// ends.
+    /// The feature in that frame and those that follow: tracked in all but the last, where it is lost or the run ends.
     pub points: Vec<Feature>,
 }
 
 impl Track {
-    /// The feature in frame `t`, if it was seen there.
+    /// Returns the feature in frame `t`.
     pub fn at(&self, t: usize) -> Option<&Feature> {
         self.points.get(t.checked_sub(self.first)?)
     }
 
-    /// Whether it was not lost.
+    /// Returns whether the feature is not lost.
     pub fn is_alive(&self) -> bool {
         self.points.last().is_some_and(|point| point.status == Status::Found)
     }
 
-    /// Memory that it takes, in bytes.
+    /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&self.points[..])
     }
 }
 
 impl TrackField {
-    /// The frames that features were tracked from.
+    /// Returns the frames that features were tracked from.
     pub fn frames(&self) -> std::ops::Range<usize> {
         self.first..self.last
     }
 
-    /// The features in frame `t`.
+    /// Returns the features in frame `t`.
     pub fn at(&self, t: usize) -> PointField {
         let points = self.tracks.iter().filter_map(|track| track.at(t).copied()).collect();
         PointField { picture: self.picture, points, keypoints: Vec::new() }
@@ -67,13 +66,13 @@ impl Product for TrackField {
     const KIND: &'static ProductKind = &ProductKind {
         id: "feature-tracks",
         name: "Feature tracks",
-        summary: "Features that were tracked from frame to frame.",
+        summary: "Features tracked over several frames.",
         motion: Motion::Points,
         is_of_single_frames: false,
         measures: &[&keypoints::MEASURES, &flow_error::MEASURES],
     };
 
-    /// Place of each track in each frame, its displacement to the next if it has one, and what became of it.
+    /// The position, displacement and status of each track in each frame.
     fn table(&self) -> Option<Table> {
         let columns = ["track", "frame", "x_px", "y_px", "u_px", "v_px", "status", "residual"];
         let rows = self.tracks.iter().enumerate().flat_map(|(number, track)| {
@@ -93,7 +92,7 @@ impl Product for TrackField {
         Ok(own.and(flow_error::of_frames(self.frames().map(|frame| (frame, moved(frame))), reference)))
     }
 
-    /// The displacements of the features that were tracked from the last frame but one.
+    /// The displacements of the features tracked from the last frame but one.
     fn flow(&self) -> Option<Flow> {
         Some(self.frames().last().map_or_else(|| self.at(0), |t| self.at(t)).flow())
     }

@@ -1,4 +1,4 @@
-//! Connected components, row by row: labels that grow, and labels that meet.
+//! Connected-component labelling, row by row, with a union–find forest of labels.
 
 mod explain;
 
@@ -18,73 +18,74 @@ use crate::{choices, params, pseudocode};
 use super::FrameDifference;
 
 choices! {
-    /// Which pixels are labelled.
+    /// The mask that is labelled.
     pub enum Pixels {
-        /// Those that differ from the frame before; in the first frame, from the one after it.
-        Moving = "moving" "Moving",
-        /// Those that are brighter than the threshold.
+        /// Frame difference: pixels that differ from the previous frame; in the first frame from the next one.
+        Moving = "moving" "Frame difference",
+        /// Pixels brighter than the threshold.
         Bright = "bright" "Bright",
-        /// Those that are darker than the threshold.
+        /// Pixels darker than the threshold.
         Dark = "dark" "Dark",
-        /// The foreground that a detector of moving objects finds.
+        /// The foreground mask of a background subtraction.
         Foreground = "foreground" "Foreground",
     }
 }
 
 params! {
-    /// Connected components of each frame.
+    /// Connected components of a mask of each frame.
     pub struct ConnectedComponents {
-        /// Which pixels are labelled.
+        /// Mask that is labelled.
         pixels: Pixels = Pixels::Moving;
-        /// Detector whose foreground is labelled, where that is chosen.
+        /// Detector of the foreground mask. Used with pixels = foreground only.
         mask: Stage<Masks> = Stage::named("mixture-of-gaussians").with("initial", "median");
-        /// By how much they differ, or how bright or dark they are, in gray levels.
+        /// Threshold of the difference or of the brightness in gray levels. Not used with pixels = foreground.
         threshold: usize = 8, 0..=255;
-        /// What all background subtractions have.
-        settings: Settings = Settings { open: 0, close: 4, ..Settings::default() };
+        /// The parameters of all background subtractions.
+        settings: Settings = Settings { opening: 0, closing: 4, ..Settings::default() };
     }
+    renamed { "open" => "opening", "close" => "closing" }
 }
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
     span: Span,
-    /// The frame at work.
+    /// The current frame.
     frame: usize,
-    /// The row that comes next; after the last one the labels become final.
+    /// The next row; after the last one the labels become final.
     row: usize,
     picture: (usize, usize),
     labelling: Arc<Labelling>,
     record: Record,
-    /// The foreground, where a detector finds it.
+    /// The masks of the detector, where one is used.
     foreground: Option<Frames>,
-    /// What is made again where it is missing.
-    given: Option<Arc<Given>>,
+    /// The current frame and its mask; recomputed where missing.
+    masked: Option<Arc<MaskedFrame>>,
 }
 
-/// A frame and its pixels that are labelled.
-pub struct Given {
+/// A frame and the mask that is labelled.
+pub struct MaskedFrame {
     frame: Arc<Frame>,
     mask: Mask,
 }
 
-/// What happens inside a unit.
+/// The events of a unit.
 #[derive(Clone)]
 pub enum Event {
-    /// A row begins.
-    Row(Arc<Given>),
-    /// A run of it.
+    /// A row starts.
+    Row(Arc<MaskedFrame>),
+    /// The labelling of a run of pixels.
     Run(LabelEvent),
-    /// The labels are final: which component each pixel belongs to, and how many there are.
-    Final(Arc<Given>, Arc<Grid<u32>>, u32),
-    /// The components that are large enough, and the others.
-    Kept(Arc<Given>, Arc<[Vec<Detection>; 2]>),
+    /// The final label of each pixel and the number of components.
+    Final(Arc<MaskedFrame>, Arc<Grid<u32>>, u32),
+    /// The components of at least the minimum area, and the others.
+    Kept(Arc<MaskedFrame>, Arc<[Vec<Detection>; 2]>),
 }
 
 impl ConnectedComponents {
-    fn given(&self, clip: &Clip, state: &mut State) -> Result<Arc<Given>, Error> {
-        if let Some(given) = &state.given {
-            return Ok(Arc::clone(given));
+    fn masked(&self, clip: &Clip, state: &mut State) -> Result<Arc<MaskedFrame>, Error> {
+        if let Some(masked) = &state.masked {
+            return Ok(Arc::clone(masked));
         }
         need::check_kept(clip, state.record.bytes() + state.foreground.as_ref().map_or(0, Frames::bytes))?;
         let frame = clip.frame(state.frame)?;
@@ -103,29 +104,29 @@ impl ConnectedComponents {
             Pixels::Bright => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) > self.threshold),
             Pixels::Dark => Mask::from_fn(width, height, |x, y| usize::from(frame.luma()[(x, y)]) < self.threshold),
         };
-        let given = Arc::new(Given { frame, mask: cleaned(self.settings, mask, &mut ()) });
-        state.given = Some(Arc::clone(&given));
-        Ok(given)
+        let masked = Arc::new(MaskedFrame { frame, mask: cleaned(self.settings, mask, &mut ()) });
+        state.masked = Some(Arc::clone(&masked));
+        Ok(masked)
     }
 
-    /// Measures the components, and goes on to the next frame.
+    /// Measures the components and moves on to the next frame.
     fn finish(
         &self,
         clip: &Clip,
         state: &mut State,
-        given: &Arc<Given>,
+        masked: &Arc<MaskedFrame>,
         observer: &mut impl Observer<Event>,
     ) -> Progress {
         let finals = state.labelling.finals();
         observer.see(|| {
             let labels = finals.grid(&state.labelling, state.picture);
-            Event::Final(Arc::clone(given), Arc::new(labels), finals.count)
+            Event::Final(Arc::clone(masked), Arc::new(labels), finals.count)
         });
-        let [kept, dropped] = sifted(self.settings, finals.detections(&state.labelling, given.frame.luma()));
-        observer.see(|| Event::Kept(Arc::clone(given), Arc::new([kept.clone(), dropped])));
-        let found = ObjectFrame { mask: Some(PackedMask::new(&given.mask)), detections: kept, objects: Vec::new() };
+        let [kept, dropped] = sifted(self.settings, finals.detections(&state.labelling, masked.frame.luma()));
+        observer.see(|| Event::Kept(Arc::clone(masked), Arc::new([kept.clone(), dropped])));
+        let found = ObjectFrame { mask: Some(PackedMask::new(&masked.mask)), detections: kept, objects: Vec::new() };
         state.record.note(found);
-        (state.frame, state.row, state.given) = (state.frame + 1, 0, None);
+        (state.frame, state.row, state.masked) = (state.frame + 1, 0, None);
         state.labelling = Arc::new(Labelling::new(self.settings.connectivity));
         if state.span.is_over(clip, state.frame) { Progress::Done } else { Progress::More }
     }
@@ -133,13 +134,13 @@ impl ConnectedComponents {
 
 pseudocode! {
     EACH_ROW: "for each row of the mask",
-    EACH_RUN: "  for each run of pixels that are set",
-    NEW_LABEL: "    if no run of the row above touches it: a new label",
-    TAKE_ROOT: "    else take the root of the label of the first that does",
-    EACH_OTHER_RUN: "    for each other run that touches it",
-    MERGE_ROOTS: "      if its root is another one: hang the larger root below the smaller one",
-    LABEL_BY_ROOT: "label each run by its root, in raster order",
-    KEEP_BLOBS: "measure area, box, centroid and moments; keep those of min-area px or more",
+    EACH_RUN: "  for each run of foreground pixels",
+    NEW_LABEL: "    if it touches no run of the row above: new label",
+    TAKE_ROOT: "    else label ← root of the first run that it touches",
+    EACH_OTHER_RUN: "    for each further run above that it touches",
+    MERGE_ROOTS: "      if the roots differ: union, the larger root becomes a child of the smaller",
+    LABEL_BY_ROOT: "final label of each run ← number of its root, in raster order",
+    KEEP_BLOBS: "blobs ← area, box, centroid, moments of components with area ≥ min-area",
 }
 
 impl Estimator for ConnectedComponents {
@@ -147,7 +148,7 @@ impl Estimator for ConnectedComponents {
         id: "connected-components",
         name: "Connected components",
         family: "Moving objects",
-        summary: "Gives pixels that touch a common label, row by row, and keeps a book of the labels that have met.",
+        summary: "Labels connected foreground pixels row by row and merges equivalent labels in a union–find forest.",
         source: "A. Rosenfeld and J. L. Pfaltz, Sequential operations in digital picture processing, J. ACM 1966; by runs: L. He, \
                  Y. Chao and K. Suzuki, A run-based two-scan labeling algorithm, IEEE Trans. Image Processing 2008",
         pseudocode: line::ALL,
@@ -174,18 +175,18 @@ impl Estimator for ConnectedComponents {
             picture: clip.size(),
             labelling: Arc::new(Labelling::new(self.settings.connectivity)),
             record: Record::default(),
-            given: None,
+            masked: None,
         })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let given = self.given(clip, state)?;
+        let masked = self.masked(clip, state)?;
         if state.row == state.picture.1 {
-            return Ok(self.finish(clip, state, &given, observer));
+            return Ok(self.finish(clip, state, &masked, observer));
         }
-        observer.see(|| Event::Row(Arc::clone(&given)));
+        observer.see(|| Event::Row(Arc::clone(&masked)));
         let labelling = Arc::make_mut(&mut state.labelling);
-        labelling.row(&given.mask, state.row, &mut Mapped { observer, map: Event::Run });
+        labelling.row(&masked.mask, state.row, &mut Mapped { observer, map: Event::Run });
         state.row += 1;
         Ok(Progress::More)
     }
@@ -235,7 +236,7 @@ impl Footprint<State> for ConnectedComponents {
     }
 
     fn at_rest(&self, state: &State) -> State {
-        State { given: None, ..state.clone() }
+        State { masked: None, ..state.clone() }
     }
 
     fn state_bytes(&self, state: &State) -> usize {

@@ -1,48 +1,49 @@
-//! Flow magnitude: what moves is where the optical flow is long.
+//! Flow magnitude: pixels with large optical flow are foreground.
 
 use std::sync::{Arc, OnceLock};
 
 use crate::base::{Error, Threads, words};
 use crate::data::{Clip, Flow, Frame, Mask};
 use crate::geometry::{Border, Grid, filter};
+use crate::methods::numbers::{gray, level, px};
 use crate::methods::subtraction::{Background, Explanation, Found, Settings, subtraction_pseudocode};
 use crate::params;
 use crate::run::{DenseFlow, Info, Need, Stage, StageView};
 use crate::scene::{Canvas, Fact, Math, Picture, Role, Sentence};
 
 params! {
-    /// The length of the optical flow.
+    /// Foreground by the magnitude of the optical flow.
     pub struct FlowMagnitude {
-        /// Method that estimates the optical flow.
+        /// Optical flow method.
         method: Stage<DenseFlow> = Stage::named("farneback");
-        /// A pixel that has moved farther than this since the frame before is foreground, if the flow explains it.
+        /// Threshold on the flow magnitude |w|. Larger motion is foreground, if the flow reduces the residual.
         threshold: f32 = 1.0, 0.0..=50.0, "px/frame";
-        /// How far the pixels around a pixel reach that have to fit better where the flow leads than at rest; a smooth flow goes on beyond the edges of what moves.
-        reach: usize = 1, 0..=15, "px";
-        /// What all background subtractions have.
-        settings: Settings = Settings { open: 1, close: 3, ..Settings::default() };
+        /// Radius of the window over which the residuals with and without motion compensation are compared. It removes flow that a smooth field spreads beyond the edges of objects.
+        window_radius: usize = 1, 0..=15, "px";
+        /// The parameters of all background subtractions.
+        settings: Settings = Settings { opening: 1, closing: 3, ..Settings::default() };
     }
+    renamed { "reach" => "window-radius", "open" => "opening", "close" => "closing" }
 }
 
-/// The frame before, and what is seen of the next one beside it as soon as somebody asks.
+/// The previous frame, and its comparison with the current one once that is computed.
 #[derive(Clone)]
 pub struct Model {
     before: Arc<Frame>,
-    seen: OnceLock<Arc<Seen>>,
+    compared: OnceLock<Arc<FramePair>>,
 }
 
-/// A frame beside the one before.
-struct Seen {
-    /// Where each pixel was in the frame before; where nobody knows, it has not moved.
+/// The flow and the residuals between a frame and the previous one.
+struct FramePair {
+    /// The flow from the frame back to the previous one; unknown flow counts as zero.
     back: Flow,
-    /// How far pixels differ from those at their own place in the frame before, and from those where the flow leads, in gray
-    /// levels, on average over the pixels around each.
+    /// The mean absolute residuals over the window around each pixel in gray levels: without and with motion compensation.
     at_rest: Grid<f32>,
     moved: Grid<f32>,
 }
 
-impl Seen {
-    /// How far a pixel has moved, in px.
+impl FramePair {
+    /// Returns the flow magnitude at a pixel in px.
     fn length(&self, (x, y): (usize, usize)) -> f32 {
         let [u, v] = self.displacement((x, y));
         u.hypot(v)
@@ -52,23 +53,23 @@ impl Seen {
         self.back.at(x, y).unwrap_or_default()
     }
 
-    /// Whether the flow explains what is seen around a pixel better than no motion at all.
+    /// Returns whether motion compensation reduces the residual around a pixel.
     fn is_explained(&self, place: (usize, usize)) -> bool {
         self.moved[place] < self.at_rest[place]
     }
 }
 
 impl FlowMagnitude {
-    /// What is seen of a frame that was looked at.
-    fn seen<'a>(&self, model: &'a Model, frame: &Frame) -> &'a Seen {
-        model.seen.get_or_init(|| {
+    /// Returns the comparison of a frame with the previous one.
+    fn compared<'a>(&self, model: &'a Model, frame: &Frame) -> &'a FramePair {
+        model.compared.get_or_init(|| {
             let (width, height) = frame.size();
-            Arc::new(self.beside([frame, &model.before], Flow(Grid::new(width, height, [0.0; 2])), &Threads::single()))
+            Arc::new(self.compare([frame, &model.before], Flow(Grid::new(width, height, [0.0; 2])), &Threads::single()))
         })
     }
 
-    /// A frame beside the one before, from which `back` leads to that.
-    fn beside(&self, frames: [&Frame; 2], back: Flow, threads: &Threads) -> Seen {
+    /// Compares a frame with the previous one, given the flow `back` to that.
+    fn compare(&self, frames: [&Frame; 2], back: Flow, threads: &Threads) -> FramePair {
         let [now, before] = frames.map(|frame| frame.luma());
         let (width, height) = now.size();
         let gray = |x: usize, y: usize| f32::from(now[(x, y)]);
@@ -77,25 +78,25 @@ impl FlowMagnitude {
                 let [u, v] = place(x, y);
                 (gray(x, y) - before.sample(x as f32 + u, y as f32 + v)).abs()
             });
-            let side = 2 * self.reach + 1;
+            let side = 2 * self.window_radius + 1;
             let weights = vec![1.0 / side as f32; side];
             filter::separable(&off, (&weights, &weights), Border::Replicate, threads)
         };
         let at_rest = off(&|_, _| [0.0; 2]);
         let moved = off(&|x, y| back.at(x, y).unwrap_or_default());
-        Seen { at_rest, moved, back }
+        FramePair { at_rest, moved, back }
     }
 
-    fn is_foreground(&self, seen: &Seen, place: (usize, usize)) -> bool {
-        seen.length(place) > self.threshold && seen.is_explained(place)
+    fn is_foreground(&self, pair: &FramePair, place: (usize, usize)) -> bool {
+        pair.length(place) > self.threshold && pair.is_explained(place)
     }
 }
 
 subtraction_pseudocode! {
-    begin: "the first frame is the one before the second",
+    begin: "frame 0 is the reference of frame 1",
     compare: "  w ← optical flow from frame t back to frame t−1",
-    decide: "  foreground if |w| > threshold, and around it Σ |I(x, t) − I(x + w, t−1)| < Σ |I(x, t) − I(x, t−1)|",
-    update: "  frame t is the one before the next",
+    decide: "  foreground if |w| > threshold and Σ |I(x, t) − I(x + w, t−1)| < Σ |I(x, t) − I(x, t−1)|",
+    update: "  frame t becomes the reference of frame t+1",
 }
 
 impl Background for FlowMagnitude {
@@ -103,7 +104,7 @@ impl Background for FlowMagnitude {
         id: "flow-magnitude",
         name: "Flow magnitude",
         family: "Moving objects",
-        summary: "Takes for moving what has moved since the frame before, by optical flow: needs no background, but texture.",
+        summary: "Thresholds the magnitude of the optical flow between consecutive frames. Needs no background model, but texture and a static camera.",
         source: "Length of the flow over a threshold: S. Denman, V. Chandran and S. Sridharan, An adaptive optical flow technique \
                  for person tracking systems, Pattern Recognition Letters 28, 2007; displaced against undisplaced frame \
                  difference: A. M. Tekalp, Digital video processing, 1995",
@@ -112,7 +113,7 @@ impl Background for FlowMagnitude {
         frames: 2,
     };
     const SHOWN: &'static str = "|w| in px/frame";
-    const COMPARED: &'static str = "length of the optical flow";
+    const COMPARED: &'static str = "magnitude of the optical flow";
     type Model = Model;
 
     fn settings(&self) -> Settings {
@@ -126,27 +127,27 @@ impl Background for FlowMagnitude {
 
     fn need(&self, clip: &Clip) -> Need {
         let Need { run, .. } = self.method.need(clip);
-        // What is kept of a frame is the flow and two differences.
+        // The flow and two residuals are kept of a frame.
         Need { run, ..Need::per_pixel(clip, [0.0, 20.0]) }.and([0.0, run as f64 / 4.0])
     }
 
     fn begin(&self, first: &Arc<Frame>) -> Model {
-        Model { before: Arc::clone(first), seen: OnceLock::new() }
+        Model { before: Arc::clone(first), compared: OnceLock::new() }
     }
 
     fn look(&self, clip: &Clip, model: &Model, frame: &Frame, threads: &Threads) -> Result<(), Error> {
-        if model.seen.get().is_some() {
+        if model.compared.get().is_some() {
             return Ok(());
         }
         let back = self.method.between(clip, [frame, &model.before], threads)?;
-        model.seen.get_or_init(|| Arc::new(self.beside([frame, &model.before], back, threads)));
+        model.compared.get_or_init(|| Arc::new(self.compare([frame, &model.before], back, threads)));
         Ok(())
     }
 
     fn subtract(&self, model: &mut Model, frame: &Arc<Frame>, _: &Threads) -> Found {
-        let seen = self.seen(model, frame);
+        let pair = self.compared(model, frame);
         let (width, height) = frame.size();
-        let mask = Mask::from_fn(width, height, |x, y| self.is_foreground(seen, (x, y)));
+        let mask = Mask::from_fn(width, height, |x, y| self.is_foreground(pair, (x, y)));
         *model = self.begin(frame);
         Found { mask, shadows: None }
     }
@@ -164,17 +165,17 @@ impl Background for FlowMagnitude {
     }
 
     fn difference(&self, model: &Model, frame: &Frame, place: (usize, usize)) -> f32 {
-        self.seen(model, frame).length(place)
+        self.compared(model, frame).length(place)
     }
 
     fn explain(&self, [before, _]: [Option<&Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
-        let seen = self.seen(before, frame);
-        let (is_long, is_explained) = (seen.length(place) > self.threshold, seen.is_explained(place));
+        let pair = self.compared(before, frame);
+        let (is_long, is_explained) = (pair.length(place) > self.threshold, pair.is_explained(place));
         let role = |holds: bool| if holds { Role::Result } else { Role::Rejected };
-        let [length, limit] = [seen.length(place), self.threshold].map(words::number);
-        let [moved, at_rest] = [seen.moved[place], seen.at_rest[place]].map(words::number);
-        let vector = words::vector(seen.displacement(place));
+        let [length, limit] = [pair.length(place), self.threshold].map(|length| px(length.into()));
+        let [moved, at_rest] = [pair.moved[place], pair.at_rest[place]].map(gray);
+        let vector = words::place(pair.displacement(place));
         let compare = |holds: bool, signs: [&str; 2]| Math::text(signs[usize::from(!holds)]);
         let equation = vec![
             Math::Row(vec![
@@ -185,50 +186,46 @@ impl Background for FlowMagnitude {
                 Math::text(limit.clone()),
             ]),
             Math::Row(vec![
-                Math::text("off where it leads: "),
+                Math::text("mean |I(x, t) − I(x + w, t−1)| = "),
                 Math::ink(role(is_explained), moved.clone()),
                 compare(is_explained, [" < ", " ≥ "]),
-                Math::text(format!("{at_rest}, off at rest")),
+                Math::text(format!("{at_rest} = mean |I(x, t) − I(x, t−1)|")),
             ]),
         ];
-        let said = Sentence::default()
-            .text(" was ")
-            .ink(role(is_long), format!("{length} px"))
-            .text(" away in the frame before, ");
+        let said = Sentence::default().text(": flow magnitude ").ink(role(is_long), format!("{length} px/frame"));
         let verdict = match (is_long, is_explained) {
-            (false, _) => said.text(format!("not more than {limit} px: background.")),
+            (false, _) => said.text(format!(" is within the threshold {limit} px/frame: background.")),
             (true, true) => said
-                .text(format!("more than {limit} px, and what is around it fits better there, "))
+                .text(format!(" exceeds the threshold {limit} px/frame. Motion compensation lowers the residual to "))
                 .ink(role(true), format!("{moved} gray levels"))
-                .text(format!(" off, than at rest, {at_rest} off: foreground.")),
+                .text(format!(" from {at_rest}: foreground.")),
             (true, false) => said
-                .text(format!("more than {limit} px, but what is around it fits no better there, "))
+                .text(format!(" exceeds the threshold {limit} px/frame, but motion compensation leaves a residual of "))
                 .ink(role(false), format!("{moved} gray levels"))
-                .text(format!(
-                    " off, than at rest, {at_rest} off: the flow of something beside it reaches over it, background."
-                )),
+                .text(format!(", not below {at_rest} without it. Flow spread from a neighbouring object: background.")),
         };
+        let update = Sentence::default().text(format!(
+            "gray level {} of this frame becomes the reference of the next flow.",
+            level(f32::from(frame.luma()[place]))
+        ));
         Explanation {
             facts: vec![
-                Fact::new("Flow back", format!("{vector} px"), Some(Role::Measured)),
-                Fact::new("Speed", format!("{length} px/frame"), Some(role(is_long))),
+                Fact::new("Flow to frame t−1", format!("{vector} px"), Some(Role::Measured)),
+                Fact::new("Flow magnitude", format!("{length} px/frame"), Some(role(is_long))),
                 Fact::new("Threshold", format!("{limit} px/frame"), None),
-                Fact::new("Off where it leads", format!("{moved} gray levels"), Some(role(is_explained))),
-                Fact::new("Off at rest", format!("{at_rest} gray levels"), None),
+                Fact::new("Residual with motion", format!("{moved} gray levels"), Some(role(is_explained))),
+                Fact::new("Residual without motion", format!("{at_rest} gray levels"), None),
             ],
             equation,
             matrices: Vec::new(),
             verdict,
+            update,
         }
     }
 
     fn rule(&self) -> String {
-        let limit = words::number(self.threshold);
-        format!("have moved by more than {limit} px and fit better where they come from than at rest")
-    }
-
-    fn update(&self) -> String {
-        "This frame is what the next one is compared with".into()
+        let limit = px(self.threshold.into());
+        format!("the flow magnitude exceeds {limit} px/frame, and motion compensation lowers the residual")
     }
 
     fn model_bytes(&self, model: &Model) -> usize {
@@ -242,7 +239,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_refusal_of_the_method_is_told() {
+    fn a_refusal_of_the_flow_method_is_passed_on() {
         let frame = Arc::new(Frame::gray(Grid::new(64, 48, 7)));
         let clip = Clip::from_frames("gray", vec![Frame::clone(&frame); 2]).expect("frames of one size");
         let (magnitude, threads) = (FlowMagnitude::default(), Threads::single());

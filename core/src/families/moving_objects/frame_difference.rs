@@ -1,38 +1,42 @@
-//! Frame difference: the background is what the frame before looked like.
+//! Frame differencing: the previous frame is the background.
 
 use std::sync::Arc;
 
-use crate::base::{Threads, wide::wide, words};
+use crate::base::{Threads, wide::wide};
 use crate::data::{Clip, Frame, Mask};
-use crate::methods::subtraction::{Background, Explanation, Flags, Found, Settings, compared, subtraction_pseudocode};
+use crate::methods::numbers::level;
+use crate::methods::subtraction::{
+    Background, Expected, Explanation, Flags, Found, Settings, compared, subtraction_pseudocode,
+};
 use crate::run::{Info, Need};
-use crate::scene::{Canvas, Fact, Math, Picture, Role};
+use crate::scene::{Canvas, Fact, Math, Picture, Role, Sentence};
 use crate::{choices, params};
 
 choices! {
-    /// How many frames are looked at.
-    pub enum Compared {
-        /// The frame and the one before it: what has moved leaves its trace in the place that it has left.
-        Two = "2" "2",
-        /// The frame and both before it: what counts differs from each of them.
-        Three = "3" "3",
+    /// The number of frames that are compared.
+    pub enum Differencing {
+        /// Two-frame differencing: |I(t) − I(t−1)|. Uncovered background behind an object is foreground too, as a ghost.
+        Two = "2" "Two frames",
+        /// Three-frame differencing: a foreground pixel differs from both previous frames, which reduces ghosts.
+        Three = "3" "Three frames",
     }
 }
 
 params! {
-    /// Differences between frames that follow each other.
+    /// Frame differencing: thresholded differences of consecutive frames.
     pub struct FrameDifference {
-        /// How many frames are looked at: the frame and one or two before it.
-        compared: Compared = Compared::Two;
-        /// A pixel that differs by more than this is foreground, in gray levels.
+        /// Number of frames that are compared: two-frame or three-frame differencing.
+        differencing: Differencing = Differencing::Two;
+        /// Difference threshold in gray levels. Pixels with a larger difference are foreground.
         threshold: usize = 8, 0..=255;
-        /// What all background subtractions have.
-        settings: Settings = Settings { open: 0, close: 4, ..Settings::default() };
+        /// The parameters of all background subtractions.
+        settings: Settings = Settings { opening: 0, closing: 4, ..Settings::default() };
     }
+    renamed { "compared" => "differencing", "open" => "opening", "close" => "closing" }
 }
 
 impl FrameDifference {
-    /// The pixels that differ from each of `before`.
+    /// Returns the pixels that differ from each frame of `before` by more than the threshold.
     pub fn differs(&self, before: &[Arc<Frame>], frame: &Frame, threads: &Threads) -> Mask {
         let (width, height) = frame.size();
         let mut mask = Mask::new(width, height);
@@ -50,7 +54,7 @@ impl FrameDifference {
 
 wide!(fn both(rows: [&[u8]; 2], threshold: u8, words: &mut [u64]) = both_differ);
 
-/// Keeps the pixels that differ by more than `threshold`.
+/// Keeps the pixels of `words` whose rows differ by more than `threshold`.
 #[inline(always)]
 fn both_differ([here, there]: [&[u8]; 2], threshold: u8, words: &mut [u64]) {
     for ((a, b), word) in here.chunks(64).zip(there.chunks(64)).zip(words) {
@@ -59,10 +63,10 @@ fn both_differ([here, there]: [&[u8]; 2], threshold: u8, words: &mut [u64]) {
 }
 
 subtraction_pseudocode! {
-    begin: "the first frame is the one before the second",
-    compare: "  d ← |I(t) − I(t−1)|, or the smaller one of that and |I(t) − I(t−2)|",
+    begin: "B ← frame 0",
+    compare: "  d ← |I(t) − I(t−1)|; with three frames min(|I(t) − I(t−1)|, |I(t) − I(t−2)|)",
     decide: "  foreground if d > threshold",
-    update: "  frame t is the one before the next",
+    update: "  frame t becomes the reference of frame t+1",
 }
 
 impl Background for FrameDifference {
@@ -70,7 +74,7 @@ impl Background for FrameDifference {
         id: "frame-difference",
         name: "Frame difference",
         family: "Moving objects",
-        summary: "Takes for moving what looks different from the frame before: no model, no memory, and only edges of what is uniform.",
+        summary: "Thresholds the difference of consecutive frames. Needs no model, but finds only the edges of uniform objects and leaves ghosts behind them.",
         source: "R. Jain and H.-H. Nagel, On the analysis of accumulative difference pictures from image sequences of real world \
                  scenes, PAMI 1979; three frames: R. Collins et al., A system for video surveillance and monitoring, \
                  CMU-RI-TR-00-12, 2000",
@@ -78,8 +82,8 @@ impl Background for FrameDifference {
         granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
-    const SHOWN: &'static str = "|I(t) − B|, B the frame before, of two the nearer one";
-    /// The frames before, the last one first.
+    const SHOWN: &'static str = "|I(t) − B|, B the previous frame, or of the two previous ones the more similar";
+    /// The previous frames, the latest one first.
     type Model = Vec<Arc<Frame>>;
 
     fn settings(&self) -> Settings {
@@ -97,7 +101,7 @@ impl Background for FrameDifference {
     fn subtract(&self, model: &mut Self::Model, frame: &Arc<Frame>, threads: &Threads) -> Found {
         let mask = self.differs(model, frame, threads);
         model.insert(0, Arc::clone(frame));
-        model.truncate(if self.compared == Compared::Two { 1 } else { 2 });
+        model.truncate(if self.differencing == Differencing::Two { 1 } else { 2 });
         Found { mask, shadows: None }
     }
 
@@ -111,12 +115,12 @@ impl Background for FrameDifference {
     }
 
     fn explains(&self, picture: Picture) -> bool {
-        let before = if self.compared == Compared::Two { 1 } else { 2 };
+        let before = if self.differencing == Differencing::Two { 1 } else { 2 };
         (-before..=0).map(Picture::at).any(|shown| shown == picture)
     }
 
     fn compared_with(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32 {
-        // Of two frames before, the one that is nearer to the value decides.
+        // Of two previous frames the more similar one decides.
         let value = f32::from(frame.luma()[place]);
         let before = model.iter().map(|earlier| f32::from(earlier.luma()[place]));
         before.reduce(|a, b| if (b - value).abs() < (a - value).abs() { b } else { a }).unwrap_or(value)
@@ -131,26 +135,26 @@ impl Background for FrameDifference {
         let value = f32::from(frame.luma()[place]);
         let of = |earlier: &Arc<Frame>| f32::from(earlier.luma()[place]);
         let nearest = self.compared_with(before, frame, place);
-        let mut explanation = compared(value, (nearest, "B"), self.threshold as f32);
+        let mut explanation =
+            compared(value, Expected { value: nearest, symbol: "B", is_whole: true }, self.threshold as f32);
         if let [last, earlier] = &before[..] {
-            let [last, earlier] = [last, earlier].map(|frame| words::number(of(frame)));
+            let [last, earlier] = [last, earlier].map(|frame| level(of(frame)));
             explanation.facts.push(Fact::new(
-                "In the two frames before",
+                "Frames t−1 and t−2",
                 format!("{last} and {earlier}"),
                 Some(Role::Predicted),
             ));
-            explanation.equation.insert(0, Math::text("B is what is nearer of both frames before"));
+            explanation.equation.insert(0, Math::text("B = the more similar of I(t−1) and I(t−2)"));
         }
+        explanation.update = Sentence::default()
+            .text(format!("gray level {} of this frame becomes the reference", level(value)))
+            .text(format!(" (before: {}).", level(of(&before[0]))));
         explanation
     }
 
     fn rule(&self) -> String {
-        let which = if self.compared == Compared::Two { "the frame before" } else { "each of the two frames before" };
-        format!("differ from {which} by more than {} gray levels", self.threshold)
-    }
-
-    fn update(&self) -> String {
-        "This frame is what the next one is compared with".into()
+        let which = if self.differencing == Differencing::Two { "the previous frame" } else { "both previous frames" };
+        format!("the difference from {which} exceeds the threshold of {} gray levels", self.threshold)
     }
 
     fn model_bytes(&self, model: &Self::Model) -> usize {

@@ -1,29 +1,31 @@
-//! Approximate median: the background goes one step towards each frame.
+//! Approximate median: the background moves one step toward each frame.
 
 use std::sync::Arc;
 
-use crate::base::{Threads, wide::wide, words};
+use crate::base::{Threads, wide::wide};
 use crate::data::{Clip, Frame};
 use crate::geometry::Gray;
+use crate::methods::numbers::level;
 use crate::methods::subtraction::{
-    Background, Explanation, Flags, Found, Initial, Settings, by_rows, compared, subtraction_pseudocode,
+    Background, Expected, Explanation, Flags, Found, Initial, Settings, by_rows, compared, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
-use crate::scene::{Fact, Role};
+use crate::scene::{Fact, Role, Sentence};
 
 params! {
-    /// An approximate median of each pixel.
+    /// Approximate median of each pixel.
     pub struct MedianBackground {
-        /// So far the background goes towards each frame, in gray levels: it comes to rest where half of the frames are brighter.
+        /// Step of the background toward each frame in gray levels. The background converges to the median, where half of the frames are brighter.
         step: usize = 1, 1..=16;
-        /// A pixel that differs by more than this is foreground, in gray levels.
+        /// Difference threshold in gray levels. Pixels with a larger |I − B| are foreground.
         threshold: usize = 25, 0..=255;
-        /// Initial background.
+        /// Initial background: the first frame, or the median of the run.
         initial: Initial = Initial::FirstFrame;
-        /// What all background subtractions have.
+        /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
+    renamed { "open" => "opening", "close" => "closing" }
 }
 
 wide!(fn decide(model: &mut [u8], row: &[u8], words: &mut [u64], median: &MedianBackground) = decide_row);
@@ -47,7 +49,7 @@ subtraction_pseudocode! {
     begin: "B ← the initial background",
     compare: "  d ← |I − B|",
     decide: "  foreground if d > threshold",
-    update: "  B ← B + step where I > B, B − step where I < B, but not beyond I",
+    update: "  B ← B + step where I > B, B − step where I < B, at most to I",
 }
 
 impl Background for MedianBackground {
@@ -55,7 +57,7 @@ impl Background for MedianBackground {
         id: "median-background",
         name: "Median background",
         family: "Moving objects",
-        summary: "Moves each pixel of the background a step towards each frame, so that it comes to the median: what passes quickly leaves no trace.",
+        summary: "Moves the background one gray level per frame toward the current frame, so that it converges to the median. Fast objects leave no trail.",
         source: "N. J. B. McFarlane and C. P. Schofield, Segmentation and tracking of piglets in images, Machine Vision and \
                  Applications 8, 1995; the median itself: R. Cucchiara, C. Grana, M. Piccardi and A. Prati, Detecting moving \
                  objects, ghosts, and shadows in video streams, PAMI 2003",
@@ -98,20 +100,26 @@ impl Background for MedianBackground {
     fn explain(&self, [before, after]: [Option<&Gray>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
         let value = f32::from(frame.luma()[place]);
-        let mut explanation = compared(value, (f32::from(before[place]), "B"), self.threshold as f32);
-        let now =
-            after.map(|model| Fact::new("Background now", words::number(model[place].into()), Some(Role::Estimate)));
-        explanation.facts.extend(now);
+        let mut explanation = compared(
+            value,
+            Expected { value: f32::from(before[place]), symbol: "B", is_whole: true },
+            self.threshold as f32,
+        );
+        if let Some(after) = after {
+            let [old, new] = [before[place], after[place]].map(|value| level(value.into()));
+            explanation.facts.push(Fact::new("Background after update", new.clone(), Some(Role::Estimate)));
+            explanation.update = Sentence::default()
+                .text("B moves from ")
+                .ink(Role::Predicted, old)
+                .text(" to ")
+                .ink(Role::Estimate, new)
+                .text(format!(" toward the gray level {}; the step is {}.", level(value), self.step));
+        }
         explanation
     }
 
     fn rule(&self) -> String {
-        format!("differ from the median by more than {} gray levels", self.threshold)
-    }
-
-    fn update(&self) -> String {
-        let levels = if self.step == 1 { "a gray level".into() } else { format!("{} gray levels", self.step) };
-        format!("The background goes {levels} towards this frame, wherever it differs")
+        format!("|I − B| exceeds the threshold of {} gray levels", self.threshold)
     }
 
     fn model_bytes(&self, model: &Gray) -> usize {

@@ -1,4 +1,4 @@
-//! Mixture of Gaussians: a pixel may have several looks, and those that it has mostly are the background.
+//! Mixture of Gaussians: several weighted normal distributions per pixel, of which the heaviest are the background.
 
 mod explain;
 mod model;
@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use crate::base::{Threads, words};
 use crate::data::{Clip, Frame};
+use crate::methods::numbers::gray;
 use crate::methods::subtraction::{Background, Explanation, Found, Initial, Settings, subtraction_pseudocode};
 use crate::params;
 use crate::run::{Info, Need};
@@ -15,42 +16,52 @@ use crate::scene::Chart;
 pub use model::{Mixture, Mode};
 
 params! {
-    /// A mixture of normal distributions for each pixel, in colour where the frames have it.
+    /// Mixture of normal distributions for each pixel, in colour where the frames are.
     pub struct MixtureOfGaussians {
-        /// At most so many distributions, or modes, for each pixel; as many as it needs.
+        /// Maximum number K of Gaussians (modes) per pixel. Unused modes are pruned.
         modes: usize = 5, 1..=8;
-        /// How much a frame counts: the larger, the sooner something that stands still becomes background.
-        rate: f32 = 0.005, 0.0..=1.0;
-        /// A pixel belongs to a mode if it is not farther from it than so many σ, the root of the mean squared distance of the mode's pixels, all channels together. Stauffer and Grimson took 2.5, Zivkovic 3.
+        /// Learning rate α, about 1 / history in frames. Higher values absorb stopped objects and ghosts into the background sooner.
+        learning_rate: f32 = 0.005, 0.0..=1.0;
+        /// Threshold on |I − μ| / σ within which a pixel matches a mode; OpenCV's variance threshold is its square. σ² is the mean squared distance over all channels together. Stauffer and Grimson use 2.5, Zivkovic 3.
         threshold: f32 = 4.0, 0.5..=20.0, "σ";
-        /// The heaviest modes that together have this share of the weight are the background.
-        background: f32 = 0.9, 0.0..=1.0;
-        /// How much evidence a mode needs to last, as a share of the data: without it its weight falls to nothing; 0 keeps all modes, as Stauffer and Grimson did.
-        prune: f32 = 0.05, 0.0..=0.5;
-        /// σ of a new mode, in gray levels: the root of the mean squared distance from its mean, all channels together. In colour that is √3 of what one channel strays.
-        first_sigma: f32 = 4.0, 0.5..=50.0;
-        /// No σ becomes less than this, in gray levels.
+        /// Share of the weight that the background modes, the heaviest ones, reach together.
+        background_ratio: f32 = 0.9, 0.0..=1.0;
+        /// Zivkovic's c_T: share of the data that a mode needs to persist; without it its weight decays to zero. 0 keeps all modes, as in Stauffer and Grimson.
+        complexity_reduction: f32 = 0.05, 0.0..=0.5;
+        /// Initial standard deviation σ of a new mode in gray levels, over all channels together; in colour √3 times that of one channel.
+        initial_sigma: f32 = 4.0, 0.5..=50.0;
+        /// Minimum standard deviation σ of a mode in gray levels.
         min_sigma: f32 = 2.0, 0.5..=50.0;
-        /// Take shadows off the foreground: what has a background's colour, but is darker. Gray pictures do not tell.
-        shadows: bool = true;
-        /// A shadow leaves at least this share of the light.
-        darkest: f32 = 0.5, 0.05..=1.0;
-        /// Initial background.
+        /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour.
+        detect_shadows: bool = true;
+        /// Minimum brightness τ of a shadow, as a share of that of the background. Darker pixels are objects.
+        shadow_threshold: f32 = 0.5, 0.05..=1.0;
+        /// Initial background: the first frame, or the median of the run.
         initial: Initial = Initial::FirstFrame;
-        /// What all background subtractions have.
+        /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
+    }
+    renamed {
+        "rate" => "learning-rate",
+        "background" => "background-ratio",
+        "prune" => "complexity-reduction",
+        "first-sigma" => "initial-sigma",
+        "shadows" => "detect-shadows",
+        "darkest" => "shadow-threshold",
+        "open" => "opening",
+        "close" => "closing",
     }
 }
 
-/// No σ becomes more than so many times that of a new mode.
+/// The maximum σ of a mode, as a multiple of that of a new one.
 const MAX_SIGMAS: f32 = 2.25;
 
 subtraction_pseudocode! {
-    begin: "one mode for each pixel: w ← 1, μ ← the initial background, σ ← first-sigma",
-    compare: "  mode ← the heaviest with |I − μ| ≤ threshold · σ, if there is one",
-    decide: "  foreground if there is none, or heavier modes have the share background already",
-    shadows: "  shadow if I ≈ a μ with darkest ≤ a ≤ 1 for a mode of the background",
-    update: "  w ← w + rate (1 or 0 − w − prune); the mode's μ, σ² follow I by rate / w; none: a new mode",
+    begin: "one mode per pixel: w ← 1, μ ← the initial background, σ ← initial-sigma",
+    compare: "  matched mode ← the heaviest with |I − μ| ≤ threshold · σ",
+    decide: "  foreground if none matches, or if Σ w of the heavier modes ≥ background-ratio",
+    shadows: "  shadow if I ≈ a μ with shadow-threshold ≤ a ≤ 1 for a background mode",
+    update: "  w ← w + α (o − w − c_T), o = 1 if matched, else 0; its μ, σ² move by α / w; no match: new mode",
 }
 
 impl Background for MixtureOfGaussians {
@@ -58,15 +69,15 @@ impl Background for MixtureOfGaussians {
         id: "mixture-of-gaussians",
         name: "Mixture of Gaussians",
         family: "Moving objects",
-        summary: "Gives each pixel several looks with their weights, so that leaves may wave and lamps may blink; the rare ones are objects.",
-        source: "C. Stauffer and W. E. L. Grimson, Adaptive background mixture models for real-time tracking, CVPR 1999; how many \
-                 modes: Z. Zivkovic, Improved adaptive Gaussian mixture model for background subtraction, ICPR 2004; shadows: \
+        summary: "Models each pixel by several weighted Gaussians, so that waving leaves and blinking lamps are background too. Rare colours are foreground.",
+        source: "C. Stauffer and W. E. L. Grimson, Adaptive background mixture models for real-time tracking, CVPR 1999; number \
+                 of modes: Z. Zivkovic, Improved adaptive Gaussian mixture model for background subtraction, ICPR 2004; shadows: \
                  A. Prati, I. Mikić, M. Trivedi and R. Cucchiara, Detecting moving shadows, PAMI 2003",
         pseudocode: line::ALL,
         granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
-    const SHOWN: &'static str = "|I − μ| / σ of the nearest mode of the background";
+    const SHOWN: &'static str = "|I − μ| / σ of the nearest background mode";
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
     type Model = Mixture;
 
@@ -97,7 +108,7 @@ impl Background for MixtureOfGaussians {
     }
 
     fn difference(&self, model: &Mixture, frame: &Frame, place: (usize, usize)) -> f32 {
-        model.distance(frame, place, self.background)
+        model.distance(frame, place, self.background_ratio)
     }
 
     fn explain(&self, models: [Option<&Mixture>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
@@ -105,12 +116,11 @@ impl Background for MixtureOfGaussians {
     }
 
     fn rule(&self) -> String {
-        format!("fit none of the modes that make up {} % of the weight", words::number(100.0 * self.background))
-    }
-
-    fn update(&self) -> String {
-        "The mode that fits grows and follows the pixel, all others lose weight, and a look that is new begins a mode of its own"
-            .into()
+        format!(
+            "no background mode (the heaviest with {} of the weight) lies within {} σ",
+            words::percent(self.background_ratio),
+            gray(self.threshold)
+        )
     }
 
     fn at_rest(&self, model: &Arc<Mixture>) -> Arc<Mixture> {

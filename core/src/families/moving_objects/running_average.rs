@@ -1,38 +1,40 @@
-//! Running average: the background is a mean in which the past fades.
+//! Running average: the background is an exponentially weighted mean.
 
 use std::sync::Arc;
 
-use crate::base::{Threads, wide::wide, words};
+use crate::base::{Threads, wide::wide};
 use crate::data::{Clip, Frame};
 use crate::geometry::Grid;
+use crate::methods::numbers::{gray, level, ratio};
 use crate::methods::subtraction::{
-    Background, Explanation, Flags, Found, Initial, Settings, by_rows, compared, subtraction_pseudocode,
+    Background, Expected, Explanation, Flags, Found, Initial, Settings, by_rows, compared, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
-use crate::scene::{Fact, Role};
+use crate::scene::{Fact, Role, Sentence};
 
 params! {
-    /// A running average of each pixel.
+    /// Running average of each pixel.
     pub struct RunningAverage {
-        /// How much a frame counts in the background: the larger, the sooner what stands still belongs to it.
-        rate: f32 = 0.02, 0.0..=1.0;
-        /// A pixel that differs by more than this is foreground, in gray levels.
+        /// Learning rate α, about 1 / history in frames. Higher values absorb stopped objects and ghosts sooner, but leave trails behind slow ones.
+        learning_rate: f32 = 0.02, 0.0..=1.0;
+        /// Difference threshold in gray levels. Pixels with a larger |I − B| are foreground.
         threshold: f32 = 25.0, 0.0..=255.0;
-        /// Take only what looks like the background into it: objects leave no trail, but what has changed for good never belongs to it.
+        /// Selective update: only background pixels update the model. Objects leave no trail, but ghosts and stopped objects stay foreground for ever.
         selective: bool = false;
-        /// Initial background.
+        /// Initial background: the first frame, or the median of the run.
         initial: Initial = Initial::FirstFrame;
-        /// What all background subtractions have.
+        /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
+    renamed { "rate" => "learning-rate", "open" => "opening", "close" => "closing" }
 }
 
 wide!(fn decide(model: &mut [f32], row: &[u8], words: &mut [u64], average: &RunningAverage) = decide_row);
 
 #[inline(always)]
 fn decide_row(model: &mut [f32], row: &[u8], words: &mut [u64], average: &RunningAverage) {
-    let (rate, threshold) = (average.rate, average.threshold);
+    let (rate, threshold) = (average.learning_rate, average.threshold);
     let rate_in_front = if average.selective { 0.0 } else { rate };
     for ((model, row), word) in model.chunks_mut(64).zip(row.chunks(64)).zip(words) {
         *word = Flags::of(model.len().min(row.len()), |i| {
@@ -49,7 +51,7 @@ subtraction_pseudocode! {
     begin: "B ← the initial background",
     compare: "  d ← |I − B|",
     decide: "  foreground if d > threshold",
-    update: "  B ← (1 − rate) B + rate · I; if selective, in the background only",
+    update: "  B ← (1 − α) B + α I with learning-rate α; if selective, at background pixels only",
 }
 
 impl Background for RunningAverage {
@@ -57,7 +59,7 @@ impl Background for RunningAverage {
         id: "running-average",
         name: "Running average",
         family: "Moving objects",
-        summary: "Keeps a mean of each pixel in which the past fades, and takes for moving what differs from it.",
+        summary: "Models the background as an exponentially weighted mean of each pixel and thresholds the difference from it.",
         source: "J. Heikkilä and O. Silvén, A real-time system for monitoring of cyclists and pedestrians, VS 1999; selective: \
                  D. Koller et al., Towards robust automatic traffic scene analysis in real-time, ICPR 1994",
         pseudocode: line::ALL,
@@ -99,20 +101,31 @@ impl Background for RunningAverage {
     fn explain(&self, [before, after]: [Option<&Grid<f32>>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
         let value = f32::from(frame.luma()[place]);
-        let mut explanation = compared(value, (before[place], "B"), self.threshold);
-        let now = after.map(|model| Fact::new("Background now", words::number(model[place]), Some(Role::Estimate)));
-        explanation.facts.extend(now);
+        let mut explanation =
+            compared(value, Expected { value: before[place], symbol: "B", is_whole: false }, self.threshold);
+        if let Some(after) = after {
+            let [old, new] = [before[place], after[place]].map(gray);
+            let is_frozen = self.selective && (value - before[place]).abs() > self.threshold;
+            explanation.facts.push(Fact::new("Background after update", new.clone(), Some(Role::Estimate)));
+            explanation.update = match is_frozen {
+                true => Sentence::default().text(format!("foreground, and the update is selective, so B stays {old}.")),
+                false => Sentence::default()
+                    .text("B moves from ")
+                    .ink(Role::Predicted, old)
+                    .text(" to ")
+                    .ink(Role::Estimate, new)
+                    .text(format!(
+                        " toward the gray level {}; the learning rate is α = {}.",
+                        level(value),
+                        ratio(self.learning_rate.into())
+                    )),
+            };
+        }
         explanation
     }
 
     fn rule(&self) -> String {
-        format!("differ from the mean by more than {} gray levels", self.threshold)
-    }
-
-    fn update(&self) -> String {
-        let share = words::number(100.0 * self.rate);
-        let only = if self.selective { ", where it looks like it" } else { "" };
-        format!("The background moves {share} % of the way to this frame{only}")
+        format!("|I − B| exceeds the threshold of {} gray levels", gray(self.threshold))
     }
 
     fn model_bytes(&self, model: &Grid<f32>) -> usize {

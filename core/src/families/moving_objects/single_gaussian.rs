@@ -1,10 +1,11 @@
-//! Single Gaussian: the background is a mean and how far a pixel strays from it.
+//! Single Gaussian: a mean and a variance of each background pixel.
 
 use std::sync::Arc;
 
-use crate::base::{Threads, wide::wide, words};
+use crate::base::{Threads, wide::wide};
 use crate::data::{Clip, Frame};
 use crate::geometry::Grid;
+use crate::methods::numbers::{fixed, gray, level, ratio};
 use crate::methods::subtraction::{
     Background, Explanation, Flags, Found, Initial, Settings, by_rows, subtraction_pseudocode,
 };
@@ -13,31 +14,37 @@ use crate::run::{Info, Need};
 use crate::scene::{Fact, Math, Role, Sentence};
 
 params! {
-    /// A normal distribution for each pixel.
+    /// One normal distribution for each pixel.
     pub struct SingleGaussian {
-        /// How much a frame counts in mean and variance: the larger, the sooner the background follows a change.
-        rate: f32 = 0.02, 0.0..=1.0;
-        /// A pixel farther from the mean than so many standard deviations is foreground.
+        /// Learning rate α of mean and variance, about 1 / history in frames. Higher values follow changes sooner, but absorb slow objects.
+        learning_rate: f32 = 0.02, 0.0..=1.0;
+        /// Threshold on |I − μ| / σ. Pixels farther from the mean are foreground; OpenCV's variance threshold is its square.
         threshold: f32 = 4.0, 0.0..=20.0, "σ";
-        /// Standard deviation of each pixel to begin with, in gray levels.
-        first_sigma: f32 = 6.0, 0.5..=50.0;
-        /// No standard deviation becomes less than this, in gray levels: what looks the same for long may still flicker a little.
+        /// Initial standard deviation σ of each pixel in gray levels.
+        initial_sigma: f32 = 6.0, 0.5..=50.0;
+        /// Minimum standard deviation σ in gray levels. It keeps sensor noise after a quiet time from being foreground.
         min_sigma: f32 = 2.0, 0.5..=50.0;
-        /// Take only what looks like the background into it: objects do not widen it, but what has changed for good never belongs to it.
+        /// Selective update: only background pixels update the model. Objects do not inflate σ, but ghosts and stopped objects stay foreground for ever.
         selective: bool = true;
-        /// Initial background.
+        /// Initial background: the first frame, or the median of the run.
         initial: Initial = Initial::FirstFrame;
-        /// What all background subtractions have.
+        /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
+    }
+    renamed {
+        "rate" => "learning-rate",
+        "first-sigma" => "initial-sigma",
+        "open" => "opening",
+        "close" => "closing",
     }
 }
 
-/// What is known of a pixel.
+/// The distribution of a pixel's gray levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gaussian {
-    /// The mean of its gray values.
+    /// The mean μ in gray levels.
     pub mean: f32,
-    /// Their variance.
+    /// The variance σ² in squared gray levels.
     pub variance: f32,
 }
 
@@ -47,13 +54,13 @@ wide!(fn decide(model: &mut [Gaussian], row: &[u8], words: &mut [u64], of: &Sing
 fn decide_row(model: &mut [Gaussian], row: &[u8], words: &mut [u64], of: &SingleGaussian) {
     let limit = of.threshold * of.threshold;
     let least = of.min_sigma * of.min_sigma;
-    let rate_in_front = if of.selective { 0.0 } else { of.rate };
+    let rate_in_front = if of.selective { 0.0 } else { of.learning_rate };
     for ((model, row), word) in model.chunks_mut(64).zip(row.chunks(64)).zip(words) {
         *word = Flags::of(model.len().min(row.len()), |i| {
             let Gaussian { mean, variance } = model[i];
             let off = f32::from(row[i]) - mean;
             let is_foreground = off * off > limit * variance;
-            let rate = if is_foreground { rate_in_front } else { of.rate };
+            let rate = if is_foreground { rate_in_front } else { of.learning_rate };
             let variance = variance + rate * (off * off - variance);
             model[i] = Gaussian { mean: mean + rate * off, variance: if variance > least { variance } else { least } };
             is_foreground
@@ -63,10 +70,10 @@ fn decide_row(model: &mut [Gaussian], row: &[u8], words: &mut [u64], of: &Single
 }
 
 subtraction_pseudocode! {
-    begin: "μ ← the initial background, σ ← first-sigma",
+    begin: "μ ← the initial background, σ ← initial-sigma",
     compare: "  d ← |I − μ| / σ",
     decide: "  foreground if d > threshold",
-    update: "  μ ← μ + rate (I − μ), σ² ← σ² + rate ((I − μ)² − σ²); if selective, in the background only",
+    update: "  μ ← μ + α (I − μ), σ² ← σ² + α ((I − μ)² − σ²); if selective, at background pixels only",
 }
 
 impl Background for SingleGaussian {
@@ -74,7 +81,7 @@ impl Background for SingleGaussian {
         id: "single-gaussian",
         name: "Single Gaussian",
         family: "Moving objects",
-        summary: "Learns how far each pixel strays from its mean, so that water may flicker and a wall may not.",
+        summary: "Models each pixel by a normal distribution and thresholds the distance in standard deviations, so that noisy pixels need a larger difference.",
         source: "C. Wren, A. Azarbayejani, T. Darrell and A. Pentland, Pfinder: real-time tracking of the human body, PAMI 1997; here \
                  on gray values",
         pseudocode: line::ALL,
@@ -97,7 +104,7 @@ impl Background for SingleGaussian {
     }
 
     fn begin(&self, first: &Arc<Frame>) -> Grid<Gaussian> {
-        let sigma = self.first_sigma.max(self.min_sigma);
+        let sigma = self.initial_sigma.max(self.min_sigma);
         first.luma().map(|gray| Gaussian { mean: f32::from(*gray), variance: sigma * sigma })
     }
 
@@ -126,20 +133,28 @@ impl Background for SingleGaussian {
         let value = f32::from(frame.luma()[place]);
         let (off, is_foreground) = (value - mean, (value - mean) * (value - mean) > self.threshold.powi(2) * variance);
         let role = if is_foreground { Role::Result } else { Role::Rejected };
-        let distance = words::number(off.abs() / variance.sqrt());
-        let [shown, mu, sigma, limit] = [value, mean, variance.sqrt(), self.threshold].map(words::number);
+        let distance = fixed(f64::from(off.abs() / variance.sqrt()), 2);
+        let [mu, sigma, limit] = [mean, variance.sqrt(), self.threshold].map(gray);
+        let shown = level(value);
         let mut facts = vec![
-            Fact::new("Gray", shown.clone(), Some(Role::Measured)),
+            Fact::new("Gray level", shown.clone(), Some(Role::Measured)),
             Fact::new("Mean μ", mu.clone(), Some(Role::Predicted)),
             Fact::new("Standard deviation σ", sigma.clone(), Some(Role::Predicted)),
             Fact::new("Distance", format!("{distance} σ"), Some(role)),
             Fact::new("Threshold", format!("{limit} σ"), None),
         ];
-        facts.extend(after.map(|model| {
-            let Gaussian { mean, variance } = model[place];
-            let now = format!("{} ± {}", words::number(mean), words::number(variance.sqrt()));
-            Fact::new("Background now", now, Some(Role::Estimate))
-        }));
+        let mut update = Sentence::default();
+        if let Some(after) = after {
+            let [new_mu, new_sigma] = [after[place].mean, after[place].variance.sqrt()].map(gray);
+            facts.push(Fact::new("After update", format!("μ {new_mu}, σ {new_sigma}"), Some(Role::Estimate)));
+            update = match self.selective && is_foreground {
+                true => update.text(format!("foreground, and the update is selective, so μ {mu} and σ {sigma} stay.")),
+                false => update
+                    .text(format!("the update with learning rate α = {} moves ", ratio(self.learning_rate.into())))
+                    .ink(Role::Estimate, format!("μ from {mu} to {new_mu}, σ from {sigma} to {new_sigma}"))
+                    .text("."),
+            };
+        }
         let size = |inner: Vec<Math>| Math::Abs(Box::new(Math::Row(inner)));
         let symbols = Math::Frac(
             Box::new(size(vec![Math::Var("I"), Math::text(" − "), Math::Var("μ")])),
@@ -167,27 +182,22 @@ impl Background for SingleGaussian {
             ],
             matrices: Vec::new(),
             verdict: Sentence::default()
-                .text(" is ")
+                .text(": gray level ")
                 .ink(Role::Measured, shown)
-                .text(" where ")
-                .ink(Role::Predicted, format!("{mu} ± {sigma}"))
-                .text(" is expected: ")
-                .ink(role, format!("{distance} standard deviations"))
+                .text(", background ")
+                .ink(Role::Predicted, format!("μ = {mu}, σ = {sigma}"))
+                .text(". The distance ")
+                .ink(role, format!("{distance} σ"))
                 .text(match is_foreground {
-                    true => format!(" off, more than {limit}: foreground."),
-                    false => format!(" off, not more than {limit}: background."),
+                    true => format!(" exceeds the threshold {limit} σ: foreground."),
+                    false => format!(" is within the threshold {limit} σ: background."),
                 }),
+            update,
         }
     }
 
     fn rule(&self) -> String {
-        format!("are more than {} standard deviations from their mean", self.threshold)
-    }
-
-    fn update(&self) -> String {
-        let share = words::number(100.0 * self.rate);
-        let only = if self.selective { ", where it looks like them" } else { "" };
-        format!("Means and variances move {share} % of the way to this frame{only}")
+        format!("|I − μ| / σ exceeds the threshold of {} σ", gray(self.threshold))
     }
 
     fn model_bytes(&self, model: &Grid<Gaussian>) -> usize {

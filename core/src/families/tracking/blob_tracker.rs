@@ -1,4 +1,4 @@
-//! Many objects without any filter: the blobs of a frame are matched with the objects by what they have in common.
+//! Blob tracking by overlap, for the blobs of a background model: tracks continue, merge into groups and split.
 
 mod correspond;
 mod explain;
@@ -9,125 +9,126 @@ use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::geometry::{Bounds, Grid};
 use crate::methods::multi_object::{
-    course::{self, Course},
-    lifecycle::{Age, Rules},
+    lifecycle::{Rules, TrackAge},
+    tracker_run::{self, Conclusion, TrackerRun},
 };
 use crate::products::{
     Object, ObjectField, ObjectFrame, Output, Product, ProductKind,
     objects::{
-        assignment::{Effort, least_cost},
+        assignment::{WorkBudget, least_cost},
         pairs::Pairs,
     },
 };
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
-use correspond::{Blob, Table};
+use correspond::{Blob, Correspondence};
 
 choices! {
-    /// What tells who is who where a group splits.
+    /// The feature that restores identities after a split.
     pub enum Identity {
-        /// Mean gray and area, as they were before the objects merged.
+        /// Appearance: mean gray level and area before the merge.
         Appearance = "appearance" "Appearance",
-        /// The place where each would be, had it gone on as before the objects merged.
-        Place = "place" "Place",
+        /// Position: extrapolated with the velocity before the merge.
+        Place = "place" "Predicted position",
     }
 }
 
 params! {
-    /// Many objects, matched from frame to frame by overlap.
+    /// Multi-object tracking of blobs by the overlap of their boxes.
     pub struct BlobTracker {
-        /// The frames of the run, and the source of the detections.
-        given: course::Settings = course::Settings::default();
-        /// Objects are expected where their velocity leads; otherwise where they were last.
+        /// The frames of the run and the source of the detections.
+        settings: tracker_run::Settings = tracker_run::Settings::default();
+        /// Predict positions with the mean displacement. Off: the last position is the prediction.
         predict: bool = true;
-        /// An object's velocity is its mean displacement over so many frames in which it was last seen by itself.
+        /// Number of frames over which the velocity of a track is averaged. Frames within a group do not count.
         velocity_frames: usize = 5, 1..=50;
-        /// An object and a blob correspond if at least this share of the smaller of both boxes lies in the other.
+        /// Minimum intersection of two boxes as a share of the smaller one. Pairs with less do not correspond.
         min_overlap: f32 = 0.3, 0.01..=1.0;
-        /// An object that corresponds to no blob goes on with the nearest one that is left, if its centre is at most this far.
+        /// Maximum centre distance of the nearest-blob fallback, for tracks that overlap no blob.
         max_distance: f32 = 30.0, 0.0..=1000.0, "px";
-        /// What tells who is who where a group splits.
+        /// Feature that restores identities after a split.
         identity: Identity = Identity::Appearance;
-        /// When a track is confirmed, and when it is deleted.
+        /// Track management.
         rules: Rules = Rules::default();
     }
+    renamed { "confirm" => "min-hits", "patience" => "max-age", "bridge" => "interpolate" }
 }
 
-/// A difference of so many gray levels is as unlike as an area twice as large.
+/// The gray level difference that costs as much as a factor of two in area.
 const GRAY_LEVELS: f64 = 20.0;
 
-/// Who is who in a split is worked out from so many pairs at most, some tenths of a second long; then whoever is most alike goes
-/// first.
+/// The maximum number of pairs visited by the assignment after a split, a few tenths of a second; beyond it the assignment is
+/// greedy.
 const MOST_WORK: u64 = 20_000_000;
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
-    course: Course,
-    bodies: Vec<Body>,
+    run: TrackerRun,
+    tracked_blobs: Vec<TrackedBlob>,
 }
 
-/// Whatever is one blob: an object by itself, or several that have merged into a group.
+/// The tracks of one blob: a single track, or several that have merged into a group.
 #[derive(Clone, Debug)]
-struct Body {
-    /// Its box, where it was last seen or is expected by now.
+struct TrackedBlob {
+    /// The last box, or the predicted one.
     bounds: Bounds,
-    /// The centres of its blob in the frames in which it was last seen, the oldest first.
+    /// The recent blob centres, the oldest first.
     centers: Vec<[f64; 2]>,
-    /// At least one, by identity.
+    /// At least one track, by identity.
     members: Vec<Member>,
 }
 
-/// An object.
+/// A track, single or within a group.
 #[derive(Clone, Debug)]
 struct Member {
     id: u32,
-    age: Age,
-    /// What it looks like by itself: mean gray, where that is known, and area in px.
+    age: TrackAge,
+    /// Its appearance as a single track: mean gray level, where known, and area in px.
     gray: Option<f64>,
     area_px: f64,
-    /// Its box and its centre in px, and its velocity in px/frame as it was when it was last seen by itself.
+    /// Its box and centre in px, and its last velocity as a single track in px/frame.
     bounds: Bounds,
     center: [f64; 2],
     velocity: Option<[f64; 2]>,
 }
 
-/// What happens in a frame.
+/// An event of a frame.
 #[derive(Clone, Debug)]
-pub struct Event(What);
+pub struct Event(EventKind);
 
 #[derive(Clone, Debug)]
-enum What {
-    /// What was detected, and how much of it is left out.
-    Looked(Arc<Vec<Blob>>, usize),
-    /// Where all objects are expected.
-    Expected(Arc<Vec<Body>>),
-    /// Which objects and blobs correspond.
-    Corresponded(Arc<Table>),
-    /// What becomes of objects that have blobs.
+enum EventKind {
+    /// The detected blobs, and the number discarded by the minimum score.
+    Detected(Arc<Vec<Blob>>, usize),
+    /// The predicted tracks.
+    Predicted(Arc<Vec<TrackedBlob>>),
+    /// The correspondences of tracks and blobs.
+    Corresponded(Arc<Correspondence>),
+    /// The update of tracks by their blobs.
     Decided(Arc<Decision>),
-    /// An object or a group was not seen.
-    Missed(Arc<Body>),
-    /// It is given up.
-    Ended(Arc<Body>),
-    /// An unassigned blob begins a track.
-    Begun(Arc<Body>),
-    /// The frame is over.
-    Done(Arc<ObjectFrame>),
+    /// A track or a group without a blob.
+    Missed(Arc<TrackedBlob>),
+    /// A deleted track or group.
+    Deleted(Arc<TrackedBlob>),
+    /// A track that starts with an unmatched blob.
+    Begun(Arc<TrackedBlob>),
+    /// The finished frame and its conclusion.
+    Done(Arc<ObjectFrame>, Box<Conclusion>),
 }
 
-/// What becomes of objects and blobs that correspond.
+/// The update of corresponding tracks and blobs: continuation, merge or split.
 #[derive(Clone, Debug)]
 struct Decision {
-    table: Arc<Table>,
-    /// The rows and columns of the table.
+    table: Arc<Correspondence>,
+    /// The rows (tracks) and columns (blobs) concerned.
     rows: Vec<usize>,
     columns: Vec<usize>,
-    /// Those that go on, each with the column of its blob.
-    after: Vec<(usize, Body)>,
-    /// What each object of a split, by identity, and each blob would cost.
-    unlike: Option<Grid<f64>>,
+    /// The updated tracks, each with the column of its blob.
+    after: Vec<(usize, TrackedBlob)>,
+    /// The costs of a split: tracks by identity, and blobs.
+    dissimilarity: Option<Grid<f64>>,
 }
 
 impl Decision {
@@ -139,15 +140,16 @@ impl Decision {
         self.columns.len() > 1
     }
 
-    /// The objects that it is about, by identity.
+    /// Returns the tracks concerned, by identity.
     fn members(&self) -> Vec<Member> {
         members_of(&self.table, &self.rows)
     }
 }
 
-/// The objects of some rows, by identity.
-fn members_of(table: &Table, rows: &[usize]) -> Vec<Member> {
-    let mut members: Vec<Member> = rows.iter().flat_map(|&row| table.bodies[row].members.iter().cloned()).collect();
+/// Returns the tracks of some rows, by identity.
+fn members_of(table: &Correspondence, rows: &[usize]) -> Vec<Member> {
+    let mut members: Vec<Member> =
+        rows.iter().flat_map(|&row| table.tracked_blobs[row].members.iter().cloned()).collect();
     members.sort_by_key(|member| member.id);
     members
 }
@@ -160,13 +162,12 @@ impl Member {
 
     fn object(&self, detection: Option<usize>) -> Object {
         let Self { id, bounds, center, velocity, age, .. } = *self;
-        Object { id, bounds, life: age.life, position: center, velocity, covariance: None, detection }
+        Object { id, bounds, status: age.status, position: center, velocity, covariance: None, detection }
     }
 }
 
-impl Body {
-    /// Its velocity in px/frame: of an object the mean displacement of its blob, of a group that of all its objects until its
-    /// own is known.
+impl TrackedBlob {
+    /// Returns the velocity in px/frame: the mean displacement of the blob; of a new group the mean of its tracks' velocities.
     fn velocity(&self) -> Option<[f64; 2]> {
         if let [first, .., last] = &self.centers[..] {
             let frames = (self.centers.len() - 1) as f64;
@@ -185,19 +186,19 @@ impl Body {
         self.members.len() > 1
     }
 
-    /// Where it is expected in the next frame.
-    fn expected(mut self) -> Self {
+    /// Predicts the next frame.
+    fn predicted(mut self) -> Self {
         let velocity = self.velocity().unwrap_or_default();
         self.bounds = self.bounds.moved(velocity.map(|c| c as f32));
         let is_group = self.is_group();
         for member in &mut self.members {
-            // In a group everyone goes on as before.
+            // Within a group each track keeps its own velocity.
             member.moved(if is_group { member.velocity.unwrap_or(velocity) } else { velocity });
         }
         self
     }
 
-    /// What it looks like by itself becomes half of what is new.
+    /// Updates a single track with its blob; the appearance moves half way to the new one.
     fn seen_alone(&mut self, blob: &Blob) {
         let (velocity, found) = (self.velocity(), &blob.detection);
         for member in &mut self.members {
@@ -209,7 +210,7 @@ impl Body {
         }
     }
 
-    /// Everyone is somewhere in the blob.
+    /// Updates a group with its blob, keeping the box of each track inside.
     fn seen_as_group(&mut self, blob: &Blob) {
         let all = blob.detection.bounds;
         for member in &mut self.members {
@@ -224,27 +225,27 @@ impl Body {
 }
 
 impl BlobTracker {
-    /// Objects go on in one blob; `before` is the body that was there, if it was one.
-    fn seen(&self, before: Option<&Body>, members: Vec<Member>, blob: &Blob) -> Body {
-        // After a gap displacements begin anew.
-        let before = before.filter(|body| body.members.iter().all(|member| member.age.missed == 0));
-        let mut centers = before.map_or(Vec::new(), |body| body.centers.clone());
+    /// Continues tracks in one blob; `before` is their state, if they were together.
+    fn seen(&self, before: Option<&TrackedBlob>, members: Vec<Member>, blob: &Blob) -> TrackedBlob {
+        // The velocity is reset after a gap.
+        let before = before.filter(|tracked| tracked.members.iter().all(|member| member.age.missed == 0));
+        let mut centers = before.map_or(Vec::new(), |tracked| tracked.centers.clone());
         centers.push(blob.center());
-        // A displacement lies between two frames.
+        // A displacement takes two frames.
         let surplus = centers.len().saturating_sub(self.velocity_frames + 1);
         centers.drain(..surplus);
         let rules = self.rules;
         let members = members.into_iter().map(|member| Member { age: rules.seen(member.age), ..member }).collect();
-        let mut body = Body { bounds: blob.detection.bounds, centers, members };
-        if body.is_group() {
-            body.seen_as_group(blob)
+        let mut tracked = TrackedBlob { bounds: blob.detection.bounds, centers, members };
+        if tracked.is_group() {
+            tracked.seen_as_group(blob)
         } else {
-            body.seen_alone(blob)
+            tracked.seen_alone(blob)
         }
-        body
+        tracked
     }
 
-    fn begun(&self, blob: &Blob, id: u32) -> Body {
+    fn begun(&self, blob: &Blob, id: u32) -> TrackedBlob {
         let member = Member {
             id,
             age: self.rules.begun(),
@@ -254,20 +255,22 @@ impl BlobTracker {
             center: blob.center(),
             velocity: None,
         };
-        Body { bounds: blob.detection.bounds, centers: vec![blob.center()], members: vec![member] }
+        TrackedBlob { bounds: blob.detection.bounds, centers: vec![blob.center()], members: vec![member] }
     }
 
-    /// What is left of an object or a group that was not seen; `None` where it is given up.
-    fn missed(&self, body: &Body) -> Option<Body> {
+    /// Returns a track or group after a missed frame; `None` if it is deleted.
+    fn missed(&self, tracked: &TrackedBlob) -> Option<TrackedBlob> {
         let rules = self.rules;
-        let left =
-            body.members.iter().filter_map(|member| Some(Member { age: rules.missed(member.age)?, ..member.clone() }));
+        let left = tracked
+            .members
+            .iter()
+            .filter_map(|member| Some(Member { age: rules.missed(member.age)?, ..member.clone() }));
         let members: Vec<Member> = left.collect();
-        (!members.is_empty()).then(|| Body { members, ..body.clone() })
+        (!members.is_empty()).then(|| TrackedBlob { members, ..tracked.clone() })
     }
 
-    /// How unlike each of `members` and of `blobs` are.
-    fn unlike(&self, members: &[Member], blobs: &[&Blob]) -> Grid<f64> {
+    /// Returns the dissimilarity of tracks (rows) and blobs (columns).
+    fn dissimilarity(&self, members: &[Member], blobs: &[&Blob]) -> Grid<f64> {
         Grid::from_fn(blobs.len(), members.len(), |x, y| {
             let (blob, member) = (blobs[x], &members[y]);
             match self.identity {
@@ -283,83 +286,85 @@ impl BlobTracker {
         })
     }
 
-    /// What becomes of objects and blobs that correspond.
+    /// Updates corresponding tracks and blobs.
     ///
     /// # Errors
     /// If the work is cancelled.
     fn decide(
         &self,
         clip: &Clip,
-        table: &Arc<Table>,
+        table: &Arc<Correspondence>,
         (rows, columns): (Vec<usize>, Vec<usize>),
     ) -> Result<Decision, Error> {
         let members = members_of(table, &rows);
         let blobs: Vec<&Blob> = columns.iter().map(|&column| &table.blobs[column]).collect();
-        let before = if rows.len() == 1 { rows.first().map(|&row| &table.bodies[row]) } else { None };
+        let before = if rows.len() == 1 { rows.first().map(|&row| &table.tracked_blobs[row]) } else { None };
         if let [blob] = blobs[..] {
             let after = vec![(columns[0], self.seen(before, members, blob))];
-            return Ok(Decision { table: Arc::clone(table), rows, columns, after, unlike: None });
+            return Ok(Decision { table: Arc::clone(table), rows, columns, after, dissimilarity: None });
         }
-        let unlike = self.unlike(&members, &blobs);
-        let pairs = least_cost(&Pairs::of(&unlike), &mut Effort::limited(MOST_WORK, &|| clip.wanted()))?.columns;
-        // Who is left over where there are fewer blobs goes with the one that is most alike.
+        let dissimilarity = self.dissimilarity(&members, &blobs);
+        let pairs =
+            least_cost(&Pairs::of(&dissimilarity), &mut WorkBudget::limited(MOST_WORK, &|| clip.wanted()))?.columns;
+        // With fewer blobs than tracks, the tracks left over join the most similar blob.
         let alike = |row: usize| {
-            let costs = (0..blobs.len()).map(|x| unlike[(x, row)]).enumerate();
+            let costs = (0..blobs.len()).map(|x| dissimilarity[(x, row)]).enumerate();
             costs.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(x, _)| x)
         };
         let mut shares = vec![Vec::new(); blobs.len()];
         for (row, member) in members.into_iter().enumerate() {
             shares[pairs[row].unwrap_or_else(|| alike(row))].push(member);
         }
-        // An object by itself of which something has parted is still the one that it was.
-        let before = before.filter(|body| !body.is_group());
+        // A single track from which something splits off keeps its history.
+        let before = before.filter(|tracked| !tracked.is_group());
         let all = shares.into_iter().zip(&columns).filter(|(members, _)| !members.is_empty());
         let after = all.map(|(members, &column)| (column, self.seen(before, members, &table.blobs[column]))).collect();
-        Ok(Decision { table: Arc::clone(table), rows, columns, after, unlike: Some(unlike) })
+        Ok(Decision { table: Arc::clone(table), rows, columns, after, dissimilarity: Some(dissimilarity) })
     }
 
-    /// Gives objects their blobs, ends and begins some; gives those there are in this frame.
-    fn share_out(
+    /// Updates, deletes and starts tracks; returns the objects of this frame.
+    fn assign(
         &self,
         clip: &Clip,
         state: &mut State,
-        table: &Arc<Table>,
+        table: &Arc<Correspondence>,
         observer: &mut impl Observer<Event>,
     ) -> Result<Vec<Object>, Error> {
         let mut objects = Vec::new();
         let mut is_taken = vec![false; table.blobs.len()];
         for (rows, columns) in table.parts() {
             if columns.is_empty() {
-                let before = &table.bodies[rows[0]];
+                let before = &table.tracked_blobs[rows[0]];
                 let missed = self.missed(before);
                 observer.see(|| match &missed {
-                    Some(body) => Event(What::Missed(Arc::new(body.clone()))),
-                    None => Event(What::Ended(Arc::new(before.clone()))),
+                    Some(tracked) => Event(EventKind::Missed(Arc::new(tracked.clone()))),
+                    None => Event(EventKind::Deleted(Arc::new(before.clone()))),
                 });
-                objects.extend(missed.iter().flat_map(|body| body.members.iter().map(|member| member.object(None))));
-                state.bodies.extend(missed);
+                objects
+                    .extend(missed.iter().flat_map(|tracked| tracked.members.iter().map(|member| member.object(None))));
+                state.tracked_blobs.extend(missed);
                 continue;
             }
             let decision = Arc::new(self.decide(clip, table, (rows, columns))?);
-            observer.see(|| Event(What::Decided(Arc::clone(&decision))));
+            observer.see(|| Event(EventKind::Decided(Arc::clone(&decision))));
             let was = decision.members();
-            for (column, body) in &decision.after {
+            for (column, tracked) in &decision.after {
                 is_taken[*column] = true;
-                for member in &body.members {
+                for member in &tracked.members {
                     let object = member.object(Some(*column));
                     if let Ok(place) = was.binary_search_by_key(&member.id, |was| was.id) {
-                        state.course.look_back(self.rules, &object, was[place].age);
+                        state.run.look_back(self.rules, &object, was[place].age);
                     }
                     objects.push(object);
                 }
             }
-            state.bodies.extend(decision.after.iter().map(|(_, body)| body.clone()));
+            state.tracked_blobs.extend(decision.after.iter().map(|(_, tracked)| tracked.clone()));
         }
         for (column, blob) in table.blobs.iter().enumerate().filter(|(column, _)| !is_taken[*column]) {
-            let body = self.begun(blob, state.course.next_id());
-            observer.see(|| Event(What::Begun(Arc::new(body.clone()))));
-            objects.extend(body.members.iter().map(|member| member.object(Some(column))));
-            state.bodies.push(body);
+            let tracked = self.begun(blob, state.run.next_id());
+            observer.see(|| Event(EventKind::Begun(Arc::new(tracked.clone()))));
+            objects.extend(tracked.members.iter().map(|member| member.object(Some(column))));
+            state.tracked_blobs.push(tracked);
         }
         objects.sort_by_key(|object| object.id);
         Ok(objects)
@@ -369,14 +374,14 @@ impl BlobTracker {
 pseudocode! {
     EACH_FRAME: "for each frame t",
     DETECT: "  detect blobs",
-    PREDICT: "  expect every object where its mean displacement leads",
-    COMPUTE_OVERLAPS: "  O(i, j) ← what the boxes of object i and blob j have in common, as a share of the smaller",
-    TAKE_NEAREST: "  i and j correspond if O(i, j) ≥ min-overlap; else the nearest within max-distance",
-    GO_ON: "  one object, one blob: the object goes on",
-    MERGE: "  several objects, one blob: they merge into a group, and each keeps its identity",
-    SPLIT: "  several blobs: the object or group splits, and appearance tells them apart",
-    COAST_OR_END: "  no blob: the object coasts, or ends if it was not seen for too long",
-    BEGIN_OBJECT: "  no object: a new one begins, tentative until it was seen often enough",
+    PREDICT: "  predict each track with its mean displacement",
+    COMPUTE_OVERLAPS: "  O(i, j) ← overlap of track i and blob j: intersection / area of the smaller box",
+    TAKE_NEAREST: "  i, j correspond if O(i, j) ≥ min-overlap; else nearest blob within max-distance",
+    GO_ON: "  one track, one blob: update the track",
+    MERGE: "  several tracks, one blob: merge into a group, identities are kept",
+    SPLIT: "  several blobs: split; assign identities by appearance or position",
+    COAST_OR_END: "  no blob: the track coasts; deleted if tentative or missed > max-age frames",
+    BEGIN_OBJECT: "  no track: start one, tentative until min-hits frames are matched",
 }
 
 impl Estimator for BlobTracker {
@@ -384,7 +389,7 @@ impl Estimator for BlobTracker {
         id: "blob-tracker",
         name: "Blob tracker",
         family: "Tracking",
-        summary: "Follows many objects by the overlap of their boxes from frame to frame: they go on, merge, split, come and go.",
+        summary: "Tracks blobs of a background model by the overlap of their boxes: they continue, merge and split. For blobs that fuse, not for the detections of a person detector in a crowd.",
         source: "I. Haritaoglu, D. Harwood and L. S. Davis, W4: real-time surveillance of people and their activities, PAMI 2000; \
                  correspondence matrix and identities after a merge: A. Senior, A. Hampapur, Y.-L. Tian, L. Brown, S. Pankanti and \
                  R. Bolle, Appearance models for occlusion handling, 2nd IEEE workshop on performance evaluation of tracking and \
@@ -401,32 +406,34 @@ impl Estimator for BlobTracker {
     type Event = Event;
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        Ok(State { course: Course::new(self.given.clone(), clip, frame)?, bodies: Vec::new() })
+        Ok(State { run: TrackerRun::new(self.settings.clone(), clip, frame)?, tracked_blobs: Vec::new() })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let is_gray_needed = self.identity == Identity::Appearance;
-        let (found, left_out) = state.course.look(clip)?;
-        let blobs = Blob::all((clip, state.course.frame()), found, is_gray_needed)?;
-        observer.see(|| Event(What::Looked(Arc::new(blobs.clone()), left_out)));
-        let bodies = std::mem::take(&mut state.bodies).into_iter();
-        let bodies: Vec<Body> = bodies.map(|body| if self.predict { body.expected() } else { body }).collect();
-        observer.see(|| Event(What::Expected(Arc::new(bodies.clone()))));
-        let table = Arc::new(Table::new(clip, (bodies, blobs), (self.min_overlap, self.max_distance))?);
-        observer.see(|| Event(What::Corresponded(Arc::clone(&table))));
-        let objects = self.share_out(clip, state, &table, observer)?;
+        let (found, discarded) = state.run.look(clip)?;
+        let blobs = Blob::all((clip, state.run.frame()), found, is_gray_needed)?;
+        observer.see(|| Event(EventKind::Detected(Arc::new(blobs.clone()), discarded)));
+        let tracked_blobs = std::mem::take(&mut state.tracked_blobs).into_iter();
+        let tracked_blobs: Vec<TrackedBlob> =
+            tracked_blobs.map(|tracked| if self.predict { tracked.predicted() } else { tracked }).collect();
+        observer.see(|| Event(EventKind::Predicted(Arc::new(tracked_blobs.clone()))));
+        let table = Arc::new(Correspondence::new(clip, (tracked_blobs, blobs), (self.min_overlap, self.max_distance))?);
+        observer.see(|| Event(EventKind::Corresponded(Arc::clone(&table))));
+        let objects = self.assign(clip, state, &table, observer)?;
         let detections: Vec<Detection> = table.blobs.iter().map(|blob| blob.detection).collect();
         let frame = Arc::new(ObjectFrame { mask: None, detections, objects });
-        observer.see(|| Event(What::Done(Arc::clone(&frame))));
-        Ok(state.course.note(clip, frame))
+        observer.see(|| Event(EventKind::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame)))));
+        clip.wanted()?;
+        Ok(state.run.note(clip, frame))
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        state.course.span.frames()
+        state.run.span.frames()
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        state.course.place()
+        state.run.place()
     }
 
     fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
@@ -434,15 +441,15 @@ impl Estimator for BlobTracker {
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.course.frame())
+        Some(state.run.frame())
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
         match &event.0 {
-            What::Begun(_) => Some(Role::Reference),
-            What::Ended(_) => Some(Role::Rejected),
-            What::Decided(decision) if decision.is_merge() => Some(Role::Window),
-            What::Decided(decision) if decision.is_split() => Some(Role::Best),
+            EventKind::Begun(_) => Some(Role::Reference),
+            EventKind::Deleted(_) => Some(Role::Rejected),
+            EventKind::Decided(decision) if decision.is_merge() => Some(Role::Window),
+            EventKind::Decided(decision) if decision.is_split() => Some(Role::Best),
             _ => None,
         }
     }
@@ -460,7 +467,7 @@ impl Estimator for BlobTracker {
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::of(state.course.field())
+        Output::of(state.run.field())
     }
 }
 
@@ -470,11 +477,14 @@ impl Footprint<State> for BlobTracker {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        let bodies = state.bodies.iter().map(|body| size_of_val(&body.centers[..]) + size_of_val(&body.members[..]));
-        state.course.own_bytes() + size_of_val(&state.bodies[..]) + bodies.sum::<usize>()
+        let tracked_blobs = state
+            .tracked_blobs
+            .iter()
+            .map(|tracked| size_of_val(&tracked.centers[..]) + size_of_val(&tracked.members[..]));
+        state.run.own_bytes() + size_of_val(&state.tracked_blobs[..]) + tracked_blobs.sum::<usize>()
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.course.shared_bytes()
+        self.state_bytes(state) + state.run.shared_bytes()
     }
 }

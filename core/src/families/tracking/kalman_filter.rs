@@ -1,4 +1,4 @@
-//! The Kalman filter on one object: predict, gate and update in each frame, and at the end a walk back.
+//! The Kalman filter on one object: prediction, gating and update in each frame, then smoothing backward (RTS).
 
 mod explain;
 mod matrices;
@@ -14,7 +14,7 @@ use crate::methods::{
     kalman::{Filter, Measurement, MotionModel, chi_square},
     multi_object::{
         Extent,
-        source::{Detector, Given, Noise, Source, center, truth_of, usual_detector},
+        source::{Detector, Noise, Source, SourceSettings, center, default_detector, truth_of},
     },
 };
 use crate::params::Spots;
@@ -23,22 +23,22 @@ use crate::run::{Estimator, Footprint, Foreground, Granularity, Guarantee, Info,
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
-use sensors::{Look, Sensed, Sensors};
+use sensors::{Observations, SensorReading, Sensors};
 
 choices! {
-    /// How much of what may be an ellipse holds.
+    /// The probability inside a covariance ellipse.
     pub enum Confidence {
-        /// One standard deviation along each of its axes: 39 %.
+        /// One standard deviation along each axis: 39 % of a 2-D normal distribution.
         One = "1-sigma" "1 σ",
-        /// Two standard deviations: 86 %.
+        /// Two standard deviations along each axis: 86 %.
         Two = "2-sigma" "2 σ",
-        /// 95 %, which takes 2.45 standard deviations.
+        /// 95 %: 2.45 standard deviations along each axis.
         NinetyFive = "95-percent" "95 %",
     }
 }
 
 impl Confidence {
-    /// The share of a normal distribution in the plane.
+    /// Returns the share of a 2-D normal distribution inside.
     fn share(self) -> f64 {
         match self {
             Self::One => chi_square::share(1.0, 2),
@@ -49,95 +49,101 @@ impl Confidence {
 }
 
 params! {
-    /// The Kalman filter on one object.
+    /// Kalman filter on one object.
     pub struct KalmanFilter {
-        /// At most so many frames, the first one counted; fewer where the clip ends.
+        /// Maximum number of frames, the first included.
         frames: usize = 300, 2..=10_000;
-        /// How the object is thought to move.
+        /// Motion model of the filter.
         motion: MotionModel = MotionModel::Velocity;
-        /// Standard deviation of what disturbs the motion: an acceleration, or in constant acceleration its change in a frame.
+        /// Standard deviation of the acceleration, with constant acceleration of its change per frame. Raise it if NIS lies above its band.
         process_noise: f32 = 0.5, 0.0..=50.0, "px/frame²";
-        /// Standard deviation of what disturbs the rate of a coordinated turn.
+        /// Standard deviation of the change of the turn rate. Used with motion = turn only.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
-        /// Standard deviation of a measured place along each axis, as the filter takes it to be.
+        /// Standard deviation of a measured position along each axis: the root of the diagonal of R. Lower values trust measurements more.
         measurement_noise: f32 = 2.0, 0.01..=100.0, "px";
         /// Source of the detections.
         source: Source = Source::Auto;
-        /// Detector of moving objects, for a source that is what moves.
-        detector: Stage<Foreground> = usual_detector();
-        /// Places in frames, clicked on the picture: what is measured, or where another source is chosen, which object is followed and from when on.
+        /// Detector of moving objects. Used with source = moving, or where there are neither clicks, detections nor truth.
+        detector: Stage<Foreground> = default_detector();
+        /// Clicked positions: the measurements; with another source, the object to track and the frame in which its track starts.
         clicks: Spots = Spots::default();
-        /// Which object is followed, of those in the first frame that shows any: true ones by their number, detections by their score, all others as they were found or clicked.
+        /// Number of the tracked object in the first frame with detections: true objects in order, detections by score, blobs and clicks in order.
         object: usize = 1, 1..=1000;
-        /// Standard deviation of the noise that a true place is measured with.
+        /// Standard deviation of the noise added to true positions (source = truth).
         added_noise: f32 = 2.0, 0.0..=100.0, "px";
         /// Random seed. The same seed gives the same noise.
         seed: u32 = 1, 0..=9999;
-        /// What measures the object, each sensor by itself: where the first sees nothing, the second goes on.
+        /// Sensors that measure the object, fused by one update each. Where the first is occluded, the second continues.
         sensors: Sensors = Sensors::One;
-        /// Standard deviation of what the second sensor says of the place, if there is one.
+        /// Standard deviation of the second sensor's position. Used with two sensors only.
         second_noise: f32 = 4.0, 0.01..=100.0, "px";
-        /// Standard deviation of what it says of the velocity.
+        /// Standard deviation of the second sensor's velocity. Used with sensors = position-and-velocity only.
         velocity_noise: f32 = 1.0, 0.01..=100.0, "px/frame";
-        /// A measurement is taken if it lies where this share of all measurements of the object would lie.
+        /// Gate probability: share of the true measurements inside the gate. It sets the gating threshold of d² by the χ² distribution.
         gate: f32 = 0.99, 0.5..=0.9999;
-        /// The first frame of the run, counted from 0, in which the first sensor sees nothing, if there are such.
-        drop_from: usize = 0, 0..=10_000;
-        /// In so many frames the first sensor sees nothing, as if something hid the object.
-        drop_frames: usize = 0, 0..=1000;
-        /// After more than so many frames in a row without a measurement the track is deleted and the filter begins anew; sooner where its estimate lies outside the picture by more than the picture's size.
-        patience: usize = 30, 1..=1000;
-        /// How fast the object may be at first.
-        first_speed: f32 = 30.0, 0.1..=500.0, "px/frame";
-        /// How much of what may be an ellipse holds.
+        /// First frame of a simulated occlusion of the first sensor, counted from 0 in the run.
+        occlusion_start: usize = 0, 0..=10_000;
+        /// Length of the simulated occlusion; 0 for none.
+        occlusion_frames: usize = 0, 0..=1000;
+        /// Missed frames in a row before the track is deleted; the next measurement starts another. A track far outside the picture is deleted at once.
+        max_age: usize = 30, 1..=1000;
+        /// Initial standard deviation of each velocity component; the initial velocity is 0.
+        initial_speed: f32 = 30.0, 0.1..=500.0, "px/frame";
+        /// Probability inside the drawn covariance ellipses.
         confidence: Confidence = Confidence::NinetyFive;
-        /// Walk back at the end, so that each frame knows what came later.
+        /// Smooth backward at the end (RTS smoother), so that each estimate uses later measurements too. With hindsight (non-causal).
         smooth: bool = true;
+    }
+    renamed {
+        "patience" => "max-age",
+        "first-speed" => "initial-speed",
+        "drop-from" => "occlusion-start",
+        "drop-frames" => "occlusion-frames",
     }
 }
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
     span: Span,
     detector: Detector,
-    /// Who is followed, once that is known: its true identity, where there is truth.
+    /// The true identity of the tracked object, where there is truth.
     truth_id: Option<u32>,
-    /// All who were followed so far.
+    /// The true identities of all objects tracked so far.
     truth_ids: BTreeSet<u32>,
-    /// The state estimate now, unless nothing was seen yet or the track was deleted.
+    /// The current state estimate, if there is a track.
     filter: Option<Filter>,
     /// Frames in a row without a measurement.
     missed: usize,
-    /// How many objects there were before this one: its identity less 1.
+    /// The number of tracks so far, and the identity of the last one.
     begun: u32,
-    /// Its box, once it has begun.
+    /// The box of the track.
     extent: Option<Extent>,
-    /// What each frame came to.
-    moments: Vec<Arc<Moment>>,
-    /// Frames that are smoothed, counted from the last; `None` while frames are filtered.
+    /// The results of the frames so far.
+    records: Vec<Arc<FrameRecord>>,
+    /// The number of smoothed frames, from the last backward; `None` while frames are filtered.
     back: Option<usize>,
     picture: (usize, usize),
 }
 
-/// What a frame came to.
+/// The result of a frame.
 #[derive(Clone, Debug, Default)]
-struct Moment {
+struct FrameRecord {
     detections: Arc<Vec<Detection>>,
-    /// What was measured beside what was expected, whether it was taken or not, in its order.
+    /// The gated measurements, accepted or rejected, in their order.
     gated: Vec<Gated>,
-    /// The state estimate then.
+    /// The filtered estimate.
     filtered: Option<Filter>,
-    /// The smoothed state estimate, with all that came later.
+    /// The smoothed estimate.
     smoothed: Option<Filter>,
-    /// Whether the object is another one than in the frame before.
+    /// Whether a track starts in this frame.
     begins: bool,
     truth: Option<[f64; 2]>,
     object: Option<Object>,
 }
 
-impl Moment {
-    /// Memory of its own, in bytes.
+impl FrameRecord {
+    /// Memory of its own in bytes.
     fn own_bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&self.gated[..])
     }
@@ -146,54 +152,55 @@ impl Moment {
         self.own_bytes() + size_of_val(&self.detections[..])
     }
 
-    /// What a sensor measured.
+    /// Returns the gated measurement of a sensor.
     fn of_sensor(&self, sensor: usize) -> Option<&Gated> {
-        self.gated.iter().find(|gated| gated.sensed.sensor == sensor)
+        self.gated.iter().find(|gated| gated.reading.sensor == sensor)
     }
 }
 
-/// What happens in a frame.
+/// An event of a frame.
 #[derive(Clone, Debug)]
 pub enum Event {
-    /// A time step.
+    /// The estimate before and after the prediction.
     Predicted(Box<[Filter; 2]>),
-    /// What was detected, and what is measured of the object.
-    Looked(Arc<Look>),
-    /// A measurement is compared with what is expected.
+    /// The detections and the measurements of the object.
+    Observed(Arc<Observations>),
+    /// A measurement is tested against the gate.
     Gated(Box<Gated>),
-    /// A measurement was taken, and the state estimate after it.
+    /// An accepted measurement and the updated estimate.
     Updated(Box<(Gated, Filter)>),
-    /// The first measurement of an object, one of so many.
+    /// A track starts with a measurement, one of this many detections.
     Begun(Box<Filter>, usize),
-    /// Nothing was taken: the prediction stands, or there is none.
+    /// No accepted measurement: the prediction, if there is a track.
     Missed(Option<Box<Filter>>),
-    /// The object was given up.
+    /// A deleted track.
     Lost(Box<Filter>, Loss),
-    /// A frame, with what is known of the next one: the state estimate before, and now.
+    /// The filtered and the smoothed estimate of a frame.
     Smoothed(Box<[Filter; 2]>),
-    /// There is no next frame to learn from.
+    /// A frame without a successor to smooth with.
     Kept(Option<Box<Filter>>),
 }
 
-/// Why an object was given up.
+/// The reason for the deletion of a track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Loss {
-    /// It was not seen for too long.
-    Unseen,
-    /// Its estimate is far outside the picture.
+    /// Missed for more than the max age.
+    Missed,
+    /// Predicted far outside the picture.
     Outside,
 }
 
-/// A measurement beside what is expected.
+/// A measurement and its gate.
 #[derive(Clone, Copy, Debug)]
 pub struct Gated {
+    /// The estimate before the measurement.
     expected: Filter,
-    /// Whether another measurement of the frame is part of what is expected.
+    /// Whether that estimate is updated with another measurement of the frame.
     is_updated: bool,
-    sensed: Sensed,
-    /// Normalised innovation squared, NIS.
+    reading: SensorReading,
+    /// Squared Mahalanobis distance d² of the innovation: the NIS.
     squared_distance: f64,
-    /// It is taken up to here.
+    /// The gating threshold of d².
     limit: f64,
 }
 
@@ -203,23 +210,23 @@ impl Gated {
     }
 
     fn measurement(&self) -> &Measurement {
-        &self.sensed.measurement
+        &self.reading.measurement
     }
 }
 
 impl KalmanFilter {
-    /// Compares a measurement with what is expected, and takes it if it lies in the gate.
+    /// Gates a measurement and updates the filter if it is accepted.
     fn take(
         &self,
         (expected, is_updated): (Filter, bool),
-        sensed: Sensed,
-        moment: &mut Moment,
+        reading: SensorReading,
+        record: &mut FrameRecord,
         observer: &mut impl Observer<Event>,
     ) -> Option<Filter> {
-        let (updated, squared_distance) = expected.updated(&sensed.measurement)?;
-        let limit = chi_square::quantile(f64::from(self.gate), sensed.measurement.numbers());
-        let gated = Gated { expected, is_updated, sensed, squared_distance, limit };
-        moment.gated.push(gated);
+        let (updated, squared_distance) = expected.updated(&reading.measurement)?;
+        let limit = chi_square::quantile(f64::from(self.gate), reading.measurement.numbers());
+        let gated = Gated { expected, is_updated, reading, squared_distance, limit };
+        record.gated.push(gated);
         observer.see(|| Event::Gated(Box::new(gated)));
         if !gated.is_inside() {
             return None;
@@ -233,71 +240,75 @@ impl KalmanFilter {
         clip: &Clip,
         state: &mut State,
         observer: &mut impl Observer<Event>,
-    ) -> Result<Moment, Error> {
-        let t = state.span.first + state.moments.len();
+    ) -> Result<FrameRecord, Error> {
+        let t = state.span.first + state.records.len();
         let predicted = state.filter.map(|before| {
             let predicted = before.predicted();
             observer.see(|| Event::Predicted(Box::new([before, predicted])));
             predicted
         });
-        let look = Arc::new(self.look((clip, t), state, predicted.as_ref())?);
-        observer.see(|| Event::Looked(Arc::clone(&look)));
-        let mut moment = Moment { detections: Arc::clone(&look.detections), truth: look.truth, ..Moment::default() };
+        let observed = Arc::new(self.observe((clip, t), state, predicted.as_ref())?);
+        observer.see(|| Event::Observed(Arc::clone(&observed)));
+        let mut record = FrameRecord {
+            detections: Arc::clone(&observed.detections),
+            truth: observed.truth,
+            ..FrameRecord::default()
+        };
         let mut taken = None;
         match predicted {
-            None => taken = self.begin((clip, t), state, (&mut moment, &look), observer)?,
+            None => taken = self.begin((clip, t), state, (&mut record, &observed), observer)?,
             Some(predicted) => {
                 let (mut filter, mut is_seen) = (predicted, false);
-                for sensed in &look.measured {
-                    if let Some(updated) = self.take((filter, is_seen), *sensed, &mut moment, observer) {
-                        (filter, is_seen, taken) = (updated, true, taken.or(sensed.detection));
+                for reading in &observed.measured {
+                    if let Some(updated) = self.take((filter, is_seen), *reading, &mut record, observer) {
+                        (filter, is_seen, taken) = (updated, true, taken.or(reading.detection));
                     }
                 }
                 self.go_on(state, (filter, is_seen), observer);
             }
         }
-        if let Some(found) = taken.map(|i| &look.detections[i]) {
+        if let Some(found) = taken.map(|i| &observed.detections[i]) {
             state.extent = Some(state.extent.map_or(Extent::of(found), |extent| extent.towards(found)));
         }
-        moment.filtered = state.filter;
-        let life = if state.missed == 0 { TrackStatus::Confirmed } else { TrackStatus::Coasting };
-        moment.object = state.filter.zip(state.extent).map(|(filter, extent)| Object {
+        record.filtered = state.filter;
+        let status = if state.missed == 0 { TrackStatus::Confirmed } else { TrackStatus::Coasting };
+        record.object = state.filter.zip(state.extent).map(|(filter, extent)| Object {
             detection: taken,
-            ..object_of(&filter, state.begun, extent.around(filter.place()), life)
+            ..object_of(&filter, state.begun, extent.around(filter.place()), status)
         });
-        Ok(moment)
+        Ok(record)
     }
 
-    /// Begins an object with its first measurement, if there is one; gives the detection that it is.
+    /// Starts a track with the first measurement, if there is one; returns its detection.
     fn begin(
         &self,
         (clip, t): (&Clip, usize),
         state: &mut State,
-        (moment, look): (&mut Moment, &Look),
+        (record, observed): (&mut FrameRecord, &Observations),
         observer: &mut impl Observer<Event>,
     ) -> Result<Option<usize>, Error> {
-        let Some(first) = look.measured.first() else {
+        let Some(first) = observed.measured.first() else {
             observer.see(|| Event::Missed(None));
             return Ok(None);
         };
         let model = self.motion.model(self.process_noise, self.turn_noise);
-        let filter = Filter::begun(model, &first.measurement, f64::from(self.first_speed));
-        observer.see(|| Event::Begun(Box::new(filter), look.detections.len()));
-        (state.filter, state.missed, state.extent, moment.begins) = (Some(filter), 0, None, true);
+        let filter = Filter::begun(model, &first.measurement, f64::from(self.initial_speed));
+        observer.see(|| Event::Begun(Box::new(filter), observed.detections.len()));
+        (state.filter, state.missed, state.extent, record.begins) = (Some(filter), 0, None, true);
         state.begun += 1;
         state.truth_id = nearest_object(clip, t, first.measurement.place)?;
         state.truth_ids.extend(state.truth_id);
-        moment.truth = state.truth_id.map(|id| truth_of(clip, t, id)).transpose()?.flatten();
+        record.truth = state.truth_id.map(|id| truth_of(clip, t, id)).transpose()?.flatten();
         Ok(first.detection)
     }
 
-    /// Keeps the state estimate, or deletes the track if it was not seen for too long or is far away.
+    /// Keeps the estimate, or deletes the track if it is too old or far outside the picture.
     fn go_on(&self, state: &mut State, (filter, is_seen): (Filter, bool), observer: &mut impl Observer<Event>) {
         state.filter = Some(filter);
         state.missed = if is_seen { 0 } else { state.missed + 1 };
         let loss = match is_seen {
             true => None,
-            false if state.missed > self.patience => Some(Loss::Unseen),
+            false if state.missed > self.max_age => Some(Loss::Missed),
             false => is_far_outside(filter.place(), state.picture).then_some(Loss::Outside),
         };
         if let Some(loss) = loss {
@@ -308,30 +319,30 @@ impl KalmanFilter {
         }
     }
 
-    /// Smooths the frame whose turn it is, going back.
+    /// Smooths the next frame backward.
     fn smooth_frame(&self, state: &mut State, done: usize, observer: &mut impl Observer<Event>) {
-        let index = state.moments.len() - 1 - done;
-        let next = state.moments.get(index + 1).filter(|next| !next.begins).and_then(|next| next.smoothed);
-        let moment = Arc::make_mut(&mut state.moments[index]);
-        let filtered = moment.filtered;
-        moment.smoothed = match (filtered, next) {
+        let index = state.records.len() - 1 - done;
+        let next = state.records.get(index + 1).filter(|next| !next.begins).and_then(|next| next.smoothed);
+        let record = Arc::make_mut(&mut state.records[index]);
+        let filtered = record.filtered;
+        record.smoothed = match (filtered, next) {
             (Some(filtered), Some(next)) => filtered.smoothed(&next).or(Some(filtered)),
             (filtered, _) => filtered,
         };
-        let smoothed = moment.smoothed;
+        let smoothed = record.smoothed;
         observer.see(|| match (filtered, next, smoothed) {
             (Some(filtered), Some(_), Some(smoothed)) => Event::Smoothed(Box::new([filtered, smoothed])),
             (filtered, ..) => Event::Kept(filtered.map(Box::new)),
         });
-        moment.object = moment.object.zip(smoothed).map(|(object, smoothed)| {
+        record.object = record.object.zip(smoothed).map(|(object, smoothed)| {
             let moved = [0, 1].map(|i| (smoothed.place()[i] - object.position[i]) as f32);
             let bounds = object.bounds.moved(moved);
-            Object { detection: object.detection, ..object_of(&smoothed, object.id, bounds, object.life) }
+            Object { detection: object.detection, ..object_of(&smoothed, object.id, bounds, object.status) }
         });
     }
 }
 
-/// The true object nearest to a place, if there is truth.
+/// Returns the true object nearest to a position, if there is truth.
 fn nearest_object(clip: &Clip, t: usize, place: [f64; 2]) -> Result<Option<u32>, Error> {
     let Some(truth) = clip.truth() else { return Ok(None) };
     let objects = truth.objects(t)?.unwrap_or_default();
@@ -343,12 +354,12 @@ fn nearest_object(clip: &Clip, t: usize, place: [f64; 2]) -> Result<Option<u32>,
 pseudocode! {
     EACH_FRAME: "for each frame t",
     PREDICT: "  predict: x ← f(x), P ← F P F^T + Q",
-    MEASURE: "  z ← what is measured in frame t, if anything is",
-    BEGIN_OBJECT: "  without an object: begin one, x ← z with velocity 0, P ← what is uncertain of both",
-    GATE: "  gate: ν ← z − H x, S ← H P H^T + R; taken if ν^T S⁻¹ ν ≤ limit",
+    MEASURE: "  z ← measurement of frame t, if there is one",
+    BEGIN_OBJECT: "  no track: start one, x ← z with velocity 0, P ← diag(σ²) of measurement and initial-speed",
+    GATE: "  gate: ν ← z − H x, S ← H P H^T + R; accept if d² = ν^T S⁻¹ ν ≤ γ",
     UPDATE: "  update: K ← P H^T S⁻¹, x ← x + K ν, P ← (I − K H) P (I − K H)^T + K R K^T",
-    COAST_OR_END: "  without a measurement x and P stay as predicted; the object ends if it was not seen for too long",
-    EACH_FRAME_BACK: "for each frame t, backwards",
+    COAST_OR_END: "  no measurement accepted: coast with the predicted x, P; delete if missed > max-age frames",
+    EACH_FRAME_BACK: "for each frame t, backward",
     SMOOTH: "  smooth: C ← P F^T P⁻¹(t+1|t), x ← x + C (x(t+1) − x(t+1|t)), P ← P + C (P(t+1) − P(t+1|t)) C^T",
 }
 
@@ -357,7 +368,7 @@ impl Estimator for KalmanFilter {
         id: "kalman-filter",
         name: "Kalman filter",
         family: "Tracking",
-        summary: "Predicts where one object will be, compares that with what is measured, and moves to what is likeliest.",
+        summary: "Estimates position and velocity of one object: predicts with a motion model and updates with measurements inside the gate.",
         source: "R. E. Kalman, A new approach to linear filtering and prediction problems, Journal of Basic Engineering 82, 1960; \
                  models, gate and consistency: Y. Bar-Shalom, X. R. Li and T. Kirubarajan, Estimation with applications to \
                  tracking and navigation, 2001; smoothing: H. E. Rauch, F. Tung and C. T. Striebel, AIAA Journal 3, 1965",
@@ -376,7 +387,7 @@ impl Estimator for KalmanFilter {
         let span = Span::new(clip, frame, self.frames)?;
         if self.sensors != Sensors::One && clip.truth().is_none_or(|truth| !truth.kinds().contains(&"objects")) {
             return Err(Error::new(format!(
-                "a second sensor measures the truth with noise, and {} has no true objects; set sensors to one",
+                "the second sensor measures true positions with noise, and {} has no true objects; set sensors to one",
                 clip.info().name
             )));
         }
@@ -385,7 +396,7 @@ impl Estimator for KalmanFilter {
             self.source,
             clip,
             &span,
-            Given { noise, clicks: self.clicks.clone(), stage: self.detector.clone() },
+            SourceSettings { noise, clicks: self.clicks.clone(), stage: self.detector.clone() },
         )?;
         Ok(State {
             span,
@@ -396,7 +407,7 @@ impl Estimator for KalmanFilter {
             missed: 0,
             begun: 0,
             extent: None,
-            moments: Vec::new(),
+            records: Vec::new(),
             back: None,
             picture: clip.size(),
         })
@@ -406,11 +417,11 @@ impl Estimator for KalmanFilter {
         if let Some(done) = state.back {
             self.smooth_frame(state, done, observer);
             state.back = Some(done + 1);
-            return Ok(if done + 1 < state.moments.len() { Progress::More } else { Progress::Done });
+            return Ok(if done + 1 < state.records.len() { Progress::More } else { Progress::Done });
         }
-        let moment = self.filter_frame(clip, state, observer)?;
-        state.moments.push(Arc::new(moment));
-        if !state.span.is_over(clip, state.span.first + state.moments.len()) {
+        let record = self.filter_frame(clip, state, observer)?;
+        state.records.push(Arc::new(record));
+        if !state.span.is_over(clip, state.span.first + state.records.len()) {
             return Ok(Progress::More);
         }
         state.back = self.smooth.then_some(0);
@@ -423,7 +434,7 @@ impl Estimator for KalmanFilter {
 
     fn place(&self, state: &State) -> Vec<Granularity> {
         let passes = Some(if self.smooth { 2 } else { 1 });
-        let (pass, done) = state.back.map_or((0, state.moments.len()), |done| (1, done));
+        let (pass, done) = state.back.map_or((0, state.records.len()), |done| (1, done));
         let clip = Granularity { index: 0, of: Some(1) };
         vec![clip, Granularity { index: pass, of: passes }, Granularity { index: done, of: state.span.frames() }]
     }
@@ -433,7 +444,7 @@ impl Estimator for KalmanFilter {
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
-        let count = state.moments.len();
+        let count = state.records.len();
         let index = state.back.map_or(count, |done| count.saturating_sub(done + 1));
         Some(state.span.first + index)
     }
@@ -456,14 +467,14 @@ impl Estimator for KalmanFilter {
     }
 
     fn output(&self, state: &State) -> Output {
-        let frame = |moment: &Arc<Moment>| {
-            let objects = moment.object.into_iter().collect();
-            Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&moment.detections), objects })
+        let frame = |record: &Arc<FrameRecord>| {
+            let objects = record.object.into_iter().collect();
+            Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&record.detections), objects })
         };
-        let frames = state.moments.iter().map(frame).collect();
+        let frames = state.records.iter().map(frame).collect();
         Output::of(ObjectField {
-            // A click has no size that could be compared with a true box.
-            followed: Followed::One(match state.detector.takes_clicks() {
+            // A click has no size to compare with a true box.
+            followed: Followed::One(match state.detector.is_clicked() {
                 true => BTreeSet::new(),
                 false => state.truth_ids.clone(),
             }),
@@ -481,14 +492,14 @@ impl Footprint<State> for KalmanFilter {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        // What earlier frames came to is shared with the states before, up to where it was smoothed: then it is a copy.
-        let smoothed = state.moments.iter().rev().take(state.back.unwrap_or(0)).map(|moment| moment.own_bytes());
-        let last = state.moments.last().map_or(0, |moment| moment.bytes());
-        size_of::<State>() + size_of_val(&state.moments[..]) + last + smoothed.sum::<usize>()
+        // Earlier frames are shared with the states before; smoothed ones are copies.
+        let smoothed = state.records.iter().rev().take(state.back.unwrap_or(0)).map(|record| record.own_bytes());
+        let last = state.records.last().map_or(0, |record| record.bytes());
+        size_of::<State>() + size_of_val(&state.records[..]) + last + smoothed.sum::<usize>()
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        let earlier: usize = state.moments.iter().map(|moment| moment.bytes()).sum();
+        let earlier: usize = state.records.iter().map(|record| record.bytes()).sum();
         self.state_bytes(state) + state.detector.bytes() + earlier
     }
 }

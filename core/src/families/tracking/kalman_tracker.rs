@@ -1,7 +1,7 @@
-//! Many objects, each with a Kalman filter: in every frame detections are shared out among them.
+//! Multi-object tracking with a Kalman filter per track and data association in every frame (SORT and its successors).
 
+mod association;
 mod explain;
-mod share;
 
 use std::sync::Arc;
 
@@ -13,8 +13,8 @@ use crate::methods::{
     kalman::{Filter, Measurement, Model, MotionModel},
     multi_object::{
         Extent,
-        course::{self, Course},
-        lifecycle::{Age, Rules},
+        lifecycle::{Rules, TrackAge},
+        tracker_run::{self, Conclusion, TrackerRun},
     },
 };
 use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
@@ -22,111 +22,119 @@ use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progr
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
-pub use share::Costs;
+pub use association::Costs;
 
 choices! {
-    /// How pairs of objects and detections are chosen.
+    /// The assignment method.
     pub enum Association {
-        /// The cheapest pair first, then the next.
-        Nearest = "nearest" "Nearest first",
-        /// As many pairs as can be at the least cost in all: the Hungarian method.
-        Assignment = "assignment" "Assignment",
+        /// Greedy: the pair of least cost first, then the next.
+        Nearest = "nearest" "Greedy",
+        /// Optimal assignment (Hungarian method): as many pairs as possible at the least total cost.
+        Assignment = "assignment" "Optimal assignment",
     }
 }
 
 choices! {
-    /// What a pair costs.
+    /// The cost of a pair.
     pub enum PairCost {
-        /// The squared Mahalanobis distance from where the object is expected.
+        /// Squared Mahalanobis distance d² of the detection from the prediction.
         Mahalanobis = "mahalanobis" "Mahalanobis distance",
-        /// What the boxes do not have in common: 1 − intersection over union.
-        Overlap = "overlap" "Overlap of boxes",
-        /// The mean of both, each as a share of its limit.
-        Both = "both" "Both",
+        /// 1 − IoU of the predicted box and the detection, as in SORT.
+        Overlap = "overlap" "IoU",
+        /// Mean of d² / gate and (1 − IoU) / (1 − IoU threshold).
+        Both = "both" "Mahalanobis distance and IoU",
     }
 }
 
 params! {
-    /// Many objects, each with a Kalman filter.
+    /// Multi-object tracking with a Kalman filter per track.
     pub struct KalmanTracker {
-        /// The frames of the run, and the source of the detections.
-        given: course::Settings = course::Settings::default();
-        /// How objects are thought to move.
+        /// The frames of the run and the source of the detections.
+        settings: tracker_run::Settings = tracker_run::Settings::default();
+        /// Motion model of the filters.
         motion: MotionModel = MotionModel::Velocity;
-        /// Standard deviation of what disturbs the motion, in px/frame² for each px of the height that the object has by then.
+        /// Standard deviation of the acceleration (with constant acceleration of its change per frame) in px/frame² per px of box height.
         process_noise: f32 = 0.02, 0.0..=2.0;
-        /// Standard deviation of what disturbs the rate of a coordinated turn.
+        /// Standard deviation of the change of the turn rate. Used with motion = turn only.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
-        /// Standard deviation of a measured place along each axis, as a share of the height of its box.
+        /// Standard deviation of a detected position along each axis, as a share of the box height.
         measurement_noise: f32 = 0.1, 0.001..=2.0;
-        /// How pairs of objects and detections are chosen.
+        /// Assignment method of tracks and detections.
         association: Association = Association::Assignment;
-        /// What a pair costs.
+        /// Cost of a pair of track and detection.
         cost: PairCost = PairCost::Both;
-        /// A pair is allowed if the detection lies where this share of all measurements of the object would lie.
+        /// Gate probability: share of the true measurements inside the gate. It sets the gating threshold of d² by the χ² distribution with 2 degrees of freedom.
         gate: f32 = 0.999, 0.5..=0.9999;
-        /// A pair is allowed if both boxes have at least this in common, as intersection over union; with 0 they need only overlap.
-        min_overlap: f32 = 0.2, 0.0..=0.95;
-        /// Confirmed tracks choose first, tentative ones from what is left; otherwise all at once, as in SORT.
-        in_turns: bool = true;
-        /// Detections beside the clip with at least this score are surely objects: these are shared out first, and only these begin new ones. Those with less only go on with objects that were seen in the frame before, as in ByteTrack.
-        sure_score: f32 = 0.6, -1000.0..=1000.0;
-        /// An object for which nothing is left where it is expected may take what overlaps the box in which it was last seen: it may have stopped while it was hidden (OC-SORT).
+        /// Minimum IoU of the predicted box and a detection. With 0 the boxes only have to overlap.
+        iou_threshold: f32 = 0.2, 0.0..=0.95;
+        /// Matching cascade: confirmed tracks are matched first, tentative ones with the remaining detections. Off: all at once, as in SORT.
+        cascade: bool = true;
+        /// Threshold τ of ByteTrack: detections of at least this score are matched first and start tracks. Those of lower score only continue tracks matched in the previous frame.
+        score_threshold: f32 = 0.6, -1000.0..=1000.0;
+        /// Observation-centric recovery (OC-SORT): match unmatched tracks by the last detected box too, for objects that stopped while occluded.
         recover: bool = true;
-        /// When a track is confirmed, and when it is deleted.
+        /// Track management.
         rules: Rules = Rules::default();
+    }
+    renamed {
+        "min-overlap" => "iou-threshold",
+        "in-turns" => "cascade",
+        "sure-score" => "score-threshold",
+        "confirm" => "min-hits",
+        "patience" => "max-age",
+        "bridge" => "interpolate",
     }
 }
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
-    course: Course,
+    run: TrackerRun,
     tracks: Vec<Track>,
 }
 
-/// An object that is followed.
+/// A track.
 #[derive(Clone, Debug)]
 pub struct Track {
     id: u32,
     filter: Filter,
     extent: Extent,
-    /// The box in which it was last seen.
+    /// The last detected box.
     last: Bounds,
-    age: Age,
+    age: TrackAge,
 }
 
-/// What happens in a frame.
+/// An event of a frame.
 #[derive(Clone, Debug)]
 pub enum Event {
-    /// What was detected, and how much of it is left out.
-    Looked(Arc<Vec<Detection>>, usize),
-    /// All objects go on by a time step.
+    /// The detections, and the number discarded by the minimum score.
+    Detected(Arc<Vec<Detection>>, usize),
+    /// The predicted tracks.
     Predicted(Arc<Vec<Track>>),
-    /// What each pair would cost; infinite where it is not allowed.
+    /// The cost matrix; infinite outside the gate.
     Costs(Arc<Costs>),
-    /// A pair was chosen.
-    Paired(Arc<Costs>, [usize; 2]),
-    /// An object moves to its detection: before and after.
+    /// An assigned pair.
+    Assigned(Arc<Costs>, [usize; 2]),
+    /// A track is updated: before and after.
     Updated(Box<[Track; 2]>, Measurement),
-    /// An object was not seen.
+    /// A track without a detection.
     Missed(Box<Track>),
-    /// An object is given up.
-    Ended(Box<Track>),
-    /// An unassigned detection begins a track.
+    /// A deleted track.
+    Deleted(Box<Track>),
+    /// A track that starts with an unassigned detection.
     Begun(Box<Track>),
-    /// The frame is over.
-    Done(Arc<ObjectFrame>),
+    /// The finished frame and its conclusion.
+    Done(Arc<ObjectFrame>, Box<Conclusion>),
 }
 
 impl Track {
-    /// Its box, around the estimated place.
+    /// Returns the box at the estimated position.
     fn bounds(&self) -> Bounds {
         self.extent.around(self.filter.place())
     }
 
     fn object(&self, detection: Option<usize>) -> Object {
-        Object { detection, ..object_of(&self.filter, self.id, self.bounds(), self.age.life) }
+        Object { detection, ..object_of(&self.filter, self.id, self.bounds(), self.age.status) }
     }
 }
 
@@ -137,7 +145,7 @@ impl KalmanTracker {
         Measurement { place: detection.center.map(f64::from), place_deviation, velocity: None }
     }
 
-    /// An object moves to its detection.
+    /// Updates a track with its detection.
     fn updated(&self, track: &Track, detection: &Detection) -> Track {
         let measurement = self.measurement(detection);
         let filter = track.filter.updated(&measurement).map_or(track.filter, |(filter, _)| filter);
@@ -147,18 +155,18 @@ impl KalmanTracker {
 
     fn begun(&self, detection: &Detection, id: u32) -> Track {
         let extent = Extent::of(detection);
-        // In a frame hardly anything goes as far as half its height.
+        // Hardly any object moves farther than half its height per frame: two standard deviations.
         let speed = extent.height_px() / 4.0;
         let filter = Filter::begun(self.model(&extent), &self.measurement(detection), speed);
         Track { id, filter, extent, last: detection.bounds, age: self.rules.begun() }
     }
 
-    /// How something of this size is thought to move.
+    /// Returns the motion model of an object of this size.
     fn model(&self, extent: &Extent) -> Model {
         self.motion.model(self.process_noise * extent.height_px() as f32, self.turn_noise)
     }
 
-    /// What becomes of an object that was not seen in a picture of this size; `None` where it is given up.
+    /// Returns a track after a missed frame; `None` if it is deleted.
     fn missed(&self, track: &Track, picture: (usize, usize)) -> Option<Track> {
         let age = self.rules.missed(track.age).filter(|_| !is_far_outside(track.filter.place(), picture))?;
         Some(Track { age, ..track.clone() })
@@ -168,14 +176,14 @@ impl KalmanTracker {
 pseudocode! {
     EACH_FRAME: "for each frame t",
     DETECT: "  detect objects",
-    PREDICT: "  predict every track: x ← F x, P ← F P F^T + Q",
-    COMPUTE_COSTS: "  cost of each pair: Mahalanobis distance, overlap, or both; ∞ outside the gate",
-    ASSIGN: "  choose pairs: confirmed tracks first, less sure detections and last boxes with what is left",
-    UPDATE_TRACK: "  for each pair: update the track",
+    PREDICT: "  predict each track: x ← F x, P ← F P F^T + Q",
+    COMPUTE_COSTS: "  cost matrix C by d², 1 − IoU, or both; ∞ outside gate and IoU threshold",
+    ASSIGN: "  assignment: confirmed tracks, then low scores, tentative tracks, last boxes",
+    UPDATE_TRACK: "  for each pair: update x, P with the detection",
     EACH_UNSEEN_TRACK: "  for each track without a detection",
-    COAST_OR_END: "    coast, or end if it was not seen for too long",
-    EACH_LEFT_DETECTION: "  for each sure detection without a track",
-    BEGIN_TRACK: "    begin a track, tentative until it was seen often enough",
+    COAST_OR_END: "    coast; delete if tentative or missed > max-age frames",
+    EACH_LEFT_DETECTION: "  for each unassigned detection with score ≥ τ = score-threshold",
+    BEGIN_TRACK: "    start a track, tentative until min-hits frames are matched",
 }
 
 impl Estimator for KalmanTracker {
@@ -183,10 +191,10 @@ impl Estimator for KalmanTracker {
         id: "kalman-tracker",
         name: "Kalman tracker",
         family: "Tracking",
-        summary: "Follows many objects: predicts each, shares the detections of a frame out among them, and moves each to its own.",
-        source: "A. Bewley, Z. Ge, L. Ott, F. Ramos and B. Upcroft, Simple online and realtime tracking, ICIP 2016; less sure \
+        summary: "Tracks many objects: predicts each with a Kalman filter, assigns the detections of a frame to the tracks, and updates them.",
+        source: "A. Bewley, Z. Ge, L. Ott, F. Ramos and B. Upcroft, Simple online and realtime tracking, ICIP 2016; low-score \
                  detections: Y. Zhang and others, ByteTrack, ECCV 2022; last box: J. Cao and others, Observation-centric SORT, CVPR \
-                 2023; gate and life of tracks: S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999; assignment: H. W. \
+                 2023; gating and track management: S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999; assignment: H. W. \
                  Kuhn 1955, R. Jonker and A. Volgenant 1987",
         pseudocode: line::ALL,
         granularities: &["clip", "frame", "step"],
@@ -200,36 +208,37 @@ impl Estimator for KalmanTracker {
     type Event = Event;
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        Ok(State { course: Course::new(self.given.clone(), clip, frame)?, tracks: Vec::new() })
+        Ok(State { run: TrackerRun::new(self.settings.clone(), clip, frame)?, tracks: Vec::new() })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let (detections, left_out) = state.course.look(clip)?;
+        let (detections, discarded) = state.run.look(clip)?;
         let detections = Arc::new(detections);
-        observer.see(|| Event::Looked(Arc::clone(&detections), left_out));
+        observer.see(|| Event::Detected(Arc::clone(&detections), discarded));
         let mut tracks = std::mem::take(&mut state.tracks);
         for track in &mut tracks {
-            track.filter = track.filter.going_by(self.model(&track.extent)).predicted();
+            track.filter = track.filter.with_model(self.model(&track.extent)).predicted();
         }
         observer.see(|| Event::Predicted(Arc::new(tracks.clone())));
-        let is_sure = |found: &Detection| !state.course.tells_scores() || found.score >= self.sure_score;
-        let costs = Arc::new(self.costs(clip, (tracks, detections), is_sure)?);
+        let is_high = |found: &Detection| !state.run.has_scores() || found.score >= self.score_threshold;
+        let costs = Arc::new(self.costs(clip, (tracks, detections), is_high)?);
         observer.see(|| Event::Costs(Arc::clone(&costs)));
         for (row, pair) in costs.pairs.iter().enumerate().filter_map(|(row, pair)| Some((row, (*pair)?))) {
-            observer.see(|| Event::Paired(Arc::clone(&costs), [row, pair.column]));
+            observer.see(|| Event::Assigned(Arc::clone(&costs), [row, pair.column]));
         }
-        let objects = self.share_out(state, &costs, observer);
+        let objects = self.update_tracks(state, &costs, observer);
         let frame = Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&costs.detections), objects });
-        observer.see(|| Event::Done(Arc::clone(&frame)));
-        Ok(state.course.note(clip, frame))
+        observer.see(|| Event::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame))));
+        clip.wanted()?;
+        Ok(state.run.note(clip, frame))
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        state.course.span.frames()
+        state.run.span.frames()
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        state.course.place()
+        state.run.place()
     }
 
     fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
@@ -237,13 +246,13 @@ impl Estimator for KalmanTracker {
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.course.frame())
+        Some(state.run.frame())
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
         match event {
             Event::Begun(_) => Some(Role::Reference),
-            Event::Ended(_) => Some(Role::Rejected),
+            Event::Deleted(_) => Some(Role::Rejected),
             _ => None,
         }
     }
@@ -261,7 +270,7 @@ impl Estimator for KalmanTracker {
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::of(state.course.field())
+        Output::of(state.run.field())
     }
 }
 
@@ -271,17 +280,17 @@ impl Footprint<State> for KalmanTracker {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        state.course.own_bytes() + size_of_val(&state.tracks[..])
+        state.run.own_bytes() + size_of_val(&state.tracks[..])
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.course.shared_bytes()
+        self.state_bytes(state) + state.run.shared_bytes()
     }
 }
 
 impl KalmanTracker {
-    /// Moves objects to their detections, ends and begins some; gives those there are in this frame.
-    fn share_out(&self, state: &mut State, costs: &Costs, observer: &mut impl Observer<Event>) -> Vec<Object> {
+    /// Updates, deletes and starts tracks; returns the objects of this frame.
+    fn update_tracks(&self, state: &mut State, costs: &Costs, observer: &mut impl Observer<Event>) -> Vec<Object> {
         let (mut objects, mut is_taken) = (Vec::new(), vec![false; costs.detections.len()]);
         for (track, pair) in costs.tracks.iter().zip(&costs.pairs) {
             let column = pair.map(|pair| pair.column);
@@ -294,14 +303,14 @@ impl KalmanTracker {
                         let both = Box::new([track.clone(), updated.clone()]);
                         Event::Updated(both, self.measurement(detection))
                     });
-                    state.course.look_back(self.rules, &updated.object(Some(column)), track.age);
+                    state.run.look_back(self.rules, &updated.object(Some(column)), track.age);
                     Some(updated)
                 }
                 None => {
-                    let missed = self.missed(track, state.course.picture());
+                    let missed = self.missed(track, state.run.picture());
                     observer.see(|| match &missed {
                         Some(track) => Event::Missed(Box::new(track.clone())),
-                        None => Event::Ended(Box::new(track.clone())),
+                        None => Event::Deleted(Box::new(track.clone())),
                     });
                     missed
                 }
@@ -310,10 +319,10 @@ impl KalmanTracker {
             state.tracks.extend(next);
         }
         for (column, detection) in costs.detections.iter().enumerate() {
-            if !costs.is_sure[column] || is_taken[column] {
+            if !costs.is_high[column] || is_taken[column] {
                 continue;
             }
-            let track = self.begun(detection, state.course.next_id());
+            let track = self.begun(detection, state.run.next_id());
             observer.see(|| Event::Begun(Box::new(track.clone())));
             objects.push(track.object(Some(column)));
             state.tracks.push(track);

@@ -1,4 +1,4 @@
-//! Objects with a past and a predicted future.
+//! Tracking: state estimation and data association over time.
 
 mod blob_tracker;
 mod kalman_filter;
@@ -16,27 +16,27 @@ use crate::methods::kalman::Filter;
 use crate::products::{Object, TrackStatus};
 use crate::run::Need;
 
-/// The number of objects that memory is reckoned for where nothing is detected yet.
-const RECKONED: usize = 1000;
+/// The number of objects assumed for memory where detections are not known yet.
+const ASSUMED_OBJECTS: usize = 1000;
 
-/// So many pairs of an object are kept for each of its detections at most: see [`kalman_tracker`].
-const PAIRS: usize = 500;
+/// The maximum number of pairs stored for each track: see [`kalman_tracker`].
+const MAX_PAIRS: usize = 500;
 
-/// Memory that following the objects of a clip takes: for each of the frame that has the most its tracks and pairs, and what is
-/// told of it; and where what moves is looked for, the background, a frame compared with it, and the blobs.
+/// Memory of tracking the objects of a clip: tracks, pairs and events for the frame with the most detections, and the model,
+/// difference and blobs of a background subtraction.
 fn need(clip: &Clip) -> Need {
     let frames = clip.info().frames.unwrap_or(0);
-    let most = (0..frames).filter_map(|t| clip.detections(t)).map(<[_]>::len).max().unwrap_or(RECKONED) as f64;
-    let objects = most * (4096.0 + 40.0 * most.min(PAIRS as f64));
+    let most = (0..frames).filter_map(|t| clip.detections(t)).map(<[_]>::len).max().unwrap_or(ASSUMED_OBJECTS) as f64;
+    let objects = most * (4096.0 + 40.0 * most.min(MAX_PAIRS as f64));
     Need::per_pixel(clip, [10.0, 10.0]).and([objects, 4.0 * objects])
 }
 
-/// The object that a filter follows.
-fn object_of(filter: &Filter, id: u32, bounds: Bounds, life: TrackStatus) -> Object {
+/// Returns the object that a filter estimates.
+fn object_of(filter: &Filter, id: u32, bounds: Bounds, status: TrackStatus) -> Object {
     Object {
         id,
         bounds,
-        life,
+        status,
         position: filter.place(),
         velocity: Some(filter.velocity()),
         covariance: Some(filter.place_covariance()),
@@ -44,7 +44,7 @@ fn object_of(filter: &Filter, id: u32, bounds: Bounds, life: TrackStatus) -> Obj
     }
 }
 
-/// Whether a place is outside a picture of this size by more than that size: an object estimated there is not seen again.
+/// Returns whether a position is outside the picture by more than the picture's size. A track there is deleted.
 fn is_far_outside([x, y]: [f64; 2], (width, height): (usize, usize)) -> bool {
     let is_near = |c: f64, side: usize| (-(side as f64)..2.0 * side as f64).contains(&c);
     !is_near(x, width) || !is_near(y, height)

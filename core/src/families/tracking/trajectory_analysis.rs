@@ -1,4 +1,4 @@
-//! What trajectories tell: speed and heading, crossings of a line, dwell in a zone, unusual directions.
+//! Trajectory analysis: speed and heading, line crossings, dwell time in a zone, anomalous directions.
 
 mod explain;
 
@@ -11,7 +11,7 @@ use crate::methods::multi_object::directions::Directions;
 use crate::params::Line;
 use crate::products::{
     ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus,
-    objects::trajectory::{Crossing, News, Places, Stay, Trajectory, Unusual},
+    objects::trajectory::{Crossing, DirectionAnomaly, Dwell, Places, Trajectory, TrajectoryEvents},
 };
 use crate::run::{
     Estimator, Explained, Footprint, Frames, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, Stage,
@@ -21,28 +21,30 @@ use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
-    /// What trajectories tell.
+    /// Analysis of the trajectories of tracks.
     pub struct TrajectoryAnalysis {
-        /// At most so many frames, the first one counted; fewer where the clip ends.
+        /// Maximum number of frames, the first included.
         frames: usize = 300, 2..=10_000;
-        /// Whoever goes over this line is counted, on its right and on its left.
+        /// Counting line. Crossings are counted by direction: to its right and to its left.
         line: Option<Line> = None::<Line>;
-        /// In this zone time is taken.
+        /// Zone in which dwell time is measured.
         zone: Option<Bounds> = None::<Bounds>;
-        /// Speed and heading are those of the straight line that fits the places of so many frames best.
+        /// Window of the velocity: slope of the least-squares line through the positions of the last frames.
         window: usize = 5, 2..=100, "frames";
-        /// Slower objects have no heading.
+        /// Minimum speed of a heading. Slower tracks have none, and no anomaly.
         min_speed: f32 = 0.5, 0.0..=100.0, "px/frame";
-        /// A heading that differs by more than this from that of the others is unusual.
+        /// Anomaly threshold: angle between a track's heading and the mean direction of the other tracks in its cell.
         unusual_angle: f32 = 90.0, 10.0..=180.0, "°";
-        /// So many others must have passed before a heading can be unusual.
-        least_others: usize = 2, 1..=100;
-        /// Side of the parts of the picture in which the headings of the others are taken together.
-        part: usize = 64, 8..=1000, "px";
-        /// Tracker of the objects. Unless set otherwise it has no hindsight: what is analysed is what was seen.
+        /// Minimum number of other tracks in a cell before a direction can be anomalous.
+        min_others: usize = 2, 1..=100;
+        /// Side of the grid cells in which directions are averaged.
+        cell_size: usize = 64, 8..=1000, "px";
+        /// Tracker of the objects, by default in real time (causal), without hindsight.
         tracker: Stage<Tracks> = Stage::named("kalman-tracker");
     }
     renamed {
+        "least-others" => "min-others",
+        "part" => "cell-size",
         "source" => "tracker.source",
         "detector" => "tracker.detector",
         "clicks" => "tracker.clicks",
@@ -52,19 +54,19 @@ params! {
     }
 }
 
-/// Others have a common heading where their mean of unit vectors is at least so long.
+/// The minimum mean resultant length of directions with a meaningful mean.
 const AGREEMENT: f64 = 0.7;
-/// So many objects are followed before it is asked whether to go on.
-const OBJECTS_AT_ONCE: usize = 64;
-/// Who points so near to the way of an object, in px, hears of it.
+/// The number of tracks between checks for cancellation.
+const TRACKS_PER_CHECK: usize = 64;
+/// The maximum distance of the pointer from a trajectory that it selects, in px.
 const NEAR_PX: f64 = 16.0;
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
     span: Span,
     tracked: Frames,
-    /// The frames that are done, as they were known then.
+    /// The finished frames, as they were known then.
     frames: Vec<Arc<ObjectFrame>>,
     /// By identity.
     trajectories: Vec<Arc<Trajectory>>,
@@ -72,27 +74,27 @@ pub struct State {
     picture: (usize, usize),
 }
 
-/// What happens in a frame.
+/// An event of a frame.
 #[derive(Clone, Debug)]
 pub enum Event {
-    /// The objects are tracked into the frame.
+    /// The tracks of the frame.
     Tracked(Arc<ObjectFrame>),
-    /// An object has gone on.
+    /// A trajectory has a new position.
     Moved(Arc<Trajectory>),
-    /// It has gone over the line.
+    /// A track crosses the line.
     Crossed(Arc<Trajectory>, Crossing),
-    /// It has come into the zone.
-    Entered(Arc<Trajectory>, Stay),
-    /// It has left the zone.
-    Left(Arc<Trajectory>, Stay),
-    /// It goes where the others do not.
-    Unusual(Arc<Trajectory>, Unusual),
-    /// The directions of this frame are taken in.
+    /// A track enters the zone.
+    Entered(Arc<Trajectory>, Dwell),
+    /// A track leaves the zone.
+    Left(Arc<Trajectory>, Dwell),
+    /// A track has an anomalous direction.
+    Unusual(Arc<Trajectory>, DirectionAnomaly),
+    /// The directions of the frame are added to the grid.
     Learned(Arc<Directions>),
 }
 
 impl Event {
-    /// The object that it is about.
+    /// Returns the trajectory of the event.
     fn trajectory(&self) -> Option<&Arc<Trajectory>> {
         match self {
             Self::Moved(of) | Self::Crossed(of, _) | Self::Entered(of, _) | Self::Left(of, _) => Some(of),
@@ -102,8 +104,8 @@ impl Event {
     }
 }
 
-/// That an object goes in a direction, a unit vector, at a place.
-struct Lesson {
+/// The direction of a track, a unit vector, at a position.
+struct DirectionSample {
     id: u32,
     at: [f64; 2],
     direction: [f64; 2],
@@ -114,34 +116,33 @@ impl TrajectoryAnalysis {
         Places { line: self.line, zone: self.zone, window: self.window }
     }
 
-    /// Takes in all places of an object up to now that are not known yet: that it was seen where it was not yet confirmed is
-    /// known only once it is.
-    fn follow(&self, state: &mut State, id: u32, observer: &mut impl Observer<Event>) -> Vec<Lesson> {
+    /// Adds the new positions of a track. Those of its tentative frames are added when it is confirmed.
+    fn follow(&self, state: &mut State, id: u32, observer: &mut impl Observer<Event>) -> Vec<DirectionSample> {
         let (first, frames) = (state.span.first, &state.frames);
         let place = state.trajectories.binary_search_by_key(&id, |trajectory| trajectory.id);
-        // Taken out, so that it is not copied where nobody else holds it.
+        // Taken out, so that it is not copied unless it is shared.
         let mut trajectory = match place {
             Ok(i) => std::mem::take(&mut state.trajectories[i]),
             Err(_) => Arc::new(Trajectory { id, ..Trajectory::default() }),
         };
         let begin = if place.is_ok() { frames.len() - 1 } else { 0 };
-        let mut lessons = Vec::new();
+        let mut samples = Vec::new();
         for (i, frame) in frames.iter().enumerate().skip(begin) {
             let seen = frame.object(id).filter(|object| object.detection.is_some());
             let Some(object) = seen else { continue };
-            let news = Arc::make_mut(&mut trajectory).see(first + i, object.position, &self.places());
-            lessons.extend(self.judge(&mut trajectory, &state.directions));
-            tell(&trajectory, news, observer);
+            let events = Arc::make_mut(&mut trajectory).add(first + i, object.position, &self.places());
+            samples.extend(self.compare_direction(&mut trajectory, &state.directions));
+            emit(&trajectory, events, observer);
         }
         match place {
             Ok(i) => state.trajectories[i] = trajectory,
             Err(i) => state.trajectories.insert(i, trajectory),
         }
-        lessons
+        samples
     }
 
-    /// Compares the heading of an object with that of the others; gives what they can learn from it.
-    fn judge(&self, trajectory: &mut Arc<Trajectory>, directions: &Directions) -> Option<Lesson> {
+    /// Compares the heading of a track with the mean direction of the others; returns its direction.
+    fn compare_direction(&self, trajectory: &mut Arc<Trajectory>, directions: &Directions) -> Option<DirectionSample> {
         let id = trajectory.id;
         let last = Arc::make_mut(trajectory).sightings.last_mut()?;
         let [u, v] = last.velocity?;
@@ -150,32 +151,32 @@ impl TrajectoryAnalysis {
             return None;
         }
         let direction = [u / speed, v / speed];
-        let usual = directions.usual(id, last.at);
-        let known = usual.filter(|usual| usual.others >= self.least_others && usual.agreement >= AGREEMENT);
-        last.unusual = known.and_then(|usual| {
-            let cosine = direction[0] * usual.direction[0] + direction[1] * usual.direction[1];
+        let mean = directions.mean_of_others(id, last.at);
+        let known = mean.filter(|mean| mean.others >= self.min_others && mean.agreement >= AGREEMENT);
+        last.anomaly = known.and_then(|mean| {
+            let cosine = direction[0] * mean.direction[0] + direction[1] * mean.direction[1];
             let angle_deg = cosine.clamp(-1.0, 1.0).acos().to_degrees();
-            let unusual = Unusual { angle_deg, usual: usual.direction, others: usual.others };
+            let unusual = DirectionAnomaly { angle_deg, mean: mean.direction, others: mean.others };
             (angle_deg > f64::from(self.unusual_angle)).then_some(unusual)
         });
-        Some(Lesson { id, at: last.at, direction })
+        Some(DirectionSample { id, at: last.at, direction })
     }
 }
 
-/// Tells what is new of an object.
-fn tell(trajectory: &Arc<Trajectory>, news: News, observer: &mut impl Observer<Event>) {
+/// Emits the events of a trajectory.
+fn emit(trajectory: &Arc<Trajectory>, events: TrajectoryEvents, observer: &mut impl Observer<Event>) {
     let of = || Arc::clone(trajectory);
     observer.see(|| Event::Moved(of()));
-    if let Some(crossing) = news.crossed {
+    if let Some(crossing) = events.crossed {
         observer.see(|| Event::Crossed(of(), crossing));
     }
-    if let Some(stay) = news.entered {
-        observer.see(|| Event::Entered(of(), stay));
+    if let Some(dwell) = events.entered {
+        observer.see(|| Event::Entered(of(), dwell));
     }
-    if let Some(stay) = news.left {
-        observer.see(|| Event::Left(of(), stay));
+    if let Some(dwell) = events.left {
+        observer.see(|| Event::Left(of(), dwell));
     }
-    if let Some(unusual) = trajectory.sightings.last().and_then(|last| last.unusual) {
+    if let Some(unusual) = trajectory.sightings.last().and_then(|last| last.anomaly) {
         observer.see(|| Event::Unusual(of(), unusual));
     }
 }
@@ -183,12 +184,12 @@ fn tell(trajectory: &Arc<Trajectory>, news: News, observer: &mut impl Observer<E
 pseudocode! {
     EACH_FRAME: "for each frame t",
     TRACK: "  track the objects",
-    EACH_OBJECT: "  for each object that is seen, x(t) its place",
-    MEASURE_VELOCITY: "    v ← slope of the line that fits its last places best",
-    COUNT_CROSSING: "    count it if the way from where it was seen before to x(t) meets the line",
-    NOTE_ZONE: "    note when it comes into the zone, and when it leaves",
-    IS_UNUSUAL: "    unusual if v differs too much from the mean direction of others there",
-    LEARN_DIRECTIONS: "  learn the directions of this frame",
+    EACH_OBJECT: "  for each confirmed track with position x(t)",
+    MEASURE_VELOCITY: "    v ← slope of the least-squares line through its last positions",
+    COUNT_CROSSING: "    count a crossing if the segment from its last position to x(t) meets the line",
+    NOTE_ZONE: "    update dwell time: note entry into and exit from the zone",
+    IS_UNUSUAL: "    anomalous if the angle of v and the mean direction of the others > unusual-angle",
+    LEARN_DIRECTIONS: "  add the directions of this frame to the grid cells",
 }
 
 impl Estimator for TrajectoryAnalysis {
@@ -196,9 +197,9 @@ impl Estimator for TrajectoryAnalysis {
         id: "trajectory-analysis",
         name: "Trajectory analysis",
         family: "Tracking",
-        summary: "Tracks objects and reads their ways: speed and heading, counts at a line, time in a zone, unusual directions.",
-        source: "Tracks: A. Bewley et al., Simple online and realtime tracking, ICIP 2016; usual directions: C. Stauffer and \
-                 W. E. L. Grimson, Learning patterns of activity using real-time tracking, PAMI 22, 2000; means of directions: \
+        summary: "Analyses the trajectories of tracks: speed and heading, line crossings, dwell time in a zone, anomalous directions.",
+        source: "Tracks: A. Bewley et al., Simple online and realtime tracking, ICIP 2016; typical directions: C. Stauffer and \
+                 W. E. L. Grimson, Learning patterns of activity using real-time tracking, PAMI 22, 2000; circular means: \
                  K. V. Mardia and P. E. Jupp, Directional statistics, 2000",
         pseudocode: line::ALL,
         granularities: &["clip", "frame", "step"],
@@ -214,7 +215,7 @@ impl Estimator for TrajectoryAnalysis {
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let span = Span::new(clip, frame, self.frames)?;
         let tracked = self.tracker.frames(clip, span.first, span.most())?;
-        let directions = Arc::new(Directions::new(clip.size(), self.part));
+        let directions = Arc::new(Directions::new(clip.size(), self.cell_size));
         Ok(State { span, tracked, frames: Vec::new(), trajectories: Vec::new(), directions, picture: clip.size() })
     }
 
@@ -224,18 +225,18 @@ impl Estimator for TrajectoryAnalysis {
         let frame = state.tracked.at(t)?.unwrap_or_default();
         state.frames.push(Arc::clone(&frame));
         observer.see(|| Event::Tracked(Arc::clone(&frame)));
-        let is_seen = |life: TrackStatus, has_detection: bool| life == TrackStatus::Confirmed && has_detection;
-        let seen = frame.objects.iter().filter(|object| is_seen(object.life, object.detection.is_some()));
-        let mut lessons: Vec<Lesson> = Vec::new();
+        let is_seen = |status: TrackStatus, has_detection: bool| status == TrackStatus::Confirmed && has_detection;
+        let seen = frame.objects.iter().filter(|object| is_seen(object.status, object.detection.is_some()));
+        let mut samples: Vec<DirectionSample> = Vec::new();
         for (i, object) in seen.enumerate() {
-            if i.is_multiple_of(OBJECTS_AT_ONCE) {
+            if i.is_multiple_of(TRACKS_PER_CHECK) {
                 clip.wanted()?;
             }
-            lessons.extend(self.follow(state, object.id, observer));
+            samples.extend(self.follow(state, object.id, observer));
         }
-        if !lessons.is_empty() {
+        if !samples.is_empty() {
             let directions = Arc::make_mut(&mut state.directions);
-            lessons.into_iter().for_each(|Lesson { id, at, direction }| directions.learn(id, at, direction));
+            samples.into_iter().for_each(|DirectionSample { id, at, direction }| directions.learn(id, at, direction));
         }
         observer.see(|| Event::Learned(Arc::clone(&state.directions)));
         Ok(if state.span.is_over(clip, t + 1) { Progress::Done } else { Progress::More })
@@ -295,11 +296,11 @@ impl Footprint<State> for TrajectoryAnalysis {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        // A trajectory is copied where it goes on; others are shared with the states before, as frames are.
+        // A trajectory that grows is copied; others are shared with the states before, as frames are.
         let next = state.span.first + state.frames.len();
-        let goes_on =
+        let grows =
             |trajectory: &&Arc<Trajectory>| trajectory.sightings.last().is_some_and(|seen| seen.frame + 1 >= next);
-        let own: usize = state.trajectories.iter().filter(goes_on).map(|trajectory| bytes(trajectory)).sum();
+        let own: usize = state.trajectories.iter().filter(grows).map(|trajectory| bytes(trajectory)).sum();
         let last = state.frames.last().map_or(0, |frame| frame.bytes());
         size_of::<State>() + size_of_val(&state.frames[..]) + last + own + state.directions.bytes()
     }
@@ -307,7 +308,7 @@ impl Footprint<State> for TrajectoryAnalysis {
     fn memory_bytes(&self, state: &State) -> usize {
         let trajectories: usize = state.trajectories.iter().map(|trajectory| bytes(trajectory)).sum();
         let own = size_of::<State>() + size_of_val(&state.frames[..]) + trajectories + state.directions.bytes();
-        // The frames are those of the tracker.
+        // The frames are shared with the tracker.
         own + state.tracked.bytes()
     }
 }
@@ -319,11 +320,11 @@ impl Pointed<State> for TrajectoryAnalysis {
 }
 
 fn bytes(trajectory: &Trajectory) -> usize {
-    let Trajectory { sightings, crossings, stays, .. } = trajectory;
-    size_of::<Trajectory>() + size_of_val(&sightings[..]) + size_of_val(&crossings[..]) + size_of_val(&stays[..])
+    let Trajectory { sightings, crossings, dwells, .. } = trajectory;
+    size_of::<Trajectory>() + size_of_val(&sightings[..]) + size_of_val(&crossings[..]) + size_of_val(&dwells[..])
 }
 
-/// The trajectory that comes nearest to a point, if one does.
+/// Returns the trajectory nearest to a point, if it is near enough.
 fn near(trajectories: &[Arc<Trajectory>], point: [f32; 2]) -> Option<&Arc<Trajectory>> {
     let far = |trajectory: &Trajectory| {
         let distances = trajectory

@@ -1,4 +1,4 @@
-//! A filter whose motion is chosen while the program runs, and its numbers for people.
+//! The Kalman filter with a motion model chosen at run time, and the matrices of its steps.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -6,7 +6,7 @@ use super::{Acceleration, Estimate, Motion, Sensor, Turn, Velocity, smoothed};
 use crate::choices;
 use crate::geometry::Grid;
 
-/// A state estimate, and how it moves.
+/// A state estimate and its motion model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
     /// Constant velocity.
@@ -17,7 +17,7 @@ pub enum Filter {
     Turn(Turn, Estimate<5>),
 }
 
-/// A model of motion.
+/// A motion model with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Model {
     /// Constant velocity.
@@ -29,20 +29,20 @@ pub enum Model {
 }
 
 choices! {
-    /// How objects are thought to move.
+    /// The motion model.
     pub enum MotionModel {
-        /// Straight on, with their velocity.
+        /// Constant velocity: motion on a straight line; state (x, y, u, v).
         Velocity = "velocity" "Constant velocity",
-        /// With their velocity and their acceleration, as what is thrown.
+        /// Constant acceleration, as of a thrown ball; the acceleration is part of the state.
         Acceleration = "acceleration" "Constant acceleration",
-        /// With their speed along an arc: an extended filter.
+        /// Coordinated turn: constant speed and turn rate; nonlinear, so an extended Kalman filter.
         Turn = "turn" "Coordinated turn",
     }
 }
 
 impl MotionModel {
-    /// The model with these standard deviations: of the acceleration in px/frame², or of its change in a frame where it is
-    /// part of the state, and of the change of the rate of a turn in degrees/frame².
+    /// Returns the model with these standard deviations: of the acceleration in px/frame², or of its change per frame where it is
+    /// part of the state, and of the change of the turn rate in degrees/frame².
     pub fn model(self, deviation: f32, turn_deg: f32) -> Model {
         let deviation = f64::from(deviation);
         match self {
@@ -53,18 +53,18 @@ impl MotionModel {
     }
 }
 
-/// What a sensor tells of an object, in px and px/frame.
+/// A measurement of position and perhaps velocity, in px and px/frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
-    /// Where it is.
+    /// The position.
     pub place: [f64; 2],
-    /// Standard deviation of that along each axis.
+    /// Its standard deviation along each axis.
     pub place_deviation: f64,
-    /// How it moves and the standard deviation of that, if the sensor tells.
+    /// The velocity and its standard deviation, if measured.
     pub velocity: Option<([f64; 2], f64)>,
 }
 
-/// The numbers of a step of time: F and Q.
+/// The matrices of a prediction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictionNumbers {
     /// F.
@@ -73,7 +73,7 @@ pub struct PredictionNumbers {
     pub noise: Grid<f64>,
 }
 
-/// The numbers of a measurement.
+/// The matrices of an update.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UpdateNumbers {
     /// H.
@@ -90,7 +90,7 @@ pub struct UpdateNumbers {
     pub gain: Grid<f64>,
 }
 
-/// Does `$body` with the motion and the estimate of a filter, whatever its size.
+/// Evaluates `$body` with the motion and the estimate of a filter of any size.
 macro_rules! with {
     ($filter:expr, |$motion:ident, $estimate:ident| $body:expr) => {
         match $filter {
@@ -101,7 +101,7 @@ macro_rules! with {
     };
 }
 
-/// The same filter with `$body`, the estimate that it makes of its motion and estimate.
+/// Returns the filter with the estimate `$body`, made of its motion and estimate.
 macro_rules! map {
     ($filter:expr, |$motion:ident, $estimate:ident| $body:expr) => {
         match $filter {
@@ -113,7 +113,7 @@ macro_rules! map {
 }
 
 impl Measurement {
-    /// How many numbers it has.
+    /// Returns its dimension: 2, or 4 with velocity.
     pub fn numbers(&self) -> usize {
         if self.velocity.is_some() { 4 } else { 2 }
     }
@@ -129,7 +129,7 @@ impl Measurement {
 }
 
 fn begun<const N: usize>(motion: &impl Motion<N>, first: &Measurement, speed: f64) -> Estimate<N> {
-    let mut deviations = motion.doubts(speed);
+    let mut deviations = motion.initial_deviations(speed);
     deviations[..2].fill(first.place_deviation);
     let mut state = SVector::zeros();
     (state[0], state[1]) = first.place.into();
@@ -183,8 +183,7 @@ fn grid<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> Grid<f64
 }
 
 impl Filter {
-    /// The state estimate after a first measurement of something whose speed may be about `speed` px/frame; how it moves is not
-    /// taken from the measurement.
+    /// Initialises the estimate with a first position. The velocity is 0 with a standard deviation of `speed` px/frame.
     pub fn begun(model: Model, first: &Measurement, speed: f64) -> Self {
         match model {
             Model::Velocity(motion) => Self::Velocity(motion, begun(&motion, first, speed)),
@@ -193,9 +192,9 @@ impl Filter {
         }
     }
 
-    /// The same belief of something that goes on by another model of the same kind.
+    /// Returns the same estimate with another motion model of the same kind.
     #[must_use]
-    pub fn going_by(&self, model: Model) -> Self {
+    pub fn with_model(&self, model: Model) -> Self {
         match (*self, model) {
             (Self::Velocity(_, estimate), Model::Velocity(motion)) => Self::Velocity(motion, estimate),
             (Self::Acceleration(_, estimate), Model::Acceleration(motion)) => Self::Acceleration(motion, estimate),
@@ -204,14 +203,14 @@ impl Filter {
         }
     }
 
-    /// A frame later.
+    /// Predicts the next frame.
     #[must_use]
     pub fn predicted(&self) -> Self {
         map!(self, |motion, estimate| estimate.predicted(motion).estimate)
     }
 
-    /// The state estimate after a measurement, and its squared Mahalanobis distance; `None` where the covariance of the innovation
-    /// is not positive definite.
+    /// Updates the estimate with a measurement and returns its squared Mahalanobis distance too; `None` where the innovation
+    /// covariance is not positive definite.
     pub fn updated(&self, measurement: &Measurement) -> Option<(Self, f64)> {
         Some(match self {
             Self::Velocity(motion, estimate) => {
@@ -229,7 +228,7 @@ impl Filter {
         })
     }
 
-    /// The squared Mahalanobis distance of a measurement; `None` as above.
+    /// Returns the squared Mahalanobis distance of a measurement; `None` where [`Filter::updated`] is.
     pub fn squared_distance(&self, measurement: &Measurement) -> Option<f64> {
         with!(self, |_motion, estimate| match measurement.velocity {
             None => distance(estimate, measurement.of_place()),
@@ -237,7 +236,7 @@ impl Filter {
         })
     }
 
-    /// The state estimate of this frame, with what is known of the next one by now.
+    /// Smooths the estimate with the smoothed one of the next frame (RTS).
     pub fn smoothed(&self, next: &Filter) -> Option<Self> {
         match (self, next) {
             (Self::Velocity(motion, estimate), Self::Velocity(_, next)) => {
@@ -253,30 +252,29 @@ impl Filter {
         }
     }
 
-    /// The estimated place, in px.
+    /// Returns the estimated position in px.
     pub fn place(&self) -> [f64; 2] {
         with!(self, |_motion, estimate| [estimate.state[0], estimate.state[1]])
     }
 
-    /// The estimated velocity, in px/frame.
+    /// Returns the estimated velocity in px/frame.
     pub fn velocity(&self) -> [f64; 2] {
         with!(self, |_motion, estimate| [estimate.state[2], estimate.state[3]])
     }
 
-    /// The covariance of the place in px².
+    /// Returns the covariance of the position in px².
     pub fn place_covariance(&self) -> [[f64; 2]; 2] {
         with!(self, |_motion, estimate| [0, 1].map(|i| [0, 1].map(|j| estimate.covariance[(i, j)])))
     }
 
-    /// The squared Mahalanobis distance of the true place; `None` where the covariance is not positive definite.
+    /// Returns the NEES of the position; `None` where the covariance is not positive definite.
     pub fn squared_error(&self, truth: [f64; 2]) -> Option<f64> {
         let ([x, y], [[xx, xy], [yx, yy]]) = (self.place(), self.place_covariance());
         let place = Estimate::<2> { state: [x, y].into(), covariance: SMatrix::from([[xx, yx], [xy, yy]]) };
         place.squared_error(&truth.into())
     }
 
-    /// How far what is known of the next frame reaches back, C of [`smoothed`]; `None` where the covariance of the prediction is
-    /// not positive definite.
+    /// Returns the smoother gain C of [`smoothed`]; `None` where the predicted covariance is not positive definite.
     pub fn smoothing_gain(&self) -> Option<Grid<f64>> {
         with!(self, |motion, estimate| {
             let prediction = estimate.predicted(motion);
@@ -284,22 +282,22 @@ impl Filter {
         })
     }
 
-    /// What the numbers of the state are.
+    /// Returns the names of the state's components.
     pub fn names(&self) -> &'static [&'static str] {
         with!(self, |motion, _estimate| names_of(motion))
     }
 
-    /// The state x.
+    /// Returns the state x.
     pub fn state(&self) -> Vec<f64> {
         with!(self, |_motion, estimate| estimate.state.iter().copied().collect())
     }
 
-    /// Its covariance P.
+    /// Returns the covariance P.
     pub fn covariance(&self) -> Grid<f64> {
         with!(self, |_motion, estimate| grid(&estimate.covariance))
     }
 
-    /// What [`Filter::predicted`] works with.
+    /// Returns the matrices of [`Filter::predicted`].
     pub fn prediction_numbers(&self) -> PredictionNumbers {
         with!(self, |motion, estimate| {
             let prediction = estimate.predicted(motion);
@@ -307,7 +305,7 @@ impl Filter {
         })
     }
 
-    /// What [`Filter::updated`] works with.
+    /// Returns the matrices of [`Filter::updated`].
     pub fn update_numbers(&self, measurement: &Measurement) -> Option<UpdateNumbers> {
         with!(self, |_motion, estimate| match measurement.velocity {
             None => numbers_of(estimate, measurement.of_place()),

@@ -1,13 +1,13 @@
-//! The chi-square distribution, which squared Mahalanobis distances follow where a filter is consistent.
+//! The χ² distribution, which squared Mahalanobis distances of a consistent filter follow.
 
-/// The share of values up to `x` with an even number of degrees of freedom: 1 − e^(−x/2) Σ (x/2)ⁱ / i!, i < dof / 2.
+/// Returns the cumulative distribution at `x` for an even number of degrees of freedom: 1 − e^(−x/2) Σ (x/2)ⁱ / i!, i < dof / 2.
 ///
 /// # Panics
 /// If the number of degrees of freedom is odd or 0.
 pub fn share(x: f64, dof: usize) -> f64 {
     assert!(dof > 0 && dof.is_multiple_of(2), "{dof} degrees of freedom");
     let half = 0.5 * x.max(0.0);
-    // In logarithms, since for many degrees of freedom the powers alone are too large.
+    // In logarithms: for many degrees of freedom the powers would overflow.
     let mut log_term = -half;
     let mut beyond = log_term.exp();
     for i in 1..dof / 2 {
@@ -17,7 +17,7 @@ pub fn share(x: f64, dof: usize) -> f64 {
     1.0 - beyond
 }
 
-/// The value that the share `p`, 0 to 1, of all values does not exceed, with an even number of degrees of freedom.
+/// Returns the quantile of probability `p`, 0 to 1, for an even number of degrees of freedom.
 ///
 /// # Panics
 /// If the number of degrees of freedom is odd or 0.
@@ -27,7 +27,7 @@ pub fn quantile(p: f64, dof: usize) -> f64 {
     while share(high, dof) < p {
         high *= 2.0;
     }
-    // The share rises: halve until both ends are neighbours.
+    // Bisection down to adjacent numbers.
     loop {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {

@@ -1,9 +1,9 @@
-//! Covariances as ellipses.
+//! Covariance ellipses.
 
 use super::chi_square;
 use crate::scene::Shape;
 
-/// The ellipse around `center` that holds the share `p` of a normal distribution in the plane; `None` if that is not finite.
+/// Returns the ellipse around `center` that contains the share `p` of a 2-D normal distribution; `None` if it is not finite.
 pub fn ellipse(center: [f64; 2], covariance: [[f64; 2]; 2], p: f64) -> Option<Shape> {
     let [[xx, xy], [_, yy]] = covariance;
     let (mean, half) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
@@ -20,7 +20,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn half_axes_are_deviations_times_what_the_share_takes() {
+    fn semi_axes_are_standard_deviations_times_the_quantile() {
         // Turned by 30°, standard deviations 3 and 1.
         let (sin, cos) = 30.0_f64.to_radians().sin_cos();
         let covariance =

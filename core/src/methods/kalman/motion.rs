@@ -1,41 +1,41 @@
-//! How objects are thought to move from one frame to the next. Time is counted in frames, places in px.
+//! Motion models. Time is in frames, positions are in px.
 
 use nalgebra::{Matrix4, Matrix5, SMatrix, SVector, Vector5};
 
-/// A model of motion with a state of `N` numbers, the first two of which are the place, the next two the velocity.
+/// A motion model with a state of dimension `N`: position, velocity, and further components.
 pub trait Motion<const N: usize> {
-    /// What the numbers of the state are.
+    /// The names of the state's components.
     const NAMES: [&'static str; N];
 
-    /// The state a frame later: f(x).
+    /// Returns the state one frame later, f(x).
     fn moved(&self, state: &SVector<f64, N>) -> SVector<f64, N>;
 
-    /// The derivatives of that by the state: F.
+    /// Returns the state transition F, the Jacobian of f.
     fn transition(&self, state: &SVector<f64, N>) -> SMatrix<f64, N, N>;
 
-    /// What is uncertain about it: Q.
+    /// Returns the process noise covariance Q.
     fn noise(&self) -> SMatrix<f64, N, N>;
 
-    /// Standard deviations of what a first measurement of the place does not tell.
-    fn doubts(&self, speed: f64) -> [f64; N];
+    /// Returns the initial standard deviations of the components that a position does not measure.
+    fn initial_deviations(&self, speed: f64) -> [f64; N];
 }
 
-/// Constant velocity, disturbed by accelerations that last a frame each (Bar-Shalom, section 6.3.2).
+/// Constant velocity with white acceleration noise, constant over each frame (Bar-Shalom, section 6.3.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Velocity {
     /// Standard deviation of the acceleration in px/frame².
     pub acceleration: f64,
 }
 
-/// Constant acceleration, disturbed by what is added to it in each frame (Bar-Shalom, section 6.3.3).
+/// Constant acceleration with white noise added to it in each frame (Bar-Shalom, section 6.3.3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Acceleration {
-    /// Standard deviation of what is added in px/frame².
+    /// Standard deviation of the change per frame in px/frame².
     pub change: f64,
 }
 
-/// Coordinated turn: constant speed and turn rate, disturbed by accelerations and by changes of that rate (Bar-Shalom, section
-/// 11.7.1). It is not linear: the filter is extended.
+/// Coordinated turn: constant speed and turn rate with noise on both (Bar-Shalom, section 11.7.1). Nonlinear: the filter is an
+/// extended Kalman filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Standard deviation of the acceleration in px/frame².
@@ -44,10 +44,10 @@ pub struct Turn {
     pub rate_change: f64,
 }
 
-/// G Gᵀ σ² of a disturbance σ that enters x and y alike by `ways` = G: into place, velocity and so on, `N` numbers by twos.
-fn disturbed<const N: usize>(ways: &[f64], deviation: f64) -> SMatrix<f64, N, N> {
+/// Returns Q = G Gᵀ σ² of noise σ that enters position, velocity and so on by `gains` = G, alike in x and y.
+fn process_noise<const N: usize>(gains: &[f64], deviation: f64) -> SMatrix<f64, N, N> {
     let variance = deviation * deviation;
-    SMatrix::from_fn(|i, j| match (ways.get(i / 2), ways.get(j / 2)) {
+    SMatrix::from_fn(|i, j| match (gains.get(i / 2), gains.get(j / 2)) {
         (Some(a), Some(b)) if i % 2 == j % 2 => a * b * variance,
         _ => 0.0,
     })
@@ -65,10 +65,10 @@ impl Motion<4> for Velocity {
     }
 
     fn noise(&self) -> SMatrix<f64, 4, 4> {
-        disturbed(&[0.5, 1.0], self.acceleration)
+        process_noise(&[0.5, 1.0], self.acceleration)
     }
 
-    fn doubts(&self, speed: f64) -> [f64; 4] {
+    fn initial_deviations(&self, speed: f64) -> [f64; 4] {
         [0.0, 0.0, speed, speed]
     }
 }
@@ -81,7 +81,7 @@ impl Motion<6> for Acceleration {
     }
 
     fn transition(&self, _: &SVector<f64, 6>) -> SMatrix<f64, 6, 6> {
-        // By twos: 1 for itself, 1 for what is one derivative further, ½ for two.
+        // In blocks of two: 1 on the diagonal, 1 for the next derivative, ½ for the one after it.
         SMatrix::from_fn(|i, j| match (i % 2 == j % 2, (j / 2).checked_sub(i / 2)) {
             (true, Some(0 | 1)) => 1.0,
             (true, Some(2)) => 0.5,
@@ -90,20 +90,20 @@ impl Motion<6> for Acceleration {
     }
 
     fn noise(&self) -> SMatrix<f64, 6, 6> {
-        disturbed(&[0.5, 1.0, 1.0], self.change)
+        process_noise(&[0.5, 1.0, 1.0], self.change)
     }
 
-    fn doubts(&self, speed: f64) -> [f64; 6] {
+    fn initial_deviations(&self, speed: f64) -> [f64; 6] {
         // What comes and goes within some frames.
         let change = speed / 5.0;
         [0.0, 0.0, speed, speed, change, change]
     }
 }
 
-/// Below this a turn is a straight line as far as numbers can tell, in radians/frame.
+/// The turn rate below which a turn is numerically a straight line, in radians/frame.
 const STRAIGHT: f64 = 1e-6;
 
-/// sin ω / ω and (1 − cos ω) / ω, and their derivatives by ω.
+/// Returns sin ω / ω and (1 − cos ω) / ω, and their derivatives by ω.
 fn arcs(rate: f64) -> ([f64; 2], [f64; 2]) {
     if rate.abs() < STRAIGHT {
         return ([1.0, rate / 2.0], [-rate / 3.0, 0.5]);
@@ -157,12 +157,12 @@ impl Motion<5> for Turn {
     }
 
     fn noise(&self) -> SMatrix<f64, 5, 5> {
-        let mut noise = disturbed(&[0.5, 1.0], self.acceleration);
+        let mut noise = process_noise(&[0.5, 1.0], self.acceleration);
         noise[(4, 4)] = self.rate_change * self.rate_change;
         noise
     }
 
-    fn doubts(&self, speed: f64) -> [f64; 5] {
+    fn initial_deviations(&self, speed: f64) -> [f64; 5] {
         // A quarter of a turn in some ten frames.
         [0.0, 0.0, speed, speed, 0.15]
     }

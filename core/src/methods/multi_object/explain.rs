@@ -1,60 +1,60 @@
-//! How trackers of many objects are told and drawn, as far as they share it.
+//! Words, tables and marks shared by the steps of multi-object trackers.
 
 use std::ops::Range;
 
-use super::course::Course;
-pub(crate) use crate::base::words::{counted as count, number_64 as short};
-use crate::base::words::{heading, number};
+use super::tracker_run::{Conclusion, TrackerRun};
+pub(crate) use crate::base::words::counted as count;
+use crate::base::words::{grouped, heading};
 use crate::data::Detection;
 use crate::geometry::Bounds;
 use crate::geometry::Grid;
-use crate::products::{ObjectFrame, TrackStatus};
+use crate::methods::numbers::{fixed, px, ratio};
+use crate::products::{ObjectFrame, TrackStatus, objects::score::Matches};
 use crate::scene::{Fact, Matrix, Picture, Readout, Sentence, Series, Shape};
 use crate::scene::{Role, Scene};
 
-/// So many frames back a trail reaches.
+/// The length of a drawn trail in frames.
 const TRAIL_FRAMES: usize = 40;
-/// So many rows and columns of a table are shown.
+/// The maximum number of rows and columns of a shown table.
 const SHOWN: usize = 12;
 
-/// What was detected in a frame, in words; so many detections have a score below `min_score`.
-pub(crate) fn looked((all, one): (usize, &str), frame: usize, (left_out, min_score): (usize, f32)) -> Sentence {
-    Sentence::default().ink(Role::Measured, format!("{} in frame {frame}", count(all, one))).text(match left_out {
+/// The detections of a frame in words, and those discarded by the minimum score.
+pub(crate) fn detected((all, one): (usize, &str), frame: usize, (discarded, min_score): (usize, f32)) -> Sentence {
+    Sentence::default().ink(Role::Measured, format!("{} in frame {frame}", count(all, one))).text(match discarded {
         0 => ".".into(),
-        _ => format!("; {left_out} more with a score below {} left out.", number(min_score)),
+        _ => format!("; {discarded} more discarded with a score below min-score = {}.", fixed(min_score.into(), 2)),
     })
 }
 
-/// A velocity in words.
+/// A velocity as speed and heading.
 pub(crate) fn speed([u, v]: [f64; 2]) -> String {
-    format!("{} px/frame towards {}", short(u.hypot(v)), heading([u, v]))
+    format!("{} px/frame, heading {}", px(u.hypot(v)), heading([u, v]))
 }
 
-/// What stands for the rows and columns of a table of objects, a row each, beside detections.
+/// The names of rows and columns of a table of tracks (rows) and detections (columns).
 pub(crate) struct Names {
     pub rows: Vec<String>,
     pub columns: Vec<String>,
 }
 
 impl Names {
-    /// Objects by what they are called, and detections by their numbers from 1.
+    /// Names tracks as given, and detections by their numbers from 1.
     pub fn new(rows: impl IntoIterator<Item = String>, columns: impl IntoIterator<Item = usize>) -> Self {
         let columns = columns.into_iter().map(|column| (column + 1).to_string()).collect();
         Self { rows: rows.into_iter().collect(), columns }
     }
 
-    /// How much of the table is shown, where that is not all.
+    /// Returns the shown part of a table that is too large.
     pub fn shown(&self) -> Option<Fact> {
         let shown = |names: &[String]| format!("{} of {}", names.len().min(SHOWN), names.len());
         let is_larger = self.rows.len().max(self.columns.len()) > SHOWN;
         is_larger.then(|| {
             let text = format!("{} rows, {} columns", shown(&self.rows), shown(&self.columns));
-            Fact::new("Shown of the table", text, None)
+            Fact::new("Shown part of table", text, None)
         })
     }
 
-    /// A table of what `entry` gives for a row and a column; where there is not room for all of it, the part around what is lit.
-    /// `None` where rows or columns are missing.
+    /// Returns the table of `entry` by row and column, of a large one the part around the lit cells; `None` if it is empty.
     pub fn table(
         &self,
         (symbol, name): (&'static str, &'static str),
@@ -82,7 +82,7 @@ impl Names {
     }
 }
 
-/// As many of `all` rows or columns as are shown: those that are lit in their middle if there is room for them.
+/// Returns the shown range of `all` rows or columns, with the lit ones in its middle if they fit.
 fn window(all: usize, lit: impl Iterator<Item = usize>) -> Range<usize> {
     let [low, high] = lit.fold([usize::MAX, 0], |[low, high], i| [low.min(i), high.max(i)]);
     let spare = SHOWN.saturating_sub((high + 1).saturating_sub(low));
@@ -95,13 +95,13 @@ pub(crate) fn rect(scene: &mut Scene, role: Role, Bounds { min, max }: Bounds) {
     scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
 }
 
-/// What was detected.
+/// Draws the boxes of detections.
 pub(crate) fn draw_detections<'a>(scene: &mut Scene, all: impl IntoIterator<Item = &'a Detection>) {
     all.into_iter().for_each(|found| rect(scene, Role::Measured, found.bounds));
-    scene.legend(Role::Measured, "detected");
+    scene.legend(Role::Measured, "detection");
 }
 
-/// What an object is called, above its box.
+/// Writes the name of a track above its box.
 pub(crate) fn label(scene: &mut Scene, role: Role, at: [f32; 2], text: String) {
     let text = Shape::Text { at, text };
     if text.is_finite() {
@@ -109,19 +109,19 @@ pub(crate) fn label(scene: &mut Scene, role: Role, at: [f32; 2], text: String) {
     }
 }
 
-/// The role of an object, and what that means.
-pub(crate) fn role(life: TrackStatus) -> (Role, &'static str) {
-    match life {
-        TrackStatus::Tentative => (Role::Candidate, "tentative"),
-        TrackStatus::Confirmed => (Role::Estimate, "tracked"),
-        TrackStatus::Coasting => (Role::Predicted, "predicted"),
+/// The role of a track in the picture, and its meaning in the legend.
+pub(crate) fn role(status: TrackStatus) -> (Role, &'static str) {
+    match status {
+        TrackStatus::Tentative => (Role::Candidate, "tentative track"),
+        TrackStatus::Confirmed => (Role::Estimate, "confirmed track"),
+        TrackStatus::Coasting => (Role::Predicted, "coasting track"),
     }
 }
 
-/// Where an object was in the frames before, up to where it is now.
-pub(crate) fn trail(scene: &mut Scene, course: &Course, role: Role, (id, now): (u32, [f64; 2])) {
-    let recent = course.frames().len().saturating_sub(TRAIL_FRAMES);
-    let places = course.frames()[recent..]
+/// Draws the recent trajectory of a track.
+pub(crate) fn trail(scene: &mut Scene, run: &TrackerRun, role: Role, (id, now): (u32, [f64; 2])) {
+    let recent = run.frames().len().saturating_sub(TRAIL_FRAMES);
+    let places = run.frames()[recent..]
         .iter()
         .filter_map(|frame| frame.object(id).map(|object| object.position.map(|c| c as f32)));
     let points: Vec<[f32; 2]> = places.chain([now.map(|c| c as f32)]).collect();
@@ -130,23 +130,23 @@ pub(crate) fn trail(scene: &mut Scene, course: &Course, role: Role, (id, now): (
     }
 }
 
-/// How many objects there are from frame to frame.
-pub(crate) fn series(course: &Course) -> Option<Readout> {
-    let frames = course.frames();
+/// The plot of detections and tracks of each frame.
+pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
+    let frames = run.frames();
     let line = |of: &dyn Fn(&ObjectFrame) -> usize| -> Vec<[f32; 2]> {
-        frames.iter().enumerate().map(|(i, frame)| [(course.span.first + i) as f32, of(frame) as f32]).collect()
+        frames.iter().enumerate().map(|(i, frame)| [(run.span.first + i) as f32, of(frame) as f32]).collect()
     };
-    let with = |life: TrackStatus| line(&move |frame| of_life(frame, life));
+    let with = |status: TrackStatus| line(&move |frame| of_status(frame, status));
     let lines = vec![
-        ("detected", Role::Measured, line(&|frame| frame.detections.len())),
-        ("tracked", Role::Estimate, with(TrackStatus::Confirmed)),
-        ("coasting", Role::Predicted, with(TrackStatus::Coasting)),
+        ("detections", Role::Measured, line(&|frame| frame.detections.len())),
+        ("confirmed tracks", Role::Estimate, with(TrackStatus::Confirmed)),
+        ("coasting tracks", Role::Predicted, with(TrackStatus::Coasting)),
     ];
-    let x_max = course.span.first + course.span.frames().map_or(frames.len(), |frames| frames - 1);
+    let x_max = run.span.first + run.span.frames().map_or(frames.len(), |frames| frames - 1);
     let series = Series {
-        title: "Objects",
+        title: "Tracks",
         x_label: "frame",
-        y_label: "objects",
+        y_label: "tracks",
         x_max,
         events: Vec::new(),
         sections: Vec::new(),
@@ -155,15 +155,53 @@ pub(crate) fn series(course: &Course) -> Option<Readout> {
     (frames.len() > 1).then_some(Readout::Series(series))
 }
 
-fn of_life(frame: &ObjectFrame, life: TrackStatus) -> usize {
-    frame.objects.iter().filter(|object| object.life == life).count()
+fn of_status(frame: &ObjectFrame, status: TrackStatus) -> usize {
+    frame.objects.iter().filter(|object| object.status == status).count()
 }
 
-/// What a frame came to, in words.
-pub(crate) fn done(number: usize, frame: &ObjectFrame) -> String {
-    let of = |life| of_life(frame, life);
+/// The conclusion of a frame, and at its end of the run: counts, scores, the kind of error and the remedy.
+pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) -> String {
+    let of = |status| of_status(frame, status);
     let [seen, coasting, tentative] = [TrackStatus::Confirmed, TrackStatus::Coasting, TrackStatus::Tentative].map(of);
-    format!("Frame {number} is over: {seen} seen, {coasting} coasting, {tentative} tentative.")
+    let counts = format!("Frame {number}: {seen} confirmed, {coasting} coasting, {tentative} tentative tracks.");
+    let Some(run) = conclusion.run.filter(|run| run.truths > 0) else {
+        return counts + &conclusion.frame.map_or_else(String::new, of_frame);
+    };
+    let [mota, idf1] = [run.mota, run.idf1].map(ratio);
+    let scores = format!(" Run: MOTA {mota}, IDF1 {idf1}, {}.", plural(run.switches, "identity switch", "es"));
+    let rates = format!(" Precision {}, recall {}.", fixed(run.precision, 2), fixed(run.recall, 2));
+    let worst = conclusion.worst.map_or_else(String::new, |(t, all)| {
+        let [misses, alarms] = [plural(all.misses(), "miss", "es"), plural(all.false_positives(), "false alarm", "s")];
+        format!(" Most errors in frame {t}: {misses}, {alarms}.")
+    });
+    let (misses, alarms) = (run.truths - run.matches, run.told - run.matches);
+    let advice = match run.switches {
+        0 if misses + alarms == 0 => "",
+        switches if switches > misses.max(alarms) => {
+            " To keep identities, raise max-age or choose a motion model that fits."
+        }
+        _ if misses > alarms => " Misses dominate: lower min-hits or the score thresholds, or use another detector.",
+        _ => " False alarms dominate: raise min-hits or the score thresholds, or lower max-age.",
+    };
+    counts + &scores + &rates + &worst + advice
+}
+
+/// The matches of a frame in words.
+fn of_frame(all: Matches) -> String {
+    match all.misses() + all.false_positives() {
+        0 if all.truths == 0 => " No true objects in this frame.".into(),
+        0 => format!(" All {} true objects are matched (IoU ≥ 0.5).", grouped(all.truths)),
+        _ => format!(
+            " Truth (IoU ≥ 0.5): {} of {} objects matched, {}.",
+            grouped(all.pairs),
+            grouped(all.truths),
+            plural(all.false_positives(), "false alarm", "s")
+        ),
+    }
+}
+
+fn plural(count: usize, one: &str, ending: &str) -> String {
+    format!("{} {one}{}", grouped(count), if count == 1 { "" } else { ending })
 }
 
 #[cfg(test)]

@@ -1,26 +1,25 @@
-//! The box of something that is followed.
+//! The bounding box of a track.
 
 use crate::data::Detection;
 use crate::geometry::Bounds;
 
-/// A box as it lies around the place of an object. That is not its centre where the place is a centroid.
+/// A box relative to the position of an object, which is not its centre where the position is a centroid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
-    /// From the place to the centre of the box, in px.
+    /// Offset of the box centre from the position in px.
     offset: [f64; 2],
     /// Width and height in px.
     size: [f64; 2],
 }
 
 impl Extent {
-    /// The box of a detection around its place.
+    /// Returns the box of a detection relative to its position.
     pub fn of(found: &Detection) -> Self {
         let (place, center) = (found.center.map(f64::from), found.bounds.center().map(f64::from));
         Self { offset: [0, 1].map(|i| center[i] - place[i]), size: found.bounds.size().map(f64::from) }
     }
 
-    /// What it becomes with another detection of the object. Boxes change slowly: it goes half of the way, and the filter, which
-    /// knows of places only, has no part in it.
+    /// Returns the mean with the box of a new detection. Boxes change slowly, and the filter's state has no size.
     #[must_use]
     pub fn towards(&self, found: &Detection) -> Self {
         let found = Self::of(found);
@@ -28,7 +27,7 @@ impl Extent {
         Self { offset: half(self.offset, found.offset), size: half(self.size, found.size) }
     }
 
-    /// The box where the object is at `place`.
+    /// Returns the box of an object at `place`.
     pub fn around(&self, place: [f64; 2]) -> Bounds {
         let center = [0, 1].map(|i| (place[i] + self.offset[i]) as f32);
         Bounds::around(center, self.size.map(|side| side as f32))

@@ -1,57 +1,57 @@
-//! The life of a track: when it is confirmed, and when it is deleted.
+//! Track management: confirmation, coasting and deletion of tracks.
 
 use crate::params;
 use crate::products::TrackStatus;
 
 params! {
-    /// What decides over lives.
+    /// The parameters of track management.
     #[derive(Copy)]
     pub struct Rules {
-        /// Min hits: matched frames before a tentative track is confirmed.
-        confirm: usize = 3, 1..=50;
-        /// Max age: missed frames in a row before a confirmed track is deleted; a tentative one is deleted at the first.
-        patience: usize = 15, 0..=500;
-        /// A track counts from its first detection once it is confirmed. With hindsight: in real time it is not known so early.
+        /// Matched frames before a tentative track is confirmed. Higher values suppress false tracks, but delay new ones.
+        min_hits: usize = 3, 1..=50;
+        /// Missed frames in a row before a confirmed track is deleted; a tentative one is deleted at the first miss. Higher values bridge longer occlusions, but keep lost tracks.
+        max_age: usize = 15, 0..=500;
+        /// Once a track is confirmed, count its tentative frames too. With hindsight (non-causal): in real time a track starts when it is confirmed.
         backdate: bool = true;
-        /// Frames in which a track coasted are filled in on a straight line once it is matched again. With hindsight: in real time there is a gap.
-        bridge: bool = true;
+        /// Interpolate the boxes of coasted frames linearly once the track is matched again. With hindsight (non-causal): in real time there is a gap.
+        interpolate: bool = true;
     }
 }
 
-/// How long an object has lived.
+/// The hits and misses of a track, and its status.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Age {
-    /// Frames in which it was seen.
-    pub seen: usize,
-    /// Frames in a row in which it was not.
+pub(crate) struct TrackAge {
+    /// Matched frames in all.
+    pub hits: usize,
+    /// Missed frames in a row.
     pub missed: usize,
-    /// What it counts as.
-    pub life: TrackStatus,
+    /// Tentative, confirmed or coasting.
+    pub status: TrackStatus,
 }
 
 impl Rules {
-    /// The same without hindsight, if there is any.
+    /// Returns the same rules without hindsight, if these have any.
     pub(crate) fn without_hindsight(&self) -> Option<Self> {
-        (self.backdate || self.bridge).then_some(Self { backdate: false, bridge: false, ..*self })
+        (self.backdate || self.interpolate).then_some(Self { backdate: false, interpolate: false, ..*self })
     }
 
-    /// An object is seen for the first time.
-    pub(crate) fn begun(&self) -> Age {
-        let life = if self.confirm <= 1 { TrackStatus::Confirmed } else { TrackStatus::Tentative };
-        Age { seen: 1, missed: 0, life }
+    /// Starts a track with its first detection.
+    pub(crate) fn begun(&self) -> TrackAge {
+        let status = if self.min_hits <= 1 { TrackStatus::Confirmed } else { TrackStatus::Tentative };
+        TrackAge { hits: 1, missed: 0, status }
     }
 
-    /// It is seen once more.
-    pub(crate) fn seen(&self, age: Age) -> Age {
-        let seen = age.seen + 1;
-        let is_believed = seen >= self.confirm || age.life != TrackStatus::Tentative;
-        Age { seen, missed: 0, life: if is_believed { TrackStatus::Confirmed } else { TrackStatus::Tentative } }
+    /// Counts a match.
+    pub(crate) fn seen(&self, age: TrackAge) -> TrackAge {
+        let hits = age.hits + 1;
+        let is_confirmed = hits >= self.min_hits || age.status != TrackStatus::Tentative;
+        TrackAge { hits, missed: 0, status: if is_confirmed { TrackStatus::Confirmed } else { TrackStatus::Tentative } }
     }
 
-    /// It is not seen; `None` where it is given up.
-    pub(crate) fn missed(&self, age: Age) -> Option<Age> {
+    /// Counts a miss; `None` where the track is deleted.
+    pub(crate) fn missed(&self, age: TrackAge) -> Option<TrackAge> {
         let missed = age.missed + 1;
-        let is_over = missed > self.patience || age.life == TrackStatus::Tentative;
-        (!is_over).then_some(Age { seen: age.seen, missed, life: TrackStatus::Coasting })
+        let is_over = missed > self.max_age || age.status == TrackStatus::Tentative;
+        (!is_over).then_some(TrackAge { hits: age.hits, missed, status: TrackStatus::Coasting })
     }
 }

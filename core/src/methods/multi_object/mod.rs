@@ -1,10 +1,10 @@
-//! What trackers of many objects share: the detections, how tracks live, and how they are told.
+//! Multi-object tracking: sources of detections, track management, and what steps say of them.
 
-pub(crate) mod course;
 pub mod directions;
 pub(crate) mod explain;
 mod extent;
 pub(crate) mod lifecycle;
 pub mod source;
+pub(crate) mod tracker_run;
 
 pub use extent::Extent;

@@ -1,4 +1,4 @@
-//! What is seen of objects in a frame, whoever detects them.
+//! Sources of detections.
 
 use crate::base::Error;
 use crate::choices;
@@ -12,50 +12,49 @@ use crate::synth::random::{gaussian, hash};
 choices! {
     /// The source of the detections.
     pub enum Source {
-        /// What was clicked, or else the detections beside the clip, or else its truth unless a detector was chosen, or else what
-        /// moves.
-        Auto = "auto" "Whatever there is",
-        /// Places that were clicked on the picture.
+        /// The first available: clicks, the detections of the clip, its ground truth unless a detector was chosen, moving objects.
+        Auto = "auto" "Automatic",
+        /// Positions clicked on the frames.
         Clicks = "clicks" "Clicks",
-        /// The detections beside the clip.
+        /// The detections of the clip's file (det.txt).
         Detections = "detections" "Detections",
-        /// The true boxes, measured with noise; what is hidden is not seen.
-        Truth = "truth" "Truth with noise",
-        /// Blobs of a detector of moving objects.
-        Moving = "moving" "What moves",
+        /// The true boxes with Gaussian noise added. Occluded objects are not detected.
+        Truth = "truth" "Ground truth with noise",
+        /// Blobs of a detector of moving objects, such as background subtraction.
+        Moving = "moving" "Moving objects",
     }
 }
 
-/// An object of which less can be seen is not detected.
+/// The minimum visible share of a detected true object.
 const LEAST_VISIBLE: f32 = 0.3;
-/// How wide and high the box around a click is.
+/// The side of the box around a click in px.
 const CLICK_PX: f32 = 16.0;
-/// The detector of trackers, unless another is chosen.
-pub fn usual_detector() -> Stage<Foreground> {
+/// Returns the default detector of trackers.
+pub fn default_detector() -> Stage<Foreground> {
     Stage::named("mixture-of-gaussians").with("initial", "median")
 }
 
-/// How the truth is measured where it takes the place of a detector.
+/// The measurement noise of true positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Standard deviation in px of what is added to a true place along each axis.
+    /// Standard deviation along each axis in px.
     pub deviation_px: f64,
-    /// What that depends on.
+    /// The random seed.
     pub seed: u64,
 }
 
-/// What a detector is given beside the clip.
+/// The parameters of a source of detections.
 #[derive(Clone, Debug)]
-pub struct Given {
-    /// How the truth is measured.
+pub struct SourceSettings {
+    /// The measurement noise of true positions.
     pub noise: Noise,
-    /// Places that were clicked.
+    /// The clicked positions.
     pub clicks: Spots,
     /// The detector of moving objects.
     pub stage: Stage<Foreground>,
 }
 
-/// A source of detections in frames, the same ones however often it is asked.
+/// A source of detections. Repeated queries of a frame give the same detections.
 #[derive(Clone, Debug)]
 pub struct Detector {
     origin: Origin,
@@ -67,22 +66,22 @@ enum Origin {
     Clicks(Spots),
     Detections,
     Truth,
-    /// Found by a detector of moving objects.
+    /// Blobs of a detector of moving objects.
     Moving(Frames),
 }
 
-/// The centre of an object.
+/// Returns the centre of a true box in px.
 pub fn center(object: &ObjectBox) -> [f64; 2] {
     [object.x + object.width / 2.0, object.y + object.height / 2.0].map(f64::from)
 }
 
 impl Detector {
-    /// The source of detections in the frames `span` of a clip, if `source` is wanted.
+    /// Opens a source of detections for the frames `span` of a clip.
     ///
     /// # Errors
-    /// If the clip has none of what is wanted, or a frame is damaged.
-    pub fn new(source: Source, clip: &Clip, span: &Span, given: Given) -> Result<Self, Error> {
-        let Given { noise, clicks, stage } = given;
+    /// If the clip lacks the source, or a frame is damaged.
+    pub fn new(source: Source, clip: &Clip, span: &Span, settings: SourceSettings) -> Result<Self, Error> {
+        let SourceSettings { noise, clicks, stage } = settings;
         let has_detections = clip.detections(span.first).is_some();
         let has_truth = match clip.truth() {
             Some(truth) => truth.objects(span.first)?.is_some(),
@@ -90,7 +89,7 @@ impl Detector {
         };
         let lacks = |what: &str| {
             let name = &clip.info().name;
-            Err(Error::new(format!("{name} has no {what}; choose another source, or a clip that has some")))
+            Err(Error::new(format!("{name} has no {what}; choose another source, or a clip with {what}")))
         };
         let origin = match source {
             Source::Detections if !has_detections => return lacks("detections"),
@@ -100,14 +99,14 @@ impl Detector {
             Source::Detections => Origin::Detections,
             Source::Auto if has_detections => Origin::Detections,
             Source::Truth => Origin::Truth,
-            // Whoever has chosen a detector wants to see it at work.
-            Source::Auto if has_truth && stage.to_value() == usual_detector().to_value() => Origin::Truth,
+            // A chosen detector has precedence over the truth.
+            Source::Auto if has_truth && stage.to_value() == default_detector().to_value() => Origin::Truth,
             Source::Auto | Source::Moving => Origin::Moving(stage.frames(clip, span.first, span.most())?),
         };
         Ok(Self { origin, noise })
     }
 
-    /// What is detected in frame `t`, in a fixed order.
+    /// Returns the detections of frame `t` in a fixed order.
     ///
     /// # Errors
     /// If the frame or the truth cannot be read.
@@ -124,33 +123,33 @@ impl Detector {
         }
     }
 
-    /// Four more numbers of chance for an object in a frame, of mean 0 and standard deviation 1.
+    /// Returns four standard normal random numbers for an object in a frame.
     pub fn chances(&self, id: u32, t: usize) -> [f64; 4] {
         let of_object = hash(self.noise.seed, u64::from(id), t as u64);
         [2, 3, 4, 5].map(|stream| gaussian(hash(of_object, stream, 0)))
     }
 
-    /// Whether the scores of what it detects tell how sure it is; they do in rows beside a clip.
-    pub fn tells_scores(&self) -> bool {
+    /// Returns whether detections have scores of a detector, as those of a file do.
+    pub fn has_scores(&self) -> bool {
         matches!(self.origin, Origin::Detections)
     }
 
-    /// What its measurements are, to follow a place.
-    pub fn told(&self) -> &'static str {
+    /// Returns the name of its measurements.
+    pub fn measurement(&self) -> &'static str {
         match self.origin {
-            Origin::Clicks(_) => "as clicked",
-            Origin::Detections => "as the detector says",
-            Origin::Truth => "the true place with noise added",
-            Origin::Moving(_) => "the middle of what moves there",
+            Origin::Clicks(_) => "clicked position",
+            Origin::Detections => "detection of the file",
+            Origin::Truth => "true position with noise",
+            Origin::Moving(_) => "centroid of a blob",
         }
     }
 
-    /// Whether places that were clicked are what it detects.
-    pub fn takes_clicks(&self) -> bool {
+    /// Returns whether its detections are clicks.
+    pub fn is_clicked(&self) -> bool {
         matches!(self.origin, Origin::Clicks(_))
     }
 
-    /// Memory that it takes, in bytes; its copies share it.
+    /// Memory in bytes; copies share it.
     pub fn bytes(&self) -> usize {
         match &self.origin {
             Origin::Moving(frames) => frames.bytes(),
@@ -173,7 +172,7 @@ fn clicked(center: [f32; 2]) -> Detection {
     Detection { bounds: Bounds::around(center, [CLICK_PX; 2]), center, score: 1.0, blob: None }
 }
 
-/// The true place of the object that is called `id` in frame `t`.
+/// Returns the true position of object `id` in frame `t`.
 ///
 /// # Errors
 /// If the truth cannot be read.

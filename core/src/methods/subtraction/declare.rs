@@ -1,32 +1,32 @@
-//! What every background subtraction declares, once.
+//! Parameters and pseudocode shared by all background subtractions.
 
 use crate::data::Connectivity;
 use crate::params;
 
 params! {
-    /// The parameters that all have.
+    /// The parameters of all background subtractions.
     #[derive(Copy)]
     pub struct Settings {
-        /// Regions in which a square of this radius does not fit go; 0 keeps all.
-        open: usize = 1, 0..=15, "px";
-        /// Gaps in which a square of this radius does not fit are filled; 0 leaves all open.
-        close: usize = 2, 0..=15, "px";
-        /// Smaller blobs are dropped.
+        /// Radius r of the opening (erosion, then dilation with a (2r + 1)×(2r + 1) square): removes regions narrower than the square; 0 turns it off.
+        opening: usize = 1, 0..=15, "px";
+        /// Radius r of the closing (dilation, then erosion with a (2r + 1)×(2r + 1) square): fills gaps narrower than the square; 0 turns it off.
+        closing: usize = 2, 0..=15, "px";
+        /// Minimum area of a blob. Smaller connected components are rejected as noise.
         min_area: usize = 30, 1..=100_000, "px";
-        /// Which pixels are neighbours: those with a common edge, or a common corner as well.
+        /// Connectivity of components: 4 (shared edge) or 8 (shared edge or corner).
         connectivity: Connectivity = Connectivity::Eight;
-        /// At most so many frames, the first one counted; fewer where the clip ends.
+        /// Maximum number of frames, the first included.
         frames: usize = 300, 2..=100_000;
     }
 }
 
-/// The lines that all background subtractions have; shadows are not looked for by all.
+/// Names of the lines of the pseudocode. `REMOVE_SHADOWS` exists only where shadows are detected.
 pub(super) mod line {
     crate::line_names!(BEGIN_MODEL, COMPARE, DECIDE, REMOVE_SHADOWS, OPEN, CLOSE, LABEL, KEEP_BLOBS, UPDATE_MODEL);
 }
 
-/// The pseudocode of a background subtraction: how the model begins, how a pixel is compared and decided, the line that
-/// finds shadows where there is one, and how the model takes the frame in.
+/// The pseudocode of a background subtraction: initialisation, comparison, classification, shadow removal if there is one,
+/// and update of the model.
 macro_rules! subtraction_pseudocode {
     (
         begin: $begin:literal, compare: $compare:literal, decide: $decide:literal,
@@ -34,14 +34,14 @@ macro_rules! subtraction_pseudocode {
     ) => {
         $crate::pseudocode! {
             BEGIN_MODEL: $begin,
-            EACH_FRAME: "for each frame t that follows, and each of its pixels",
+            EACH_FRAME: "for each later frame t, at each pixel",
             COMPARE: $compare,
             DECIDE: $decide,
             $(REMOVE_SHADOWS: $shadows,)?
-            OPEN: "  open the mask: what is smaller than the square goes",
-            CLOSE: "  close it: gaps smaller than the square are filled",
-            LABEL: "  label its connected components",
-            KEEP_BLOBS: "  keep those of min-area px or more as blobs",
+            OPEN: "  opening of the mask: erosion, then dilation",
+            CLOSE: "  closing of the mask: dilation, then erosion",
+            LABEL: "  label the connected components",
+            KEEP_BLOBS: "  blobs ← components with area ≥ min-area",
             UPDATE_MODEL: $update,
         }
     };

@@ -1,25 +1,36 @@
-//! How background subtraction is told and drawn.
+//! The steps of a background subtraction in words, numbers and marks.
 
 use std::sync::Arc;
 
 use super::declare::line;
-use super::{Background, Event, Explanation, Initial, State, Subtraction};
-use crate::base::words::{counted as count, pixel};
+use super::{Background, Conclusion, Event, Explanation, Initial, State, Subtraction};
+use crate::base::words::{capital, counted as count, grouped, pixel};
 use crate::data::{Detection, Frame, Mask};
 use crate::methods::differential::explain;
-use crate::products::Record;
+use crate::methods::numbers::{fixed, percent};
+use crate::products::{Record, objects::score::Matches};
 use crate::run::{Seen, Span};
 use crate::scene::{Fact, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
 
-/// How far tiles reach around the pixel that is explained, in px.
+/// Radius of the tiles around the explained pixel, in px.
 const TILE_REACH_PX: usize = 4;
 
-/// What has become of the pixels of a frame by now.
-pub(crate) struct Account<'a> {
+/// The masks and components of a frame up to a step.
+pub(crate) struct MaskHistory<'a> {
     events: &'a [Event],
 }
 
-impl<'a> Account<'a> {
+/// A number of pixels with its unit.
+fn pixels(count: usize) -> String {
+    format!("{} px", grouped(count))
+}
+
+/// A radius as the side of its square structuring element.
+fn square(radius: usize) -> String {
+    format!("{0}×{0} square", 2 * radius + 1)
+}
+
+impl<'a> MaskHistory<'a> {
     pub(crate) fn new(events: &'a [Event]) -> Self {
         Self { events }
     }
@@ -39,7 +50,7 @@ impl<'a> Account<'a> {
         })
     }
 
-    /// The mask before the last one, and that.
+    /// The last mask and the one before it, that one first.
     fn change(&self) -> Option<[&'a Arc<Mask>; 2]> {
         let mut masks = self.masks().rev();
         let after = masks.next()?;
@@ -50,31 +61,31 @@ impl<'a> Account<'a> {
         self.events.iter().find_map(|event| if let Event::Kept(blobs) = event { Some(&**blobs) } else { None })
     }
 
-    /// What has become of a pixel after it was decided: what changed it, and what the last stage made of it.
-    fn fate(&self, (x, y): (usize, usize)) -> Sentence {
+    /// The effect of each stage after the threshold on a pixel, and that of the last stage in any case.
+    fn of_pixel(&self, (x, y): (usize, usize)) -> Sentence {
         let mut said = Sentence::default();
         let mut was_set = false;
         for (i, event) in self.events.iter().enumerate() {
             let is_last = i + 1 == self.events.len();
             said = match event {
                 Event::Shadows(_, shadows) if shadows.get(x, y) => {
-                    said.text(" It is a ").ink(Role::Rejected, "shadow").text(".")
+                    said.text(" It is a ").ink(Role::Rejected, "cast shadow").text(" and removed from the mask.")
                 }
-                Event::Shadows(..) if is_last => said.text(" It is no shadow."),
+                Event::Shadows(..) if is_last => said.text(" It is not a shadow."),
                 Event::Opened(mask) if was_set && !mask.get(x, y) => {
-                    said.text(" Opening ").ink(Role::Rejected, "takes it off").text(".")
+                    said.text(" Opening ").ink(Role::Rejected, "removes").text(" it.")
                 }
-                Event::Opened(_) if is_last => said.text(" Opening leaves it as it is."),
+                Event::Opened(_) if is_last => said.text(" Opening does not change it."),
                 Event::Closed(mask) if !was_set && mask.get(x, y) => {
-                    said.text(" Closing ").ink(Role::Estimate, "fills it").text(".")
+                    said.text(" Closing ").ink(Role::Estimate, "fills").text(" it.")
                 }
-                Event::Closed(_) if is_last => said.text(" Closing leaves it as it is."),
+                Event::Closed(_) if is_last => said.text(" Closing does not change it."),
                 Event::Labelled(labels, _) if labels[(x, y)] > 0 => said
                     .text(format!(" It belongs to component {}", labels[(x, y)]))
                     .text(match self.kept().map(|[_, dropped]| dropped.iter().any(|d| label(d) == labels[(x, y)])) {
                         None => ".",
-                        Some(true) => ", which is too small.",
-                        Some(false) => ", which is kept.",
+                        Some(true) => ", which is rejected: its area is below min-area.",
+                        Some(false) => ", which becomes a blob.",
                     }),
                 Event::Labelled(..) if is_last => said.text(" It belongs to no component."),
                 Event::Kept(_) if is_last && !was_set => said.text(" It belongs to no blob."),
@@ -87,59 +98,62 @@ impl<'a> Account<'a> {
         said
     }
 
-    /// What the last stage did to the mask, or made of it.
-    pub(crate) fn sentence(&self, least: usize) -> Option<Sentence> {
+    /// The result of the last stage, given the radii of opening and closing and the minimum area.
+    pub(crate) fn sentence(&self, settings: super::Settings) -> Option<Sentence> {
         let said = Sentence::default();
         let [gone, new] = self
             .change()
             .map_or([0, 0], |[before, after]| [before.without(after).count(), after.without(before).count()]);
         Some(match self.events.last()? {
             Event::Opened(_) => said
-                .text("Opening takes off what is smaller than the square: ")
-                .ink(Role::Rejected, count(gone, "pixel"))
-                .text("."),
+                .text(format!("Opening (erosion, then dilation with a {}) removed ", square(settings.opening)))
+                .ink(Role::Rejected, pixels(gone))
+                .text(" in regions narrower than the square."),
             Event::Closed(_) => said
-                .text("Closing fills gaps that are smaller than the square: ")
-                .ink(Role::Estimate, count(new, "pixel"))
-                .text("."),
+                .text(format!("Closing (dilation, then erosion with a {}) filled ", square(settings.closing)))
+                .ink(Role::Estimate, pixels(new))
+                .text(" in gaps narrower than the square."),
             Event::Labelled(_, all) => said
-                .text("Pixels that touch belong together: ")
+                .text("Labelling with ")
+                .text(format!("{}-connectivity finds ", settings.connectivity.label()))
                 .ink(Role::Candidate, count(*all as usize, "connected component"))
                 .text("."),
             Event::Kept(blobs) => {
                 let [kept, dropped] = &**blobs;
-                let are = |count: usize| if count == 1 { "is" } else { "are" };
                 said.ink(Role::Result, count(kept.len(), "blob"))
-                    .text(format!(" of {least} px or more {} kept. ", are(kept.len())))
-                    .ink(Role::Rejected, count(dropped.len(), "smaller one"))
-                    .text(format!(" {} dropped.", are(dropped.len())))
+                    .text(format!(" with at least min-area = {}; ", pixels(settings.min_area)))
+                    .ink(Role::Rejected, count(dropped.len(), "smaller component"))
+                    .text(" rejected as noise.")
             }
             _ => return None,
         })
     }
 
-    /// Numbers about the frame so far.
+    /// The numbers of the frame so far.
     pub(crate) fn facts(&self) -> Vec<Fact> {
         let mut facts = Vec::new();
         for event in self.events {
             facts.extend(match event {
-                Event::Decided(mask) => {
-                    Some(Fact::new("Different", format!("{} px", mask.count()), Some(Role::Candidate)))
-                }
-                Event::Shadows(_, mask) => {
-                    Some(Fact::new("Shadows", format!("{} px", mask.count()), Some(Role::Rejected)))
-                }
-                Event::Opened(mask) => Some(Fact::new("After opening", format!("{} px", mask.count()), None)),
-                Event::Closed(mask) => Some(Fact::new("After closing", format!("{} px", mask.count()), None)),
+                Event::Decided(mask) => Some(Fact::new("Foreground", pixels(mask.count()), Some(Role::Candidate))),
+                Event::Shadows(_, mask) => Some(Fact::new("Shadows", pixels(mask.count()), Some(Role::Rejected))),
+                Event::Opened(mask) => Some(Fact::new("After opening", pixels(mask.count()), None)),
+                Event::Closed(mask) => Some(Fact::new("After closing", pixels(mask.count()), None)),
                 Event::Labelled(_, count) => Some(Fact::new("Components", count.to_string(), None)),
                 Event::Kept(blobs) => Some(Fact::new("Blobs", blobs[0].len().to_string(), Some(Role::Result))),
+                Event::Updated(conclusion) => {
+                    let scored = |all: Matches| {
+                        let [precision, recall, f1] = scores(all);
+                        Fact::new("Precision, recall, F₁", format!("{precision}, {recall}, {f1}"), Some(Role::Truth))
+                    };
+                    conclusion.run.or(conclusion.frame).map(scored)
+                }
                 _ => None,
             });
         }
         facts
     }
 
-    /// The last stage.
+    /// Draws the result of the last stage.
     pub(crate) fn draw(&self, scene: &mut Scene) {
         let [gone, new] = match self.change() {
             Some([before, after]) => {
@@ -150,7 +164,7 @@ impl<'a> Account<'a> {
         match self.events.last() {
             Some(Event::Opened(mask)) => {
                 layer(scene, Role::Candidate, "foreground", Arc::clone(mask));
-                gone.into_iter().for_each(|gone| layer(scene, Role::Rejected, "taken off by opening", Arc::new(gone)));
+                gone.into_iter().for_each(|gone| layer(scene, Role::Rejected, "removed by opening", Arc::new(gone)));
             }
             Some(Event::Closed(mask)) => {
                 layer(scene, Role::Candidate, "foreground", Arc::clone(mask));
@@ -158,16 +172,68 @@ impl<'a> Account<'a> {
             }
             Some(Event::Labelled(labels, _)) => {
                 scene.mark(Picture::CURRENT, Role::Candidate, Shape::Labels(Arc::clone(labels)));
-                scene.legend(Role::Candidate, "connected components, a colour for each");
+                scene.legend(Role::Candidate, "connected components, one colour each");
             }
             Some(Event::Kept(blobs)) => {
-                draw_blobs(scene, &blobs[1], (Role::Rejected, "too small"));
+                draw_blobs(scene, &blobs[1], (Role::Rejected, "below min-area"));
                 draw_blobs(scene, &blobs[0], (Role::Result, "blob"));
                 draw_shapes(scene, &blobs[0]);
             }
             _ => {}
         }
     }
+}
+
+/// Precision, recall and F₁ score as text.
+fn scores(all: Matches) -> [String; 3] {
+    [all.precision(), all.recall(), all.f1()].map(|share| fixed(share, 2))
+}
+
+impl Conclusion {
+    /// The result of the frame, its score, the likely cause of its errors and the parameters that reduce them.
+    fn sentence(&self, t: usize) -> String {
+        let blobs = count(self.blobs, "blob");
+        let Some(frame) = self.frame else {
+            return format!(" Frame {t}: {blobs}, {} of foreground.", pixels(self.foreground));
+        };
+        let (of, all) = match self.run {
+            Some(run) => ("Run", run),
+            None => ("Frame", frame),
+        };
+        let [precision, recall, f1] = scores(all);
+        let score = match self.run {
+            Some(_) => format!(" {of} against the truth (IoU ≥ 0.5): precision {precision}, recall {recall}, F₁ {f1}."),
+            None => format!(
+                " {of} {t}: {blobs} for {}; precision {precision}, recall {recall}, F₁ {f1} at IoU 0.5.",
+                count(frame.truths, "true object")
+            ),
+        };
+        format!("{score}{}", self.advice(all))
+    }
+
+    fn advice(&self, all: Matches) -> String {
+        let (misses, alarms) = (all.misses(), all.false_positives());
+        match self.ghosts {
+            0 if misses + alarms == 0 => String::new(),
+            0 if misses > alarms => format!(
+                " Most errors are misses ({}): try a lower threshold, a smaller opening or min-area.",
+                grouped(misses)
+            ),
+            0 => format!(
+                " Most errors are false alarms ({}): try a higher threshold, a larger opening or min-area.",
+                grouped(alarms)
+            ),
+            ghosts => format!(
+                " {} where an object of the first frame has left: initialise with the median, or let the model learn faster.",
+                counted(ghosts, ["ghost remains", "ghosts remain"])
+            ),
+        }
+    }
+}
+
+/// A count with its noun in the singular or plural.
+fn counted(count: usize, [one, many]: [&str; 2]) -> String {
+    format!("{} {}", grouped(count), if count == 1 { one } else { many })
 }
 
 fn label(detection: &Detection) -> u32 {
@@ -179,7 +245,7 @@ fn layer(scene: &mut Scene, role: Role, meaning: &'static str, mask: Arc<Mask>) 
     scene.legend(role, meaning);
 }
 
-/// Boxes.
+/// Draws bounding boxes.
 pub(crate) fn draw_blobs(scene: &mut Scene, blobs: &[Detection], (role, meaning): (Role, &'static str)) {
     for blob in blobs {
         scene.mark(Picture::CURRENT, role, Shape::Rect { min: blob.bounds.min, max: blob.bounds.max });
@@ -187,21 +253,21 @@ pub(crate) fn draw_blobs(scene: &mut Scene, blobs: &[Detection], (role, meaning)
     scene.legend(role, meaning);
 }
 
-/// Centroids, ellipses and labels.
+/// Draws centroids, ellipses and labels.
 fn draw_shapes(scene: &mut Scene, blobs: &[Detection]) {
     for Detection { bounds, center, blob, .. } in blobs {
         let Some(blob) = blob else { continue };
         let ellipse = Shape::Ellipse { center: *center, radii: blob.radii, angle_rad: blob.angle_rad };
         scene.mark(Picture::CURRENT, Role::Estimate, ellipse);
-        scene.legend(Role::Estimate, "ellipse with the same moments");
+        scene.legend(Role::Estimate, "ellipse of equal second moments");
         scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![*center]));
         scene.legend(Role::Measured, "centroid");
-        let text = Shape::Text { at: bounds.min, text: format!("{}: {} px", blob.label, blob.area_px) };
+        let text = Shape::Text { at: bounds.min, text: format!("{}: {}", blob.label, pixels(blob.area_px as usize)) };
         scene.mark(Picture::CURRENT, Role::Result, text);
     }
 }
 
-/// How many pixels are foreground in each frame, as a share, and how many blobs there are.
+/// Plots of the foreground pixels and of the blobs of each frame.
 pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
     let (frames, pixels) = (record.frames(), record.pixels());
     let line = |of: &dyn Fn(usize) -> f32| (0..frames.len()).map(|i| [(span.first + i) as f32, of(i)]).collect();
@@ -218,7 +284,7 @@ pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
         return Vec::new();
     }
     vec![
-        Readout::Series(series("Foreground", "px", "foreground", line(&|i| pixels[i] as f32))),
+        Readout::Series(series("Foreground pixels", "px", "foreground pixels", line(&|i| pixels[i] as f32))),
         Readout::Series(series("Blobs", "blobs", "blobs", line(&|i| frames[i].detections.len() as f32))),
     ]
 }
@@ -234,63 +300,94 @@ impl<M: Background> Subtraction<M> {
             Some(Event::Closed(_)) => line::CLOSE,
             Some(Event::Labelled(..)) => line::LABEL,
             Some(Event::Kept(_)) => line::KEEP_BLOBS,
-            Some(Event::Updated) => line::UPDATE_MODEL,
+            Some(Event::Updated(_)) => line::UPDATE_MODEL,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
-    /// The pixel that is pointed at, and how it is decided.
+    /// The pixel that is pointed at, with its explanation.
     fn explanation(&self, seen: &Seen<Self>) -> Option<((usize, usize), Explanation)> {
-        let frame = Account::new(seen.events).frame()?;
+        let frame = MaskHistory::new(seen.events).frame()?;
         let place = frame.luma().cell_at(seen.point()?)?;
+        Some((place, self.explained_at(seen, frame, place)))
+    }
+
+    fn explained_at(&self, seen: &Seen<Self>, frame: &Frame, place: (usize, usize)) -> Explanation {
         let before = seen.before.model.as_deref();
         let after = seen.after.and_then(|after| after.model.as_deref());
-        Some((place, self.0.explain([before, after], frame, place)))
+        self.0.explain([before, after], frame, place)
     }
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
         let (said, number) = (Sentence::default(), seen.before.frame);
-        let account = Account::new(seen.events);
+        let history = MaskHistory::new(seen.events);
         let Some(event) = seen.events.last() else {
-            return said.text(
-                "Where nothing moves, a pixel looks as it did before. What looks different from that background belongs to \
-                 something that moves.",
-            );
+            let reference = if self.0.get("initial").is_ok() { "a background model" } else { "the previous frame" };
+            return said.text(format!(
+                "Each pixel is compared with {reference}; a large {} is foreground. Opening, closing and connected components \
+                 turn the mask into blobs.",
+                M::COMPARED
+            ));
         };
+        if let Event::Updated(conclusion) = event {
+            return self.updated(seen, conclusion);
+        }
         let is_decided = !matches!(event, Event::Begun(_) | Event::Compared(..));
         if let Some((place, Explanation { verdict, .. })) = self.explanation(seen).filter(|_| is_decided) {
             let mut all = said.ink(Role::Reference, format!("Pixel {}", pixel(place)));
             all.0.extend(verdict.0);
-            all.0.extend(account.fate(place).0);
-            return match event {
-                Event::Updated => all.text(format!(" {}.", self.0.update())),
-                _ => all,
-            };
+            all.0.extend(history.of_pixel(place).0);
+            return all;
         }
         match event {
-            Event::Begun(_) => said.text(match self.0.initial() {
-                Initial::FirstFrame => {
-                    format!("Frame {number} is the first one: all of it is taken for the background.")
-                }
-                Initial::Median => {
-                    "The median of frames from all over the run is the initial background: what moves covers a pixel \
-                     in less than half of them."
-                        .to_owned()
-                }
+            Event::Begun(_) => said.text(match (self.0.get("initial").is_ok(), self.0.initial()) {
+                (false, _) => format!("Frame {number} is the reference of frame {}.", number + 1),
+                (true, Initial::FirstFrame) => format!(
+                    "Frame {number} initialises the background model. Objects in it will leave ghosts: false foreground until \
+                     the model has learned the background behind them."
+                ),
+                (true, Initial::Median) => format!(
+                    "The median of frames of the whole run up to {} initialises the background model. An object that covers a \
+                     pixel in less than half of them leaves no ghost.",
+                    number + seen.before.span.frames().unwrap_or(1) - 1
+                ),
             }),
             Event::Compared(..) => said.text(format!(
-                "Each pixel of frame {number} is compared with what is expected there: the heat shows {}.",
+                "{} at each pixel of frame {number}. The heat map shows {}.",
+                capital(M::COMPARED),
                 M::SHOWN
             )),
-            Event::Decided(mask) => said
-                .ink(Role::Candidate, count(mask.count(), "pixel"))
-                .text(format!(" counted as foreground: those that {}.", self.0.rule())),
+            Event::Decided(mask) => {
+                let share = mask.count() as f64 / (mask.width() * mask.height()).max(1) as f64;
+                said.ink(Role::Candidate, format!("{} of foreground", pixels(mask.count())))
+                    .text(format!(" ({} of the frame): {}.", percent(share), self.0.rule()))
+            }
             Event::Shadows(_, shadows) => said
-                .ink(Role::Rejected, format!("{} of them", shadows.count()))
-                .text(" are darker and of the same colour: shadows, which are taken off."),
-            Event::Updated => said.text(format!("{}.", self.0.update())),
-            _ => account.sentence(self.0.settings().min_area).unwrap_or(said),
+                .ink(Role::Rejected, format!("{} of the foreground are cast shadows", pixels(shadows.count())))
+                .text(": darker than the background, but of the same colour. They are removed."),
+            _ => history.sentence(self.0.settings()).unwrap_or(said),
         }
+    }
+
+    /// The update of the model at the pixel that is pointed at, else at that of the largest difference, and the conclusion.
+    fn updated(&self, seen: &Seen<Self>, conclusion: &Conclusion) -> Sentence {
+        let said = Sentence::default();
+        let compared = seen.events.iter().find_map(|event| match event {
+            Event::Compared(frame, difference) => Some((frame, difference)),
+            _ => None,
+        });
+        let Some((frame, difference)) = compared else { return said };
+        let pointed = seen.point().and_then(|point| frame.luma().cell_at(point));
+        let place = pointed.unwrap_or_else(|| {
+            let (width, cells) = (difference.width().max(1), difference.cells().iter().enumerate());
+            let known = cells.filter(|(_, value)| !value.is_nan());
+            let largest = known.reduce(|a, b| if b.1 > a.1 { b } else { a }).map_or(0, |(index, _)| index);
+            (largest % width, largest / width)
+        });
+        let which = if pointed.is_some() { "" } else { ", of the largest difference" };
+        let mut all = said.ink(Role::Reference, format!("Pixel {}", pixel(place))).text(format!("{which}: "));
+        all.0.extend(self.explained_at(seen, frame, place).update.0);
+        all.text(conclusion.sentence(seen.before.frame))
     }
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
@@ -298,7 +395,7 @@ impl<M: Background> Subtraction<M> {
         if seen.events.is_empty() {
             return Vec::new();
         }
-        let account = Account::new(seen.events);
+        let history = MaskHistory::new(seen.events);
         let mut facts = vec![Fact::new("Frame", state.frame.to_string(), None)];
         let mut readouts = Vec::new();
         if let Some((place, explanation)) = self.explanation(seen) {
@@ -308,16 +405,16 @@ impl<M: Background> Subtraction<M> {
             readouts.extend(Some(explanation.matrices).filter(|all| !all.is_empty()).map(Readout::Matrices));
             readouts.extend(self.tiles(seen, place).map(Readout::Tiles));
         }
-        facts.extend(account.facts());
+        facts.extend(history.facts());
         readouts.insert(0, Readout::Facts(facts));
         let now: &State<_> = seen.after.unwrap_or(state);
         readouts.extend(plots(&now.record, &state.span));
         readouts
     }
 
-    /// The frame, what is expected there and the difference around a pixel.
+    /// Tiles of the frame, the background and their difference around a pixel.
     fn tiles(&self, seen: &Seen<Self>, place: (usize, usize)) -> Option<Vec<Tile>> {
-        let frame = Account::new(seen.events).frame()?;
+        let frame = MaskHistory::new(seen.events).frame()?;
         let model = seen.before.model.as_deref()?;
         let around = |of: &dyn Fn((usize, usize)) -> f32| explain::around_with(frame.size(), place, TILE_REACH_PX, of);
         let difference = around(&|place| self.0.difference(model, frame, place));
@@ -336,13 +433,13 @@ impl<M: Background> Subtraction<M> {
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let account = Account::new(seen.events);
-        if let (Some(model), Some(frame)) = (&seen.before.model, account.frame()) {
+        let history = MaskHistory::new(seen.events);
+        if let (Some(model), Some(frame)) = (&seen.before.model, history.frame()) {
             scene.pictures = self.0.pictures(model, frame.size());
         }
         match seen.events.last() {
             None => {}
-            Some(Event::Begun(_)) => scene.legend(Role::Predicted, "background: all of this frame"),
+            Some(Event::Begun(_)) => scene.legend(Role::Predicted, "background model"),
             Some(Event::Compared(_, difference)) => {
                 let values = difference.as_ref().clone();
                 scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
@@ -354,15 +451,15 @@ impl<M: Background> Subtraction<M> {
                 layer(scene, Role::Candidate, "foreground", Arc::clone(mask));
                 layer(scene, Role::Rejected, "shadow", Arc::clone(shadows));
             }
-            Some(Event::Updated) => {
-                account.masks().next_back().into_iter().for_each(|mask| {
+            Some(Event::Updated(_)) => {
+                history.masks().next_back().into_iter().for_each(|mask| {
                     layer(scene, Role::Candidate, "foreground", Arc::clone(mask));
                 });
-                account.kept().into_iter().for_each(|[kept, _]| draw_blobs(scene, kept, (Role::Result, "blob")));
+                history.kept().into_iter().for_each(|[kept, _]| draw_blobs(scene, kept, (Role::Result, "blob")));
             }
-            _ => account.draw(scene),
+            _ => history.draw(scene),
         }
-        if let Some((x, y)) = seen.point().and_then(|point| account.frame()?.luma().cell_at(point)) {
+        if let Some((x, y)) = seen.point().and_then(|point| history.frame()?.luma().cell_at(point)) {
             let beside = scene.pictures.iter().map(|canvas| canvas.picture).filter(|on| self.0.explains(*on));
             let mut all: Vec<_> = beside.chain([Picture::CURRENT]).collect();
             all.sort();
@@ -370,7 +467,7 @@ impl<M: Background> Subtraction<M> {
             for on in all {
                 scene.mark(on, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
             }
-            scene.legend(Role::Reference, "pixel");
+            scene.legend(Role::Reference, "explained pixel");
         }
     }
 }

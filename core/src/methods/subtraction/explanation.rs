@@ -1,29 +1,50 @@
-//! How a single pixel is decided, in words and numbers.
+//! The classification of a single pixel and the update of its model, in words and numbers.
 
-use crate::base::words;
+use crate::methods::numbers::{gray, level};
 use crate::scene::{Fact, Math, Matrix, Role, Sentence};
 
-/// How a pixel was decided.
+/// The classification of a pixel.
 #[derive(Default)]
 pub struct Explanation {
-    /// Its numbers.
+    /// The numbers of the comparison.
     pub facts: Vec<Fact>,
     /// The formula that decides.
     pub equation: Vec<Math>,
-    /// What the model holds, where that is more than one number.
+    /// The model of the pixel, where that is more than one number.
     pub matrices: Vec<Matrix>,
-    /// Why it counts as what it does, to follow its name.
+    /// The comparison and the class that follows from it, behind the pixel's name.
     pub verdict: Sentence,
+    /// The model before and after the update, once the update is done.
+    pub update: Sentence,
 }
 
-/// How a gray value is decided that may differ by `threshold` from the one that is expected, which `symbol` stands for.
-pub fn compared(value: f32, (expected, symbol): (f32, &'static str), threshold: f32) -> Explanation {
-    let difference = (value - expected).abs();
+/// The background value that a pixel is compared with.
+#[derive(Clone, Copy)]
+pub struct Expected {
+    /// The gray level.
+    pub value: f32,
+    /// Its symbol in the formula.
+    pub symbol: &'static str,
+    /// Whether the background holds whole gray levels only.
+    pub is_whole: bool,
+}
+
+impl Expected {
+    /// A gray level of this background as text.
+    pub fn text(self, value: f32) -> String {
+        if self.is_whole { level(value) } else { gray(value) }
+    }
+}
+
+/// The classification of a gray value by its absolute difference from the background and a threshold in gray levels.
+pub fn compared(value: f32, expected: Expected, threshold: f32) -> Explanation {
+    let difference = (value - expected.value).abs();
     let is_foreground = difference > threshold;
     let role = if is_foreground { Role::Result } else { Role::Rejected };
-    let [shown, expectation, off, limit] = [value, expected, difference, threshold].map(words::number);
+    let [background, off, limit] = [expected.value, difference, threshold].map(|value| expected.text(value));
+    let shown = level(value);
     let symbols = Math::Row(vec![
-        Math::Abs(Box::new(Math::Row(vec![Math::Var("I"), Math::text(" − "), Math::Var(symbol)]))),
+        Math::Abs(Box::new(Math::Row(vec![Math::Var("I"), Math::text(" − "), Math::Var(expected.symbol)]))),
         Math::text(" > "),
         Math::Var("T"),
     ]);
@@ -31,7 +52,7 @@ pub fn compared(value: f32, (expected, symbol): (f32, &'static str), threshold: 
         Math::Abs(Box::new(Math::Row(vec![
             Math::ink(Role::Measured, shown.clone()),
             Math::text(" − "),
-            Math::ink(Role::Predicted, expectation.clone()),
+            Math::ink(Role::Predicted, background.clone()),
         ]))),
         Math::text(" = "),
         Math::ink(role, off.clone()),
@@ -39,23 +60,23 @@ pub fn compared(value: f32, (expected, symbol): (f32, &'static str), threshold: 
     ]);
     Explanation {
         facts: vec![
-            Fact::new("Gray", shown.clone(), Some(Role::Measured)),
-            Fact::new("Background", expectation.clone(), Some(Role::Predicted)),
+            Fact::new("Gray level", shown.clone(), Some(Role::Measured)),
+            Fact::new("Background", background.clone(), Some(Role::Predicted)),
             Fact::new("Difference", off.clone(), Some(role)),
             Fact::new("Threshold", limit.clone(), None),
         ],
         equation: vec![symbols, numbers],
-        matrices: Vec::new(),
         verdict: Sentence::default()
-            .text(" is ")
+            .text(": gray level ")
             .ink(Role::Measured, shown)
-            .text(" where ")
-            .ink(Role::Predicted, expectation)
-            .text(" is expected. It differs by ")
+            .text(", background ")
+            .ink(Role::Predicted, background)
+            .text(". The difference ")
             .ink(role, off)
             .text(match is_foreground {
-                true => format!(", more than {limit}: foreground."),
-                false => format!(", not more than {limit}: background."),
+                true => format!(" exceeds the threshold {limit}: foreground."),
+                false => format!(" is within the threshold {limit}: background."),
             }),
+        ..Explanation::default()
     }
 }

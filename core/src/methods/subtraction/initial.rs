@@ -1,4 +1,4 @@
-//! What a background model begins with: the first frame, or the median of frames from all over the run.
+//! Initialisation of a background model: the first frame, or the median of frames of the whole run.
 
 use std::sync::Arc;
 
@@ -9,21 +9,21 @@ use crate::geometry::Grid;
 use crate::run::Span;
 
 choices! {
-    /// What the background is before anything was learned.
+    /// The initial background.
     pub enum Initial {
-        /// The first frame: what moves in it stays behind as a ghost until the model has forgotten it.
+        /// The first frame. An object in it leaves a ghost: false foreground where it stood, until the model has learned the background.
         FirstFrame = "first-frame" "First frame",
-        /// The median of frames from all over the run: no ghosts, but it looks ahead, as a live camera cannot.
+        /// The median of frames of the whole run: no ghosts, but with hindsight, so not in real time.
         Median = "median" "Median",
     }
 }
 
-/// How many frames the median is of.
+/// The number of frames of the median.
 const SAMPLES: usize = 9;
-/// Frames of a clip of unknown length that these are taken from.
+/// The number of leading frames that the samples are taken from in a clip of unknown length.
 const REACH: usize = 60;
 
-/// The picture that a model of the frames `span` of a clip begins with.
+/// Returns the picture that initialises the model of the frames `span` of a clip.
 ///
 /// # Errors
 /// If a frame cannot be read.
@@ -34,15 +34,17 @@ pub fn picture(initial: Initial, clip: &Clip, span: &Span) -> Result<Arc<Frame>,
     }
 }
 
-/// The median of frames that lie evenly in `span` (B. P. L. Lo and S. A. Velastin, Automatic congestion detection system for
-/// underground platforms, 2001): what moves is seen at a place in less than half of them.
+/// Returns the per-pixel median of frames spaced evenly over `span`. An object that covers a pixel in less than half of them
+/// leaves no trace.
+///
+/// B. P. L. Lo and S. A. Velastin, Automatic congestion detection system for underground platforms, 2001.
 fn median_of(clip: &Clip, span: &Span) -> Result<Frame, Error> {
     let count = span.frames().unwrap_or(REACH);
     let samples = count.min(SAMPLES);
     let mut frames = Vec::new();
     for i in 0..samples {
         let t = span.first + i * (count - 1) / (samples - 1).max(1);
-        // A clip of unknown length may be shorter; a damaged frame, or one that is not wanted any more, is no end.
+        // A clip of unknown length may be shorter; a damaged frame or a cancelled one is not its end.
         if span.frames().is_none() && !clip.has_frame(t)? {
             break;
         }
@@ -61,7 +63,7 @@ fn median_of(clip: &Clip, span: &Span) -> Result<Frame, Error> {
     })
 }
 
-/// The value in the middle, of an even number the mean of both that are there.
+/// Returns the median; of an even number of values the mean of the two in the middle.
 fn median(values: &mut [u8]) -> u8 {
     values.sort_unstable();
     let [low, high] = [values[(values.len() - 1) / 2], values[values.len() / 2]].map(u32::from);
@@ -73,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_median_of_an_even_number_is_not_what_is_bright() {
+    fn the_median_of_an_even_number_is_the_mean_of_the_middle_two() {
         assert_eq!([median(&mut [90, 10]), median(&mut [30, 200, 10, 40])], [50, 35]);
         assert_eq!([median(&mut [9]), median(&mut [7, 1, 200])], [9, 7]);
     }

@@ -1,5 +1,4 @@
-//! What all background subtractions share: a model of what each pixel looks like when nothing moves, and from the pixels
-//! that differ to blobs.
+//! Background subtraction: a background model, a foreground mask, its clean-up by opening and closing, and blobs.
 
 mod declare;
 mod explain;
@@ -11,16 +10,19 @@ use std::sync::Arc;
 
 pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
-pub(crate) use explain::{Account, plots};
-pub(crate) use explanation::{Explanation, compared};
+pub(crate) use explain::{MaskHistory, plots};
+pub(crate) use explanation::{Expected, Explanation, compared};
 pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
 
 use crate::base::{Error, Observer, Threads};
-use crate::data::{Clip, Detection, Frame, Labelling, Mask, PackedMask};
-use crate::geometry::{Gray, Grid};
+use crate::data::{Clip, Detection, Frame, Labelling, Mask, ObjectBox, PackedMask};
+use crate::geometry::{Bounds, Gray, Grid};
 use crate::params::{Params, inner_params};
-use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
+use crate::products::{
+    MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record,
+    objects::score::{Boxes, Matches},
+};
 use crate::run::{
     Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, StageView, need,
 };
@@ -28,15 +30,15 @@ use crate::scene::{Canvas, Chart, Focus, Picture, Scene, Step};
 
 /// A model of the background.
 pub trait Background: Params + Default + Clone + Send + Sync + 'static {
-    /// What there is to say about the detector.
+    /// The description of the detector.
     const INFO: Info;
-    /// What the heat shows that tells how far pixels differ, for the legend.
+    /// The formula of the difference that the heat map shows, for its scale.
     const SHOWN: &'static str;
-    /// What that is.
+    /// The name of that difference, for the legend.
     const COMPARED: &'static str = "difference from the background";
-    /// What its steps have charts for.
+    /// The charts of its steps.
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
-    /// What is known of the background.
+    /// The background model.
     type Model: Clone + Send + Sync + 'static;
 
     /// As [`Estimator::stage_view`].
@@ -50,18 +52,18 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// The parameters that all background subtractions have.
     fn settings(&self) -> Settings;
 
-    /// What the model begins with.
+    /// The initialisation of the model.
     fn initial(&self) -> Initial {
         Initial::FirstFrame
     }
 
-    /// Memory of a model of the frames of a clip, and of all that a frame is compared with.
+    /// Memory of a model and of everything that a frame of the clip is compared with.
     fn need(&self, clip: &Clip) -> Need;
 
-    /// What is known after the picture that it begins with.
+    /// Initialises the model with a picture.
     fn begin(&self, first: &Arc<Frame>) -> Self::Model;
 
-    /// Works out what is compared of a frame, where that takes long enough to be given up with the clip.
+    /// Prepares the comparison of a frame where that takes long enough to be cancelled with the clip.
     ///
     /// # Errors
     /// If the work is cancelled.
@@ -69,19 +71,18 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
         Ok(())
     }
 
-    /// Decides which pixels of a frame do not belong to the background, and takes the frame into the model. Threads
-    /// change nothing of what becomes of a pixel.
+    /// Classifies the pixels of a frame and updates the model with it. The result does not depend on the threads.
     fn subtract(&self, model: &mut Self::Model, frame: &Arc<Frame>, threads: &Threads) -> Found;
 
-    /// The gray value that is expected of a pixel.
+    /// The gray level of the background at a pixel.
     fn expected(&self, model: &Self::Model, place: (usize, usize)) -> f32;
 
-    /// The gray value that a pixel of a frame is compared with, which is the expected one unless there are several.
+    /// The gray level of the background that a pixel is compared with, if there are several.
     fn compared_with(&self, model: &Self::Model, _frame: &Frame, place: (usize, usize)) -> f32 {
         self.expected(model, place)
     }
 
-    /// The pictures that a frame is compared with, and the frame, from left to right.
+    /// The frame and the pictures that it is compared with, from left to right.
     fn pictures(&self, model: &Arc<Self::Model>, size: (usize, usize)) -> Vec<Canvas> {
         let (detector, model) = (self.clone(), Arc::clone(model));
         let expected = move || {
@@ -91,24 +92,21 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
         vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(Picture::REFERENCE, expected)]
     }
 
-    /// Whether a pixel of `picture`, one of those, is explained as the pixel of the frame at the same place.
+    /// Whether pixels of `picture` are explained as the pixels of the frame at the same position.
     fn explains(&self, picture: Picture) -> bool {
         [Picture::CURRENT, Picture::REFERENCE].contains(&picture)
     }
 
-    /// How far a pixel is from what is expected, as [`Background::SHOWN`] says.
+    /// The difference of a pixel from the background, as in [`Background::SHOWN`].
     fn difference(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32;
 
-    /// How a pixel is decided by a model, and what the model has become, once that is known.
+    /// Explains the class of a pixel by the model before the frame, and the update by the model after it, once that exists.
     fn explain(&self, models: [Option<&Self::Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation;
 
-    /// What a pixel must do to count as foreground, to follow "pixels that".
+    /// The criterion of foreground pixels, as a sentence without its full stop.
     fn rule(&self) -> String;
 
-    /// What happens to the model at the end of a frame.
-    fn update(&self) -> String;
-
-    /// The model as a checkpoint keeps it, as small as it can be made.
+    /// The model as a checkpoint stores it, as small as possible.
     fn at_rest(&self, model: &Arc<Self::Model>) -> Arc<Self::Model> {
         Arc::clone(model)
     }
@@ -117,74 +115,90 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     fn model_bytes(&self, model: &Self::Model) -> usize;
 }
 
-/// The pixels that do not look like the background.
+/// The foreground of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// All of them.
+    /// The foreground pixels, shadows included.
     pub mask: Mask,
-    /// Those that are shadows, where they are looked for.
+    /// The shadow pixels, where shadows are detected.
     pub shadows: Option<Mask>,
 }
 
-/// What moves before the background that `M` is a model of.
+/// The detector of moving objects by the background model `M`.
 #[derive(Clone, Debug, Default)]
 pub struct Subtraction<M>(pub M);
 
 inner_params!(Subtraction<M: Background>);
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State<T> {
     pub(crate) span: Span,
-    /// The frame that comes next.
+    /// The next frame.
     pub(crate) frame: usize,
     picture: (usize, usize),
-    /// The background; nothing is known before the first frame.
+    /// The background model, from the first frame on.
     pub(crate) model: Option<Arc<T>>,
-    /// What the frames came to.
+    /// The results of the frames so far.
     pub(crate) record: Record,
 }
 
 impl<T> State<T> {
+    /// Counts the frame and returns whether more follow.
     fn go_on(&mut self, clip: &Clip) -> Progress {
         self.frame += 1;
         if self.span.is_over(clip, self.frame) { Progress::Done } else { Progress::More }
     }
 }
 
-/// The stages that a frame goes through.
+/// The processing stages of a frame.
 #[derive(Clone)]
 pub enum Event {
-    /// The first frame has become the model.
+    /// The model is initialised with this picture.
     Begun(Arc<Frame>),
-    /// How far each pixel of the frame is from what is expected.
+    /// The frame and the difference of each pixel from the background.
     Compared(Arc<Frame>, Arc<Grid<f32>>),
-    /// The pixels that are too far.
+    /// The foreground mask by the threshold.
     Decided(Arc<Mask>),
-    /// Those that remain, and the shadows.
+    /// The mask without shadows, and the shadows.
     Shadows(Arc<Mask>, Arc<Mask>),
-    /// The mask, opened.
+    /// The mask after opening.
     Opened(Arc<Mask>),
-    /// The mask, closed.
+    /// The mask after closing.
     Closed(Arc<Mask>),
-    /// The connected components, and how many there are.
+    /// The connected components and their number.
     Labelled(Arc<Grid<u32>>, u32),
-    /// Those that are large enough, and the others.
+    /// The components of at least the minimum area, and the others.
     Kept(Arc<[Vec<Detection>; 2]>),
-    /// The model has taken in the frame.
-    Updated,
+    /// The model is updated: the conclusion of the frame.
+    Updated(Arc<Conclusion>),
 }
 
-/// Memory that masks and blobs take beside what a run takes for its model. Where nothing is opened or closed, noise makes a blob
-/// of nearly every pixel.
+/// The result of a frame, and its score where there is ground truth.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Conclusion {
+    /// Blobs of the frame.
+    pub(crate) blobs: usize,
+    /// Pixels of its mask.
+    pub(crate) foreground: usize,
+    /// The matches of the blobs with the true boxes.
+    pub(crate) frame: Option<Matches>,
+    /// Unmatched blobs where an object stood in the first frame and none is now.
+    pub(crate) ghosts: usize,
+    /// The matches of all frames, at the end of the run.
+    pub(crate) run: Option<Matches>,
+}
+
+/// Memory of masks and blobs in addition to that of the model. Without opening and closing, noise can make a blob of nearly
+/// every pixel.
 pub(crate) fn need_of_blobs(clip: &Clip, settings: Settings, model: Need) -> Need {
     let (width, height) = clip.size();
     let pixels = (width * height) as f64;
-    let blobs = if settings.open == 0 && settings.close == 0 { 40.0 } else { 8.0 };
+    let blobs = if settings.opening == 0 && settings.closing == 0 { 40.0 } else { 8.0 };
     model.and([pixels * blobs, pixels * (20.0 + 2.0 * blobs)])
 }
 
-/// From a mask to blobs, as all do it.
+/// Extracts blobs from a mask: opening, closing, connected components, minimum area.
 pub(crate) fn blobs(
     settings: Settings,
     mask: Mask,
@@ -200,20 +214,20 @@ pub(crate) fn blobs(
     ObjectFrame { mask: Some(PackedMask::new(&mask)), detections: kept, objects: Vec::new() }
 }
 
-/// The mask opened and closed.
+/// Applies opening and closing to a mask.
 pub(crate) fn cleaned(settings: Settings, mut mask: Mask, observer: &mut impl Observer<Event>) -> Mask {
-    if settings.open > 0 {
-        mask = mask.opened(settings.open);
+    if settings.opening > 0 {
+        mask = mask.opened(settings.opening);
         observer.see(|| Event::Opened(Arc::new(mask.clone())));
     }
-    if settings.close > 0 {
-        mask = mask.closed(settings.close);
+    if settings.closing > 0 {
+        mask = mask.closed(settings.closing);
         observer.see(|| Event::Closed(Arc::new(mask.clone())));
     }
     mask
 }
 
-/// The blobs that are large enough, and the others.
+/// Splits components into those of at least the minimum area and the others.
 pub(crate) fn sifted(settings: Settings, all: Vec<Detection>) -> [Vec<Detection>; 2] {
     let is_large = |found: &Detection| found.blob.is_none_or(|blob| blob.area_px as usize >= settings.min_area);
     let (kept, dropped) = all.into_iter().partition(is_large);
@@ -221,7 +235,7 @@ pub(crate) fn sifted(settings: Settings, all: Vec<Detection>) -> [Vec<Detection>
 }
 
 impl<M: Background> Subtraction<M> {
-    /// The picture that is worked on next: at the start of a run, what the model begins with.
+    /// Returns the next frame; at the start of a run the picture that initialises the model.
     fn next_frame(&self, clip: &Clip, state: &State<M::Model>) -> Result<Arc<Frame>, Error> {
         match state.model {
             None => initial::picture(self.0.initial(), clip, &state.span),
@@ -229,7 +243,7 @@ impl<M: Background> Subtraction<M> {
         }
     }
 
-    /// Works on the frame that comes next.
+    /// Processes the next frame.
     fn work(
         &self,
         clip: &Clip,
@@ -261,10 +275,52 @@ impl<M: Background> Subtraction<M> {
             observer.see(|| Event::Shadows(Arc::new(mask.clone()), Arc::new(shadows)));
         }
         let found = blobs(self.0.settings(), mask, frame.luma(), observer);
-        observer.see(|| Event::Updated);
+        observer.see(|| Event::Updated(Arc::new(self.conclusion(clip, state, &found))));
         state.record.note(found);
         Ok(state.go_on(clip))
     }
+}
+
+impl<M: Background> Subtraction<M> {
+    /// Scores the blobs of a frame, and those of all frames at the end of the run.
+    fn conclusion(&self, clip: &Clip, state: &State<M::Model>, found: &ObjectFrame) -> Conclusion {
+        let (t, first) = (state.frame, state.span.first);
+        let truth = |t: usize| clip.truth().and_then(|truth| truth.objects(t).ok().flatten());
+        let matched = |t: usize, frame: &ObjectFrame| Some(Matches::of(&(boxes(&truth(t)?), detected(frame))));
+        let is_last = state.span.is_over(clip, t + 1);
+        let run = is_last.then(|| {
+            // The first frame initialises the model: nothing is detected in it.
+            let earlier = state.record.frames().iter().enumerate().skip(1);
+            let all = earlier.map(|(i, frame)| matched(first + i, frame)).chain([matched(t, found)]);
+            all.reduce(|a, b| Some(a?.and(b?))).flatten()
+        });
+        // Only a model with memory keeps ghosts of its first frame.
+        let is_ghostly = self.0.get("initial").is_ok() && self.0.initial() == Initial::FirstFrame;
+        let ghosts = truth(first).zip(truth(t)).filter(|_| is_ghostly).map(<[_; 2]>::from);
+        Conclusion {
+            blobs: found.detections.len(),
+            foreground: found.mask.as_ref().map_or(0, PackedMask::count),
+            frame: matched(t, found),
+            ghosts: ghosts.map_or(0, |[then, now]| ghosts_of(found, [&boxes(&then), &boxes(&now)])),
+            run: run.flatten(),
+        }
+    }
+}
+
+/// The boxes of true objects.
+fn boxes(objects: &[ObjectBox]) -> Boxes {
+    objects.iter().map(|object| (object.id, Bounds::from(object))).collect()
+}
+
+/// The boxes of the blobs of a frame.
+fn detected(frame: &ObjectFrame) -> Boxes {
+    (0..).zip(&frame.detections).map(|(i, found)| (i, found.bounds)).collect()
+}
+
+/// The number of blobs on the position of an object of the first frame where there is none now.
+fn ghosts_of(found: &ObjectFrame, [then, now]: [&Boxes; 2]) -> usize {
+    let is_on = |blob: &Bounds, all: &Boxes, least: f32| all.iter().any(|(_, bounds)| blob.shared(bounds) > least);
+    found.detections.iter().filter(|blob| is_on(&blob.bounds, then, 0.5) && !is_on(&blob.bounds, now, 0.0)).count()
 }
 
 impl<M: Background> Estimator for Subtraction<M> {
@@ -335,7 +391,7 @@ impl<M: Background> Estimator for Subtraction<M> {
 impl<M: Background> Footprint<State<M::Model>> for Subtraction<M> {
     fn need(&self, clip: &Clip) -> Need {
         let model = self.0.need(clip);
-        // Walked through, the model before a frame, after it, kept and on its way, and the pictures that are told.
+        // A walk holds the model before a frame, after it, in a checkpoint and in work, and the pictures shown.
         let walked = Need { walk: 4 * model.walk, ..model };
         need_of_blobs(clip, self.0.settings(), walked)
     }

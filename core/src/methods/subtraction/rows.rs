@@ -1,10 +1,10 @@
-//! Pixels decided row by row, spread over threads.
+//! Per-pixel classification row by row, on several threads.
 
 use crate::base::Threads;
 use crate::data::Mask;
 use crate::geometry::Grid;
 
-/// Has `f` decide the pixels of each row, given its number, the cells of the model there and the words of the mask.
+/// Classifies the pixels of each row with `f`, which gets the row's index, its cells of the model and its words of the mask.
 pub fn by_rows<T: Send>(
     model: &mut Grid<T>,
     threads: &Threads,
@@ -19,11 +19,11 @@ pub fn by_rows<T: Send>(
     mask
 }
 
-/// A flag of 0 or 1 for each pixel of a word, so that a loop over them needs no shifts.
+/// Flags of 0 or 1 for the 64 pixels of a word, so that a loop over them needs no shifts.
 pub struct Flags(pub [u8; 64]);
 
 impl Flags {
-    /// The flags of `count` pixels.
+    /// Returns the flags of `count` pixels.
     #[inline(always)]
     pub fn of(count: usize, mut is_set: impl FnMut(usize) -> bool) -> Self {
         let mut flags = [0; 64];
@@ -33,7 +33,7 @@ impl Flags {
         Self(flags)
     }
 
-    /// The flags as bits.
+    /// Packs the flags into bits, the first one lowest.
     #[inline(always)]
     pub fn word(&self) -> u64 {
         let (eights, _) = self.0.as_chunks::<8>();

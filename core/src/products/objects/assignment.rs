@@ -1,4 +1,4 @@
-//! Assignment: pairs of rows and columns of a table of costs.
+//! Assignment: the pairs of rows and columns of a cost matrix of least total cost.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -7,30 +7,30 @@ use super::pairs::Pairs;
 use crate::base::Error;
 use crate::geometry::Grid;
 
-/// How much an assignment may work, and whether its result is still wanted; `E` is what refuses it.
-pub struct Effort<'a, E = Error> {
-    /// Pairs that may still be looked at.
+/// The work budget of an assignment and its check for cancellation, which `E` reports.
+pub struct WorkBudget<'a, E = Error> {
+    /// Pairs that may still be visited.
     left: u64,
-    /// Pairs that were looked at since it was last asked whether to go on.
+    /// Pairs visited since the last check for cancellation.
     since: u64,
     wanted: &'a dyn Fn() -> Result<(), E>,
 }
 
-/// So many pairs are looked at before it is asked whether to go on: some milliseconds.
+/// The number of pairs between checks for cancellation, some milliseconds.
 const ASK_AFTER: u64 = 1 << 16;
 
-impl<'a, E> Effort<'a, E> {
-    /// As much as it takes, until `wanted` refuses.
+impl<'a, E> WorkBudget<'a, E> {
+    /// Creates an unlimited budget.
     pub fn endless(wanted: &'a dyn Fn() -> Result<(), E>) -> Self {
         Self::limited(u64::MAX, wanted)
     }
 
-    /// At most so many pairs are looked at.
+    /// Creates a budget of this many pairs.
     pub fn limited(pairs: u64, wanted: &'a dyn Fn() -> Result<(), E>) -> Self {
         Self { left: pairs, since: 0, wanted }
     }
 
-    /// Whether so many pairs may be looked at.
+    /// Takes pairs from the budget; returns whether any was left.
     fn take(&mut self, pairs: usize) -> Result<bool, E> {
         let pairs = pairs as u64;
         self.since += pairs;
@@ -44,59 +44,58 @@ impl<'a, E> Effort<'a, E> {
     }
 }
 
-/// The pairs.
+/// The result of an assignment.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Assigned {
     /// The column of each row.
     pub columns: Vec<Option<usize>>,
-    /// The rows that were paired nearest first, because the effort was used up.
-    pub hasty: usize,
+    /// The number of rows assigned greedily because the budget was used up.
+    pub greedy: usize,
 }
 
-/// Tables of so many cells are worked out whole. Larger ones are only by the pairs that there are, which comes to the same sum; of
-/// several ways to come to it, to another one.
+/// The maximum number of cells of a table solved densely. Larger ones are solved by their entries only, with the same total cost,
+/// but among equal optima perhaps another one.
 const SMALL: usize = 1 << 14;
 
 fn is_small(pairs: &Pairs) -> bool {
     pairs.rows() * pairs.columns() <= SMALL
 }
 
-/// Pairs each row with at most one column, so that as many are paired as can be and the sum of their costs is least: the
-/// Hungarian method, by shortest augmenting paths (H. W. Kuhn 1955; R. Jonker and A. Volgenant 1987). Where `effort` is used up,
-/// the rows that are left are paired nearest first.
+/// Assigns each row at most one column: as many pairs as possible at the least total cost, by the
+/// Hungarian method, by shortest augmenting paths (H. W. Kuhn 1955; R. Jonker and A. Volgenant 1987). Once `budget` is used up,
+/// the remaining rows are assigned greedily.
 ///
 /// # Errors
-/// If the result is not wanted any more.
-pub fn least_cost<E>(costs: &Pairs, effort: &mut Effort<E>) -> Result<Assigned, E> {
+/// If the work is cancelled.
+pub fn least_cost<E>(costs: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
     if is_small(costs) {
-        return Ok(Assigned { columns: of_table(&costs.table(f64::INFINITY)), hasty: 0 });
+        return Ok(Assigned { columns: of_table(&costs.table(f64::INFINITY)), greedy: 0 });
     }
     let (low, high) = costs.iter().fold((0.0_f64, 0.0_f64), |(low, high), (.., cost)| (low.min(cost), high.max(cost)));
-    // To stay alone costs more than all that is allowed, however much of it is paired.
+    // An unassigned row costs more than any sum of entries.
     let alone = (high - low + 1.0) * (costs.rows().min(costs.columns()) + 1) as f64;
-    Paths::new(costs, low, alone).all(effort)
+    Paths::new(costs, low, alone).all(budget)
 }
 
-/// Pairs each row with at most one column, so that the sum of what they are worth is largest; whoever stays alone is worth 0, and
-/// nothing is worth less.
+/// Assigns each row at most one column so that the total worth is largest; unassigned rows and negative worths count 0.
 ///
 /// # Errors
-/// If the result is not wanted any more.
-pub fn most_worth<E>(worths: &Pairs, effort: &mut Effort<E>) -> Result<Assigned, E> {
+/// If the work is cancelled.
+pub fn most_worth<E>(worths: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
     let costs = worths.filter_map(|_, _, worth| (worth > 0.0).then_some(-worth));
     if is_small(&costs) {
         let columns = of_table(&costs.table(0.0)).into_iter().enumerate();
         let columns = columns.map(|(row, column)| column.filter(|column| costs.get(row, *column).is_some()));
-        return Ok(Assigned { columns: columns.collect(), hasty: 0 });
+        return Ok(Assigned { columns: columns.collect(), greedy: 0 });
     }
     let low = costs.iter().fold(0.0_f64, |low, (.., cost)| low.min(cost));
-    Paths::new(&costs, low, -low).all(effort)
+    Paths::new(&costs, low, -low).all(budget)
 }
 
-/// The pairs of least cost of a whole table. Costs that are not finite are never paired.
+/// Returns the assignment of a dense table. Costs that are not finite are never assigned.
 fn of_table(costs: &Grid<f64>) -> Vec<Option<usize>> {
     let (columns, rows) = costs.size();
-    // What is not allowed costs more than all that is, however much of it is paired.
+    // A forbidden pair costs more than any sum of allowed ones.
     let known = costs.cells().iter().copied().filter(|cost| cost.is_finite());
     let (low, high) = known.fold((0.0_f64, 0.0_f64), |(low, high), cost| (low.min(cost), high.max(cost)));
     let forbidden = (high - low + 1.0) * (rows.min(columns) + 1) as f64;
@@ -120,7 +119,7 @@ fn of_table(costs: &Grid<f64>) -> Vec<Option<usize>> {
     pairs.into_iter().enumerate().map(|(row, column)| column.filter(|&column| is_allowed(row, column))).collect()
 }
 
-/// The same where no row lacks a column: there are at least as many columns as rows.
+/// Solves a dense table with at least as many columns as rows by shortest augmenting paths.
 fn shortest_paths((rows, columns): (usize, usize), cost: impl Fn(usize, usize) -> f64) -> Vec<Option<usize>> {
     // Column `columns` stands for none: there each path begins.
     let mut row_price = vec![0.0; rows];
@@ -176,11 +175,11 @@ fn shortest_paths((rows, columns): (usize, usize), cost: impl Fn(usize, usize) -
     of_row
 }
 
-/// Pairs of a large table, by paths that lead only through pairs that there are, so that rows and columns that have nothing to do
-/// with each other cost nothing. Each row has a place of its own where it stays alone.
+/// Shortest augmenting paths through the entries of a sparse table. Each row has a column of its own that stands for no
+/// assignment.
 struct Paths<'a> {
     costs: &'a Pairs,
-    /// What is taken off each cost, so that none is negative.
+    /// The offset subtracted from each cost, so that none is negative.
     low: f64,
     /// The cost of staying alone.
     alone: f64,
@@ -188,7 +187,7 @@ struct Paths<'a> {
     column_price: Vec<f64>,
     row_of: Vec<Option<usize>>,
     column_of: Vec<Option<usize>>,
-    /// How far each column is, and the row before it on the shortest path.
+    /// The distance of each column, and the row before it on the shortest path.
     far: Vec<f64>,
     from: Vec<usize>,
     is_done: Vec<bool>,
@@ -221,7 +220,7 @@ impl Ord for Reached {
 enum End {
     /// At a column that was free.
     At(usize),
-    /// At a row that stays alone.
+    /// At a row that remains unassigned.
     Alone(usize),
 }
 
@@ -242,27 +241,27 @@ impl<'a> Paths<'a> {
         }
     }
 
-    fn all<E>(mut self, effort: &mut Effort<E>) -> Result<Assigned, E> {
+    fn all<E>(mut self, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
         for row in 0..self.costs.rows() {
-            if !self.pair(row, effort)? {
-                return Ok(self.hasty(row));
+            if !self.pair(row, budget)? {
+                return Ok(self.greedy(row));
             }
         }
-        Ok(Assigned { columns: self.column_of, hasty: 0 })
+        Ok(Assigned { columns: self.column_of, greedy: 0 })
     }
 
-    /// Pairs the rows from `first` on nearest first, with what is left.
-    fn hasty(mut self, first: usize) -> Assigned {
+    /// Assigns the rows from `first` on greedily to the free columns.
+    fn greedy(mut self, first: usize) -> Assigned {
         let left = self.costs.filtered(|row, column, _| row >= first && self.row_of[column].is_none());
         for (row, column) in nearest_first(&left).into_iter().enumerate().skip(first) {
             self.column_of[row] = column;
         }
-        let hasty = self.column_of.len() - first;
-        Assigned { columns: self.column_of, hasty }
+        let greedy = self.column_of.len() - first;
+        Assigned { columns: self.column_of, greedy }
     }
 
-    /// Takes in one more row by a shortest augmenting path; `false` if the effort was used up before there was one.
-    fn pair<E>(&mut self, row: usize, effort: &mut Effort<E>) -> Result<bool, E> {
+    /// Assigns one more row by a shortest augmenting path; `false` if the budget is used up first.
+    fn pair<E>(&mut self, row: usize, budget: &mut WorkBudget<E>) -> Result<bool, E> {
         let (mut heap, mut touched, mut rows, mut done) = (BinaryHeap::new(), Vec::new(), Vec::new(), Vec::new());
         let (mut next, mut alone) = (Some((row, 0.0)), (f64::INFINITY, row));
         let end = loop {
@@ -272,7 +271,7 @@ impl<'a> Paths<'a> {
                     alone = (to_stay, row);
                 }
                 rows.push((row, far));
-                if !effort.take(self.relax(row, far, (&mut heap, &mut touched)))? {
+                if !budget.take(self.relax(row, far, (&mut heap, &mut touched)))? {
                     self.forget(&touched);
                     return Ok(false);
                 }
@@ -295,7 +294,7 @@ impl<'a> Paths<'a> {
         Ok(true)
     }
 
-    /// Goes from a row that is so far to its columns; gives how many they are.
+    /// Relaxes the columns of a row at this distance; returns their number.
     fn relax(&mut self, row: usize, far: f64, (heap, touched): (&mut BinaryHeap<Reached>, &mut Vec<usize>)) -> usize {
         let mut count = 0;
         for (column, cost) in self.costs.row(row) {
@@ -360,17 +359,17 @@ mod tests {
     }
 
     fn least(costs: &Pairs) -> Vec<Option<usize>> {
-        least_cost(costs, &mut Effort::endless(&wanted)).expect("it is wanted").columns
+        least_cost(costs, &mut WorkBudget::endless(&wanted)).expect("it is wanted").columns
     }
 
     /// The same by paths, as it is done for large tables.
     fn by_paths(costs: &Pairs) -> Vec<Option<usize>> {
         let (low, high) = costs.iter().fold((0.0_f64, 0.0_f64), |(a, b), (.., cost)| (a.min(cost), b.max(cost)));
         let alone = (high - low + 1.0) * (costs.rows() + 1) as f64;
-        Paths::new(costs, low, alone).all(&mut Effort::endless(&wanted)).expect("it is wanted").columns
+        Paths::new(costs, low, alone).all(&mut WorkBudget::endless(&wanted)).expect("it is wanted").columns
     }
 
-    /// How many are paired and what that costs; no column twice.
+    /// Returns the number of pairs and their total cost; asserts that no column is used twice.
     fn worth(costs: &Pairs, pairs: &[Option<usize>]) -> (usize, f64) {
         let mut columns: Vec<_> = pairs.iter().flatten().collect();
         columns.sort();
@@ -433,12 +432,12 @@ mod tests {
             prop_assert!(of_paths.0 == count && (of_paths.1 - sum).abs() < 1e-9, "{of_paths:?} instead of {sum}");
             let greedy = worth(&costs, &nearest_first(&costs));
             prop_assert!(greedy.0 <= count && (greedy.0 < count || greedy.1 >= sum - 1e-9));
-            let all = most_worth(&costs, &mut Effort::endless(&wanted)).expect("it is wanted");
+            let all = most_worth(&costs, &mut WorkBudget::endless(&wanted)).expect("it is wanted");
             let most = most(&costs, 0, &mut Vec::new());
             prop_assert!((worth(&costs, &all.columns).1 - most).abs() < 1e-9);
             let negative = costs.filter_map(|_, _, worth| (worth > 0.0).then_some(-worth));
             let low = negative.iter().fold(0.0_f64, |low, (.., cost)| low.min(cost));
-            let paths = Paths::new(&negative, low, -low).all(&mut Effort::endless(&wanted)).expect("it is wanted");
+            let paths = Paths::new(&negative, low, -low).all(&mut WorkBudget::endless(&wanted)).expect("it is wanted");
             prop_assert!((worth(&costs, &paths.columns).1 - most).abs() < 1e-9);
         }
 
@@ -476,12 +475,12 @@ mod tests {
     fn effort_has_an_end_and_work_that_is_not_wanted_stops() {
         // Each pair is as good as any other, and there are twice as many rows as columns.
         let costs = Pairs::of(&Grid::new(300, 600, 1.0));
-        let cut = least_cost(&costs, &mut Effort::limited(40_000, &wanted)).expect("it is wanted");
-        assert!((1..600).contains(&cut.hasty), "{}", cut.hasty);
+        let cut = least_cost(&costs, &mut WorkBudget::limited(40_000, &wanted)).expect("it is wanted");
+        assert!((1..600).contains(&cut.greedy), "{}", cut.greedy);
         assert_eq!(worth(&costs, &cut.columns), (300, 300.0), "those that were left are paired all the same");
-        let whole = least_cost(&costs, &mut Effort::endless(&wanted)).expect("it is wanted");
-        assert_eq!((worth(&costs, &whole.columns), whole.hasty), ((300, 300.0), 0));
+        let whole = least_cost(&costs, &mut WorkBudget::endless(&wanted)).expect("it is wanted");
+        assert_eq!((worth(&costs, &whole.columns), whole.greedy), ((300, 300.0), 0));
         let refused = || Err(Error::new("enough"));
-        assert!(least_cost(&costs, &mut Effort::endless(&refused)).is_err());
+        assert!(least_cost(&costs, &mut WorkBudget::endless(&refused)).is_err());
     }
 }

@@ -1,4 +1,4 @@
-//! Objects that are followed from frame to frame.
+//! Tracked objects, frame by frame.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -7,14 +7,14 @@ use super::trajectory::Trajectory;
 use crate::data::{Detection, PackedMask};
 use crate::geometry::Bounds;
 
-/// Where an object stands in its life.
+/// The status of a track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrackStatus {
-    /// Seen too seldom to be confirmed.
+    /// Not matched often enough to be confirmed.
     Tentative,
-    /// Seen in this frame.
+    /// Confirmed and matched in this frame.
     Confirmed,
-    /// Not seen in this frame, but expected back.
+    /// Not matched in this frame: predicted only.
     Coasting,
 }
 
@@ -29,74 +29,74 @@ impl TrackStatus {
     }
 }
 
-/// An object that is tracked, in one frame.
+/// A tracked object in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Object {
     /// Its identity, the same in every frame, from 1.
     pub id: u32,
     /// Its box.
     pub bounds: Bounds,
-    /// Where it stands in its life.
-    pub life: TrackStatus,
-    /// The estimated place, in px.
+    /// The status of its track.
+    pub status: TrackStatus,
+    /// The estimated position in px.
     pub position: [f64; 2],
     /// Its velocity in px/frame, where that is estimated.
     pub velocity: Option<[f64; 2]>,
     /// The covariance of the position in px², by rows, where that is known.
     pub covariance: Option<[[f64; 2]; 2]>,
-    /// The detection of this frame that belongs to it.
+    /// The index of its detection in this frame.
     pub detection: Option<usize>,
 }
 
-/// What one frame came to.
+/// The results of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjectFrame {
-    /// The pixels that do not belong to the background, where that was asked.
+    /// The foreground mask, where one was computed.
     pub mask: Option<PackedMask>,
-    /// What was detected.
+    /// The detections.
     pub detections: Vec<Detection>,
-    /// The objects, by identity; none where [`Followed::Nobody`] is.
+    /// The objects, by identity; none where [`Followed::Nothing`] is.
     pub objects: Vec<Object>,
 }
 
-/// Whom an estimator follows from frame to frame.
+/// The objects that an estimator tracks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Followed {
-    /// Nobody: each frame is looked at by itself.
-    Nobody,
-    /// One object at a time, with the true identities that these had, as far as they are known.
+    /// None: each frame is processed by itself.
+    Nothing,
+    /// One object at a time, with the true identities of all of them, where known.
     One(BTreeSet<u32>),
     /// All.
     All,
 }
 
-/// What was found in frame after frame.
+/// The detections and tracks of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectField {
-    /// Whom it is about.
+    /// The objects that are tracked.
     pub followed: Followed,
     /// Width and height of the picture in px.
     pub picture: (usize, usize),
     /// The first frame.
     pub first: usize,
-    /// What it and those that follow came to.
+    /// Its results and those of the frames that follow.
     pub frames: Vec<Arc<ObjectFrame>>,
-    /// The ways of the objects, where they were looked at.
+    /// The trajectories of the tracks, where they were analysed.
     pub trajectories: Vec<Arc<Trajectory>>,
 }
 
 impl ObjectFrame {
-    /// The object with an identity, if it is there.
+    /// Returns the object with an identity, if it is in the frame.
     pub fn object(&self, id: u32) -> Option<&Object> {
         self.place(id).map(|place| &self.objects[place])
     }
 
-    /// Where among the objects that is.
+    /// Returns the index of that object.
     pub(crate) fn place(&self, id: u32) -> Option<usize> {
         self.objects.binary_search_by_key(&id, |object| object.id).ok()
     }
 
-    /// Memory that it takes, in bytes.
+    /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Self>()
             + self.mask.as_ref().map_or(0, PackedMask::bytes)

@@ -1,8 +1,8 @@
-//! Objects: what is followed from frame to frame, the assignment of detections to tracks, and how good tracks are.
+//! Objects: detections and tracks, assignment, trajectories and scores.
 
 pub mod assignment;
+pub mod box_index;
 mod field;
-pub mod near;
 pub mod pairs;
 mod product;
 pub mod score;

@@ -1,14 +1,14 @@
-//! Tables of rows and columns in which most pairs have nothing to do with each other.
+//! Sparse matrices of pairs: most rows and columns have no entry in common.
 
 use std::ops::Range;
 
 use crate::geometry::Grid;
 
-/// A number for each pair that counts, row by row; all other pairs are absent.
+/// A sparse matrix by rows; pairs without an entry are absent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pairs {
     width: usize,
-    /// Where each row ends in both lists.
+    /// The end of each row in both lists.
     ends: Vec<usize>,
     /// The column of each pair, in ascending order within a row, and its number.
     columns: Vec<u32>,
@@ -16,12 +16,12 @@ pub struct Pairs {
 }
 
 impl Pairs {
-    /// No row yet, of a table with so many columns.
+    /// Creates a matrix with this many columns and no rows.
     pub fn new(columns: usize) -> Self {
         Self { width: columns, ..Self::default() }
     }
 
-    /// The finite numbers of a table.
+    /// Returns the finite entries of a table.
     pub fn of(table: &Grid<f64>) -> Self {
         let mut pairs = Self::new(table.width());
         for y in 0..table.height() {
@@ -31,7 +31,7 @@ impl Pairs {
         pairs
     }
 
-    /// A table of them, with `absent` in place of those that are absent.
+    /// Returns a dense table, with `absent` for absent pairs.
     pub fn table(&self, absent: f64) -> Grid<f64> {
         let mut table = Grid::new(self.columns(), self.rows(), absent);
         self.iter().for_each(|(row, column, number)| table[(column, row)] = number);
@@ -47,52 +47,52 @@ impl Pairs {
         self.ends.push(self.columns.len());
     }
 
-    /// How many columns the table has.
+    /// The number of columns.
     pub fn columns(&self) -> usize {
         self.width
     }
 
-    /// How many rows.
+    /// The number of rows.
     pub fn rows(&self) -> usize {
         self.ends.len()
     }
 
-    /// How many pairs count.
+    /// The number of entries.
     pub fn len(&self) -> usize {
         self.columns.len()
     }
 
-    /// Whether none does.
+    /// Whether there are no entries.
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
     }
 
-    /// Where a row lies in the lists.
+    /// The range of a row in the lists.
     fn range(&self, row: usize) -> Range<usize> {
         let start = row.checked_sub(1).map_or(0, |before| self.ends[before]);
         start..self.ends[row]
     }
 
-    /// Columns and numbers of a row, by column.
+    /// Returns columns and entries of a row, by column.
     pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
         let range = self.range(row);
         let numbers = self.numbers[range.clone()].iter().copied();
         self.columns[range].iter().map(|column| *column as usize).zip(numbers)
     }
 
-    /// The number of a pair, if it counts.
+    /// Returns the entry of a pair.
     pub fn get(&self, row: usize, column: usize) -> Option<f64> {
         let range = self.range(row);
         let place = self.columns[range.clone()].binary_search(&(column as u32)).ok()?;
         Some(self.numbers[range.start + place])
     }
 
-    /// All pairs as row, column and number, row by row.
+    /// Returns all entries as row, column and number, row by row.
     pub fn iter(&self) -> impl Iterator<Item = (usize, usize, f64)> {
         (0..self.rows()).flat_map(|row| self.row(row).map(move |(column, number)| (row, column, number)))
     }
 
-    /// The pairs for which `f` gives another number, given row, column and number.
+    /// Maps entries by row, column and number, and drops those mapped to `None`.
     #[must_use]
     pub fn filter_map(&self, f: impl Fn(usize, usize, f64) -> Option<f64>) -> Self {
         let mut kept = Self::new(self.width);
@@ -102,19 +102,19 @@ impl Pairs {
         kept
     }
 
-    /// The pairs for which `counts` holds.
+    /// Keeps the entries for which `counts` holds.
     #[must_use]
     pub fn filtered(&self, counts: impl Fn(usize, usize, f64) -> bool) -> Self {
         self.filter_map(|row, column, number| counts(row, column, number).then_some(number))
     }
 
-    /// The same pairs with what `f` makes of row, column and number.
+    /// Maps all entries by row, column and number.
     #[must_use]
     pub fn map(&self, f: impl Fn(usize, usize, f64) -> f64) -> Self {
         self.filter_map(|row, column, number| Some(f(row, column, number)))
     }
 
-    /// The rows of each column, in ascending order, with their numbers.
+    /// Returns the transpose.
     #[must_use]
     pub fn turned(&self) -> Self {
         let mut ends = vec![0; self.width];
@@ -138,7 +138,7 @@ impl Pairs {
 pub struct Sums(Vec<Vec<(u32, f64)>>);
 
 impl Sums {
-    /// Nothing so far, in so many rows.
+    /// Creates empty sums of this many rows.
     pub fn new(rows: usize) -> Self {
         Self(vec![Vec::new(); rows])
     }
@@ -157,7 +157,7 @@ impl Sums {
         }
     }
 
-    /// The sums, of a table with so many columns.
+    /// Returns the sums as a matrix with this many columns.
     pub fn pairs(self, columns: usize) -> Pairs {
         let mut pairs = Pairs::new(columns);
         self.0.into_iter().for_each(|row| pairs.push(row.into_iter().map(|(column, sum)| (column as usize, sum))));

@@ -1,4 +1,4 @@
-//! Objects: what was detected in each frame, the tracks of objects, and where these went.
+//! The product of detectors and trackers: its tables, counts and scores.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ const WAYS: [Measure; 5] = [
     Measure::new("crossed_left", "Crossings of the line to its left."),
     Measure::new("in_zone", "Objects that were in the zone."),
     Measure::new("dwell_frames", "Mean dwell time in the zone in frames."),
-    Measure::new("unusual", "Objects with an unusual direction of motion."),
+    Measure::new("unusual", "Objects with an anomalous direction of motion."),
 ];
 
 const TRACKING: [Measure; 8] = [
@@ -51,12 +51,12 @@ impl Product for ObjectField {
         measures: &[&COUNTS, &WAYS, &TRACKING],
     };
 
-    /// One row for each place of a trajectory where these were looked at; else for each object in each frame, or for each
-    /// detection where none is tracked. Velocities are in px/frame; the edge of the first pixel lies at −0.5 px.
+    /// One row for each position of a trajectory, if trajectories were analysed; else for each object in each frame, or for each
+    /// detection if nothing is tracked. Velocities are in px/frame; the edge of the first pixel lies at −0.5 px.
     fn table(&self) -> Option<Table> {
         Some(if !self.trajectories.is_empty() {
             trajectories(self)
-        } else if self.followed == Followed::Nobody {
+        } else if self.followed == Followed::Nothing {
             detections(self)
         } else {
             self.object_table()
@@ -84,7 +84,7 @@ impl Product for ObjectField {
 
 fn counted(field: &ObjectField) -> Assessment {
     let confirmed = |frame: &Arc<ObjectFrame>| {
-        let confirmed = frame.objects.iter().filter(|object| object.life == TrackStatus::Confirmed);
+        let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
         confirmed.map(|object| object.id).collect::<Vec<_>>()
     };
     let objects = field.frames.iter().flat_map(confirmed).collect::<BTreeSet<u32>>().len();
@@ -94,14 +94,14 @@ fn counted(field: &ObjectField) -> Assessment {
     let text = format!("{told}, from {from} detections in {of} frames");
     let values = [frames, detections, objects].map(Figure::from);
     let told = match field.followed {
-        // Each frame was looked at by itself: there are no tracks to count.
-        Followed::Nobody => fact("Detections", format!("{from} in {of} frames")),
+        // Frames were processed by themselves: there are no tracks to count.
+        Followed::Nothing => fact("Detections", format!("{from} in {of} frames")),
         _ => fact("Tracks", text),
     };
     Assessment::default().with(scores(&COUNTS, values), vec![told])
 }
 
-/// What trajectories tell of the line, the zone and unusual directions, where they were looked at.
+/// The counts of line, zone and anomalous directions, where trajectories were analysed.
 fn ways(all: &[Arc<Trajectory>]) -> Assessment {
     if all.is_empty() {
         return Assessment::default();
@@ -109,28 +109,29 @@ fn ways(all: &[Arc<Trajectory>]) -> Assessment {
     let crossed = |to_right: bool| {
         all.iter().flat_map(|of| &of.crossings).filter(|crossing| crossing.is_forward == to_right).count()
     };
-    let stays: Vec<usize> = all.iter().map(|of| of.dwell_frames()).filter(|frames| *frames > 0).collect();
-    let is_unusual = |of: &&Arc<Trajectory>| of.sightings.iter().any(|seen| seen.unusual.is_some());
+    let dwells: Vec<usize> = all.iter().map(|of| of.dwell_frames()).filter(|frames| *frames > 0).collect();
+    let is_unusual = |of: &&Arc<Trajectory>| of.sightings.iter().any(|seen| seen.anomaly.is_some());
     let (right, left) = (crossed(true), crossed(false));
-    let dwell = (!stays.is_empty()).then(|| stays.iter().sum::<usize>() as f64 / stays.len() as f64);
+    let dwell = (!dwells.is_empty()).then(|| dwells.iter().sum::<usize>() as f64 / dwells.len() as f64);
     let unusual = all.iter().filter(is_unusual).count();
     let mut facts = Vec::new();
     if right + left > 0 {
-        facts.push(fact("Over line", format!("{} to its right, {} to its left", grouped(right), grouped(left))));
+        facts.push(fact("Line crossings", format!("{} to the right, {} to the left", grouped(right), grouped(left))));
     }
     if let Some(frames) = dwell {
-        let objects = if stays.len() == 1 { "object" } else { "objects" };
-        facts.push(fact("In zone", format!("{} {objects}, {frames:.1} frames each", grouped(stays.len()))));
+        let objects = if dwells.len() == 1 { "object" } else { "objects" };
+        facts
+            .push(fact("Dwell in zone", format!("{} {objects}, {frames:.1} frames on average", grouped(dwells.len()))));
     }
     if unusual > 0 {
-        facts.push(fact("Unusual", format!("{} by direction", grouped(unusual))));
+        facts.push(fact("Anomalous", format!("{} by direction", grouped(unusual))));
     }
-    let values = [right.into(), left.into(), stays.len().into(), dwell.into(), unusual.into()];
+    let values = [right.into(), left.into(), dwells.len().into(), dwell.into(), unusual.into()];
     Assessment::default().with(scores(&WAYS, values), facts)
 }
 
 fn tracking(of: Scores) -> Assessment {
-    let Scores { truths, switches, mota, motp, idf1, precision, recall, hota, hasty, .. } = of;
+    let Scores { truths, switches, mota, motp, idf1, precision, recall, hota, greedy, .. } = of;
     let values = [mota, motp, idf1, hota].map(Figure::from);
     let [a, b, c, d] = values;
     let values = [a, b, c, d, switches.into(), precision.into(), recall.into(), truths.into()];
@@ -144,16 +145,16 @@ fn tracking(of: Scores) -> Assessment {
             format!("{:.1} %, {:.1} % of {} true boxes", 100.0 * precision, 100.0 * recall, grouped(truths)),
         ),
     ];
-    if hasty > 0 {
+    if greedy > 0 {
         let told =
-            format!("{} boxes were paired greedily: their crowd is too large for the best assignment", grouped(hasty));
+            format!("{} boxes are matched greedily: the frame is too dense for an optimal assignment", grouped(greedy));
         facts.push(fact("Approximate", told));
     }
     let headline = format!("MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches");
     Assessment { headline, ..Assessment::default() }.with(scores(&TRACKING, values), facts)
 }
 
-/// The number of each frame, with what it came to.
+/// The number and the results of each frame.
 fn frames(field: &ObjectField) -> impl Iterator<Item = (Cell, &ObjectFrame)> {
     field.frames.iter().enumerate().map(|(i, frame)| ((field.first + i).into(), &**frame))
 }
@@ -187,16 +188,16 @@ impl ObjectField {
             let [u, v] = object.velocity.map_or([Cell::Empty; 2], |velocity| velocity.map(Cell::Real));
             let [left, top, width, height] = place(&object.bounds);
             let sigma = |i: usize| object.covariance.map(|c| c[i][i].max(0.0).sqrt()).into();
-            let status = Cell::Word(object.life.name());
+            let status = Cell::Word(object.status.name());
             [frame, object.id.into(), x, y, u, v, left, top, width, height, status, sigma(0), sigma(1)]
         };
         Table::new(columns, frames(self).flat_map(|(t, frame)| frame.objects.iter().map(move |object| row(t, object))))
     }
 }
 
-/// Where each object was seen, how it moved there, and what became of it: `crossed` is 1 where it went over the line to its right
-/// and −1 to its left, `in_zone` is 1 in the zone, and `unusual_deg` is how far its heading is off those of others where that
-/// is unusual. Headings count from right, against the clock.
+/// The positions of each trajectory: `crossed` is 1 for a crossing of the line to its right and −1 to its left, `in_zone` is 1 in
+/// the zone, and `unusual_deg` is the angle to the mean direction of the others where that is anomalous. Headings count
+/// counter-clockwise from right.
 fn trajectories(field: &ObjectField) -> Table {
     let columns = [
         "frame",
@@ -214,7 +215,7 @@ fn trajectories(field: &ObjectField) -> Table {
         let [x, y] = seen.at.map(Cell::Real);
         let speed = |v: Option<[f64; 2]>| v.map(|[u, v]| u.hypot(v)).into();
         let crossing = of.crossings.iter().find(|crossing| crossing.frame == seen.frame);
-        let is_inside = of.stays.iter().any(|stay| (stay.entered..=stay.last).contains(&seen.frame));
+        let is_inside = of.dwells.iter().any(|dwell| (dwell.entered..=dwell.last).contains(&seen.frame));
         [
             seen.frame.into(),
             of.id.into(),
@@ -225,7 +226,7 @@ fn trajectories(field: &ObjectField) -> Table {
             speed(seen.step),
             Cell::Int(crossing.map_or(0, |crossing| if crossing.is_forward { 1 } else { -1 })),
             Cell::Int(i64::from(is_inside)),
-            seen.unusual.map(|unusual| unusual.angle_deg).into(),
+            seen.anomaly.map(|unusual| unusual.angle_deg).into(),
         ]
     };
     Table::new(columns, field.trajectories.iter().flat_map(|of| of.sightings.iter().map(move |seen| row(of, seen))))

@@ -1,68 +1,118 @@
-//! How good tracks are beside the true ones.
+//! Scores of tracks against the ground truth: CLEAR MOT, IDF1, HOTA.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 
-use super::assignment::{Effort, least_cost, most_worth};
-use super::near::{Near, corners};
+use super::assignment::{WorkBudget, least_cost, most_worth};
+use super::box_index::{BoxIndex, corners};
 use super::pairs::{Pairs, Sums};
 use crate::base::Error;
 use crate::data::{Clip, Truth};
 use crate::geometry::Bounds;
 use crate::products::{Followed, ObjectField, TrackStatus};
 
-/// From here on, as intersection over union, an object counts as found.
-const FOUND: f64 = 0.5;
+/// The minimum IoU of a match.
+const MATCH_IOU: f64 = 0.5;
 
-/// Objects in one frame, each with its identity.
+/// The boxes of one frame, each with its identity.
 pub type Boxes = Vec<(u32, Bounds)>;
 
-/// Tracks beside the true ones, over all frames.
+/// The scores of tracks over all frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scores {
     /// True objects, counted in each frame.
     pub truths: usize,
-    /// Objects that were told, counted in each frame.
+    /// Confirmed tracks, counted in each frame.
     pub told: usize,
-    /// True objects that were found.
+    /// True objects with a match.
     pub matches: usize,
-    /// How often a true object was found as another one than before.
+    /// Identity switches: matches of a true object with another track than before.
     pub switches: usize,
     /// Multiple object tracking accuracy: 1 − (misses + false alarms + switches) / truths.
     pub mota: f64,
-    /// Multiple object tracking precision: mean intersection over union of what was found.
+    /// Multiple object tracking precision: mean IoU of the matches.
     pub motp: f64,
-    /// F₁ of identities: of pairs of true and told tracks that agree in the most frames.
+    /// F₁ score of identities, under the pairing of true and estimated tracks that agrees in the most frames.
     pub idf1: f64,
-    /// Share of what was told that is true.
+    /// Share of the estimated boxes with a match.
     pub precision: f64,
-    /// Share of the true objects that were found.
+    /// Share of the true boxes with a match.
     pub recall: f64,
     /// Higher order tracking accuracy: the mean of √(DetA · AssA) over limits of 0.05 to 0.95.
     pub hota: f64,
-    /// True objects and tracks that were paired nearest first, and not as well as can be, because so many overlap so many: 0 unless
-    /// nearly everything lies on everything.
-    pub hasty: usize,
+    /// The boxes and tracks matched greedily because the optimal assignment is too large: 0 except in extremely dense frames.
+    pub greedy: usize,
 }
 
-/// A share of nothing is 0.
+/// Boxes of frames matched one to one with the true boxes at an IoU of at least 0.5.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Matches {
+    /// The true boxes.
+    pub truths: usize,
+    /// The estimated boxes.
+    pub estimates: usize,
+    /// The pairs of both.
+    pub pairs: usize,
+}
+
+impl Matches {
+    /// Matches the true and the estimated boxes of a frame at the least cost 1 − IoU.
+    pub fn of(frame: &(Boxes, Boxes)) -> Self {
+        let (mut clear, go_on) = (Clear::default(), &|| Ok::<_, Infallible>(()));
+        let Ok(()) = overlaps(frame, go_on).and_then(|overlaps| clear.see(frame, &overlaps, go_on));
+        Self { truths: frame.0.len(), estimates: frame.1.len(), pairs: clear.matches }
+    }
+
+    /// The sum over the frames of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let Self { truths, estimates, pairs } = other;
+        Self { truths: self.truths + truths, estimates: self.estimates + estimates, pairs: self.pairs + pairs }
+    }
+
+    /// True boxes without a match: false negatives.
+    pub fn misses(self) -> usize {
+        self.truths - self.pairs
+    }
+
+    /// Estimated boxes without a match: false positives.
+    pub fn false_positives(self) -> usize {
+        self.estimates - self.pairs
+    }
+
+    /// Share of the estimated boxes that are matched.
+    pub fn precision(self) -> f64 {
+        share(self.pairs as f64, self.estimates as f64)
+    }
+
+    /// Share of the true boxes that are matched.
+    pub fn recall(self) -> f64 {
+        share(self.pairs as f64, self.truths as f64)
+    }
+
+    /// F₁ score: the harmonic mean of precision and recall.
+    pub fn f1(self) -> f64 {
+        share(2.0 * self.pairs as f64, (self.truths + self.estimates) as f64)
+    }
+}
+
+/// Returns a ratio, 0 where the denominator is 0.
 fn share(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
 
-/// Asks whether scores are still wanted; `E` is what refuses them.
+/// The check for cancellation, which `E` reports.
 type Wanted<'a, E> = &'a dyn Fn() -> Result<(), E>;
 
-/// So many rows are compared before it is asked whether to go on.
+/// The number of rows between checks for cancellation.
 const ROWS_AT_ONCE: usize = 64;
 
-/// The pairs of a frame, and those of all tracks, are worked out from so many at most, about a second long; then they are chosen
-/// nearest first.
+/// The maximum number of pairs visited by an assignment, about a second; beyond it the assignment is greedy.
 const MOST_WORK: u64 = 100_000_000;
 
-/// Overlaps of true objects, a row each, and told ones that have something in common.
+/// Returns the IoU of the overlapping true (rows) and estimated boxes (columns).
 fn overlaps<E>((truth, told): &(Boxes, Boxes), wanted: Wanted<E>) -> Result<Pairs, E> {
-    let near = Near::new(told.iter().map(|(_, bounds)| corners(bounds)));
+    let near = BoxIndex::new(told.iter().map(|(_, bounds)| corners(bounds)));
     let (mut pairs, mut found) = (Pairs::new(told.len()), Vec::new());
     for (y, (_, bounds)) in truth.iter().enumerate() {
         if y.is_multiple_of(ROWS_AT_ONCE) {
@@ -75,8 +125,8 @@ fn overlaps<E>((truth, told): &(Boxes, Boxes), wanted: Wanted<E>) -> Result<Pair
     Ok(pairs)
 }
 
-/// Scores the confirmed objects of a run beside the truth, where one was followed beside that one; `None` where nothing is known
-/// of its frames, or no object is followed in them.
+/// Scores the confirmed tracks of a run against the truth, or against one true object if one was tracked; `None` where the truth
+/// of a frame is unknown or nothing is tracked.
 ///
 /// # Errors
 /// If the truth cannot be read.
@@ -84,7 +134,7 @@ pub fn scores(field: &ObjectField, truth: &dyn Truth) -> Result<Option<Scores>, 
     scores_while(field, truth, &|| Ok(()))
 }
 
-/// The same of a run on a clip, beside its truth; `None` as well where it has none.
+/// Scores a run on a clip against the clip's truth; `None` where it has none.
 ///
 /// # Errors
 /// If the truth cannot be read, or the work is cancelled (see [`Clip::until`]).
@@ -95,12 +145,12 @@ pub fn scores_on(clip: &Clip, field: &ObjectField) -> Result<Option<Scores>, Err
 
 fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -> Result<Option<Scores>, Error> {
     let counts = |id: u32| match &field.followed {
-        Followed::Nobody => false,
+        Followed::Nothing => false,
         Followed::One(ids) => ids.contains(&id),
         Followed::All => true,
     };
     let is_anyone = match &field.followed {
-        Followed::Nobody => false,
+        Followed::Nothing => false,
         Followed::One(ids) => !ids.is_empty(),
         Followed::All => true,
     };
@@ -112,14 +162,14 @@ fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -
         let Some(objects) = truth.objects(field.first + i)? else { return Ok(None) };
         let known = objects.iter().filter(|object| counts(object.id));
         let known = known.map(|object| (object.id, Bounds::from(object))).collect();
-        let confirmed = frame.objects.iter().filter(|object| object.life == TrackStatus::Confirmed);
+        let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
         frames.push((known, confirmed.map(|object| (object.id, object.bounds)).collect()));
     }
     Scores::of_frames(&frames, wanted).map(Some)
 }
 
 impl Scores {
-    /// The scores of frames with their true and told objects.
+    /// Returns the scores of frames of true and estimated boxes.
     ///
     /// MOTA and MOTP: K. Bernardin and R. Stiefelhagen, Evaluating multiple object tracking performance, 2008. IDF1: E. Ristani and
     /// others, Performance measures and a data set for multi-target, multi-camera tracking, 2016. HOTA: J. Luiten and others, 2021.
@@ -128,7 +178,7 @@ impl Scores {
         scores
     }
 
-    /// The same, as long as they are wanted.
+    /// Returns the same scores, unless cancelled.
     fn of_frames<E>(frames: &[(Boxes, Boxes)], wanted: Wanted<E>) -> Result<Self, E> {
         let (tracks, mut clear) = (Tracks::of(frames), Clear::default());
         let rows = tracks.truth.ids.len();
@@ -141,16 +191,16 @@ impl Scores {
         }
         let columns = tracks.told.ids.len();
         let aligned = tracks.aligned(&shared.pairs(columns));
-        let (matched, hasty) = tracks.matched(frames, &aligned, wanted)?;
+        let (matched, greedy) = tracks.matched(frames, &aligned, wanted)?;
         let (agree, hota) = (agree.pairs(columns), tracks.hota(&matched));
-        let identities = most_worth(&agree, &mut Effort::limited(MOST_WORK, wanted))?;
-        clear.hasty += hasty + identities.hasty;
+        let identities = most_worth(&agree, &mut WorkBudget::limited(MOST_WORK, wanted))?;
+        clear.greedy += greedy + identities.greedy;
         let identities = paired(&agree, &identities.columns) as usize;
         Ok(Self::from_counts([tracks.truth.total, tracks.told.total], &clear, (identities, hota)))
     }
 
     fn from_counts([truths, told]: [usize; 2], clear: &Clear, (identities, hota): (usize, f64)) -> Self {
-        let Clear { matches, switches, overlap, hasty, .. } = *clear;
+        let Clear { matches, switches, overlap, greedy, .. } = *clear;
         let wrong = (truths - matches) + (told - matches) + switches;
         let [all, found] = [truths, told].map(|count| count as f64);
         Self {
@@ -164,46 +214,46 @@ impl Scores {
             precision: share(matches as f64, found),
             recall: share(matches as f64, all),
             hota,
-            hasty,
+            greedy,
         }
     }
 }
 
-/// What pairs add up to.
+/// Returns the sum over pairs.
 fn paired(numbers: &Pairs, columns: &[Option<usize>]) -> f64 {
     let pairs = columns.iter().enumerate().filter_map(|(row, column)| numbers.get(row, (*column)?));
     pairs.sum()
 }
 
-/// What CLEAR-MOT counts.
+/// The counts of CLEAR MOT.
 #[derive(Default)]
 struct Clear {
     matches: usize,
     switches: usize,
     overlap: f64,
-    /// True objects that were paired nearest first.
-    hasty: usize,
-    /// Which track was found as which true object.
+    /// True objects matched greedily.
+    greedy: usize,
+    /// The last matched track of each true object.
     found_as: BTreeMap<u32, u32>,
 }
 
 impl Clear {
-    /// Takes in a frame. A track stays that of its true object while it can; the others are paired anew.
+    /// Adds a frame. Matches of the previous frame are kept where possible; the others are assigned anew.
     fn see<E>(&mut self, (truth, told): &(Boxes, Boxes), overlaps: &Pairs, wanted: Wanted<E>) -> Result<(), E> {
         let mut first: BTreeMap<u32, usize> = BTreeMap::new();
         told.iter().enumerate().for_each(|(x, (id, _))| _ = first.entry(*id).or_insert(x));
         let (mut pairs, mut is_taken) = (vec![None; truth.len()], vec![false; told.len()]);
         for (y, (id, _)) in truth.iter().enumerate() {
-            // Two may have been found as the same one before: the first of them has it.
+            // Two true objects may have matched one track before: the first keeps it.
             let same = self.found_as.get(id).and_then(|other| first.get(other)).copied();
-            let is_found = |x: &usize| overlaps.get(y, *x).is_some_and(|overlap| overlap >= FOUND);
+            let is_found = |x: &usize| overlaps.get(y, *x).is_some_and(|overlap| overlap >= MATCH_IOU);
             pairs[y] = same.filter(|x| is_found(x) && !std::mem::replace(&mut is_taken[*x], true));
         }
         let free = overlaps.filter_map(|y, x, overlap| {
-            (pairs[y].is_none() && !is_taken[x] && overlap >= FOUND).then_some(1.0 - overlap)
+            (pairs[y].is_none() && !is_taken[x] && overlap >= MATCH_IOU).then_some(1.0 - overlap)
         });
-        let new = least_cost(&free, &mut Effort::limited(MOST_WORK, wanted))?;
-        self.hasty += new.hasty;
+        let new = least_cost(&free, &mut WorkBudget::limited(MOST_WORK, wanted))?;
+        self.greedy += new.greedy;
         for (pair, new) in pairs.iter_mut().zip(new.columns) {
             *pair = pair.or(new);
         }
@@ -217,7 +267,7 @@ impl Clear {
     }
 }
 
-/// The identities of all frames, in order, with how often each is there.
+/// The identities of all frames, in order, with their numbers of boxes.
 struct Identities {
     ids: Vec<u32>,
     counts: Vec<f64>,
@@ -235,19 +285,19 @@ impl Identities {
         Self { ids, counts, total }
     }
 
-    /// The places of the objects of a frame, which are there.
+    /// Returns the indices of the objects of a frame.
     fn places(&self, boxes: &Boxes) -> Vec<usize> {
         boxes.iter().map(|(id, _)| self.ids.partition_point(|other| other < id)).collect()
     }
 }
 
-/// All true tracks, a row each, and all told ones.
+/// All true and all estimated tracks.
 struct Tracks {
     truth: Identities,
     told: Identities,
 }
 
-/// A true and a told object that were matched in a frame: their tracks, and how much they overlap.
+/// A match in a frame: the true and the estimated track, and their IoU.
 type Matched = ((usize, usize), f64);
 
 impl Tracks {
@@ -260,15 +310,15 @@ impl Tracks {
         [self.truth.places(truth), self.told.places(told)]
     }
 
-    /// Adds a frame in which tracks agree that overlap enough.
+    /// Counts the tracks that agree in a frame.
     fn add_agreement(&self, frame: &(Boxes, Boxes), overlaps: &Pairs, agree: &mut Sums) {
         let [rows, columns] = self.places(frame);
-        for (y, x, _) in overlaps.iter().filter(|(.., overlap)| *overlap >= FOUND) {
+        for (y, x, _) in overlaps.iter().filter(|(.., overlap)| *overlap >= MATCH_IOU) {
             agree.add((rows[y], columns[x]), 1.0);
         }
     }
 
-    /// Adds how much of two tracks is alike in a frame, which is shared out among those that overlap in it.
+    /// Adds the similarity of tracks in a frame, normalised over all that overlap there.
     fn add_shared(&self, frame: &(Boxes, Boxes), overlaps: &Pairs, shared: &mut Sums) {
         let [rows, columns] = self.places(frame);
         let (mut of_truth, mut of_told) = (vec![0.0; rows.len()], vec![0.0; columns.len()]);
@@ -281,33 +331,32 @@ impl Tracks {
         }
     }
 
-    /// How much of two tracks is alike over the whole clip.
+    /// Returns the alignment of two tracks over the whole clip.
     fn aligned(&self, shared: &Pairs) -> Pairs {
         shared.map(|y, x, both| share(both, self.truth.counts[y] + self.told.counts[x] - both))
     }
 
-    /// One pairing of each frame for all limits: what aligns best over the whole clip, weighed by the overlap in the frame; and how
-    /// many were paired nearest first.
+    /// Returns the matches of each frame for all thresholds, by global alignment times IoU, and the number matched greedily.
     fn matched<E>(
         &self,
         frames: &[(Boxes, Boxes)],
         aligned: &Pairs,
         wanted: Wanted<E>,
     ) -> Result<(Vec<Matched>, usize), E> {
-        let (mut matched, mut hasty) = (Vec::new(), 0);
+        let (mut matched, mut greedy) = (Vec::new(), 0);
         for frame in frames {
             let ([rows, columns], overlaps) = (self.places(frame), overlaps(frame, wanted)?);
             let worth = overlaps.map(|y, x, overlap| aligned.get(rows[y], columns[x]).unwrap_or_default() * overlap);
-            let pairs = most_worth(&worth, &mut Effort::limited(MOST_WORK, wanted))?;
-            hasty += pairs.hasty;
+            let pairs = most_worth(&worth, &mut WorkBudget::limited(MOST_WORK, wanted))?;
+            greedy += pairs.greedy;
             let pairs = pairs.columns.into_iter().enumerate().filter_map(|(y, x)| Some((y, x?)));
             matched.extend(pairs.map(|(y, x)| ((rows[y], columns[x]), overlaps.get(y, x).unwrap_or_default())));
         }
         matched.sort_by_key(|(place, _)| *place);
-        Ok((matched, hasty))
+        Ok((matched, greedy))
     }
 
-    /// The score of what was matched, by tracks.
+    /// Returns HOTA from the matches by tracks.
     fn hota(&self, matched: &[Matched]) -> f64 {
         let all = (self.truth.total + self.told.total) as f64;
         let of_limit = |limit: f64| {
@@ -342,7 +391,20 @@ mod tests {
     }
 
     #[test]
-    fn nothing_told_and_nothing_true_are_no_division_by_zero() {
+    fn matches_of_frames_add_up_to_precision_recall_and_f1() {
+        let frames = [
+            (vec![at(1, 0.0), at(2, 40.0)], vec![at(7, 1.0)]),
+            (vec![at(1, 0.0)], vec![at(7, 0.0), at(8, 20.0), at(9, 60.0)]),
+        ];
+        let all = frames.iter().map(Matches::of).fold(Matches::default(), Matches::and);
+        assert_eq!(all, Matches { truths: 3, estimates: 4, pairs: 2 });
+        assert_eq!((all.misses(), all.false_positives()), (1, 2));
+        assert!((all.precision() - 0.5).abs() < 1e-12 && (all.recall() - 2.0 / 3.0).abs() < 1e-12);
+        assert!((all.f1() - 4.0 / 7.0).abs() < 1e-12 && Matches::default().f1() == 0.0);
+    }
+
+    #[test]
+    fn no_estimates_and_no_truth_are_no_division_by_zero() {
         let missed: Vec<(Boxes, Boxes)> = vec![(vec![at(1, 0.0)], vec![]); 3];
         let scores = Scores::of(&missed);
         assert_eq!((scores.mota, scores.idf1, scores.hota, scores.precision), (0.0, 0.0, 0.0, 0.0));
@@ -352,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn an_identity_that_changes_in_the_middle_is_told_by_each_score() {
+    fn an_identity_switch_lowers_each_score() {
         let frames: Vec<_> = (0..10).map(|t| (vec![at(1, 0.0)], vec![at(if t < 5 { 7 } else { 8 }, 0.0)])).collect();
         let scores = Scores::of(&frames);
         assert_eq!((scores.switches, scores.mota), (1, 0.9));
@@ -362,7 +424,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_is_found_twice_as_the_same() {
+    fn no_track_is_matched_twice() {
         // Each true object was found as 9 once; then both stand where 9 is.
         let frames = vec![
             (vec![at(1, 0.0)], vec![at(9, 0.0)]),

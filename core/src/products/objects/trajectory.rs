@@ -1,120 +1,120 @@
-//! What the way of an object tells: how fast and where it goes, what it crosses, where it stays, and whether others go that way.
+//! Trajectories: velocity, line crossings, dwell time in a zone, and anomalous directions of a track.
 
 use crate::base::words::heading_deg;
 use crate::geometry::Bounds;
 use crate::params::Line;
 
-/// Where an object was seen.
+/// A position of a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackPoint {
     /// The frame.
     pub frame: usize,
-    /// The place in px.
+    /// The position in px.
     pub at: [f64; 2],
-    /// Velocity in px/frame since it was seen before; none where it was not.
+    /// Velocity in px/frame since the last position; none at the first one.
     pub step: Option<[f64; 2]>,
-    /// Velocity in px/frame of the straight line that fits its last places best; none where there is only one.
+    /// Velocity in px/frame by least squares over the last positions; none at the first one.
     pub velocity: Option<[f64; 2]>,
-    /// How the way others go differs from this one, where it does by more than is usual.
-    pub unusual: Option<Unusual>,
+    /// The anomaly of the direction, if there is one.
+    pub anomaly: Option<DirectionAnomaly>,
 }
 
-/// A heading that others do not have there.
+/// A direction far from the mean of the other tracks in its cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unusual {
-    /// Between the heading and the mean of the others, 0 to 180°.
+pub struct DirectionAnomaly {
+    /// Angle to the mean direction, 0 to 180°.
     pub angle_deg: f64,
-    /// The direction of that mean, a unit vector.
-    pub usual: [f64; 2],
-    /// How many others there were.
+    /// The mean direction of the others, a unit vector.
+    pub mean: [f64; 2],
+    /// The number of other tracks.
     pub others: usize,
 }
 
-/// An object that goes over a line.
+/// A crossing of the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// The frame in which it was seen on the other side.
+    /// The first frame on the other side.
     pub frame: usize,
-    /// Where its way meets the line.
+    /// The intersection with the line in px.
     pub at: [f64; 2],
-    /// Whether it goes to the right of who looks from the beginning of the line to its end.
+    /// Whether the crossing is to the right as seen from the beginning of the line to its end.
     pub is_forward: bool,
 }
 
-/// A stay of an object in a zone.
+/// A visit of the zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stay {
-    /// The first frame in which it was seen there.
+pub struct Dwell {
+    /// The first frame inside.
     pub entered: usize,
-    /// The last one so far.
+    /// The last frame inside so far.
     pub last: usize,
-    /// Whether it has been seen elsewhere since.
+    /// Whether the track has left.
     pub is_over: bool,
 }
 
 impl TrackPoint {
-    /// Where it goes, in degrees from right, against the clock, more than −180 up to 180; `None` where it stands or is seen for
-    /// the first time.
+    /// Returns the heading in degrees counter-clockwise from right, more than −180 up to 180; `None` at rest or at the first
+    /// position.
     pub fn heading_deg(&self) -> Option<f64> {
         self.velocity.filter(|velocity| *velocity != [0.0; 2]).map(heading_deg)
     }
 }
 
-impl Stay {
-    /// Its frames, the first and the last counted in.
+impl Dwell {
+    /// Returns the dwell time in frames, the first and the last included.
     pub fn frames(&self) -> usize {
         self.last - self.entered + 1
     }
 }
 
-/// The way of one object, as far as it was seen.
+/// The trajectory of a track.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
     /// Its identity.
     pub id: u32,
-    /// Where it was seen, by frame.
+    /// Its positions, by frame.
     pub sightings: Vec<TrackPoint>,
-    /// Where it went over the line.
+    /// Its crossings of the line.
     pub crossings: Vec<Crossing>,
-    /// When it was in the zone.
-    pub stays: Vec<Stay>,
+    /// Its visits of the zone.
+    pub dwells: Vec<Dwell>,
 }
 
-/// What [`Trajectory::see`] has found out.
+/// The events of a new position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct News {
-    /// It has gone over the line.
+pub struct TrajectoryEvents {
+    /// A crossing of the line.
     pub crossed: Option<Crossing>,
-    /// It has come into the zone.
-    pub entered: Option<Stay>,
-    /// It has left the zone.
-    pub left: Option<Stay>,
+    /// The entry into the zone.
+    pub entered: Option<Dwell>,
+    /// The exit from the zone.
+    pub left: Option<Dwell>,
 }
 
-/// Where trajectories are looked at.
+/// The line, the zone and the window of an analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Places {
-    /// The line at which is counted.
+    /// The counting line.
     pub line: Option<Line>,
-    /// The zone in which time is taken.
+    /// The zone of dwell times.
     pub zone: Option<Bounds>,
-    /// Velocity is taken over so many frames.
+    /// The frames that a velocity is fitted to.
     pub window: usize,
 }
 
 impl Trajectory {
-    /// Takes in where the object is seen next.
-    pub fn see(&mut self, frame: usize, at: [f64; 2], places: &Places) -> News {
+    /// Adds the next position.
+    pub fn add(&mut self, frame: usize, at: [f64; 2], places: &Places) -> TrajectoryEvents {
         let before = self.sightings.last().copied();
         let step = before.map(|before| {
             let frames = (frame - before.frame).max(1) as f64;
             [0, 1].map(|i| (at[i] - before.at[i]) / frames)
         });
-        self.sightings.push(TrackPoint { frame, at, step, velocity: None, unusual: None });
+        self.sightings.push(TrackPoint { frame, at, step, velocity: None, anomaly: None });
         let recent = self.sightings.iter().rev().take_while(|seen| seen.frame + places.window > frame);
         let velocity = slope(recent.map(|seen| (seen.frame as f64, seen.at)));
         if let Some(last) = self.sightings.last_mut() {
-            // Seen again after longer than that, only the step is known.
+            // After a gap longer than the window only the step is known.
             last.velocity = velocity.or(step);
         }
         let crossed = before.zip(places.line).and_then(|(before, line)| {
@@ -122,49 +122,49 @@ impl Trajectory {
             Some(Crossing { frame, at, is_forward })
         });
         self.crossings.extend(crossed);
-        let (entered, left) = self.stay(frame, places.zone.is_some_and(|zone| holds(&zone, at)));
-        News { crossed, entered, left }
+        let (entered, left) = self.update_dwell(frame, places.zone.is_some_and(|zone| holds(&zone, at)));
+        TrajectoryEvents { crossed, entered, left }
     }
 
-    /// Takes in whether it is in the zone.
-    fn stay(&mut self, frame: usize, is_inside: bool) -> (Option<Stay>, Option<Stay>) {
-        match self.stays.last_mut().filter(|stay| !stay.is_over) {
-            Some(stay) if is_inside => stay.last = frame,
-            Some(stay) => {
-                stay.is_over = true;
-                return (None, Some(*stay));
+    /// Updates the visits of the zone.
+    fn update_dwell(&mut self, frame: usize, is_inside: bool) -> (Option<Dwell>, Option<Dwell>) {
+        match self.dwells.last_mut().filter(|dwell| !dwell.is_over) {
+            Some(dwell) if is_inside => dwell.last = frame,
+            Some(dwell) => {
+                dwell.is_over = true;
+                return (None, Some(*dwell));
             }
             None if is_inside => {
-                let stay = Stay { entered: frame, last: frame, is_over: false };
-                self.stays.push(stay);
-                return (Some(stay), None);
+                let dwell = Dwell { entered: frame, last: frame, is_over: false };
+                self.dwells.push(dwell);
+                return (Some(dwell), None);
             }
             None => {}
         }
         (None, None)
     }
 
-    /// The length of its way in px.
+    /// Returns the path length in px.
     pub fn length_px(&self) -> f64 {
         self.sightings.windows(2).map(|pair| apart(pair[0].at, pair[1].at)).fold(0.0, |sum, step| sum + step)
     }
 
-    /// From its first place to its last, as a share of the length of its way: 1 where it went straight on.
+    /// Returns the straightness: distance from the first to the last position over the path length, at most 1.
     pub fn straightness(&self) -> Option<f64> {
         let (first, last) = (self.sightings.first()?, self.sightings.last()?);
         let length = self.length_px();
         (length > 0.0).then(|| apart(first.at, last.at) / length)
     }
 
-    /// Its mean speed in px/frame.
+    /// Returns the mean speed in px/frame.
     pub fn speed(&self) -> Option<f64> {
         let (first, last) = (self.sightings.first()?, self.sightings.last()?);
         (last.frame > first.frame).then(|| self.length_px() / (last.frame - first.frame) as f64)
     }
 
-    /// Frames in which it was in the zone.
+    /// Returns the total dwell time in frames.
     pub fn dwell_frames(&self) -> usize {
-        self.stays.iter().map(Stay::frames).sum()
+        self.dwells.iter().map(Dwell::frames).sum()
     }
 }
 
@@ -172,12 +172,12 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
     (b[0] - a[0]).hypot(b[1] - a[1])
 }
 
-/// Whether a place lies in a zone; its left and upper edge belong to it.
+/// Returns whether a position is in a zone; its left and upper edges belong to it.
 pub fn holds(zone: &Bounds, at: [f64; 2]) -> bool {
     (0..2).all(|i| (f64::from(zone.min[i])..f64::from(zone.max[i])).contains(&at[i]))
 }
 
-/// The slope of the straight line that fits places over time best, by least squares: px for each frame.
+/// Returns the slope of the least-squares line through positions over time in px/frame.
 fn slope(places: impl Iterator<Item = (f64, [f64; 2])> + Clone) -> Option<[f64; 2]> {
     let count = places.clone().count() as f64;
     let mean = |of: &dyn Fn((f64, [f64; 2])) -> f64| places.clone().map(of).sum::<f64>() / count;
@@ -190,12 +190,12 @@ fn slope(places: impl Iterator<Item = (f64, [f64; 2])> + Clone) -> Option<[f64; 
     Some([along(0, x) / spread, along(1, y) / spread])
 }
 
-/// Where the way from one place to another meets a line, and whether it goes to the line's right. A place on the line counts as
-/// on its right, so that who stops there is counted once.
+/// Returns the intersection of a segment with a line, and whether the crossing is to the line's right. A position on the line
+/// counts as right of it, so that a track that stops there is counted once.
 pub fn crossing(line: &Line, from: [f64; 2], to: [f64; 2]) -> Option<([f64; 2], bool)> {
     let (begin, end) = (line.from.map(f64::from), line.to.map(f64::from));
     let along = [end[0] - begin[0], end[1] - begin[1]];
-    // Positive to the right of who looks along the line, since y points down.
+    // Positive to the right as seen along the line, since y points down.
     let side = |at: [f64; 2]| along[0] * (at[1] - begin[1]) - along[1] * (at[0] - begin[0]);
     let (before, after) = (side(from), side(to));
     if (before >= 0.0) == (after >= 0.0) {
@@ -216,14 +216,17 @@ mod tests {
         Line { from, to }
     }
 
-    fn followed(places: &Places, way: impl IntoIterator<Item = (usize, [f64; 2])>) -> (Trajectory, Vec<News>) {
+    fn followed(
+        places: &Places,
+        way: impl IntoIterator<Item = (usize, [f64; 2])>,
+    ) -> (Trajectory, Vec<TrajectoryEvents>) {
         let mut trajectory = Trajectory::default();
-        let news = way.into_iter().map(|(frame, at)| trajectory.see(frame, at, places)).collect();
-        (trajectory, news)
+        let events = way.into_iter().map(|(frame, at)| trajectory.add(frame, at, places)).collect();
+        (trajectory, events)
     }
 
     #[test]
-    fn the_right_of_a_line_is_that_of_who_walks_along_it() {
+    fn right_of_a_line_is_as_seen_along_it() {
         // Up the picture: right is where x grows.
         let up = line([10.0, 20.0], [10.0, 0.0]);
         assert_eq!(crossing(&up, [8.0, 10.0], [12.0, 10.0]), Some(([10.0, 10.0], true)));
@@ -235,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn who_stops_on_a_line_is_counted_once() {
+    fn a_stop_on_a_line_is_counted_once() {
         let places = Places { line: Some(line([10.0, 20.0], [10.0, 0.0])), zone: None, window: 5 };
         let (there, _) = followed(&places, (0..5).map(|t| (t, [8.0 + t as f64, 9.0])));
         assert_eq!(there.crossings.iter().map(|c| (c.frame, c.is_forward)).collect::<Vec<_>>(), [(2, true)]);
@@ -245,21 +248,21 @@ mod tests {
     }
 
     #[test]
-    fn a_stay_lasts_from_the_first_frame_inside_to_the_last() {
+    fn dwell_time_lasts_from_the_first_frame_inside_to_the_last() {
         let zone = Bounds { min: [10.0, 0.0], max: [20.0, 9.0] };
         let places = Places { line: None, zone: Some(zone), window: 5 };
         let way = [(0, 5.0), (1, 10.0), (2, 15.0), (5, 19.0), (6, 20.0), (7, 12.0)].map(|(t, x)| (t, [x, 3.0]));
-        let (trajectory, news) = followed(&places, way);
-        let stays: Vec<_> = trajectory.stays.iter().map(|stay| (stay.entered, stay.last, stay.is_over)).collect();
-        assert_eq!(stays, [(1, 5, true), (7, 7, false)]);
+        let (trajectory, events) = followed(&places, way);
+        let dwells: Vec<_> = trajectory.dwells.iter().map(|dwell| (dwell.entered, dwell.last, dwell.is_over)).collect();
+        assert_eq!(dwells, [(1, 5, true), (7, 7, false)]);
         assert_eq!(
-            (trajectory.dwell_frames(), news[1].entered.is_some(), news[4].left.map(|s| s.frames())),
+            (trajectory.dwell_frames(), events[1].entered.is_some(), events[4].left.map(|s| s.frames())),
             (6, true, Some(5))
         );
     }
 
     #[test]
-    fn velocity_is_that_of_the_line_that_fits_best() {
+    fn velocity_is_fitted_by_least_squares() {
         let places = Places { window: 4, ..Places::default() };
         // A constant velocity is found exactly, also over a gap.
         let way = [0, 1, 2, 5, 6].map(|t| (t, [3.0 * t as f64 - 7.0, -0.5 * t as f64]));

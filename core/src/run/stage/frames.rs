@@ -70,7 +70,7 @@ impl Frames {
         }
         let units = estimator.units_of(clip.size(), 1).unwrap_or(1);
         let run = estimator.begin(clip, first)?;
-        let followed = run.output().get::<ObjectField>().map_or(Followed::Nobody, |field| field.followed.clone());
+        let followed = run.output().get::<ObjectField>().map_or(Followed::Nothing, |field| field.followed.clone());
         let (run, clip) = (Some(run), clip.clone());
         let found = Found { estimator, clip, run, units, first, frames: Vec::new(), followed, is_over: false };
         Ok(Self(Arc::new(Mutex::new(found))))

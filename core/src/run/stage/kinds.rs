@@ -75,7 +75,7 @@ impl Makes for Tracks {
     const PRODUCT: &'static ProductKind = ObjectField::KIND;
     const WORDS: &'static str = "objects followed over time";
     // As a live camera would have it: what is analysed is what was seen.
-    const DEFAULTS: &'static [(&'static str, &'static str)] = &[("backdate", "off"), ("bridge", "off")];
+    const DEFAULTS: &'static [(&'static str, &'static str)] = &[("backdate", "off"), ("interpolate", "off")];
 }
 
 /// Stages that go through a clip frame after frame.

@@ -1,19 +1,19 @@
-//! How labelling is told and drawn.
+//! The steps of the labelling in words, numbers and marks.
 
 use std::sync::Arc;
 
-use super::{ConnectedComponents, Event, Given, line};
+use super::{ConnectedComponents, Event, MaskedFrame, line};
 use crate::base::words;
 use crate::data::{LabelEvent, Run};
 use crate::geometry::Grid;
-use crate::methods::subtraction::{self, Account, plots};
+use crate::methods::subtraction::{self, MaskHistory, plots};
 use crate::run::Seen;
 use crate::scene::{Fact, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
-/// So many labels are listed with their roots.
+/// The maximum number of labels listed with their parents.
 const LISTED: usize = 24;
 
-/// A run as a person reads it.
+/// A run of pixels as text.
 fn name(run: Run) -> String {
     match run.end - run.start {
         1 => format!("pixel {} of row {}", run.start, run.y),
@@ -21,23 +21,23 @@ fn name(run: Run) -> String {
     }
 }
 
-/// A verb as it stands behind a run: pixels touch, and a pixel touches.
+/// A verb in the number of its run: pixels touch, a pixel touches.
 fn verb(run: &Run, many: &'static str, one: &'static str) -> &'static str {
     if run.end - run.start == 1 { one } else { many }
 }
 
-/// Labels are told from 1, as components are.
+/// A label as text, counted from 1 like components.
 fn label(label: u32) -> String {
     format!("label {}", label + 1)
 }
 
-/// What was labelled up to the cursor.
-struct SoFar {
+/// The labelling up to the cursor.
+struct Labels {
     runs: Vec<Run>,
     parents: Vec<u32>,
 }
 
-impl SoFar {
+impl Labels {
     fn new(seen: &Seen<ConnectedComponents>) -> Self {
         let before = &seen.before.labelling;
         let (mut runs, mut parents) = (before.runs().to_vec(), before.parents().to_vec());
@@ -63,7 +63,7 @@ impl SoFar {
         label
     }
 
-    /// The root of each pixel so far, from 1.
+    /// The root of each labelled pixel, from 1.
     fn labels(&self, (width, height): (usize, usize)) -> Grid<u32> {
         let mut grid = Grid::new(width, height, 0);
         for run in &self.runs {
@@ -72,12 +72,12 @@ impl SoFar {
         grid
     }
 
-    /// How many labels are no others' children.
+    /// The number of labels that are roots.
     fn roots(&self) -> usize {
         self.parents.iter().enumerate().filter(|(label, parent)| *label == **parent as usize).count()
     }
 
-    /// The parent of each label, the last ones where there are many.
+    /// The parent of each label; of many labels, the last ones.
     fn forest(&self) -> String {
         let skipped = self.parents.len().saturating_sub(LISTED);
         let of = |(label, parent): (usize, &u32)| match label == *parent as usize {
@@ -86,7 +86,7 @@ impl SoFar {
         };
         let all: Vec<_> = self.parents.iter().enumerate().skip(skipped).map(of).collect();
         match (&all[..], skipped) {
-            ([], _) => "no labels yet".into(),
+            ([], _) => "none".into(),
             (all, 0) => all.join(", "),
             (all, _) => format!("…, {}", all.join(", ")),
         }
@@ -111,22 +111,22 @@ impl ConnectedComponents {
         let (state, said) = (seen.before, Sentence::default());
         match seen.events.last() {
             None => said.text(
-                "Pixels that touch belong to one component. Row by row, each run of them takes the label of a run that it touches \
-                 in the row above, and where two labels meet they become one.",
+                "Each run of foreground pixels takes the label of a run that it touches in the row above. Where two labels meet, \
+                 union–find makes them equivalent.",
             ),
-            Some(Event::Row(given)) => {
-                let row = given.mask.row(state.row);
+            Some(Event::Row(masked)) => {
+                let row = masked.mask.row(state.row);
                 let count: u32 = row.iter().map(|word| word.count_ones()).sum();
                 said.text(match count {
-                    0 => format!("No pixel of row {} is set.", state.row),
-                    1 => format!("One pixel of row {} is set.", state.row),
-                    _ => format!("{count} pixels of row {} are set.", state.row),
+                    0 => format!("Row {} has no foreground pixels.", state.row),
+                    1 => format!("Row {} has 1 foreground pixel.", state.row),
+                    _ => format!("Row {} has {count} foreground pixels.", state.row),
                 })
             }
             Some(Event::Run(LabelEvent::Made(run))) => said
                 .ink(Role::Candidate, words::capital(&name(*run)))
-                .text(format!(" {} no run of the row above: ", verb(run, "touch", "touches")))
-                .ink(Role::Best, format!("{} is new", label(run.label)))
+                .text(format!(" {} no run of the row above, so a new label starts: ", verb(run, "touch", "touches")))
+                .ink(Role::Best, label(run.label))
                 .text("."),
             Some(Event::Run(LabelEvent::Took(run, above))) => said
                 .ink(Role::Candidate, words::capital(&name(*run)))
@@ -142,24 +142,21 @@ impl ConnectedComponents {
                 .ink(Role::Candidate, words::capital(&name(*run)))
                 .text(format!(" {} ", verb(run, "touch", "touches")))
                 .ink(Role::Reference, name(*other))
-                .text(" as well, which has the same root."),
+                .text(" too. Both have the same root, so no union is needed."),
             Some(Event::Run(LabelEvent::Merged(run, other, [root, child]))) => said
                 .ink(Role::Candidate, words::capital(&name(*run)))
                 .text(format!(" {} ", verb(run, "touch", "touches")))
                 .ink(Role::Reference, name(*other))
-                .text(" as well: two labels meet, and ")
+                .text(" too, of another root. Union: ")
                 .ink(Role::Result, format!("{} becomes a child of {}", label(*child), label(*root)))
                 .text("."),
             Some(Event::Final(_, _, count)) => said
-                .text(match state.labelling.parents().len() {
-                    1 => "1 label has ".into(),
-                    labels => format!("{labels} labels have "),
-                })
+                .text(format!("{} with ", words::counted(state.labelling.parents().len(), "provisional label")))
                 .ink(Role::Result, words::counted(*count as usize, "root"))
-                .text(": each is a connected component, counted in raster order of its first pixel."),
+                .text(". Each root is a connected component, numbered in raster order of its first pixel."),
             Some(Event::Kept(_, blobs)) => {
                 let events = [subtraction::Event::Kept(Arc::clone(blobs))];
-                Account::new(&events).sentence(self.settings.min_area).unwrap_or(said)
+                MaskHistory::new(&events).sentence(self.settings).unwrap_or(said)
             }
         }
     }
@@ -169,37 +166,37 @@ impl ConnectedComponents {
         if seen.events.is_empty() {
             return Vec::new();
         }
-        let so_far = SoFar::new(seen);
+        let labels = Labels::new(seen);
         let mut facts: Vec<Fact> = vec![
             Fact::new("Frame", state.frame.to_string(), None),
-            Fact::new("Runs", so_far.runs.len().to_string(), None),
-            Fact::new("Labels", so_far.parents.len().to_string(), None),
-            Fact::new("Roots", so_far.roots().to_string(), Some(Role::Result)),
+            Fact::new("Runs", labels.runs.len().to_string(), None),
+            Fact::new("Labels", labels.parents.len().to_string(), None),
+            Fact::new("Roots", labels.roots().to_string(), Some(Role::Result)),
         ];
-        if let Some(root) = self.focused(seen, &so_far) {
+        if let Some(root) = self.focused(seen, &labels) {
             facts.push(Fact::new("Pixel", root, Some(Role::Reference)));
         }
-        facts.push(Fact::new("Label → parent", so_far.forest(), None));
+        facts.push(Fact::new("Label → parent", labels.forest(), None));
         let now = seen.after.unwrap_or(state);
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend(plots(&now.record, &state.span));
         readouts
     }
 
-    /// The label of the pixel that is pointed at, and its root.
-    fn focused(&self, seen: &Seen<Self>, so_far: &SoFar) -> Option<String> {
+    /// The label and the root of the pixel that is pointed at.
+    fn focused(&self, seen: &Seen<Self>, labels: &Labels) -> Option<String> {
         let (width, height) = seen.before.picture;
         let [x, y] = seen.point()?.map(|c| c + 0.5);
         let is_inside = (0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y);
         let (x, y) = is_inside.then_some((x as u32, y as u32))?;
-        let run = so_far.runs.iter().find(|run| run.y == y && (run.start..run.end).contains(&x));
+        let run = labels.runs.iter().find(|run| run.y == y && (run.start..run.end).contains(&x));
         Some(match run {
             None => format!("{}, no label", words::pixel((x as usize, y as usize))),
             Some(run) => format!(
                 "{}, {}, root {}",
                 words::pixel((x as usize, y as usize)),
                 label(run.label),
-                so_far.root(run.label) + 1
+                labels.root(run.label) + 1
             ),
         })
     }
@@ -208,20 +205,22 @@ impl ConnectedComponents {
         let state = seen.before;
         match seen.events.last() {
             None => return,
-            Some(Event::Final(_, labels, _)) => draw_labels(scene, Arc::clone(labels), "component, a colour for each"),
+            Some(Event::Final(_, labels, _)) => draw_labels(scene, Arc::clone(labels), "components, one colour each"),
             Some(Event::Kept(_, blobs)) => {
                 let events = [subtraction::Event::Kept(Arc::clone(blobs))];
-                Account::new(&events).draw(scene);
+                MaskHistory::new(&events).draw(scene);
             }
             Some(Event::Row(_) | Event::Run(_)) => {
-                let given =
-                    seen.events.iter().find_map(|event| if let Event::Row(given) = event { Some(given) } else { None });
-                given.into_iter().for_each(|given| draw_waiting(scene, given, state.row));
-                let labels = SoFar::new(seen).labels(state.picture);
-                draw_labels(scene, Arc::new(labels), "label so far, a colour for each root");
+                let masked = seen
+                    .events
+                    .iter()
+                    .find_map(|event| if let Event::Row(masked) = event { Some(masked) } else { None });
+                masked.into_iter().for_each(|masked| draw_unlabelled(scene, masked, state.row));
+                let labels = Labels::new(seen).labels(state.picture);
+                draw_labels(scene, Arc::new(labels), "provisional labels, one colour per root");
                 let (x, width) = (0, state.picture.0);
                 scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x, state.row as i32, width, 1));
-                scene.legend(Role::Window, "row");
+                scene.legend(Role::Window, "current row");
             }
         }
         let Some(Event::Run(event)) = seen.events.last() else { return };
@@ -236,8 +235,8 @@ impl ConnectedComponents {
             scene.mark(Picture::CURRENT, role, shape);
             scene.legend(role, meaning);
         };
-        other.into_iter().for_each(|other| mark(other, Role::Reference, "run above that it touches"));
-        mark(run, Role::Candidate, "run at work");
+        other.into_iter().for_each(|other| mark(other, Role::Reference, "touching run above"));
+        mark(run, Role::Candidate, "current run");
     }
 }
 
@@ -246,10 +245,10 @@ fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static str)
     scene.legend(Role::Best, meaning);
 }
 
-/// The pixels of the rows to come.
-fn draw_waiting(scene: &mut Scene, given: &Given, row: usize) {
-    let mut mask = given.mask.clone();
+/// Draws the foreground of the rows to come.
+fn draw_unlabelled(scene: &mut Scene, masked: &MaskedFrame, row: usize) {
+    let mut mask = masked.mask.clone();
     (0..row).for_each(|y| mask.write_row(y, |words| words.fill(0)));
     scene.mark(Picture::CURRENT, Role::Rejected, Shape::Mask(Arc::new(mask)));
-    scene.legend(Role::Rejected, "pixel that waits for a label");
+    scene.legend(Role::Rejected, "foreground not yet labelled");
 }

@@ -1,26 +1,27 @@
-//! How a pixel is decided by its modes.
+//! The classification of a pixel by its modes, in words and numbers.
 
 use super::model::is_darker;
 use super::{Mixture, MixtureOfGaussians, Mode};
 use crate::base::words;
 use crate::data::Frame;
 use crate::geometry::Grid;
+use crate::methods::numbers::{gray, level, percent, ratio};
 use crate::methods::subtraction::Explanation;
 use crate::scene::{Fact, Math, Matrix, Role, Sentence};
 
-/// What the modes of a pixel say about it.
+/// The classification of a pixel by its modes.
 struct Verdict {
-    /// Those of the background are the first so many.
+    /// The number of background modes, which come first.
     background: usize,
-    /// The one that fits.
-    fits: Option<usize>,
-    /// The mode of the background of which the pixel is a shadow, and the share of light.
+    /// The index of the matched mode.
+    matched: Option<usize>,
+    /// The background mode that the pixel is a shadow on, and its brightness as a share of that mode's.
     shadow: Option<(usize, f32)>,
 }
 
 impl Verdict {
     fn is_foreground(&self) -> bool {
-        self.fits.is_none_or(|mode| mode >= self.background)
+        self.matched.is_none_or(|mode| mode >= self.background)
     }
 }
 
@@ -28,13 +29,13 @@ impl MixtureOfGaussians {
     fn verdict(&self, modes: &[Mode], pixel: &[f32]) -> Verdict {
         let mut heavier = 0.0;
         let is_background = |mode: &&Mode| {
-            let is_one = heavier < self.background;
+            let is_one = heavier < self.background_ratio;
             heavier += mode.weight;
             is_one
         };
         let background = modes.iter().take_while(is_background).count();
         let limit = |mode: &Mode| self.threshold * self.threshold * mode.variance;
-        let fits = modes.iter().position(|mode| {
+        let matched = modes.iter().position(|mode| {
             let square: f32 = pixel.iter().zip(&mode.mean).map(|(pixel, mean)| (pixel - mean) * (pixel - mean)).sum();
             square <= limit(mode)
         });
@@ -42,9 +43,10 @@ impl MixtureOfGaussians {
             let ([_, _, _], [_, _, _]) = (pixel, &mode.mean[..]) else { return None };
             let [pixel, mean] = [pixel, &mode.mean].map(|of| [of[0], of[1], of[2]]);
             let [along, square] = [pixel, mean].map(|of| (0..3).map(|c| of[c] * mean[c]).sum::<f32>());
-            (self.shadows && is_darker(pixel, mean, (self.darkest, limit(mode)))).then_some((index, along / square))
+            (self.detect_shadows && is_darker(pixel, mean, (self.shadow_threshold, limit(mode))))
+                .then_some((index, along / square))
         });
-        Verdict { background, fits, shadow }
+        Verdict { background, matched, shadow }
     }
 
     pub(super) fn explanation(
@@ -61,94 +63,157 @@ impl MixtureOfGaussians {
             equation: self.equation(&modes, &pixel, &verdict),
             matrices: matrices(&modes, &pixel, after.map(|after| after.modes(place))),
             verdict: self.sentence(&modes, &pixel, &verdict),
+            update: after.map_or_else(Sentence::default, |after| {
+                self.update(verdict.matched.map(|mode| (mode, &modes[mode])), &pixel, &after.modes(place))
+            }),
         }
     }
 
     fn facts(&self, modes: &[Mode], pixel: &[f32], verdict: &Verdict) -> Vec<Fact> {
         let role = if verdict.is_foreground() { Role::Result } else { Role::Rejected };
         let mut facts = vec![
-            Fact::new(if pixel.len() == 1 { "Gray" } else { "Colour" }, values(pixel), Some(Role::Measured)),
+            Fact::new(if pixel.len() == 1 { "Gray level" } else { "Colour" }, levels(pixel), Some(Role::Measured)),
             Fact::new("Modes", modes.len().to_string(), None),
-            Fact::new("Of the background", format!("the first {}", verdict.background), Some(Role::Predicted)),
-            Fact::new("Fits", verdict.fits.map_or("none".into(), |mode| format!("mode {}", mode + 1)), Some(role)),
+            Fact::new("Background modes", verdict.background.to_string(), Some(Role::Predicted)),
+            Fact::new("Matched mode", verdict.matched.map_or("none".into(), |mode| (mode + 1).to_string()), Some(role)),
         ];
-        facts.extend(verdict.fits.map(|mode| {
-            Fact::new("Distance", format!("{} σ", words::number(modes[mode].distance(pixel))), Some(role))
-        }));
-        facts.push(Fact::new("Threshold", format!("{} σ", words::number(self.threshold)), None));
+        facts.extend(
+            verdict
+                .matched
+                .map(|mode| Fact::new("Distance", format!("{} σ", gray(modes[mode].distance(pixel))), Some(role))),
+        );
+        facts.push(Fact::new("Threshold", format!("{} σ", gray(self.threshold)), None));
         facts
     }
 
-    /// How far the pixel is from the mode that fits, or from the heaviest.
+    /// The distance of the pixel from the matched mode, or from the heaviest.
     fn equation(&self, modes: &[Mode], pixel: &[f32], verdict: &Verdict) -> Vec<Math> {
-        let Some(mode) = modes.get(verdict.fits.unwrap_or(0)) else { return Vec::new() };
+        let Some(mode) = modes.get(verdict.matched.unwrap_or(0)) else { return Vec::new() };
         let size = |inner: Vec<Math>| Math::Abs(Box::new(Math::Row(inner)));
-        let index = (verdict.fits.unwrap_or(0) + 1).to_string();
+        let index = (verdict.matched.unwrap_or(0) + 1).to_string();
         let of = |name| Math::indexed(Math::Var(name), Math::text(index.clone()));
         let symbols = Math::Frac(Box::new(size(vec![Math::Var("I"), Math::text(" − "), of("μ")])), Box::new(of("σ")));
         let numbers = Math::Frac(
             Box::new(size(vec![
-                Math::ink(Role::Measured, values(pixel)),
+                Math::ink(Role::Measured, levels(pixel)),
                 Math::text(" − "),
                 Math::ink(Role::Predicted, values(&mode.mean)),
             ])),
-            Box::new(Math::ink(Role::Predicted, words::number(mode.variance.sqrt()))),
+            Box::new(Math::ink(Role::Predicted, gray(mode.variance.sqrt()))),
         );
-        let (sign, role) = if verdict.fits.is_some() { (" ≤ ", Role::Rejected) } else { (" > ", Role::Result) };
+        let (sign, role) = if verdict.matched.is_some() { (" ≤ ", Role::Rejected) } else { (" > ", Role::Result) };
         vec![
             Math::Row(vec![symbols, Math::text(" ≤ "), Math::Var("T")]),
             Math::Row(vec![
                 numbers,
                 Math::text(" = "),
-                Math::ink(role, words::number(mode.distance(pixel))),
-                Math::text(format!("{sign}{}", words::number(self.threshold))),
+                Math::ink(role, gray(mode.distance(pixel))),
+                Math::text(format!("{sign}{}", gray(self.threshold))),
             ]),
         ]
     }
 
     fn sentence(&self, modes: &[Mode], pixel: &[f32], verdict: &Verdict) -> Sentence {
-        let said = Sentence::default().text(" is ").ink(Role::Measured, values(pixel));
-        let said = match verdict.fits {
-            None => said.text(format!(
-                " and fits {}: ",
-                if modes.len() == 1 { "not its only mode" } else { "none of its modes" }
-            )),
+        let name = if pixel.len() == 1 { "gray level" } else { "colour" };
+        let said = Sentence::default().text(format!(": {name} ")).ink(Role::Measured, levels(pixel));
+        let limit = gray(self.threshold);
+        let said = match verdict.matched {
+            None => {
+                let nearest = modes.iter().map(|mode| mode.distance(pixel)).fold(f32::INFINITY, f32::min);
+                said.text(format!(
+                    " matches no mode: the nearest is {} σ away, the threshold {limit} σ. ",
+                    gray(nearest)
+                ))
+            }
             Some(mode) => {
-                let weight = words::number(100.0 * modes[mode].weight);
-                said.text(" and fits ").ink(Role::Predicted, format!("mode {}", mode + 1)).text(
-                    match mode < verdict.background {
-                        true => format!(" with {weight} % of the weight, one of the background: "),
-                        false => format!(" with only {weight} % of the weight, which is none of the background: "),
-                    },
-                )
+                let (weight, share) = (f64::from(modes[mode].weight), words::percent(self.background_ratio));
+                said.text(" matches ").ink(Role::Predicted, format!("mode {}", mode + 1)).text(format!(
+                    " of weight {}, {} the {share} of the background: ",
+                    ratio(weight),
+                    if mode < verdict.background { "within" } else { "outside" }
+                ))
             }
         };
+        let (background, foreground) = match verdict.matched {
+            None => ("Background", "Foreground"),
+            Some(_) => ("background", "foreground"),
+        };
         match (verdict.is_foreground(), verdict.shadow) {
-            (false, _) => said.ink(Role::Rejected, "background").text("."),
-            (true, None) => said.ink(Role::Result, "foreground").text("."),
-            (true, Some((mode, light))) => said.ink(Role::Result, "foreground").text(format!(
-                ". But mode {} with {} % of its light would look like that.",
+            (false, _) => said.ink(Role::Rejected, background).text("."),
+            (true, None) => said.ink(Role::Result, foreground).text("."),
+            (true, Some((mode, light))) => said.ink(Role::Result, foreground).text(format!(
+                ". It has the colour of background mode {} at {} of its brightness, above the shadow threshold {}.",
                 mode + 1,
-                words::number(100.0 * light)
+                percent(light.into()),
+                words::percent(self.shadow_threshold)
             )),
         }
     }
+
+    /// The update of the matched mode with its numbers, or the new mode.
+    fn update(&self, matched: Option<(usize, &Mode)>, pixel: &[f32], after: &[Mode]) -> Sentence {
+        let said = Sentence::default();
+        let alpha = ratio(self.learning_rate.into());
+        let nearest = |mean: &[f32]| {
+            let off = |mode: &Mode| mode.mean.iter().zip(mean).map(|(a, b)| (a - b) * (a - b)).sum::<f32>();
+            after.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
+        };
+        let Some((index, old)) = matched else {
+            return match nearest(pixel) {
+                Some(new) if self.learning_rate > 0.0 => said.text("no mode matches. ").ink(
+                    Role::Estimate,
+                    format!(
+                        "A new mode starts with μ = {}, σ = {} and weight {}.",
+                        levels(pixel),
+                        gray(new.variance.sqrt()),
+                        ratio(new.weight.into())
+                    ),
+                ),
+                _ => said.text("no mode matches, and a learning rate of 0 adds none."),
+            };
+        };
+        let weight = old.weight + self.learning_rate * (1.0 - old.weight - self.complexity_reduction);
+        let step = if weight > 0.0 { self.learning_rate / weight } else { 0.0 };
+        let moved: Vec<f32> = old.mean.iter().zip(pixel).map(|(mean, pixel)| mean + step * (pixel - mean)).collect();
+        let Some(new) = nearest(&moved) else { return said };
+        said.text(format!("mode {} is matched. With α = {alpha}, ", index + 1)).ink(
+            Role::Estimate,
+            format!(
+                "its weight goes from {} to {}, μ from {} to {}, σ from {} to {}.",
+                ratio(old.weight.into()),
+                ratio(new.weight.into()),
+                values(&old.mean),
+                values(&new.mean),
+                gray(old.variance.sqrt()),
+                gray(new.variance.sqrt())
+            ),
+        )
+    }
 }
 
+/// The mean of a mode as text.
 fn values(of: &[f32]) -> String {
-    let numbers: Vec<_> = of.iter().map(|value| words::number(*value)).collect();
+    tuple(of.iter().map(|value| gray(*value)).collect())
+}
+
+/// A pixel as text.
+fn levels(of: &[f32]) -> String {
+    tuple(of.iter().map(|value| level(*value)).collect())
+}
+
+fn tuple(numbers: Vec<String>) -> String {
     match &numbers[..] {
         [one] => one.clone(),
-        // Spaces at which no line is broken.
+        // No-break spaces.
         all => format!("({})", all.join(",\u{a0}")),
     }
 }
 
-/// The modes of a pixel, and what has become of them once that is known.
+/// The modes of a pixel before the update, and after it once that is done.
 fn matrices(modes: &[Mode], pixel: &[f32], after: Option<Vec<Mode>>) -> Vec<Matrix> {
-    let before = table("M", "modes before this frame", modes, pixel);
+    let before = table("M", "modes before the update", modes, pixel);
     let after = after.map(|after| {
-        let table = table("M'", "modes after it", &after, pixel);
+        let table = table("M'", "modes after the update", &after, pixel);
         let same = |(x, y): (usize, usize)| before.entries.get(x, y) == Some(&table.entries[(x, y)]);
         let changed = Grid::from_fn(table.entries.width(), table.entries.height(), |x, y| !same((x, y)));
         Matrix { role: Some(Role::Estimate), changed: Some(changed), ..table }
@@ -156,7 +221,7 @@ fn matrices(modes: &[Mode], pixel: &[f32], after: Option<Vec<Mode>>) -> Vec<Matr
     [before].into_iter().chain(after).collect()
 }
 
-/// A row for each mode.
+/// The table of modes, one row each.
 fn table(symbol: &'static str, name: &'static str, modes: &[Mode], pixel: &[f32]) -> Matrix {
     let columns = match pixel {
         [_] => vec!["w", "μ", "σ", "|I − μ| / σ"],

@@ -1,33 +1,33 @@
-//! The modes of all pixels, and what a frame does to them.
+//! The modes of all pixels and their update by a frame.
 //!
-//! Pixels go in groups of a row that fit a wide register, and a group works on no more modes than its pixels have: most have one
-//! or two. The first modes of all groups lie one behind the other, then the second ones, so that memory is read in its order, and
-//! there is only as much of it as there are modes.
+//! Pixels are processed in groups of a row that fit a SIMD register, and a group processes only as many modes as its pixels
+//! have: most have one or two. The first modes of all groups are stored one after the other, then the second ones, so that
+//! memory is read in order and only as much of it is used as there are modes.
 
 use super::{MAX_SIGMAS, MixtureOfGaussians};
 use crate::base::{LANES, Threads, wide::widest};
 use crate::data::{Frame, Mask};
 use crate::methods::subtraction::Found;
 
-/// What a pixel may look like: a mean, and how far its frames stray from that in any direction.
+/// A weighted normal distribution of a pixel with equal variance in all channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
-    /// Its share of the frames, 0 to 1.
+    /// The weight w, 0 to 1: the share of the frames that the mode explains.
     pub weight: f32,
-    /// The mean of |I − μ|² over the frames, all channels together: of n channels that stray alike, n times the variance of one.
+    /// The variance σ²: the mean of |I − μ|² over all channels together, so n times that of one of n equal channels.
     pub variance: f32,
-    /// The mean: the gray value, or red, green and blue.
+    /// The mean μ: the gray level, or red, green and blue.
     pub mean: Vec<f32>,
 }
 
 impl Mode {
-    /// How far a pixel is from the mean, in roots of that.
+    /// Returns the distance of a pixel from the mean, |I − μ| / σ.
     pub fn distance(&self, pixel: &[f32]) -> f32 {
         let square: f32 = pixel.iter().zip(&self.mean).map(|(pixel, mean)| (pixel - mean) * (pixel - mean)).sum();
         (square / self.variance).sqrt()
     }
 
-    /// The gray value of the mean.
+    /// Returns the gray level of the mean.
     pub fn gray(&self) -> f32 {
         match self.mean[..] {
             [red, green, blue] => 0.299 * red + 0.587 * green + 0.114 * blue,
@@ -36,15 +36,15 @@ impl Mode {
     }
 }
 
-/// What is known of all pixels.
+/// The modes of all pixels.
 #[derive(Debug, PartialEq)]
 pub struct Mixture {
     size: (usize, usize),
     /// 1 for gray values, 3 for colours.
     channels: usize,
-    /// At most so many modes.
+    /// The maximum number of modes of a pixel.
     most: usize,
-    /// How many modes of each group are in use.
+    /// The number of modes in use in each group.
     counts: Vec<u8>,
     /// The modes, by their index, and of each those of all groups: the weights of the pixels, their variances, and the means of
     /// each channel. A mode that a pixel has not got weighs nothing. None where the mixture is packed.
@@ -53,16 +53,16 @@ pub struct Mixture {
     packed: Option<Packed>,
 }
 
-/// Modes without room for those that are not in use.
+/// The modes in use, without gaps.
 #[derive(Clone, Debug, PartialEq)]
 struct Packed {
     cells: Vec<f32>,
-    /// Where each group begins.
+    /// The index of each group's first cell.
     starts: Vec<usize>,
 }
 
 impl Clone for Mixture {
-    /// What no group uses is not copied.
+    /// Copies only the planes in use.
     fn clone(&self) -> Self {
         let used = self.used();
         let copy =
@@ -76,39 +76,39 @@ impl Clone for Mixture {
     }
 }
 
-/// What is the same for all pixels.
+/// The parameters as the inner loop needs them.
 #[derive(Clone, Copy)]
 struct Rates {
     rate: f32,
-    /// Weight that a mode loses with each frame.
+    /// Weight that each mode loses per frame, α c_T.
     lost: f32,
-    /// The squares of the threshold, and of the standard deviations.
+    /// The squared threshold and the initial, least and largest variance.
     limit: f32,
     first: f32,
     least: f32,
     largest: f32,
     background: f32,
-    /// The least share of light in a shadow; none are looked for where it is absent.
+    /// The shadow threshold; none if shadows are not detected.
     darkest: Option<f32>,
 }
 
 impl Rates {
     fn new(of: &MixtureOfGaussians) -> Self {
-        let first = of.first_sigma.max(of.min_sigma);
+        let first = of.initial_sigma.max(of.min_sigma);
         Self {
-            rate: of.rate,
-            lost: of.rate * of.prune,
+            rate: of.learning_rate,
+            lost: of.learning_rate * of.complexity_reduction,
             limit: of.threshold * of.threshold,
             first: first * first,
             least: of.min_sigma * of.min_sigma,
             largest: MAX_SIGMAS * MAX_SIGMAS * first * first,
-            background: of.background,
-            darkest: of.shadows.then_some(of.darkest),
+            background: of.background_ratio,
+            darkest: of.detect_shadows.then_some(of.shadow_threshold),
         }
     }
 }
 
-/// Rows of the model and of the masks, and the pixels that they meet.
+/// A band of rows of the model, the masks and the frame.
 struct Band<'a> {
     width: usize,
     most: usize,
@@ -121,11 +121,11 @@ struct Band<'a> {
     first_row: usize,
 }
 
-/// Rows that a thread takes at once.
+/// The number of rows of a band.
 const BAND_ROWS: usize = 16;
 
 impl Mixture {
-    /// A mode for each pixel, with the first frame as means.
+    /// Initialises one mode per pixel with the first frame as mean.
     pub fn new(of: &MixtureOfGaussians, first: &Frame) -> Self {
         let (width, height) = first.size();
         let channels = if first.color().is_some() { 3 } else { 1 };
@@ -146,7 +146,7 @@ impl Mixture {
         Self { size: first.size(), channels, most: of.modes, counts, planes: vec![cells], packed: None }
     }
 
-    /// Memory of so many modes for each pixel, in bytes: weight, variance and means.
+    /// Memory of this many modes per pixel in bytes: weight, variance and means.
     pub fn need(modes: usize, channels: usize) -> f64 {
         (modes * (2 + channels) * size_of::<f32>() + 2) as f64
     }
@@ -223,7 +223,7 @@ impl Mixture {
             let planes: Vec<&mut [f32]> = planes.iter_mut().filter_map(Iterator::next).collect();
             (counts, planes)
         });
-        // Groups reach beyond the width; what they say of pixels there is not kept.
+        // Groups reach beyond the width; the mask drops their bits there.
         mask.write(|words, in_row| {
             shadows.write(|shadows, _| {
                 let words = words.chunks_mut(BAND_ROWS * in_row).zip(shadows.chunks_mut(BAND_ROWS * in_row));
@@ -243,7 +243,7 @@ impl Mixture {
                 }
             });
         });
-        let tells_shadows = of.shadows && self.channels == 3;
+        let tells_shadows = of.detect_shadows && self.channels == 3;
         Found { mask, shadows: tells_shadows.then_some(shadows) }
     }
 
@@ -263,7 +263,7 @@ impl Mixture {
         modes
     }
 
-    /// How far a pixel is from the nearest mode of the background, in standard deviations; from the heaviest where no mode is.
+    /// Returns the distance of a pixel from the nearest background mode in σ; from the heaviest mode if none is background.
     /// The heaviest modes whose weight adds up to `background` are the background.
     pub fn distance(&self, frame: &Frame, (x, y): (usize, usize), background: f32) -> f32 {
         let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
@@ -292,7 +292,7 @@ impl Mixture {
         if nearest.is_finite() { nearest } else { of_heaviest[1] }
     }
 
-    /// A pixel as it is compared with modes.
+    /// Returns a pixel in the channels of the modes.
     pub fn pixel(&self, frame: &Frame, place: (usize, usize)) -> Vec<f32> {
         match (self.channels, frame.color()) {
             (3, Some(color)) => color[place].map(f32::from).to_vec(),
@@ -354,7 +354,7 @@ fn color_band(band: &mut Band<'_>, rates: Rates) {
     });
 }
 
-/// Works on the groups of a band; `split` takes the channels of a row apart, which are 0 beyond the edge.
+/// Processes the groups of a band; `split` separates the channels of a row, which are 0 beyond the edge.
 #[inline(always)]
 fn work<const C: usize>(band: &mut Band<'_>, rates: Rates, split: impl Fn(&Frame, usize, [&mut [u8]; C])) {
     let (in_row, words) = (band.width.div_ceil(LANES), band.width.div_ceil(64));
@@ -375,7 +375,7 @@ fn work<const C: usize>(band: &mut Band<'_>, rates: Rates, split: impl Fn(&Frame
     }
 }
 
-/// The first pixels of a row that has so many.
+/// Returns the first pixels of a row that is long enough.
 #[inline(always)]
 fn lanes(row: &[u8]) -> [f32; LANES] {
     let mut pixels = [0.0; LANES];
@@ -397,7 +397,7 @@ fn bits(is: impl Fn(usize) -> bool) -> u16 {
     bits.iter().fold(0, |all, bit| all | bit) as u16
 }
 
-/// Pixels beside each other with their modes.
+/// Adjacent pixels of a row with their modes.
 struct Group<'a, 'b, const C: usize> {
     /// Of each mode those of all groups, and where its own begin.
     planes: &'a mut [&'b mut [f32]],
@@ -408,7 +408,7 @@ struct Group<'a, 'b, const C: usize> {
     rates: &'a Rates,
 }
 
-/// The mode that each pixel belongs to.
+/// The matched mode of each pixel.
 struct Matches {
     /// Its weight; 0 where there is none.
     weights: [f32; LANES],
@@ -417,7 +417,7 @@ struct Matches {
 }
 
 impl<const C: usize> Group<'_, '_, C> {
-    /// Decides and updates the pixels: a bit for each that is foreground, and for each that is a shadow.
+    /// Classifies and updates the pixels; returns a bit for each foreground pixel and for each shadow.
     #[inline(always)]
     fn take_in(&mut self) -> (u16, u16) {
         let matches = self.matches();
@@ -442,7 +442,7 @@ impl<const C: usize> Group<'_, '_, C> {
         self.planes[mode][self.place..][..(2 + C) * LANES].as_chunks_mut::<LANES>().0
     }
 
-    /// |I − μ|² of a mode.
+    /// Returns |I − μ|² of a mode.
     #[inline(always)]
     fn squares(&self, mode: &[[f32; LANES]]) -> [f32; LANES] {
         let mut squares = [0.0; LANES];
@@ -455,7 +455,7 @@ impl<const C: usize> Group<'_, '_, C> {
         squares
     }
 
-    /// The heaviest mode that each pixel fits; of two as heavy, the first.
+    /// Returns the heaviest mode that matches each pixel; of two of equal weight, the first.
     #[inline(always)]
     fn matches(&self) -> Matches {
         let mut found = Matches { weights: [0.0; LANES], modes: [-1.0; LANES] };
@@ -472,7 +472,7 @@ impl<const C: usize> Group<'_, '_, C> {
         found
     }
 
-    /// The weight of all modes that come before one of that weight and index.
+    /// Returns the total weight of all modes before the one of this weight and index.
     #[inline(always)]
     fn heavier(&self, weights: &[f32; LANES], modes: &[f32; LANES]) -> [f32; LANES] {
         let mut sum = [0.0; LANES];
@@ -487,7 +487,7 @@ impl<const C: usize> Group<'_, '_, C> {
         sum
     }
 
-    /// Which pixels of the foreground are a darker view of a mode of the background.
+    /// Returns the foreground pixels that are shadows on a background mode.
     fn shadows(&self, foreground: u16, darkest: f32) -> u16 {
         let mut shadows = 0;
         for index in 0..self.count {
@@ -504,7 +504,7 @@ impl<const C: usize> Group<'_, '_, C> {
         shadows
     }
 
-    /// Takes the pixels into their modes.
+    /// Updates the modes with the pixels.
     #[inline(always)]
     fn update(&mut self, matches: &Matches) {
         let Rates { rate, lost, least, largest, .. } = *self.rates;
@@ -518,7 +518,7 @@ impl<const C: usize> Group<'_, '_, C> {
                 let is_match = matches.modes[lane] == index as f32;
                 let weight = mode[0][lane];
                 let weight = weight + rate * (if is_match { 1.0 } else { 0.0 } - weight) - lost;
-                // One that has had no evidence for too long is gone.
+                // A mode without support is pruned.
                 let weight = if (weight > 0.0) & (mode[0][lane] > 0.0) { weight } else { 0.0 };
                 let step = rate / weight;
                 steps[lane] = if is_match & (weight > 0.0) { step } else { 0.0 };
@@ -542,7 +542,7 @@ impl<const C: usize> Group<'_, '_, C> {
         }
     }
 
-    /// Makes weights add up to 1 where a mode fits, and sees how many modes are left.
+    /// Normalises the weights where a mode matches, and counts the modes left.
     #[inline(always)]
     fn normalise(&mut self, matches: &Matches, total: &[f32; LANES]) {
         let mut scale = [1.0; LANES];
@@ -560,7 +560,7 @@ impl<const C: usize> Group<'_, '_, C> {
         self.count = count;
     }
 
-    /// Begins a mode for a pixel that fits none, in a place that is free or else in that of the lightest.
+    /// Adds a mode for a pixel without a match, in a free slot or in place of the mode of least weight.
     fn begin(&mut self, lane: usize) {
         let weight = |group: &Self, index: usize| group.mode(index)[0][lane];
         let lightest = (0..self.count).reduce(|a, b| if weight(self, b) < weight(self, a) { b } else { a });
@@ -583,7 +583,7 @@ impl<const C: usize> Group<'_, '_, C> {
     }
 }
 
-/// Whether a pixel has the colour of `mean` with less light: it is a μ, give or take, with `darkest` ≤ a ≤ 1.
+/// Returns whether a pixel is a shadow on `mean`: I ≈ a μ with `darkest` ≤ a ≤ 1, within the squared distance `limit` a².
 #[inline(always)]
 pub fn is_darker<const C: usize>(pixel: [f32; C], mean: [f32; C], (darkest, limit): (f32, f32)) -> bool {
     let (mut along, mut square) = (0.0, 0.0);
@@ -596,7 +596,7 @@ pub fn is_darker<const C: usize>(pixel: [f32; C], mean: [f32; C], (darkest, limi
     for c in 0..C {
         off += (light * mean[c] - pixel[c]) * (light * mean[c] - pixel[c]);
     }
-    // In the dark the pixel strays less as well. A black mean has no colour: its light is not a number.
+    // The standard deviation scales with the brightness. A black mean has no colour: `light` is not a number.
     light >= darkest && light <= 1.0 && off <= limit * light * light
 }
 
@@ -607,7 +607,7 @@ mod tests {
 
     #[test]
     fn a_distance_is_that_of_the_modes_one_by_one_packed_or_not() {
-        let of = MixtureOfGaussians { rate: 0.2, ..MixtureOfGaussians::default() };
+        let of = MixtureOfGaussians { learning_rate: 0.2, ..MixtureOfGaussians::default() };
         let value = |x: usize, y: usize, t: usize| {
             (40 + (x * 7 + y * 13) % 50 + if t.is_multiple_of(3) { 90 } else { t % 5 }) as u8
         };
@@ -626,14 +626,14 @@ mod tests {
                 let mut heavier = 0.0;
                 let mut expected = f32::INFINITY;
                 for mode in &modes {
-                    if heavier < of.background {
+                    if heavier < of.background_ratio {
                         expected = expected.min(mode.distance(&pixel));
                     }
                     heavier += mode.weight;
                 }
-                let found = model.distance(&next, place, of.background);
+                let found = model.distance(&next, place, of.background_ratio);
                 assert!((found - expected).abs() <= 1e-5 * expected.abs(), "{place:?}: {found}, {expected}");
-                assert_eq!(packed.distance(&next, place, of.background), found);
+                assert_eq!(packed.distance(&next, place, of.background_ratio), found);
             }
             assert!(packed.bytes() < model.bytes() && model.clone().packed() == packed);
             model.subtract(&of, &next, &Threads::single());

@@ -1,8 +1,8 @@
-//! Which objects and blobs correspond.
+//! The correspondence of tracks and blobs.
 
 use std::ops::Range;
 
-use super::Body;
+use super::TrackedBlob;
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::geometry::{Bounds, Gray, Grid};
@@ -10,22 +10,22 @@ use crate::products::{
     TrackStatus,
     objects::{
         assignment::nearest_first,
-        near::{Near, corners, nearest},
+        box_index::{BoxIndex, corners, nearest},
         pairs::Pairs,
     },
 };
 
-/// Something that was detected, and what it looks like.
+/// A detection and its appearance.
 #[derive(Clone, Debug)]
 pub(super) struct Blob {
     pub detection: Detection,
-    /// Mean gray value of its pixels, where it has some.
+    /// Mean gray level of its pixels, where known.
     pub gray: Option<f64>,
     pub area_px: f64,
 }
 
 impl Blob {
-    /// What was detected in frame `t`; where only boxes are known and their gray is asked for, the pixels in them tell it.
+    /// Adds the appearance to the detections of frame `t`; that of a bare box is the mean of its pixels, if asked for.
     ///
     /// # Errors
     /// If the frame cannot be read.
@@ -33,7 +33,7 @@ impl Blob {
         let boxes =
             || detections.iter().filter(|detection| detection.blob.is_none()).map(|detection| &detection.bounds);
         let frame = if with_gray && boxes().next().is_some() { Some(clip.frame(t)?) } else { None };
-        let grays = frame.as_ref().map(|frame| Grays::new(frame.luma(), boxes()));
+        let grays = frame.as_ref().map(|frame| BoxMeans::new(frame.luma(), boxes()));
         let of = |detection: Detection| match (detection.blob, &grays) {
             (Some(blob), _) => Self { detection, gray: Some(f64::from(blob.gray)), area_px: f64::from(blob.area_px) },
             (None, grays) => {
@@ -49,17 +49,17 @@ impl Blob {
     }
 }
 
-/// The gray values of a picture, of which many boxes are asked.
-struct Grays<'a> {
+/// Mean gray levels of boxes of a picture.
+struct BoxMeans<'a> {
     picture: &'a Gray,
-    /// The sums of all pixels to the left and above, where the boxes have more pixels than those take to be made.
+    /// The integral image, where the boxes have enough pixels to pay for it.
     sums: Option<Grid<u64>>,
 }
 
-/// Sums over all pixels are worth while where boxes have so many times as many.
+/// The integral image pays where the boxes have this many times the pixels of the picture.
 const WORTH_SUMS: usize = 4;
 
-impl<'a> Grays<'a> {
+impl<'a> BoxMeans<'a> {
     fn new<'b>(picture: &'a Gray, boxes: impl Iterator<Item = &'b Bounds>) -> Self {
         let own = Self { picture, sums: None };
         let asked = boxes.fold(0_usize, |sum, bounds| {
@@ -70,9 +70,9 @@ impl<'a> Grays<'a> {
         Self { sums: is_worth.then(|| sums(picture)), ..own }
     }
 
-    /// The columns and rows of the pixels whose centres lie in a box.
+    /// Returns the columns and rows of the pixels whose centres lie in a box.
     fn pixels(&self, bounds: &Bounds) -> [Range<usize>; 2] {
-        // A cast takes what lies outside to the edge.
+        // The cast saturates at the edge.
         let range = |i: usize, extent: usize| {
             let [start, end] = [bounds.min[i], bounds.max[i]].map(|c| (c.ceil() as usize).min(extent));
             start..end.max(start)
@@ -80,7 +80,7 @@ impl<'a> Grays<'a> {
         [range(0, self.picture.width()), range(1, self.picture.height())]
     }
 
-    /// The mean of the pixels in a box, if there are any.
+    /// Returns the mean of the pixels in a box, if there are any.
     fn mean(&self, bounds: &Bounds) -> Option<f64> {
         let [columns, rows] = self.pixels(bounds);
         let count = columns.len() * rows.len();
@@ -99,7 +99,7 @@ impl<'a> Grays<'a> {
     }
 }
 
-/// The sum of all pixels to the left of each corner of a pixel and above it.
+/// Returns the integral image.
 fn sums(picture: &Gray) -> Grid<u64> {
     let (width, height) = picture.size();
     let mut sums = Grid::new(width + 1, height + 1, 0);
@@ -113,87 +113,85 @@ fn sums(picture: &Gray) -> Grid<u64> {
     sums
 }
 
-/// Objects and groups, a row each, beside blobs.
+/// The correspondence of tracks or groups (rows) and blobs (columns).
 #[derive(Clone, Debug)]
-pub(super) struct Table {
-    pub bodies: Vec<Body>,
+pub(super) struct Correspondence {
+    pub tracked_blobs: Vec<TrackedBlob>,
     pub blobs: Vec<Blob>,
-    /// How many pairs have enough in common to correspond.
+    /// The number of pairs with sufficient overlap.
     pub corresponding: usize,
-    /// Bodies with more than [`MOST_NEAR`] blobs near them, of which only the nearest count.
+    /// The number of tracks with more than [`MOST_NEAR`] blobs nearby, of which only the nearest count.
     pub crowded: usize,
-    /// The correspondences: the columns of each row, and the rows of each column, in ascending order.
+    /// The columns of each row and the rows of each column, in ascending order.
     links: [Vec<Vec<usize>>; 2],
 }
 
-/// A body is compared with so many blobs at most, those that are nearest to it: in a crowd in which everything lies on
-/// everything, comparing all pairs would take for ever.
+/// The maximum number of blobs compared with a track, the nearest ones. It bounds the work in dense crowds.
 pub(super) const MOST_NEAR: usize = 500;
 
-/// So many bodies are compared before it is asked whether to go on.
-const BODIES_AT_ONCE: usize = 64;
+/// The number of tracks between checks for cancellation.
+const TRACKS_PER_CHECK: usize = 64;
 
-impl Table {
-    /// Pairs are chosen by overlap, the largest first. An object that corresponds to some blob, but has none of its own, merges
-    /// into the one that it has most in common with; a blob that is left in the same way is split off. Those that correspond to
-    /// nothing are paired with what is nearest.
+impl Correspondence {
+    /// Pairs tracks and blobs greedily by IoU. A track that overlaps blobs but is left without one merges into the blob of the
+    /// largest overlap; a blob left in the same way is a split. What overlaps nothing is paired with the nearest.
     ///
     /// # Errors
     /// If the work is cancelled.
     pub fn new(
         clip: &Clip,
-        (bodies, blobs): (Vec<Body>, Vec<Blob>),
+        (tracked_blobs, blobs): (Vec<TrackedBlob>, Vec<Blob>),
         (min_overlap, max_distance): (f32, f32),
     ) -> Result<Self, Error> {
-        let links = [vec![Vec::new(); bodies.len()], vec![Vec::new(); blobs.len()]];
-        let mut table = Self { bodies, blobs, corresponding: 0, crowded: 0, links };
+        let links = [vec![Vec::new(); tracked_blobs.len()], vec![Vec::new(); blobs.len()]];
+        let mut table = Self { tracked_blobs, blobs, corresponding: 0, crowded: 0, links };
         let shares = table.corresponding(clip, min_overlap)?;
         table.link(&shares);
         table.link_nearest(clip, f64::from(max_distance))?;
         Ok(table)
     }
 
-    /// What the boxes of a body and a blob have in common, as a share of the smaller one.
+    /// Returns the intersection of a track's and a blob's box as a share of the smaller one.
     pub fn share(&self, row: usize, column: usize) -> f64 {
-        f64::from(self.bodies[row].bounds.shared(&self.blobs[column].detection.bounds))
+        f64::from(self.tracked_blobs[row].bounds.shared(&self.blobs[column].detection.bounds))
     }
 
-    /// The same as intersection over union.
+    /// Returns their intersection over union.
     pub fn overlap(&self, row: usize, column: usize) -> f64 {
-        f64::from(self.bodies[row].bounds.iou(&self.blobs[column].detection.bounds))
+        f64::from(self.tracked_blobs[row].bounds.iou(&self.blobs[column].detection.bounds))
     }
 
-    /// From centre to centre, in px.
+    /// Returns the distance of their centres in px.
     pub fn distance(&self, row: usize, column: usize) -> f64 {
-        let (a, b) = (self.bodies[row].center(), self.blobs[column].center());
+        let (a, b) = (self.tracked_blobs[row].center(), self.blobs[column].center());
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
-    /// The blobs with which a body goes on, in ascending order.
+    /// Returns the blobs of a track, in ascending order.
     pub fn links(&self, row: usize) -> &[usize] {
         &self.links[0][row]
     }
 
-    /// What the pairs share that have enough in common.
+    /// Returns the overlaps of the pairs with sufficient overlap.
     fn corresponding(&mut self, clip: &Clip, min_overlap: f32) -> Result<Pairs, Error> {
         let detections: Vec<Detection> = self.blobs.iter().map(|blob| blob.detection).collect();
-        let near = Near::new(detections.iter().map(|found| corners(&found.bounds)));
+        let near = BoxIndex::new(detections.iter().map(|found| corners(&found.bounds)));
         let (mut shares, mut found) = (Pairs::new(self.blobs.len()), Vec::new());
-        for (y, body) in self.bodies.iter().enumerate() {
-            if y.is_multiple_of(BODIES_AT_ONCE) {
+        for (y, tracked) in self.tracked_blobs.iter().enumerate() {
+            if y.is_multiple_of(TRACKS_PER_CHECK) {
                 clip.wanted()?;
             }
-            let share = |x: usize| f64::from(body.bounds.shared(&detections[x].bounds));
+            let share = |x: usize| f64::from(tracked.bounds.shared(&detections[x].bounds));
             let is_enough = |share: &f64| *share > 0.0 && *share >= f64::from(min_overlap);
-            near.touching(corners(&body.bounds), &mut found, |x| Some(share(x)).filter(is_enough));
-            self.crowded += usize::from(nearest(&mut found, body.center(), (&detections, MOST_NEAR)));
+            near.touching(corners(&tracked.bounds), &mut found, |x| Some(share(x)).filter(is_enough));
+            self.crowded += usize::from(nearest(&mut found, tracked.center(), (&detections, MOST_NEAR)));
             shares.push(found.iter().copied());
         }
         self.corresponding = shares.len();
         Ok(shares)
     }
 
-    /// Links those that correspond.
+    /// Links corresponding tracks and blobs.
     fn link(&mut self, shares: &Pairs) {
         let pairs = nearest_first(&shares.map(|y, x, _| 1.0 - self.overlap(y, x)));
         let mut has_row = vec![false; self.blobs.len()];
@@ -202,7 +200,7 @@ impl Table {
             places.reduce(|best, place| if place.1 > best.1 { place } else { best }).map(|(place, _)| place)
         };
         let mut all: Vec<(usize, usize)> = pairs.iter().enumerate().filter_map(|(y, x)| Some((y, (*x)?))).collect();
-        for y in (0..pairs.len()).filter(|&y| pairs[y].is_none() && self.bodies[y].may_merge()) {
+        for y in (0..pairs.len()).filter(|&y| pairs[y].is_none() && self.tracked_blobs[y].may_merge()) {
             all.extend(most(&mut shares.row(y)).map(|x| (y, x)));
         }
         let by_blob = shares.turned();
@@ -212,23 +210,23 @@ impl Table {
         self.add_links(all);
     }
 
-    /// Links those that correspond to nothing with what is nearest.
+    /// Links tracks that overlap nothing with the nearest unmatched blob.
     fn link_nearest(&mut self, clip: &Clip, max_distance: f64) -> Result<(), Error> {
         let left: Vec<usize> = (0..self.blobs.len()).filter(|x| self.links[1][*x].is_empty()).collect();
         let detections: Vec<Detection> = left.iter().map(|x| self.blobs[*x].detection).collect();
         let around = |at: [f64; 2]| [at.map(|c| c - max_distance), at.map(|c| c + max_distance)];
-        let places = Near::new(detections.iter().map(|found| around(found.center.map(f64::from))));
+        let places = BoxIndex::new(detections.iter().map(|found| around(found.center.map(f64::from))));
         let (mut near, mut found) = (Pairs::new(left.len()), Vec::new());
-        for (y, body) in self.bodies.iter().enumerate() {
-            if y.is_multiple_of(BODIES_AT_ONCE) {
+        for (y, tracked) in self.tracked_blobs.iter().enumerate() {
+            if y.is_multiple_of(TRACKS_PER_CHECK) {
                 clip.wanted()?;
             }
             found.clear();
             if self.links[0][y].is_empty() {
                 let far = |i: usize| Some(self.distance(y, left[i])).filter(|far| *far <= max_distance);
-                places.touching([body.center(); 2], &mut found, far);
+                places.touching([tracked.center(); 2], &mut found, far);
             }
-            let is_cut = nearest(&mut found, body.center(), (&detections, MOST_NEAR));
+            let is_cut = nearest(&mut found, tracked.center(), (&detections, MOST_NEAR));
             near.push(found.iter().copied());
             self.crowded += usize::from(is_cut);
         }
@@ -249,7 +247,7 @@ impl Table {
         }
     }
 
-    /// The rows and columns that belong together, by their first row; rows without any column stand alone.
+    /// Returns the connected rows and columns, by their first row; a row without columns is alone.
     pub fn parts(&self) -> Vec<(Vec<usize>, Vec<usize>)> {
         let [of_row, of_column] = &self.links;
         let (mut is_done, mut is_seen, mut parts) =
@@ -276,8 +274,8 @@ impl Table {
     }
 }
 
-impl Body {
-    /// The centre of its box in px; of an object by itself where it is expected.
+impl TrackedBlob {
+    /// Returns the centre in px: of a single track the predicted one, of a group that of its box.
     pub fn center(&self) -> [f64; 2] {
         match &self.members[..] {
             [member] => member.center,
@@ -285,9 +283,9 @@ impl Body {
         }
     }
 
-    /// Whether it can be hidden behind another one: it was seen in the frame before, and is confirmed.
+    /// Returns whether it may merge: confirmed and matched in the previous frame.
     fn may_merge(&self) -> bool {
-        self.members.iter().any(|member| member.age.life == TrackStatus::Confirmed)
+        self.members.iter().any(|member| member.age.status == TrackStatus::Confirmed)
     }
 }
 
@@ -295,17 +293,17 @@ impl Body {
 mod tests {
     use super::*;
     use crate::families::tracking::blob_tracker::Member;
-    use crate::methods::multi_object::lifecycle::Age;
+    use crate::methods::multi_object::lifecycle::TrackAge;
 
     fn bounds(x: f32, width: f32) -> Bounds {
         Bounds { min: [x, 0.0], max: [x + width, 10.0] }
     }
 
-    fn body((x, width): (f32, f32)) -> Body {
-        let (bounds, age) = (bounds(x, width), Age { seen: 9, missed: 0, life: TrackStatus::Confirmed });
+    fn tracked((x, width): (f32, f32)) -> TrackedBlob {
+        let (bounds, age) = (bounds(x, width), TrackAge { hits: 9, missed: 0, status: TrackStatus::Confirmed });
         let center = bounds.center().map(f64::from);
         let member = Member { id: 1, age, gray: None, area_px: 1.0, bounds, center, velocity: None };
-        Body { bounds, centers: vec![center], members: vec![member] }
+        TrackedBlob { bounds, centers: vec![center], members: vec![member] }
     }
 
     fn blob((x, width): (f32, f32)) -> Blob {
@@ -314,19 +312,19 @@ mod tests {
         Blob { detection, gray: None, area_px: 1.0 }
     }
 
-    fn table(bodies: Vec<Body>, blobs: &[(f32, f32)]) -> Table {
+    fn table(tracked_blobs: Vec<TrackedBlob>, blobs: &[(f32, f32)]) -> Correspondence {
         let clip = Clip::blank("a row", (100, 10), 2);
         let blobs = blobs.iter().copied().map(blob).collect();
-        Table::new(&clip, (bodies, blobs), (0.3, 30.0)).expect("it is wanted")
+        Correspondence::new(&clip, (tracked_blobs, blobs), (0.3, 30.0)).expect("it is wanted")
     }
 
     /// The parts of boxes in a row, each given by its left edge and its width.
-    fn parts(bodies: &[(f32, f32)], blobs: &[(f32, f32)]) -> Vec<(Vec<usize>, Vec<usize>)> {
-        table(bodies.iter().copied().map(body).collect(), blobs).parts()
+    fn parts(tracked_blobs: &[(f32, f32)], blobs: &[(f32, f32)]) -> Vec<(Vec<usize>, Vec<usize>)> {
+        table(tracked_blobs.iter().copied().map(tracked).collect(), blobs).parts()
     }
 
     #[test]
-    fn objects_go_on_merge_split_and_are_missed() {
+    fn tracks_continue_merge_split_and_are_missed() {
         let (a, b) = ((0.0, 10.0), (12.0, 10.0));
         assert_eq!(parts(&[a, b], &[(13.0, 10.0), (1.0, 10.0)]), [(vec![0], vec![1]), (vec![1], vec![0])]);
         assert_eq!(parts(&[a, b], &[(0.0, 22.0)]), [(vec![0, 1], vec![0])]);
@@ -339,10 +337,10 @@ mod tests {
     }
 
     #[test]
-    fn who_was_not_seen_is_not_hidden_behind_another() {
-        let mut coasting = body((2.0, 10.0));
-        coasting.members[0].age = Age { seen: 9, missed: 2, life: TrackStatus::Coasting };
-        let table = table(vec![body((0.0, 10.0)), coasting], &[(0.0, 10.0)]);
+    fn a_coasting_track_does_not_merge() {
+        let mut coasting = tracked((2.0, 10.0));
+        coasting.members[0].age = TrackAge { hits: 9, missed: 2, status: TrackStatus::Coasting };
+        let table = table(vec![tracked((0.0, 10.0)), coasting], &[(0.0, 10.0)]);
         assert_eq!(table.parts(), [(vec![0], vec![0]), (vec![1], vec![])]);
     }
 
@@ -352,7 +350,7 @@ mod tests {
         let all = Bounds { min: [-9.0; 2], max: [99.0; 2] };
         // One box is summed up by itself; for many of them all pixels are.
         for boxes in [vec![], vec![all; 9]] {
-            let grays = Grays::new(&picture, boxes.iter());
+            let grays = BoxMeans::new(&picture, boxes.iter());
             let of = |min, max| grays.mean(&Bounds { min, max });
             assert_eq!(grays.sums.is_some(), !boxes.is_empty());
             assert_eq!(of([0.5, -0.5], [2.5, 1.5]), Some(15.5));

@@ -1,19 +1,21 @@
-//! How the tracker is told and drawn.
+//! The steps of the blob tracker in words, tables and marks.
 
 use std::collections::BTreeSet;
 
 use super::correspond::MOST_NEAR;
-use super::{BlobTracker, Body, Decision, Event, Identity, Member, State, Table, What, line};
+use super::{BlobTracker, Correspondence, Decision, Event, EventKind, Identity, Member, State, TrackedBlob, line};
+use crate::base::words;
 use crate::geometry::Bounds;
-use crate::methods::multi_object::explain::{self, Names, count, short};
+use crate::methods::multi_object::explain::{self, Names, count};
+use crate::methods::numbers::{fixed, percent, px, ratio};
 use crate::products::TrackStatus;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
-/// So many are listed in a sentence; of others only the number is told.
+/// The maximum number of tracks or blobs listed in a sentence.
 const LISTED: usize = 12;
 
-/// `1`, `1 and 2`, `1, 2 and 3`; of very many, the first ones and how many more there are.
+/// `1`, `1 and 2`, `1, 2 and 3`; of a long list, the first ones and the number of the others.
 fn listed(all: impl IntoIterator<Item = usize>) -> String {
     let mut names: Vec<String> = all.into_iter().map(|number| number.to_string()).collect();
     if let Some(more) = names.len().checked_sub(LISTED).filter(|more| *more > 0) {
@@ -35,96 +37,117 @@ fn ids_short(members: &[Member]) -> String {
     members.iter().map(|member| member.id.to_string()).collect::<Vec<_>>().join("+")
 }
 
-/// `Object 3`, or `The group of objects 1 and 2`.
-fn named(body: &Body) -> String {
-    if body.is_group() {
-        format!("The group of objects {}", ids(&body.members))
+/// `Track 3`, or `The group of tracks 1 and 2`.
+fn named(tracked: &TrackedBlob) -> String {
+    if tracked.is_group() {
+        format!("The group of tracks {}", ids(&tracked.members))
     } else {
-        format!("Object {}", ids(&body.members))
+        format!("Track {}", ids(&tracked.members))
     }
 }
 
-fn percent(share: f64) -> String {
-    format!("{} %", short(100.0 * share))
+/// The number of tracks, single or in groups.
+fn tracks_of(tracked_blobs: &[TrackedBlob]) -> usize {
+    tracked_blobs.iter().map(|tracked| tracked.members.len()).sum()
 }
 
-fn last(events: &[Event]) -> Option<&What> {
+fn frames(number: usize) -> String {
+    count(number, "frame")
+}
+
+fn hits(number: usize) -> String {
+    count(number, "matched frame")
+}
+
+fn missed(number: usize) -> String {
+    count(number, "missed frame")
+}
+
+fn last(events: &[Event]) -> Option<&EventKind> {
     events.last().map(|event| &event.0)
 }
 
 fn gray(value: Option<f64>) -> String {
-    value.map_or("unknown".into(), short)
+    value.map_or("unknown".into(), |value| fixed(value, 1))
 }
 
 impl BlobTracker {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match last(seen.events) {
-            None | Some(What::Done(_)) => line::EACH_FRAME,
-            Some(What::Looked(..)) => line::DETECT,
-            Some(What::Expected(_)) => line::PREDICT,
-            Some(What::Corresponded(_)) => line::COMPUTE_OVERLAPS,
-            Some(What::Decided(decision)) if decision.is_split() => line::SPLIT,
-            Some(What::Decided(decision)) if decision.is_merge() => line::MERGE,
-            Some(What::Decided(decision)) if is_nearest(decision) => line::TAKE_NEAREST,
-            Some(What::Decided(_)) => line::GO_ON,
-            Some(What::Missed(_) | What::Ended(_)) => line::COAST_OR_END,
-            Some(What::Begun(_)) => line::BEGIN_OBJECT,
+            None | Some(EventKind::Done(..)) => line::EACH_FRAME,
+            Some(EventKind::Detected(..)) => line::DETECT,
+            Some(EventKind::Predicted(_)) => line::PREDICT,
+            Some(EventKind::Corresponded(_)) => line::COMPUTE_OVERLAPS,
+            Some(EventKind::Decided(decision)) if decision.is_split() => line::SPLIT,
+            Some(EventKind::Decided(decision)) if decision.is_merge() => line::MERGE,
+            Some(EventKind::Decided(decision)) if is_nearest(decision) => line::TAKE_NEAREST,
+            Some(EventKind::Decided(_)) => line::GO_ON,
+            Some(EventKind::Missed(_) | EventKind::Deleted(_)) => line::COAST_OR_END,
+            Some(EventKind::Begun(_)) => line::BEGIN_OBJECT,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
         let said = Sentence::default();
-        let frame = seen.before.course.frame();
-        let Some(what) = last(seen.events) else {
+        let frame = seen.before.run.frame();
+        let Some(event) = last(seen.events) else {
             return said
-                .text("What is ")
-                .ink(Role::Measured, "detected")
-                .text(" in a frame belongs to the objects with which its boxes overlap. Where that is one and one, an object goes on; \
-                       otherwise objects merge or split.");
+                .ink(Role::Measured, "Blobs")
+                .text(" are matched with ")
+                .ink(Role::Predicted, "predicted tracks")
+                .text(" by the overlap of their boxes. One to one is an update; otherwise tracks merge or split.");
         };
-        match what {
-            What::Looked(all, left_out) => {
-                explain::looked((all.len(), "blob"), frame, (*left_out, self.given.min_score))
+        match event {
+            EventKind::Detected(all, discarded) => {
+                explain::detected((all.len(), "blob"), frame, (*discarded, self.settings.min_score))
             }
-            What::Expected(bodies) if bodies.is_empty() => {
-                said.text("There is no object yet whose place could be expected.")
-            }
-            What::Expected(bodies) if self.predict => {
-                said.text("Each object is expected where its ").ink(Role::Predicted, "mean displacement").text(format!(
-                    " over up to {} leads: {} in {}.",
-                    count(self.velocity_frames, "frame"),
-                    count(bodies.iter().map(|body| body.members.len()).sum(), "object"),
-                    count(bodies.len(), "place")
-                ))
-            }
-            What::Expected(_) => said.text("Each object is expected where it was last."),
-            What::Corresponded(table) => said.text(format!(
-                "Of {} {} have boxes that overlap enough: at least {} of the smaller one lies in the other.{}",
-                count(table.bodies.len() * table.blobs.len(), "pair"),
+            EventKind::Predicted(tracked_blobs) if tracked_blobs.is_empty() => said.text("No tracks to predict yet."),
+            EventKind::Predicted(tracked_blobs) if self.predict => said
+                .text("Prediction of ")
+                .ink(Role::Predicted, count(tracks_of(tracked_blobs), "track"))
+                .text(format!(
+                    " in {} by the mean displacement of up to {}.",
+                    count(tracked_blobs.len(), "blob"),
+                    count(self.velocity_frames, "frame")
+                )),
+            EventKind::Predicted(tracked_blobs) => said.text(format!(
+                "Without prediction {} keep the last position.",
+                count(tracks_of(tracked_blobs), "track")
+            )),
+            EventKind::Corresponded(table) => said.text(format!(
+                "{} of {} correspond: the overlap is at least min-overlap = {} of the smaller box.{}",
                 table.corresponding,
-                percent(f64::from(self.min_overlap)),
+                count(table.tracked_blobs.len() * table.blobs.len(), "pair"),
+                words::percent(self.min_overlap),
                 match table.crowded {
                     0 => String::new(),
-                    all => format!(" Of {}, only the {MOST_NEAR} nearest blobs are compared.", count(all, "object")),
+                    all => format!(" Of {}, only the {MOST_NEAR} nearest blobs are compared.", count(all, "track")),
                 }
             )),
-            What::Decided(decision) => self.decided(decision),
-            What::Missed(body) => said.ink(Role::Predicted, named(body)).text(format!(
-                " has no blob and coasts for {}. After more than {} it is deleted.",
-                count(body.members.iter().map(|member| member.age.missed).max().unwrap_or(0), "frame"),
-                count(self.rules.patience, "frame")
-            )),
-            What::Ended(body) => said.ink(Role::Rejected, named(body)).text(
-                match body.members.iter().all(|member| member.age.life == TrackStatus::Tentative) {
-                    true => " was not seen again and is deleted: it was still tentative.",
-                    false => " was not seen for too long and is deleted.",
+            EventKind::Decided(decision) => self.decided(decision),
+            EventKind::Missed(tracked) => {
+                let missed = tracked.members.iter().map(|member| member.age.missed).max().unwrap_or(0);
+                said.ink(Role::Predicted, named(tracked)).text(format!(
+                    " has no blob and coasts: {} missed in a row, deleted after more than max-age = {}.",
+                    count(missed, "frame"),
+                    self.rules.max_age
+                ))
+            }
+            EventKind::Deleted(tracked) => said.ink(Role::Rejected, named(tracked)).text(
+                match tracked.members.iter().all(|member| member.age.status == TrackStatus::Tentative) {
+                    true => format!(
+                        " is deleted: missed while tentative, before min-hits = {} matches.",
+                        self.rules.min_hits
+                    ),
+                    false => format!(" is deleted: missed for more than max-age = {}.", frames(self.rules.max_age)),
                 },
             ),
-            What::Begun(body) => {
-                said.text("An unassigned blob begins ").ink(Role::Reference, named(body).to_lowercase()).text(".")
-            }
-            What::Done(done) => said.text(explain::done(frame, done)),
+            EventKind::Begun(tracked) => said
+                .text("An unmatched blob starts ")
+                .ink(Role::Reference, named(tracked).to_lowercase())
+                .text(format!(". It is tentative until min-hits = {}.", self.rules.min_hits)),
+            EventKind::Done(done, conclusion) => said.text(explain::done(frame, done, conclusion)),
         }
     }
 
@@ -132,118 +155,136 @@ impl BlobTracker {
         let said = Sentence::default();
         let blobs = listed(decision.columns.iter().map(|column| column + 1));
         let members = decision.members();
-        if let Some(unlike) = &decision.unlike {
+        if let Some(dissimilarity) = &decision.dissimilarity {
             let said = match &members[..] {
                 [member] => said
-                    .ink(Role::Window, format!("Object {}", member.id))
-                    .text(format!(" overlaps blobs {blobs}: something parts from it.")),
-                all => {
-                    said.ink(Role::Window, format!("Objects {}", ids(all))).text(format!(" split into blobs {blobs}."))
-                }
+                    .ink(Role::Window, format!("Track {}", member.id))
+                    .text(format!(" overlaps blobs {blobs}, so a blob splits off.")),
+                all => said
+                    .ink(Role::Window, format!("The group of tracks {}", ids(all)))
+                    .text(format!(" splits into blobs {blobs}.")),
             };
             let mut said = said.text(match self.identity {
-                Identity::Appearance => " By mean gray and area",
-                Identity::Place => " By where each would be",
+                Identity::Appearance => " Least cost by gray level and area:",
+                Identity::Place => " Least distance to the predicted position:",
             });
-            let order =
-                decision.after.iter().flat_map(|(column, body)| body.members.iter().map(move |m| (m.id, *column)));
+            let order = decision
+                .after
+                .iter()
+                .flat_map(|(column, tracked)| tracked.members.iter().map(move |m| (m.id, *column)));
             for (i, (id, column)) in order.take(LISTED).enumerate() {
                 let x = decision.columns.iter().position(|other| *other == column);
                 let y = members.iter().position(|member| member.id == id);
-                let cost = x.zip(y).map_or(0.0, |place| unlike[place]);
+                let cost = x.zip(y).map_or(0.0, |place| dissimilarity[place]);
                 said = said
-                    .text(if i == 0 { ", " } else { "; " })
-                    .ink(Role::Estimate, format!("object {id}"))
-                    .text(format!(" is blob {}, at a cost of {}", column + 1, short(cost)));
+                    .text(if i == 0 { " " } else { "; " })
+                    .ink(Role::Estimate, format!("track {id}"))
+                    .text(format!(" is blob {} (cost {})", column + 1, self.cost(cost)));
             }
             return match members.len().checked_sub(LISTED) {
                 Some(more @ 1..) => said.text(format!("; and {more} more.")),
                 _ => said.text("."),
             };
         }
-        let Some((column, body)) = decision.after.first() else { return said };
+        let Some((column, tracked)) = decision.after.first() else { return said };
         if decision.is_merge() {
             return said
-                .ink(Role::Window, format!("Objects {}", ids(&members)))
-                .text(format!(" have blob {blobs} in common: they merge into a group and keep their identities."));
+                .ink(Role::Window, format!("Tracks {}", ids(&members)))
+                .text(format!(" share blob {blobs}: they merge into a group and keep their identities."));
         }
         let row = decision.rows.first().copied().unwrap_or(0);
         let table = &decision.table;
-        let said = said.ink(Role::Estimate, named(body));
+        let said = said.ink(Role::Estimate, named(tracked));
         let said = if is_nearest(decision) {
             said.text(format!(
-                " overlaps no blob enough: it goes on with the nearest, blob {blobs}, {} px away.",
-                short(table.distance(row, *column))
+                " overlaps no blob by min-overlap = {}. The nearest, blob {blobs}, is {} px away, within max-distance = {} px.",
+                words::percent(self.min_overlap),
+                px(table.distance(row, *column)),
+                px(self.max_distance.into())
             ))
         } else {
+            let from = table.tracked_blobs[row].center();
+            let to = tracked.center();
             said.text(format!(
-                " goes on in blob {blobs}: {} of the smaller box is in common.",
-                percent(table.share(row, *column))
+                " is updated with blob {blobs}: overlap {} ≥ {}. Its centre moves from the predicted {} to {} px.",
+                percent(table.share(row, *column)),
+                words::percent(self.min_overlap),
+                words::place(from.map(|c| c as f32)),
+                words::place(to.map(|c| c as f32))
             ))
         };
-        match members.iter().zip(&body.members).find(|(was, is)| was.age.life != is.age.life) {
-            Some((was, is)) if was.age.life == TrackStatus::Tentative => {
-                said.text(format!(" It was matched in {} and is confirmed.", count(is.age.seen, "frame")))
+        match members.iter().zip(&tracked.members).find(|(was, is)| was.age.status != is.age.status) {
+            Some((was, is)) if was.age.status == TrackStatus::Tentative => {
+                said.text(format!(" Confirmed: {} reach min-hits = {}.", hits(is.age.hits), self.rules.min_hits))
             }
-            Some((was, _)) => said.text(format!(" It is back after {}.", count(was.age.missed, "frame"))),
+            Some((was, _)) => said.text(format!(" Matched again after {}.", missed(was.age.missed))),
             None => said,
         }
     }
 
+    /// The cost of a track and a blob after a split as text.
+    fn cost(&self, cost: f64) -> String {
+        match self.identity {
+            Identity::Appearance => ratio(cost),
+            Identity::Place => format!("{} px", px(cost)),
+        }
+    }
+
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
-        let course = &seen.after.unwrap_or(seen.before).course;
-        let mut facts = vec![Fact::new("Frame", seen.before.course.frame().to_string(), None)];
+        let run = &seen.after.unwrap_or(seen.before).run;
+        let mut facts = vec![Fact::new("Frame", seen.before.run.frame().to_string(), None)];
         let mut tables = Vec::new();
         match last(seen.events) {
-            Some(What::Decided(decision)) => {
+            Some(EventKind::Decided(decision)) => {
                 facts.extend(decision_facts(decision));
-                tables.extend(self.unlike_table(decision));
+                tables.extend(self.dissimilarity_table(decision));
             }
-            Some(What::Missed(body) | What::Ended(body) | What::Begun(body)) => facts.extend(body_facts(body)),
+            Some(EventKind::Missed(tracked) | EventKind::Deleted(tracked) | EventKind::Begun(tracked)) => {
+                facts.extend(tracked_facts(tracked))
+            }
             _ => {
-                let bodies = &seen.after.unwrap_or(seen.before).bodies;
-                let objects: usize = bodies.iter().map(|body| body.members.len()).sum();
-                facts.push(Fact::new("Objects", objects.to_string(), None));
-                let groups = bodies.iter().filter(|body| body.is_group()).count();
+                let tracked_blobs = &seen.after.unwrap_or(seen.before).tracked_blobs;
+                facts.push(Fact::new("Tracks", tracks_of(tracked_blobs).to_string(), None));
+                let groups = tracked_blobs.iter().filter(|tracked| tracked.is_group()).count();
                 facts.push(Fact::new("Groups", groups.to_string(), None));
             }
         }
         if let Some((table, decision)) = table_of(seen) {
-            let rows = table.bodies.iter().map(|body| ids_short(&body.members));
+            let rows = table.tracked_blobs.iter().map(|tracked| ids_short(&tracked.members));
             let names = Names::new(rows, 0..table.blobs.len());
             facts.extend(names.shown());
             tables.extend(correspondence(table, &names, decision));
         }
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
-        readouts.extend(explain::series(course));
+        readouts.extend(explain::series(run));
         readouts
     }
 
-    /// How unlike the objects and blobs of a split are, with who is who lit.
-    fn unlike_table(&self, decision: &Decision) -> Option<Matrix> {
+    /// The costs of a split, with the assignment lit.
+    fn dissimilarity_table(&self, decision: &Decision) -> Option<Matrix> {
         let members = decision.members();
-        let unlike = decision.unlike.as_ref()?;
-        let paired = decision.after.iter().flat_map(|(column, body)| {
+        let dissimilarity = decision.dissimilarity.as_ref()?;
+        let paired = decision.after.iter().flat_map(|(column, tracked)| {
             let column = decision.columns.binary_search(column).ok();
-            body.members.iter().map(move |member| Some((member.id, column?)))
+            tracked.members.iter().map(move |member| Some((member.id, column?)))
         });
         let row = |id: u32| members.binary_search_by_key(&id, |member| member.id).ok();
         let paired: Vec<_> = paired.flatten().filter_map(|(id, column)| Some((row(id)?, column))).collect();
         let name = match self.identity {
-            Identity::Appearance => {
-                "how unlike: |Δ gray| / 20 + |log₂ of the areas' ratio|, objects down, blobs across"
-            }
-            Identity::Place => "from where each would be, in px: objects down, blobs across",
+            Identity::Appearance => "cost |Δ gray| / 20 + |log₂ area ratio|: tracks (rows), blobs (columns)",
+            Identity::Place => "distance from the predicted position in px: tracks (rows), blobs (columns)",
         };
         let names = Names::new(members.iter().map(|member| member.id.to_string()), decision.columns.iter().copied());
-        names.table(("D", name), |row, column| unlike[(column, row)], &paired)
+        names.table(("D", name), |row, column| dissimilarity[(column, row)], &paired)
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let looked =
-            seen.events.iter().find_map(|event| if let What::Looked(all, _) = &event.0 { Some(all) } else { None });
-        let blobs = looked.into_iter().flat_map(|all| all.iter());
+        let detected = seen
+            .events
+            .iter()
+            .find_map(|event| if let EventKind::Detected(all, _) = &event.0 { Some(all) } else { None });
+        let blobs = detected.into_iter().flat_map(|all| all.iter());
         explain::draw_detections(scene, blobs.clone().map(|blob| &blob.detection));
         if seen.after.is_none() {
             for (i, blob) in blobs.enumerate() {
@@ -253,67 +294,69 @@ impl BlobTracker {
         }
         let state = seen.after.unwrap_or(seen.before);
         if seen.after.is_some() || seen.events.is_empty() {
-            return state.bodies.iter().for_each(|body| draw_body(scene, body, state));
+            return state.tracked_blobs.iter().for_each(|tracked| draw_tracked(scene, tracked, state));
         }
         draw_work(seen, scene);
     }
 }
 
-/// Whether an object goes on with what is nearest.
+/// Returns whether the update is by the nearest-blob fallback.
 fn is_nearest(decision: &Decision) -> bool {
     let is_linked = |&row: &usize| decision.columns.iter().any(|&column| decision.table.share(row, column) > 0.0);
     !decision.rows.iter().any(is_linked)
 }
 
-fn body_facts(body: &Body) -> Vec<Fact> {
-    let mut facts = vec![Fact::new(if body.is_group() { "Group" } else { "Object" }, ids(&body.members), None)];
-    if let [member] = &body.members[..] {
-        facts.push(Fact::new("State", member.age.life.name(), None));
-        facts.push(Fact::new("Seen", count(member.age.seen, "frame"), None));
+fn tracked_facts(tracked: &TrackedBlob) -> Vec<Fact> {
+    let mut facts = vec![Fact::new(if tracked.is_group() { "Group" } else { "Track" }, ids(&tracked.members), None)];
+    if let [member] = &tracked.members[..] {
+        facts.push(Fact::new("Status", member.age.status.name(), None));
+        facts.push(Fact::new("Hits", hits(member.age.hits), None));
     }
-    facts.extend(body.velocity().map(|velocity| Fact::new("Velocity", explain::speed(velocity), None)));
+    facts.extend(tracked.velocity().map(|velocity| Fact::new("Velocity", explain::speed(velocity), None)));
     facts
 }
 
 fn decision_facts(decision: &Decision) -> Vec<Fact> {
     let mut facts = match &decision.after[..] {
-        [(_, body)] => body_facts(body),
+        [(_, tracked)] => tracked_facts(tracked),
         _ => Vec::new(),
     };
     facts.push(Fact::new("Blob", listed(decision.columns.iter().map(|column| column + 1)), Some(Role::Measured)));
     if decision.is_split() {
-        let looks = |value: Option<f64>, area_px: f64| format!("gray {}, area {} px", gray(value), short(area_px));
+        let looks =
+            |value: Option<f64>, area_px: f64| format!("gray level {}, area {} px", gray(value), fixed(area_px, 0));
         for member in decision.members() {
-            let value = format!("{}: {}", member.id, looks(member.gray, member.area_px));
-            facts.push(Fact::new("Object by itself", value, Some(Role::Predicted)));
+            let value = format!("track {}: {}", member.id, looks(member.gray, member.area_px));
+            facts.push(Fact::new("Before the merge", value, Some(Role::Predicted)));
         }
         for &column in &decision.columns {
             let blob = &decision.table.blobs[column];
-            let value = format!("{}: {}", column + 1, looks(blob.gray, blob.area_px));
-            facts.push(Fact::new("Blob now", value, Some(Role::Measured)));
+            let value = format!("blob {}: {}", column + 1, looks(blob.gray, blob.area_px));
+            facts.push(Fact::new("Blob", value, Some(Role::Measured)));
         }
     }
     facts
 }
 
-/// The table, from when on there is one, and the decision that the step is about.
-fn table_of<'a>(seen: &Seen<'a, BlobTracker>) -> Option<(&'a Table, Option<&'a Decision>)> {
+/// The correspondence, once it is computed, and the update of the step.
+fn table_of<'a>(seen: &Seen<'a, BlobTracker>) -> Option<(&'a Correspondence, Option<&'a Decision>)> {
     let decision = match last(seen.events)? {
-        What::Decided(decision) => Some(&**decision),
+        EventKind::Decided(decision) => Some(&**decision),
         _ => None,
     };
     let table =
-        seen.events.iter().find_map(|event| if let What::Corresponded(all) = &event.0 { Some(all) } else { None });
+        seen.events.iter().find_map(|event| if let EventKind::Corresponded(all) = &event.0 { Some(all) } else { None });
     table.map(|table| (&**table, decision))
 }
 
-/// The overlaps of objects and blobs, with the correspondences lit.
-fn correspondence(table: &Table, names: &Names, decision: Option<&Decision>) -> impl Iterator<Item = Matrix> {
-    let rows: Vec<usize> = decision.map_or_else(|| (0..table.bodies.len()).collect(), |decision| decision.rows.clone());
+/// The overlaps of tracks and blobs, with the correspondences lit.
+fn correspondence(table: &Correspondence, names: &Names, decision: Option<&Decision>) -> impl Iterator<Item = Matrix> {
+    let rows: Vec<usize> =
+        decision.map_or_else(|| (0..table.tracked_blobs.len()).collect(), |decision| decision.rows.clone());
     let linked = rows.iter().flat_map(|&row| table.links(row).iter().map(move |column| (row, *column)));
     let lit: Vec<_> = linked.collect();
-    let shares = ("O", "in common, as a share of the smaller box: objects down, blobs across");
-    let overlaps = ("IoU", "intersection over union, by which pairs are chosen");
+    let shares = ("O", "intersection / smaller box: tracks (rows), blobs (columns)");
+    let overlaps = ("IoU", "intersection over union, which orders the pairs");
     let tables = [
         names.table(shares, |row, column| table.share(row, column), &lit),
         names.table(overlaps, |row, column| table.overlap(row, column), &lit),
@@ -321,68 +364,68 @@ fn correspondence(table: &Table, names: &Names, decision: Option<&Decision>) -> 
     tables.into_iter().flatten()
 }
 
-/// The objects in the middle of a frame: those that were done already as they are now, the others where they are expected.
+/// Draws the tracks within a frame: updated, or else predicted.
 fn draw_work(seen: &Seen<BlobTracker>, scene: &mut Scene) {
     let before = seen.before;
-    let expected =
-        seen.events.iter().find_map(|event| if let What::Expected(all) = &event.0 { Some(all) } else { None });
-    let Some(expected) = expected else {
-        return before.bodies.iter().for_each(|body| draw_body(scene, body, before));
+    let predicted =
+        seen.events.iter().find_map(|event| if let EventKind::Predicted(all) = &event.0 { Some(all) } else { None });
+    let Some(predicted) = predicted else {
+        return before.tracked_blobs.iter().for_each(|tracked| draw_tracked(scene, tracked, before));
     };
     let (mut gone, mut done, mut arrows) = (BTreeSet::new(), Vec::new(), Vec::new());
     for event in seen.events {
         match &event.0 {
-            What::Decided(decision) => {
+            EventKind::Decided(decision) => {
                 arrows.extend(moves(decision));
-                done.extend(decision.after.iter().map(|(_, body)| body));
+                done.extend(decision.after.iter().map(|(_, tracked)| tracked));
                 gone.extend(decision.members().iter().map(|member| member.id));
             }
-            What::Missed(body) => {
-                done.push(&**body);
-                gone.extend(body.members.iter().map(|member| member.id));
+            EventKind::Missed(tracked) => {
+                done.push(&**tracked);
+                gone.extend(tracked.members.iter().map(|member| member.id));
             }
-            What::Ended(body) => gone.extend(body.members.iter().map(|member| member.id)),
-            What::Begun(body) => done.push(&**body),
+            EventKind::Deleted(tracked) => gone.extend(tracked.members.iter().map(|member| member.id)),
+            EventKind::Begun(tracked) => done.push(&**tracked),
             _ => {}
         }
     }
-    for body in expected.iter().filter(|body| !body.members.iter().any(|member| gone.contains(&member.id))) {
-        explain::rect(scene, Role::Predicted, body.bounds);
-        explain::label(scene, Role::Predicted, body.bounds.min, ids(&body.members));
-        scene.legend(Role::Predicted, "predicted");
+    for tracked in predicted.iter().filter(|tracked| !tracked.members.iter().any(|member| gone.contains(&member.id))) {
+        explain::rect(scene, Role::Predicted, tracked.bounds);
+        explain::label(scene, Role::Predicted, tracked.bounds.min, ids(&tracked.members));
+        scene.legend(Role::Predicted, "prediction");
     }
-    done.into_iter().for_each(|body| draw_body(scene, body, before));
+    done.into_iter().for_each(|tracked| draw_tracked(scene, tracked, before));
     if !arrows.is_empty() {
         scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(arrows));
     }
 }
 
-/// From where objects are expected to the blobs in which they go on.
+/// Arrows from the predictions to the blobs of their tracks.
 fn moves(decision: &Decision) -> impl Iterator<Item = Arrow> {
     let table = &decision.table;
-    decision.after.iter().flat_map(move |(column, body)| {
+    decision.after.iter().flat_map(move |(column, tracked)| {
         let to = table.blobs[*column].detection.center;
-        let bodies = decision.rows.iter().map(|&row| &table.bodies[row]);
-        let own = bodies.filter(|before| before.members.iter().any(|member| body.has(member.id)));
+        let tracked_blobs = decision.rows.iter().map(|&row| &table.tracked_blobs[row]);
+        let own = tracked_blobs.filter(|before| before.members.iter().any(|member| tracked.has(member.id)));
         own.map(move |before| Arrow { from: before.center().map(|c| c as f32), to })
     })
 }
 
-/// An object, or those of a group within its blob.
-fn draw_body(scene: &mut Scene, body: &Body, state: &State) {
-    if body.is_group() {
-        explain::rect(scene, Role::Window, body.bounds);
+/// Draws a track, or those of a group within its blob.
+fn draw_tracked(scene: &mut Scene, tracked: &TrackedBlob, state: &State) {
+    if tracked.is_group() {
+        explain::rect(scene, Role::Window, tracked.bounds);
         explain::label(
             scene,
             Role::Window,
-            [body.bounds.min[0], body.bounds.max[1]],
-            format!("group {}", ids(&body.members)),
+            [tracked.bounds.min[0], tracked.bounds.max[1]],
+            format!("group {}", ids(&tracked.members)),
         );
         scene.legend(Role::Window, "group");
     }
-    for member in &body.members {
-        let (role, meaning) = explain::role(member.age.life);
-        explain::trail(scene, &state.course, role, (member.id, member.center));
+    for member in &tracked.members {
+        let (role, meaning) = explain::role(member.age.status);
+        explain::trail(scene, &state.run, role, (member.id, member.center));
         explain::rect(scene, role, member.bounds);
         explain::label(scene, role, member.bounds.min, member.id.to_string());
         scene.legend(role, meaning);

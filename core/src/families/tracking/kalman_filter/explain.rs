@@ -1,17 +1,18 @@
-//! How the filter is told and drawn.
+//! The steps of the Kalman filter in words, matrices, plots and marks.
 
 use super::matrices::matrices;
-use super::sensors::{Look, Sensed, Sensors};
-use super::{Event, Gated, KalmanFilter, Loss, Moment, State, line};
-use crate::base::words::{self, counted as count, fine, number_64 as short, percent};
+use super::sensors::{Observations, SensorReading, Sensors};
+use super::{Event, FrameRecord, Gated, KalmanFilter, Loss, State, line};
+use crate::base::words::{self, counted as count, percent};
 use crate::methods::kalman::{Filter, Measurement, chi_square, ellipse};
+use crate::methods::numbers::{px, ratio, squared};
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
 
 /// A line of a plot: its name, its role and its points.
 type Line = (&'static str, Role, Vec<[f32; 2]>);
 
-/// A place as a person reads it.
+/// A position as text.
 fn place(place: [f64; 2]) -> String {
     words::place(point(place))
 }
@@ -20,8 +21,8 @@ fn point(place: [f64; 2]) -> [f32; 2] {
     place.map(|c| c as f32)
 }
 
-/// What is on the way of a step: the filters before and after it, as far as it has them.
-struct Now<'a> {
+/// The estimates of a frame up to a step.
+struct StepEstimates<'a> {
     frame: usize,
     before: Option<Filter>,
     predicted: Option<Filter>,
@@ -29,19 +30,24 @@ struct Now<'a> {
     after: Option<Filter>,
 }
 
-impl Now<'_> {
-    /// The state estimate by now, and in which role.
-    fn believed(&self) -> Option<(&Filter, Role)> {
+impl StepEstimates<'_> {
+    /// Returns the current estimate and its role.
+    fn current(&self) -> Option<(&Filter, Role)> {
         let predicted = || self.predicted.as_ref().or(self.before.as_ref()).map(|filter| (filter, Role::Predicted));
         self.after.as_ref().map(|filter| (filter, Role::Estimate)).or_else(predicted)
     }
 }
 
 impl KalmanFilter {
-    fn now<'a>(&self, seen: &Seen<'a, Self>) -> Now<'a> {
+    fn now<'a>(&self, seen: &Seen<'a, Self>) -> StepEstimates<'a> {
         let state = seen.before;
-        let mut now =
-            Now { frame: frame_of(state), before: state.filter, predicted: None, gated: Vec::new(), after: None };
+        let mut now = StepEstimates {
+            frame: frame_of(state),
+            before: state.filter,
+            predicted: None,
+            gated: Vec::new(),
+            after: None,
+        };
         for event in seen.events {
             match event {
                 Event::Predicted(both) => now.predicted = Some(both[1]),
@@ -54,7 +60,7 @@ impl KalmanFilter {
                 Event::Kept(filter) => {
                     (now.before, now.after) = (filter.as_deref().copied(), filter.as_deref().copied())
                 }
-                Event::Looked(_) => {}
+                Event::Observed(_) => {}
             }
         }
         now
@@ -64,7 +70,7 @@ impl KalmanFilter {
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
             Some(Event::Predicted(_)) => line::PREDICT,
-            Some(Event::Looked(_)) => line::MEASURE,
+            Some(Event::Observed(_)) => line::MEASURE,
             Some(Event::Begun(..) | Event::Missed(None)) => line::BEGIN_OBJECT,
             Some(Event::Gated(_)) => line::GATE,
             Some(Event::Updated(_)) => line::UPDATE,
@@ -76,118 +82,167 @@ impl KalmanFilter {
         Step { line, sentence: self.sentence(seen, &now), readouts: self.readouts(seen, &now) }
     }
 
-    fn sentence(&self, seen: &Seen<Self>, now: &Now) -> Sentence {
+    fn sentence(&self, seen: &Seen<Self>, now: &StepEstimates) -> Sentence {
         let said = Sentence::default();
-        let Now { frame, .. } = now;
-        match seen.events.last() {
-            None => said
-                .text("A filter estimates the place and velocity of an object, and their covariance. In each frame it ")
+        let StepEstimates { frame, .. } = now;
+        let Some(event) = seen.events.last() else {
+            return said
+                .text("The Kalman filter estimates the state x (position, velocity) and its covariance P. Each frame ")
                 .ink(Role::Predicted, "predicts")
-                .text(", looks at what is ")
-                .ink(Role::Measured, "measured")
-                .text(" and settles ")
-                .ink(Role::Estimate, "between both")
-                .text("."),
-            Some(Event::Predicted(both)) => {
+                .text(" both, gates the ")
+                .ink(Role::Measured, "measurement")
+                .text(" and ")
+                .ink(Role::Estimate, "updates")
+                .text(" them.");
+        };
+        let said = match event {
+            Event::Predicted(both) => {
                 let [before, after] = both.each_ref().map(deviation);
-                said.text(format!("In frame {frame} the object is "))
-                    .ink(Role::Predicted, format!("expected at {}", place(both[1].place())))
+                said.text(format!("Prediction for frame {frame}: "))
+                    .ink(Role::Predicted, format!("{} px", place(both[1].place())))
                     .text(format!(
-                        ". A time step makes that less sure: the standard deviation goes from {} to {} px.",
-                        short(before),
-                        short(after)
+                        ". Process noise Q and the uncertain velocity increase σ from {} to {} px.",
+                        px(before),
+                        px(after)
                     ))
             }
-            Some(Event::Looked(look)) => looked(frame, look, seen.before.detector.told()),
-            Some(Event::Gated(gated)) => {
-                let distance = short(gated.squared_distance);
-                let gate = format!("the {} gate is {}", percent(self.gate), short(gated.limit));
-                let said = said
-                    .text(format!("{}: squared Mahalanobis distance of the innovation ", sensor(gated)))
-                    .ink(Role::Measured, format!("d² = {distance}"));
-                if gated.is_inside() {
-                    said.text(format!("; {gate}, so the measurement is accepted."))
-                } else {
-                    said.ink(Role::Error, format!("; {gate}, so the measurement is rejected."))
-                }
-            }
-            Some(Event::Updated(update)) => {
-                let (gated, after) = (&update.0, &update.1);
-                let from = gated.expected.place();
-                said.text("The state estimate moves ").ink(Role::Estimate, format!("to {}", place(after.place()))).text(
-                    format!(
-                        ", by {} px; the measurement is {} px away. Its standard deviation goes from {} to {} px.",
-                        short(distance(from, after.place())),
-                        short(distance(from, gated.measurement().place)),
-                        short(deviation(&gated.expected)),
-                        short(deviation(after))
-                    ),
-                )
-            }
-            Some(Event::Begun(filter, there)) => said
-                .text("An object begins with its first measurement, at ")
-                .ink(Role::Estimate, place(filter.place()))
+            Event::Observed(observed) => measurements(*frame, observed, seen.before.detector.measurement()),
+            Event::Gated(gated) => self.gating(gated),
+            Event::Updated(update) => updated(&update.0, &update.1),
+            Event::Begun(filter, there) => said
+                .text("The first measurement starts a track at ")
+                .ink(Role::Estimate, format!("{} px", place(filter.place())))
                 .text(format!(
-                    ". How it moves is not known: each component of its velocity is 0 ± {} px/frame.",
-                    short(f64::from(self.first_speed))
+                    ". Its velocity is unknown: 0 ± {} px/frame (initial-speed).",
+                    px(f64::from(self.initial_speed))
                 ))
                 .text(if self.object > *there {
-                    format!(" Object {} was asked for and {} there: it is the last one.", self.object, are(*there))
+                    format!(" Object {} was chosen, but {} detected; the last one is tracked.", self.object, are(*there))
                 } else {
                     String::new()
                 }),
-            Some(Event::Missed(None)) => said.text(match seen.before.begun {
-                0 => format!("Nothing was measured up to frame {frame}: no object has begun yet."),
-                _ => {
-                    format!("The track was deleted, and nothing is measured in frame {frame} that could begin another.")
-                }
+            Event::Missed(None) => said.text(match seen.before.begun {
+                0 => format!("No measurement up to frame {frame}: no track has started yet."),
+                _ => format!("No track after the deletion, and no measurement in frame {frame} to start one."),
             }),
-            Some(Event::Missed(Some(filter))) => {
-                let refused = now.gated.len();
-                said.text(match refused {
-                    0 => "Without a measurement the prediction stands: ",
-                    1 => "The measurement lies outside the gate, so the prediction stands: ",
-                    _ => "All measurements lie outside the gate, so the prediction stands: ",
-                })
-                .ink(Role::Estimate, place(filter.place()))
-                .text(format!(
-                    ". For {} nothing was measured that belongs to the object.",
-                    count(seen.before.missed + 1, "frame")
-                ))
-            }
-            Some(Event::Lost(filter, loss)) => said
+            Event::Missed(Some(filter)) => self.coasting(seen, now, filter),
+            Event::Lost(filter, loss) => said
                 .text(match loss {
-                    Loss::Unseen => format!("The object was not seen for more than {},", count(self.patience, "frame")),
+                    Loss::Missed => {
+                        format!("No accepted measurement for more than max-age = {}:", count(self.max_age, "frame"))
+                    }
                     Loss::Outside => {
-                        format!("The prediction {} lies far outside the picture,", place(filter.place()))
+                        format!("The prediction {} px is far outside the picture:", place(filter.place()))
                     }
                 })
-                .text(" so the track is deleted; the next measurement begins another."),
-            Some(Event::Smoothed(all)) => {
+                .text(" the track is deleted. The next measurement starts another."),
+            Event::Smoothed(all) => {
                 let far = distance(all[0].place(), all[1].place());
-                said.text(format!(
-                    "Frame {frame} once more, with what is known of the next: the state estimate moves by {} px ",
-                    short(far)
-                ))
-                .ink(Role::Result, format!("to {}", place(all[1].place())))
-                .text(format!(
-                    ", and its standard deviation goes from {} to {} px.",
-                    short(deviation(&all[0])),
-                    short(deviation(&all[1]))
-                ))
+                said.text(format!("Smoothing frame {frame} with the later measurements moves the estimate by {} px to ", px(far)))
+                    .ink(Role::Result, format!("{} px", place(all[1].place())))
+                    .text(format!(
+                        ". σ changes from {} to {} px.",
+                        px(deviation(&all[0])),
+                        px(deviation(&all[1]))
+                    ))
             }
-            Some(Event::Kept(Some(_))) => said.text(format!(
-                "After frame {frame} nothing more is known of the object: the state estimate stays as it is."
+            Event::Kept(Some(_)) => said.text(format!(
+                "Frame {frame} is the last of its track: without later measurements, the smoothed estimate is the filtered one."
             )),
-            Some(Event::Kept(None)) => said.text(format!("In frame {frame} there is no state estimate to smooth.")),
+            Event::Kept(None) => said.text(format!("Frame {frame} has no estimate to smooth.")),
+        };
+        said.text(self.conclusion(seen))
+    }
+
+    /// The comparison of d² with the gate.
+    fn gating(&self, gated: &Gated) -> Sentence {
+        let dof = gated.measurement().numbers();
+        let limit = format!("{} gate {} (χ², {dof} dof)", percent(self.gate), squared(gated.limit));
+        let said = Sentence::default()
+            .text(format!("{}: squared Mahalanobis distance of the innovation ", sensor(gated)))
+            .ink(Role::Measured, format!("d² = {}", squared(gated.squared_distance)));
+        if gated.is_inside() {
+            said.text(format!(". It is within the {limit}: accepted."))
+        } else {
+            said.text(". ").ink(Role::Error, format!("It exceeds the {limit}: rejected."))
         }
     }
 
-    fn readouts(&self, seen: &Seen<Self>, now: &Now) -> Vec<Readout> {
+    /// A frame without an accepted measurement, and after three rejections in a row a remedy.
+    fn coasting(&self, seen: &Seen<Self>, now: &StepEstimates, filter: &Filter) -> Sentence {
+        let missed = count(seen.before.missed + 1, "frame");
+        let said = Sentence::default()
+            .text(match now.gated.len() {
+                0 => "No measurement: the track coasts at the prediction ",
+                1 => "The measurement is rejected, so the track coasts at the prediction ",
+                _ => "All measurements are rejected, so the track coasts at the prediction ",
+            })
+            .ink(Role::Estimate, format!("{} px", place(filter.place())))
+            .text(format!(". {missed} missed in a row; max-age is {}.", self.max_age));
+        let earlier = seen.before.records.iter().rev();
+        let is_rejected = |gated: &[Gated]| !gated.is_empty() && !gated.iter().any(Gated::is_inside);
+        let rejected =
+            earlier.take_while(|record| is_rejected(&record.gated)).count() + usize::from(!now.gated.is_empty());
+        match rejected {
+            3.. if !now.gated.is_empty() => said.text(format!(
+                " {rejected} rejections in a row: the motion model does not fit. Raise process-noise, widen the gate or choose another motion model."
+            )),
+            _ => said,
+        }
+    }
+
+    /// At the end of a run: errors beside the truth, consistency by the mean NIS, and the remedy.
+    fn conclusion(&self, seen: &Seen<Self>) -> String {
+        let Some(state) = seen.after else { return String::new() };
+        let frames = state.records.len();
+        let is_over = match state.back {
+            Some(done) => done == frames,
+            None => !self.smooth && state.span.frames() == Some(frames),
+        };
+        if !is_over {
+            return String::new();
+        }
+        let mut said = " Run:".to_owned();
+        let rmse = |of: fn(&FrameRecord) -> Option<Filter>| {
+            let errors = state.records.iter().filter_map(|record| Some(distance(of(record)?.place(), record.truth?)));
+            root_mean_square(errors)
+        };
+        if let Some(filtered) = rmse(|record| record.filtered) {
+            said += &format!(" position error (RMS) {} px filtered", px(filtered));
+            let smoothed = rmse(|record| record.smoothed).filter(|_| self.smooth);
+            said += &smoothed.map_or_else(String::new, |smoothed| format!(", {} px smoothed", px(smoothed)));
+            let measured = state
+                .records
+                .iter()
+                .filter_map(|record| Some(distance(record.of_sensor(0)?.measurement().place, record.truth?)));
+            said += &root_mean_square(measured).map_or_else(String::new, |off| format!(", {} px measured", px(off)));
+            said += ".";
+        }
+        let nis: Vec<&Gated> = state.records.iter().filter_map(|record| record.of_sensor(0)).collect();
+        let Some(dof) = nis.first().map(|gated| gated.measurement().numbers()) else {
+            return said + " no measurement was gated.";
+        };
+        let mean = nis.iter().map(|gated| gated.squared_distance).sum::<f64>() / nis.len() as f64;
+        let [low, high] = [0.025, 0.975].map(|p| chi_square::quantile(p, dof * nis.len()) / nis.len() as f64);
+        said += &format!(
+            " Mean NIS {}, 95 % band {} to {}: {}",
+            squared(mean),
+            squared(low),
+            squared(high),
+            match mean {
+                mean if mean > high => "the filter is overconfident. Raise process-noise or measurement-noise.",
+                mean if mean < low => "the covariance is too large. Lower measurement-noise or process-noise.",
+                _ => "the filter is consistent.",
+            }
+        );
+        said
+    }
+
+    fn readouts(&self, seen: &Seen<Self>, now: &StepEstimates) -> Vec<Readout> {
         let mut readouts = vec![Readout::Facts(self.facts(seen, now))];
         readouts.extend(self.equation(seen.events.last()));
-        let moments = seen.before.moments.iter().map(|moment| &**moment);
-        let matrices = matrices(seen.events.last(), now.believed(), moments);
+        let records = seen.before.records.iter().map(|record| &**record);
+        let matrices = matrices(seen.events.last(), now.current(), records);
         if !matrices.is_empty() {
             readouts.push(Readout::Matrices(matrices));
         }
@@ -195,40 +250,44 @@ impl KalmanFilter {
         readouts
     }
 
-    fn facts(&self, seen: &Seen<Self>, now: &Now) -> Vec<Fact> {
+    fn facts(&self, seen: &Seen<Self>, now: &StepEstimates) -> Vec<Fact> {
         let mut facts = vec![Fact::new("Frame", now.frame.to_string(), None)];
-        let believed = now.believed();
-        if let Some((filter, role)) = believed {
+        let current = now.current();
+        if let Some((filter, role)) = current {
             let ([u, v], [[xx, _], [_, yy]]) = (filter.velocity(), filter.place_covariance());
-            facts.push(Fact::new("Place", format!("{} px", place(filter.place())), Some(role)));
+            facts.push(Fact::new("Position", format!("{} px", place(filter.place())), Some(role)));
             facts.push(Fact::new(
                 "Velocity",
-                format!("{} px/frame, {} px/frame fast", place([u, v]), short(u.hypot(v))),
+                format!("{} px/frame, speed {} px/frame", place([u, v]), px(u.hypot(v))),
                 None,
             ));
             facts.push(Fact::new(
-                "Standard deviation",
-                format!("{} by {} px", short(xx.sqrt()), short(yy.sqrt())),
+                "Standard deviations σ",
+                format!("({},\u{a0}{}) px", px(xx.sqrt()), px(yy.sqrt())),
                 None,
             ));
         }
         if let Some(gated) = now.gated.last() {
-            facts.push(Fact::new("Measured", format!("{} px", place(gated.measurement().place)), Some(Role::Measured)));
+            facts.push(Fact::new(
+                "Measurement",
+                format!("{} px", place(gated.measurement().place)),
+                Some(Role::Measured),
+            ));
             facts.push(Fact::new(
                 "NIS",
-                format!("{}, taken up to {}", short(gated.squared_distance), short(gated.limit)),
+                format!("{}, gate {}", squared(gated.squared_distance), squared(gated.limit)),
                 None,
             ));
         }
-        if let (Some(truth), Some((filter, _))) = (truth(seen), believed) {
+        if let (Some(truth), Some((filter, _))) = (truth(seen), current) {
             facts.push(Fact::new("Truth", format!("{} px", place(truth)), Some(Role::Truth)));
-            facts.push(Fact::new("Error", format!("{} px", short(distance(truth, filter.place()))), Some(Role::Error)));
-            facts.extend(filter.squared_error(truth).map(|nees| Fact::new("NEES", short(nees), None)));
+            facts.push(Fact::new("Error", format!("{} px", px(distance(truth, filter.place()))), Some(Role::Error)));
+            facts.extend(filter.squared_error(truth).map(|nees| Fact::new("NEES", squared(nees), None)));
         }
         facts
     }
 
-    /// The formula of the step with its numbers, along x.
+    /// The formula of the step, with the numbers along x.
     fn equation(&self, event: Option<&Event>) -> Option<Readout> {
         let var = Math::Var;
         let sub = |name, index| Math::indexed(Math::Var(name), Math::Var(index));
@@ -254,9 +313,11 @@ impl KalmanFilter {
                         var("Q"),
                     ]),
                     Math::Row(vec![
-                        var("x"),
-                        text(&format!(": {} and {} px/frame, after a frame ", short(x), short(u))),
-                        Math::ink(Role::Predicted, short(after.place()[0])),
+                        sub("x", "x"),
+                        text(&format!(" = {}, u = {} px/frame; predicted ", px(x), px(u))),
+                        sub("x", "x"),
+                        text(" = "),
+                        Math::ink(Role::Predicted, px(after.place()[0])),
                     ]),
                 ]
             }
@@ -268,9 +329,9 @@ impl KalmanFilter {
                     var("ν"),
                     text(&format!(
                         " = {} {} {}",
-                        short(numbers.squared_distance),
+                        squared(numbers.squared_distance),
                         if gated.is_inside() { "≤" } else { ">" },
-                        short(gated.limit)
+                        squared(gated.limit)
                     )),
                 ])]
             }
@@ -283,11 +344,11 @@ impl KalmanFilter {
                     Math::Row(vec![
                         sub("x", "x"),
                         text(" = "),
-                        Math::ink(Role::Predicted, fine(gated.expected.place()[0] as f32)),
-                        text(&format!(" + {} · ", short(gain))),
-                        Math::ink(Role::Measured, fine(residual as f32)),
+                        Math::ink(Role::Predicted, px(gated.expected.place()[0])),
+                        text(&format!(" + {} · ", ratio(gain))),
+                        Math::ink(Role::Measured, px(residual)),
                         text(" + … = "),
-                        Math::ink(Role::Estimate, fine(after.place()[0] as f32)),
+                        Math::ink(Role::Estimate, px(after.place()[0])),
                     ]),
                 ]
             }
@@ -296,23 +357,26 @@ impl KalmanFilter {
         Some(Readout::Equation(lines))
     }
 
-    /// What goes from frame to frame, up to the one at hand.
+    /// The plots up to the current frame.
     fn series(&self, seen: &Seen<Self>) -> Vec<Readout> {
         let state = seen.after.unwrap_or(seen.before);
-        let moments = || state.moments.iter().enumerate();
+        let records = || state.records.iter().enumerate();
         let x = |i: usize| (state.span.first + i) as f32;
-        let line = |of: &dyn Fn(&Moment) -> Option<f64>| -> Vec<[f32; 2]> {
-            moments().filter_map(|(i, moment)| Some([x(i), of(moment)? as f32])).collect()
+        let line = |of: &dyn Fn(&FrameRecord) -> Option<f64>| -> Vec<[f32; 2]> {
+            records().filter_map(|(i, record)| Some([x(i), of(record)? as f32])).collect()
         };
-        // Two-sided: a filter that is far too unsure lies below the lower one.
+        // Two-sided: a filter with a covariance far too large lies below the lower bound.
         let bounds = |dof: usize| -> Vec<Line> {
             let at = |p: f64| {
                 let value = chi_square::quantile(p, dof) as f32;
-                [0, state.moments.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
+                [0, state.records.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
             };
-            vec![("95 % lie between", Role::Window, at(0.025)), ("these two", Role::Window, at(0.975))]
+            vec![
+                ("95 % band, lower bound", Role::Window, at(0.025)),
+                ("95 % band, upper bound", Role::Window, at(0.975)),
+            ]
         };
-        let x_max = state.span.first + state.span.frames().map_or(state.moments.len(), |frames| frames - 1);
+        let x_max = state.span.first + state.span.frames().map_or(state.records.len(), |frames| frames - 1);
         let series = |title, y_label, lines: Vec<Line>| {
             Readout::Series(Series {
                 title,
@@ -324,11 +388,11 @@ impl KalmanFilter {
                 lines,
             })
         };
-        if state.moments.len() < 2 {
+        if state.records.len() < 2 {
             return Vec::new();
         }
-        let sigma = line(&|moment| moment.filtered.as_ref().map(deviation));
-        let smoothed = line(&|moment| moment.smoothed.as_ref().map(deviation));
+        let sigma = line(&|record| record.filtered.as_ref().map(deviation));
+        let smoothed = line(&|record| record.smoothed.as_ref().map(deviation));
         let mut deviations = vec![("filtered", Role::Estimate, sigma)];
         if !smoothed.is_empty() {
             deviations.push(("smoothed", Role::Result, smoothed));
@@ -340,37 +404,37 @@ impl KalmanFilter {
         };
         let mut all = Vec::new();
         for (sensor, title) in names.into_iter().enumerate() {
-            // Where nothing was measured the line is broken.
+            // The line is broken where there is no measurement.
             let all_of =
-                line(&|moment| Some(moment.of_sensor(sensor).map_or(f64::NAN, |gated| gated.squared_distance)));
-            let refused = line(&|moment| {
-                let gated = moment.of_sensor(sensor).filter(|gated| !gated.is_inside())?;
+                line(&|record| Some(record.of_sensor(sensor).map_or(f64::NAN, |gated| gated.squared_distance)));
+            let refused = line(&|record| {
+                let gated = record.of_sensor(sensor).filter(|gated| !gated.is_inside())?;
                 Some(gated.squared_distance)
             });
-            let dof = moments().find_map(|(_, moment)| Some(moment.of_sensor(sensor)?.measurement().numbers()));
+            let dof = records().find_map(|(_, record)| Some(record.of_sensor(sensor)?.measurement().numbers()));
             let Some(dof) = dof else { continue };
             let mut lines = vec![("NIS", Role::Measured, all_of)];
             if !refused.is_empty() {
                 lines.push(("outside the gate", Role::Rejected, refused));
             }
             lines.extend(bounds(dof));
-            all.push(series(title, "squared distance", lines));
+            all.push(series(title, "d²", lines));
         }
-        all.push(series("Standard deviation", "px", deviations));
-        let nees = line(&|moment| moment.filtered?.squared_error(moment.truth?));
+        all.push(series("Standard deviation σ of the position", "px", deviations));
+        let nees = line(&|record| record.filtered?.squared_error(record.truth?));
         if nees.len() > 1 {
-            let off = |of: fn(&Moment) -> Option<Filter>| {
-                line(&move |moment: &Moment| Some(distance(of(moment)?.place(), moment.truth?)))
+            let off = |of: fn(&FrameRecord) -> Option<Filter>| {
+                line(&move |record: &FrameRecord| Some(distance(of(record)?.place(), record.truth?)))
             };
             let lines = [vec![("NEES", Role::Error, nees)], bounds(2)].concat();
-            all.push(series("NEES", "squared distance", lines));
-            let mut errors = vec![("filtered", Role::Estimate, off(|moment| moment.filtered))];
-            let measured = line(&|moment| Some(distance(moment.of_sensor(0)?.measurement().place, moment.truth?)));
-            errors.push(("measured", Role::Measured, measured));
+            all.push(series("NEES", "NEES", lines));
+            let mut errors = vec![("filtered", Role::Estimate, off(|record| record.filtered))];
+            let measured = line(&|record| Some(distance(record.of_sensor(0)?.measurement().place, record.truth?)));
+            errors.push(("measurement", Role::Measured, measured));
             if state.back.is_some() {
-                errors.push(("smoothed", Role::Result, off(|moment| moment.smoothed)));
+                errors.push(("smoothed", Role::Result, off(|record| record.smoothed)));
             }
-            all.push(series("Distance from the truth", "px", errors));
+            all.push(series("Position error", "px", errors));
         }
         all
     }
@@ -379,17 +443,17 @@ impl KalmanFilter {
         let (state, now) = (seen.before, self.now(seen));
         trails(seen, scene);
         let detections = seen.events.iter().find_map(|event| match event {
-            Event::Looked(look) => Some(&look.detections),
+            Event::Observed(observed) => Some(&observed.detections),
             _ => None,
         });
         for found in detections.into_iter().flat_map(|all| all.iter()) {
             let shape = Shape::Rect { min: found.bounds.min, max: found.bounds.max };
             scene.mark(Picture::CURRENT, Role::Reference, shape);
-            scene.legend(Role::Reference, "detected");
+            scene.legend(Role::Reference, "detection");
         }
         self.truth(seen, scene);
         if let Some(predicted) = now.predicted {
-            self.belief(&predicted, (Role::Predicted, "predicted"), scene);
+            self.draw_estimate(&predicted, (Role::Predicted, "prediction"), scene);
         }
         if let Some(Event::Gated(gated)) = seen.events.last() {
             gate(gated, scene);
@@ -397,21 +461,21 @@ impl KalmanFilter {
         measured(seen, &now, scene);
         let is_back = state.back.is_some();
         if let Some(before) = now.before.filter(|_| is_back) {
-            self.belief(&before, (Role::Estimate, "filtered"), scene);
+            self.draw_estimate(&before, (Role::Estimate, "filtered estimate"), scene);
         }
         if let Some(after) = now.after {
-            let role = if is_back { (Role::Result, "smoothed") } else { (Role::Estimate, "estimated") };
-            self.belief(&after, role, scene);
+            let role = if is_back { (Role::Result, "smoothed estimate") } else { (Role::Estimate, "updated estimate") };
+            self.draw_estimate(&after, role, scene);
         }
         if scene.legend.is_empty() {
-            scene.legend(Role::Measured, "measured");
-            scene.legend(Role::Predicted, "predicted");
-            scene.legend(Role::Estimate, "estimated");
+            scene.legend(Role::Measured, "measurement");
+            scene.legend(Role::Predicted, "prediction");
+            scene.legend(Role::Estimate, "updated estimate");
         }
     }
 
-    /// An estimated place, with its ellipse.
-    fn belief(&self, filter: &Filter, (role, meaning): (Role, &'static str), scene: &mut Scene) {
+    /// Draws an estimated position with its covariance ellipse.
+    fn draw_estimate(&self, filter: &Filter, (role, meaning): (Role, &'static str), scene: &mut Scene) {
         let center = filter.place();
         if let Some(shape) = ellipse(center, filter.place_covariance(), self.confidence.share()) {
             scene.mark(Picture::CURRENT, role, shape);
@@ -423,83 +487,106 @@ impl KalmanFilter {
     fn truth(&self, seen: &Seen<Self>, scene: &mut Scene) {
         if let Some(truth) = truth(seen) {
             scene.mark(Picture::CURRENT, Role::Truth, Shape::Points(vec![point(truth)]));
-            scene.legend(Role::Truth, "true place");
+            scene.legend(Role::Truth, "true position");
         }
     }
 }
 
-/// What there is to see of a frame, in words.
-fn looked(frame: &usize, look: &Look, how: &str) -> Sentence {
+/// The measurements of a frame in words.
+fn measurements(frame: usize, observed: &Observations, kind: &str) -> Sentence {
     let said = Sentence::default();
-    let [first, second] = [0, 1].map(|sensor| look.measured.iter().find(|sensed| sensed.sensor == sensor));
-    let measured = |sensed: &Sensed| {
-        let Measurement { place: at, place_deviation, .. } = sensed.measurement;
-        (place(at), format!(", with a standard deviation of {} px", short(place_deviation)))
+    let [first, second] = [0, 1].map(|sensor| observed.measured.iter().find(|reading| reading.sensor == sensor));
+    let numbers = |reading: &SensorReading| {
+        let Measurement { place: at, place_deviation, .. } = reading.measurement;
+        (format!("{} px", place(at)), format!(", measurement noise σ = {} px", px(place_deviation)))
     };
-    let said = match first.map(measured) {
-        Some((at, sure)) => said.ink(Role::Measured, format!("Measured: {at}")).text(format!(", {how}{sure}.")),
-        None if look.is_hidden && second.is_some() => {
-            said.text(format!("Frame {frame} is one of those in which the first sensor sees nothing of the object."))
+    let said = match first.map(numbers) {
+        Some((at, noise)) => said.ink(Role::Measured, format!("Measurement: {at}")).text(format!(" ({kind}){noise}.")),
+        None if observed.is_hidden && second.is_some() => {
+            said.text(format!("Frame {frame} is in the simulated occlusion of the first sensor."))
         }
-        None if look.is_hidden => {
-            said.text(format!("Frame {frame} is one of those in which nothing is to be seen of the object."))
+        None if observed.is_hidden => {
+            said.text(format!("Frame {frame} is in the simulated occlusion: no measurement."))
         }
-        None if !look.detections.is_empty() => said
-            .ink(Role::Measured, format!("{} in frame {frame}", count(look.detections.len(), "detection")))
-            .text(", and none of them lies at a clicked place: the object begins where it is."),
-        None => said.text(format!("Nothing is detected in frame {frame}.")),
+        None if !observed.detections.is_empty() => said
+            .ink(Role::Measured, format!("{} in frame {frame}", count(observed.detections.len(), "detection")))
+            .text(", none of them at a clicked position. The track starts at the clicked object."),
+        None => said.text(format!("No detections in frame {frame}.")),
     };
-    match second.map(measured) {
-        Some((at, sure)) => {
-            said.ink(Role::Measured, format!(" The second sensor measures {at}")).text(format!("{sure}."))
-        }
+    match second.map(numbers) {
+        Some((at, noise)) => said.ink(Role::Measured, format!(" Second sensor: {at}")).text(format!("{noise}.")),
         None => said,
     }
 }
 
-fn are(there: usize) -> String {
-    if there == 1 { "only one is".into() } else { format!("only {there} are") }
+/// The update of state and covariance by an accepted measurement.
+fn updated(gated: &Gated, after: &Filter) -> Sentence {
+    let from = &gated.expected;
+    let gain = from.update_numbers(gated.measurement()).map_or(0.0, |numbers| numbers.gain[(0, 0)]);
+    let speed = |filter: &Filter| place(filter.velocity());
+    Sentence::default()
+        .text(format!("Update with Kalman gain {} along x: position ", ratio(gain)))
+        .ink(Role::Estimate, format!("{} → {} px", place(from.place()), place(after.place())))
+        .text(format!(
+            ", velocity {} → {} px/frame. σ falls from {} to {} px.",
+            speed(from),
+            speed(after),
+            px(deviation(from)),
+            px(deviation(after))
+        ))
 }
 
-/// The frame at work.
+fn root_mean_square(errors: impl Iterator<Item = f64>) -> Option<f64> {
+    let (mut sum, mut number) = (0.0, 0);
+    for error in errors {
+        (sum, number) = (sum + error * error, number + 1);
+    }
+    (number > 0).then(|| (sum / f64::from(number)).sqrt())
+}
+
+fn are(there: usize) -> String {
+    if there == 1 { "only one was".into() } else { format!("only {there} were") }
+}
+
+/// The current frame.
 fn frame_of(state: &State) -> usize {
-    let count = state.moments.len();
+    let count = state.records.len();
     state.span.first + state.back.map_or(count, |done| count.saturating_sub(done + 1))
 }
 
 fn sensor(gated: &Gated) -> &'static str {
-    if gated.sensed.sensor == 0 { "The measurement" } else { "The second sensor's measurement" }
+    if gated.reading.sensor == 0 { "The measurement" } else { "The second sensor's measurement" }
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// The standard deviation of a place, the mean over both axes.
+/// The standard deviation of the position, the root of the mean variance of both axes.
 fn deviation(filter: &Filter) -> f64 {
     let [[xx, _], [_, yy]] = filter.place_covariance();
     ((xx + yy) / 2.0).sqrt()
 }
 
-/// The true place in the frame at hand.
+/// The true position in the current frame.
 fn truth(seen: &Seen<KalmanFilter>) -> Option<[f64; 2]> {
     let told = seen.events.iter().find_map(|event| match event {
-        Event::Looked(look) => look.truth,
+        Event::Observed(observed) => observed.truth,
         _ => None,
     });
     let index = frame_of(seen.before) - seen.before.span.first;
-    told.or_else(|| seen.before.moments.get(index)?.truth)
+    told.or_else(|| seen.before.records.get(index)?.truth)
 }
 
-/// The estimated places up to here, and where what came later puts it.
+/// Draws the filtered and the smoothed trajectory so far.
 fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
     let state = seen.before;
-    let mut draw = |of: fn(&Moment) -> Option<Filter>, role: Role, meaning: &'static str| {
+    let mut draw = |of: fn(&FrameRecord) -> Option<Filter>, role: Role, meaning: &'static str| {
         let mut runs: Vec<Vec<[f32; 2]>> = Vec::new();
-        for moment in &state.moments {
-            match of(moment) {
+        for record in &state.records {
+            match of(record) {
                 Some(filter) => {
-                    if runs.is_empty() || moment.begins {
+                    if runs.is_empty() || record.begins {
                         runs.push(Vec::new());
                     }
                     if let Some(run) = runs.last_mut() {
@@ -514,17 +601,21 @@ fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
             scene.legend(role, meaning);
         }
     };
-    draw(|moment| moment.filtered, Role::Estimate, if state.back.is_some() { "filtered" } else { "estimated" });
+    draw(
+        |record| record.filtered,
+        Role::Estimate,
+        if state.back.is_some() { "filtered estimate" } else { "updated estimate" },
+    );
     if state.back.is_some() {
-        draw(|moment| moment.smoothed, Role::Result, "smoothed");
+        draw(|record| record.smoothed, Role::Result, "smoothed estimate");
     }
 }
 
-/// The region in which a measurement is taken.
+/// Draws the gate: the region of accepted measurements.
 fn gate(gated: &Gated, scene: &mut Scene) {
     let Some(numbers) = gated.expected.update_numbers(gated.measurement()) else { return };
     let covariance = [0, 1].map(|i| [0, 1].map(|j| numbers.covariance[(j, i)]));
-    // The share that lies within this limit in the plane of places.
+    // The share of positions within the gating threshold.
     let share = chi_square::share(gated.limit, 2);
     if let Some(shape) = ellipse(gated.expected.place(), covariance, share) {
         scene.mark(Picture::CURRENT, Role::Window, shape);
@@ -532,24 +623,25 @@ fn gate(gated: &Gated, scene: &mut Scene) {
     }
 }
 
-/// What was measured, and the way there from what was expected.
-fn measured(seen: &Seen<KalmanFilter>, now: &Now, scene: &mut Scene) {
+/// Draws the measurements and the innovation.
+fn measured(seen: &Seen<KalmanFilter>, now: &StepEstimates, scene: &mut Scene) {
     let looked = seen.events.iter().find_map(|event| match event {
-        Event::Looked(look) => Some(&look.measured),
+        Event::Observed(observed) => Some(&observed.measured),
         _ => None,
     });
     let Some(all) = looked.filter(|all| !all.is_empty()) else { return };
-    let is_refused =
-        |sensed: &&Sensed| now.gated.iter().any(|gated| gated.sensed.sensor == sensed.sensor && !gated.is_inside());
-    let (refused, taken): (Vec<&Sensed>, Vec<&Sensed>) = all.iter().partition(is_refused);
-    for (role, sensed) in [(Role::Measured, taken), (Role::Rejected, refused)] {
-        if !sensed.is_empty() {
-            let points = sensed.iter().map(|sensed| point(sensed.measurement.place)).collect();
+    let is_refused = |reading: &&SensorReading| {
+        now.gated.iter().any(|gated| gated.reading.sensor == reading.sensor && !gated.is_inside())
+    };
+    let (refused, taken): (Vec<&SensorReading>, Vec<&SensorReading>) = all.iter().partition(is_refused);
+    for (role, reading) in [(Role::Measured, taken), (Role::Rejected, refused)] {
+        if !reading.is_empty() {
+            let points = reading.iter().map(|reading| point(reading.measurement.place)).collect();
             scene.mark(Picture::CURRENT, role, Shape::Points(points));
-            scene.legend(role, if role == Role::Rejected { "measured, and refused by the gate" } else { "measured" });
+            scene.legend(role, if role == Role::Rejected { "rejected measurement" } else { "measurement" });
         }
     }
-    // The innovation of the sensor at work: one that was refused moves nothing.
+    // The innovation of the current sensor; a rejected one updates nothing.
     if let Some(gated) = now.gated.last() {
         let arrow = Arrow { from: point(gated.expected.place()), to: point(gated.measurement().place) };
         let role = if gated.is_inside() { Role::Best } else { Role::Rejected };

@@ -1,13 +1,13 @@
-//! The matrices of a step, with what differs from those before lit.
+//! The matrices of a step, with changed entries lit.
 
-use super::{Event, Gated, Moment};
+use super::{Event, FrameRecord, Gated};
 use crate::geometry::Grid;
 use crate::methods::kalman::{Filter, UpdateNumbers};
 use crate::scene::{Matrix, Role};
 
-/// Names of what a sensor measures.
+/// The names of the components of a measurement.
 const MEASURED: [&str; 4] = ["x", "y", "u", "v"];
-/// Entries that differ by less, as a share of the largest one of the matrix, differ by rounding.
+/// The rounding tolerance of entries, as a share of the largest one of the matrix.
 const ROUNDING: f64 = 1e-12;
 
 fn column(values: &[f64]) -> Grid<f64> {
@@ -18,19 +18,19 @@ fn owned(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).into()).collect()
 }
 
-/// A matrix by its symbol, its name, its role and its entries.
+/// Returns a matrix without row and column names.
 fn matrix(symbol: &'static str, name: &'static str, role: Option<Role>, entries: Grid<f64>) -> Matrix {
     Matrix { symbol, name, role, entries, rows: Vec::new(), columns: Vec::new(), changed: None }
 }
 
-/// The same with its entries lit that are others than `before`, unless there is nothing to compare.
+/// Lights the entries that differ from `before`, if that is comparable.
 fn lit(matrix: Matrix, before: Option<&Grid<f64>>) -> Matrix {
     let before = before.filter(|before| before.size() == matrix.entries.size());
     let changed = before.map(|before| changes(&matrix.entries, before));
     Matrix { changed, ..matrix }
 }
 
-/// Where two matrices of one size differ by more than rounding.
+/// Returns where two matrices of equal size differ by more than rounding.
 fn changes(now: &Grid<f64>, before: &Grid<f64>) -> Grid<bool> {
     let largest = now.cells().iter().chain(before.cells()).fold(0.0_f64, |most, v| most.max(v.abs()));
     let (width, height) = now.size();
@@ -38,10 +38,10 @@ fn changes(now: &Grid<f64>, before: &Grid<f64>) -> Grid<bool> {
 }
 
 /// The state and its covariance.
-fn belief(filter: &Filter, before: Option<&Filter>, role: Role) -> [Matrix; 2] {
+fn estimate_matrices(filter: &Filter, before: Option<&Filter>, role: Role) -> [Matrix; 2] {
     let rows = owned(filter.names());
     let state = Matrix { rows: rows.clone(), ..matrix("x", "state", Some(role), column(&filter.state())) };
-    let covariance = matrix("P", "its covariance", Some(role), filter.covariance());
+    let covariance = matrix("P", "state covariance", Some(role), filter.covariance());
     let covariance = Matrix { columns: rows.clone(), rows, ..covariance };
     [
         lit(state, before.map(|before| column(&before.state())).as_ref()),
@@ -49,7 +49,7 @@ fn belief(filter: &Filter, before: Option<&Filter>, role: Role) -> [Matrix; 2] {
     ]
 }
 
-/// What a measurement is compared with and taken by, lit where it is other than `before`.
+/// The matrices of an update, lit where they differ from those before.
 fn of_update(numbers: &UpdateNumbers, before: Option<&UpdateNumbers>, names: &[&'static str]) -> [Matrix; 5] {
     let UpdateNumbers { observation, noise, residual, covariance, gain, .. } = numbers;
     let measured = owned(&MEASURED[..residual.len()]);
@@ -59,22 +59,23 @@ fn of_update(numbers: &UpdateNumbers, before: Option<&UpdateNumbers>, names: &[&
         ..matrix(symbol, meaning, None, entries.clone())
     };
     let innovation = matrix("ν", "innovation", Some(Role::Measured), column(residual));
-    let gain = Matrix { rows: owned(names), columns: measured.clone(), ..matrix("K", "gain", None, gain.clone()) };
+    let gain =
+        Matrix { rows: owned(names), columns: measured.clone(), ..matrix("K", "Kalman gain", None, gain.clone()) };
     let observation = Matrix {
         rows: measured.clone(),
         columns: owned(names),
-        ..matrix("H", "what is measured", None, observation.clone())
+        ..matrix("H", "measurement matrix", None, observation.clone())
     };
     [
         lit(Matrix { rows: measured.clone(), ..innovation }, before.map(|before| column(&before.residual)).as_ref()),
-        lit(square("S", "its covariance", covariance), before.map(|before| &before.covariance)),
+        lit(square("S", "innovation covariance", covariance), before.map(|before| &before.covariance)),
         lit(gain, before.map(|before| &before.gain)),
-        lit(square("R", "noise of the measurement", noise), before.map(|before| &before.noise)),
+        lit(square("R", "measurement noise covariance", noise), before.map(|before| &before.noise)),
         lit(observation, before.map(|before| &before.observation)),
     ]
 }
 
-/// F and Q of a step of time, lit where they are others than for the step before.
+/// F and Q of a prediction, lit where they differ from those of the prediction before.
 fn of_prediction(from: &Filter, before: Option<&Filter>) -> [Matrix; 2] {
     let (now, before) = (from.prediction_numbers(), before.map(Filter::prediction_numbers));
     let names = owned(from.names());
@@ -84,22 +85,22 @@ fn of_prediction(from: &Filter, before: Option<&Filter>) -> [Matrix; 2] {
         ..matrix(symbol, meaning, None, entries)
     };
     [
-        lit(square("F", "transition", now.transition), before.as_ref().map(|before| &before.transition)),
-        lit(square("Q", "noise of the motion", now.noise), before.as_ref().map(|before| &before.noise)),
+        lit(square("F", "state transition", now.transition), before.as_ref().map(|before| &before.transition)),
+        lit(square("Q", "process noise covariance", now.noise), before.as_ref().map(|before| &before.noise)),
     ]
 }
 
-/// All matrices of a step after those `moments`.
+/// Returns the matrices of a step after the frames `records`.
 pub(super) fn matrices<'a>(
     event: Option<&Event>,
-    believed: Option<(&Filter, Role)>,
-    moments: impl DoubleEndedIterator<Item = &'a Moment>,
+    current: Option<(&Filter, Role)>,
+    records: impl DoubleEndedIterator<Item = &'a FrameRecord>,
 ) -> Vec<Matrix> {
-    // Of the same object, the latest first.
+    // Of the same track, the latest first.
     let mut earlier = Vec::new();
-    for moment in moments.rev() {
-        earlier.push(moment);
-        if moment.begins {
+    for record in records.rev() {
+        earlier.push(record);
+        if record.begins {
             break;
         }
     }
@@ -107,19 +108,19 @@ pub(super) fn matrices<'a>(
         None | Some(Event::Kept(None)) => Vec::new(),
         Some(Event::Predicted(both)) => {
             let [before, after] = &**both;
-            let one_step_before = earlier.get(1).and_then(|moment| moment.filtered.as_ref());
-            let mut all = belief(after, Some(before), Role::Predicted).to_vec();
+            let one_step_before = earlier.get(1).and_then(|record| record.filtered.as_ref());
+            let mut all = estimate_matrices(after, Some(before), Role::Predicted).to_vec();
             all.extend(of_prediction(before, one_step_before));
             all
         }
         Some(Event::Gated(gated)) => {
             let role = if gated.is_updated { Role::Estimate } else { Role::Predicted };
-            let before = earlier.iter().find_map(|moment| moment.of_sensor(gated.sensed.sensor));
-            with_update(belief(&gated.expected, None, role), gated, before)
+            let before = earlier.iter().find_map(|record| record.of_sensor(gated.reading.sensor));
+            with_update(estimate_matrices(&gated.expected, None, role), gated, before)
         }
         Some(Event::Updated(update)) => {
             let (gated, after) = &**update;
-            with_update(belief(after, Some(&gated.expected), Role::Estimate), gated, None)
+            with_update(estimate_matrices(after, Some(&gated.expected), Role::Estimate), gated, None)
         }
         Some(Event::Smoothed(both)) => {
             let [filtered, smoothed] = &**both;
@@ -127,18 +128,18 @@ pub(super) fn matrices<'a>(
             let gain = filtered.smoothing_gain().map(|gain| Matrix {
                 rows: names.clone(),
                 columns: names,
-                ..matrix("C", "gain of smoothing", None, gain)
+                ..matrix("C", "smoother gain", None, gain)
             });
-            belief(smoothed, Some(filtered), Role::Result).into_iter().chain(gain).collect()
+            estimate_matrices(smoothed, Some(filtered), Role::Result).into_iter().chain(gain).collect()
         }
-        Some(_) => believed.map_or_else(Vec::new, |(filter, role)| belief(filter, None, role).to_vec()),
+        Some(_) => current.map_or_else(Vec::new, |(filter, role)| estimate_matrices(filter, None, role).to_vec()),
     }
 }
 
-fn with_update(belief: [Matrix; 2], gated: &Gated, before: Option<&Gated>) -> Vec<Matrix> {
+fn with_update(estimate_matrices: [Matrix; 2], gated: &Gated, before: Option<&Gated>) -> Vec<Matrix> {
     let numbers = |gated: &Gated| gated.expected.update_numbers(gated.measurement());
     let before = before.and_then(numbers);
-    let mut all = belief.to_vec();
+    let mut all = estimate_matrices.to_vec();
     all.extend(
         numbers(gated).into_iter().flat_map(|numbers| of_update(&numbers, before.as_ref(), gated.expected.names())),
     );

@@ -1,4 +1,4 @@
-//! What measures the object that the filter follows, each sensor by itself.
+//! The sensors of the tracked object.
 
 use std::sync::Arc;
 
@@ -13,69 +13,70 @@ use crate::methods::{
 };
 
 choices! {
-    /// What measures the object.
+    /// The sensors of the object.
     pub enum Sensors {
-        /// One that tells where it is.
+        /// One sensor: position.
         One = "one" "One position",
-        /// Two that tell where it is, each with its own noise.
+        /// Two sensors: positions with different noise.
         Two = "two-positions" "Two positions",
-        /// One that tells where it is, and one that tells where it is and how it moves.
+        /// Two sensors: position, and position with velocity.
         WithVelocity = "position-and-velocity" "Position, and position with velocity",
     }
 }
 
-/// What one sensor measures of the object.
+/// The measurement of one sensor.
 #[derive(Clone, Copy, Debug)]
-pub struct Sensed {
-    /// 0 or 1.
+pub struct SensorReading {
+    /// The index of the sensor, 0 or 1.
     pub sensor: usize,
     pub measurement: Measurement,
-    /// The detection that it is made of, if it is made of one.
+    /// The detection that the measurement is made of, if any.
     pub detection: Option<usize>,
 }
 
-/// What there is to see of a frame.
+/// The detections, measurements and truth of a frame.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct Observations {
     pub detections: Arc<Vec<Detection>>,
-    /// What is measured of the object, by sensor.
-    pub measured: Vec<Sensed>,
-    /// Where it truly is.
+    /// The measurements of the object, by sensor.
+    pub measured: Vec<SensorReading>,
+    /// The true position in px.
     pub truth: Option<[f64; 2]>,
-    /// Whether the frame is one of those in which the first sensor sees nothing.
+    /// Whether the first sensor is occluded by the simulated occlusion.
     pub is_hidden: bool,
 }
 
 impl KalmanFilter {
-    /// What all sensors see of frame `t` if an object is expected there; what it may begin with if there is none.
-    pub(super) fn look(
+    /// Returns the measurements of frame `t`: those of the predicted object, or those that a track may start with.
+    pub(super) fn observe(
         &self,
         (clip, t): (&Clip, usize),
         state: &State,
         expected: Option<&Filter>,
-    ) -> Result<Look, Error> {
+    ) -> Result<Observations, Error> {
         let truth = state.truth_id.map(|id| truth_of(clip, t, id)).transpose()?.flatten();
         let index = t - state.span.first;
-        let is_hidden = index.checked_sub(self.drop_from).is_some_and(|index| index < self.drop_frames);
+        let is_hidden = index.checked_sub(self.occlusion_start).is_some_and(|index| index < self.occlusion_frames);
         let detections = Arc::new(if is_hidden { Vec::new() } else { state.detector.look(clip, t)? });
         let chosen = match expected {
             Some(expected) => self.nearest(expected, &detections),
             None => self.begin_with((state, t), &detections),
         };
-        let first = chosen.map(|i| Sensed { sensor: 0, measurement: self.first(&detections[i]), detection: Some(i) });
-        // An object that has not begun has no truth that could be measured.
+        let first =
+            chosen.map(|i| SensorReading { sensor: 0, measurement: self.first(&detections[i]), detection: Some(i) });
+        // Before a track starts its true object is unknown.
         let second = expected.map(|_| self.second(clip, state, t)).transpose()?.flatten();
-        let second = second.map(|measurement| Sensed { sensor: 1, measurement, detection: None });
-        Ok(Look { detections, measured: first.into_iter().chain(second).collect(), truth, is_hidden })
+        let second = second.map(|measurement| SensorReading { sensor: 1, measurement, detection: None });
+        Ok(Observations { detections, measured: first.into_iter().chain(second).collect(), truth, is_hidden })
     }
 
-    /// What the first sensor says of a detection.
+    /// Returns the first sensor's measurement of a detection.
     fn first(&self, detection: &Detection) -> Measurement {
         let place = detection.center.map(f64::from);
         Measurement { place, place_deviation: f64::from(self.measurement_noise), velocity: None }
     }
 
-    /// What the second sensor says, of a true place: it has a noise of its own.
+    /// Returns the second sensor's measurement: the truth with independent noise.
     fn second(&self, clip: &Clip, state: &State, t: usize) -> Result<Option<Measurement>, Error> {
         let (Some(id), false) = (state.truth_id, self.sensors == Sensors::One) else { return Ok(None) };
         let at = |t: Option<usize>| t.map_or(Ok(None), |t| truth_of(clip, t, id));
@@ -98,34 +99,34 @@ impl KalmanFilter {
         Ok(Some(Measurement { place, place_deviation: deviation, velocity }))
     }
 
-    /// The detection that is nearest to what is expected.
+    /// Returns the detection of the least Mahalanobis distance from the prediction.
     fn nearest(&self, expected: &Filter, detections: &[Detection]) -> Option<usize> {
         let far = |i: &usize| expected.squared_distance(&self.first(&detections[*i])).unwrap_or(f64::INFINITY);
         (0..detections.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
     }
 
-    /// The detection that the object begins with: in the order of the source, the surest first where it tells how sure it is.
+    /// Returns the detection that a track starts with: in the order of the source, by score where there are scores.
     ///
-    /// Whoever clicked on an object has chosen it, unless clicks are what is measured: it begins in that frame.
+    /// A click on an object chooses it and its first frame, unless clicks are the measurements.
     fn begin_with(&self, (state, t): (&State, usize), detections: &[Detection]) -> Option<usize> {
-        if !self.clicks.all().is_empty() && !state.detector.takes_clicks() {
+        if !self.clicks.all().is_empty() && !state.detector.is_clicked() {
             return self.clicks.of_frame(t).find_map(|click| nearest_to(click, detections));
         }
         let mut ranked: Vec<usize> = (0..detections.len()).collect();
-        if state.detector.tells_scores() {
-            // Of a stable order: those of one score keep theirs.
+        if state.detector.has_scores() {
+            // The sort is stable: equal scores keep their order.
             ranked.sort_by(|a, b| detections[*b].score.total_cmp(&detections[*a].score));
         }
         ranked.get(self.object - 1).or(ranked.last()).copied()
     }
 }
 
-/// The detection that someone means who clicked at a place: the one whose box reaches nearest to it, if one does.
+/// Returns the detection whose box is nearest to a click, if it is near enough.
 fn nearest_to(click: [f32; 2], detections: &[Detection]) -> Option<usize> {
     let far = |i: &usize| {
         let Bounds { min, max } = detections[*i].bounds;
         let off = [0, 1].map(|axis| (min[axis] - click[axis]).max(click[axis] - max[axis]).max(0.0));
-        // Of boxes that hold the place the one whose middle is nearest.
+        // Among boxes that contain the click, the nearest centre decides.
         let middle = [0, 1].map(|axis| detections[*i].center[axis] - click[axis]);
         (off[0].hypot(off[1]), middle[0].hypot(middle[1]))
     };
@@ -133,11 +134,11 @@ fn nearest_to(click: [f32; 2], detections: &[Detection]) -> Option<usize> {
     (0..detections.len()).min_by(order).filter(|i| far(i).0 <= CLICK_REACH_PX)
 }
 
-/// A click means a box that is at most so far away.
+/// The maximum distance of a click from the box that it chooses in px.
 const CLICK_REACH_PX: f32 = 24.0;
 
-/// The velocity in px/frame by the places in the frame before, in this one and in the next: from the one to the other where both
-/// are known, so that a steady acceleration does not change it.
+/// Returns the velocity in px/frame by the positions in the previous, the current and the next frame: the central difference
+/// where both neighbours are known, which is exact under constant acceleration.
 fn true_velocity(places: [Option<[f64; 2]>; 3]) -> Option<[f64; 2]> {
     let [before, now, after] = places;
     let apart = |from: [f64; 2], to: [f64; 2], frames: f64| [0, 1].map(|i| (to[i] - from[i]) / frames);
@@ -154,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_steady_acceleration_does_not_change_the_velocity_measured() {
+    fn the_central_difference_is_exact_under_constant_acceleration() {
         let at = |t: f64| Some([3.0 * t + 2.0 * t * t, -t]);
         assert_eq!(true_velocity([at(4.0), at(5.0), at(6.0)]), Some([23.0, -1.0]));
         assert_eq!(true_velocity([at(4.0), at(5.0), None]), Some([21.0, -1.0]));

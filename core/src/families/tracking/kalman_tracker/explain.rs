@@ -1,35 +1,72 @@
-//! How the tracker is told and drawn.
+//! The steps of the Kalman tracker in words, matrices and marks.
 
 use std::collections::BTreeMap;
 
-use super::share::{Costs, MOST_NEAR, Turn};
+use super::association::{Costs, MOST_NEAR, MatchingStage};
 use super::{Event, KalmanTracker, PairCost, Track, line};
+use crate::base::words;
+use crate::geometry::Grid;
 use crate::methods::{
-    kalman::ellipse,
-    multi_object::explain::{self, Names, count, short},
+    kalman::{Filter, Measurement, ellipse},
+    multi_object::explain::{self, Names, count},
+    numbers::{fixed, px, ratio, squared},
 };
 use crate::products::TrackStatus;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
 fn named(track: &Track) -> String {
-    format!("Object {}", track.id)
+    format!("Track {}", track.id)
 }
 
 fn speed(track: &Track) -> String {
     explain::speed(track.filter.velocity())
 }
 
+/// The larger variance of the position in px².
+fn variance(track: &Track) -> f64 {
+    let [[xx, _], [_, yy]] = track.filter.place_covariance();
+    xx.max(yy)
+}
+
+/// The standard deviations of the position along x and y.
+fn deviations(track: &Track) -> String {
+    let [[xx, _], [_, yy]] = track.filter.place_covariance();
+    let [x, y] = [xx, yy].map(|variance| px(variance.max(0.0).sqrt()));
+    if x == y { x } else { format!("({x},\u{a0}{y})") }
+}
+
+/// State and covariance before and after an update, with the changed entries lit.
+fn state_matrices(before: &Filter, after: &Filter) -> Vec<Matrix> {
+    let names: Vec<String> = before.names().iter().map(|name| (*name).into()).collect();
+    let state = |filter: &Filter| Grid::from_fn(1, names.len(), |_, y| filter.state()[y]);
+    let matrix = |symbol, name, role, entries: Grid<f64>, old: Option<Grid<f64>>| Matrix {
+        symbol,
+        name,
+        role: Some(role),
+        rows: names.clone(),
+        columns: if entries.width() > 1 { names.clone() } else { Vec::new() },
+        changed: old.map(|old| Grid::from_fn(old.width(), old.height(), |x, y| entries[(x, y)] != old[(x, y)])),
+        entries,
+    };
+    vec![
+        matrix("x⁻", "predicted state", Role::Predicted, state(before), None),
+        matrix("x", "updated state", Role::Estimate, state(after), Some(state(before))),
+        matrix("P⁻", "predicted covariance", Role::Predicted, before.covariance(), None),
+        matrix("P", "updated covariance", Role::Estimate, after.covariance(), Some(before.covariance())),
+    ]
+}
+
 impl KalmanTracker {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
-            None | Some(Event::Done(_)) => line::EACH_FRAME,
-            Some(Event::Looked(..)) => line::DETECT,
+            None | Some(Event::Done(..)) => line::EACH_FRAME,
+            Some(Event::Detected(..)) => line::DETECT,
             Some(Event::Predicted(_)) => line::PREDICT,
             Some(Event::Costs(_)) => line::COMPUTE_COSTS,
-            Some(Event::Paired(..)) => line::ASSIGN,
+            Some(Event::Assigned(..)) => line::ASSIGN,
             Some(Event::Updated(..)) => line::UPDATE_TRACK,
-            Some(Event::Missed(_) | Event::Ended(_)) => line::COAST_OR_END,
+            Some(Event::Missed(_) | Event::Deleted(_)) => line::COAST_OR_END,
             Some(Event::Begun(_)) => line::BEGIN_TRACK,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
@@ -37,110 +74,162 @@ impl KalmanTracker {
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
         let said = Sentence::default();
-        let frame = seen.before.course.frame();
+        let frame = seen.before.run.frame();
         let Some(event) = seen.events.last() else {
             return said
-                .text("Each object has a filter that ")
-                .ink(Role::Predicted, "predicts")
-                .text(" where it will be. What is ")
-                .ink(Role::Measured, "detected")
-                .text(" in a frame is shared out among them, and each moves to its own.");
+                .text("Each track has a Kalman filter. In every frame the filters ")
+                .ink(Role::Predicted, "predict")
+                .text(", data association assigns the ")
+                .ink(Role::Measured, "detections")
+                .text(", and each track is updated with its own.");
         };
         match event {
-            Event::Looked(all, left_out) => {
-                explain::looked((all.len(), "detection"), frame, (*left_out, self.given.min_score))
+            Event::Detected(all, discarded) => {
+                explain::detected((all.len(), "detection"), frame, (*discarded, self.settings.min_score))
             }
-            Event::Predicted(tracks) if tracks.is_empty() => {
-                said.text("There is no object yet whose place could be predicted.")
-            }
-            Event::Predicted(tracks) => said
-                .text("Each of ")
-                .ink(Role::Predicted, count(tracks.len(), "object"))
-                .text(" goes on as it did, and is less sure of its place than before."),
+            Event::Predicted(tracks) => self.predicted(tracks),
             Event::Costs(costs) => said.text(format!(
-                "Of {} pairs of objects and detections {} are allowed: {}.{}",
-                costs.costs.rows() * costs.costs.columns(),
+                "Gating: {} of {} are inside. {}{}",
                 costs.costs.len(),
+                count(costs.costs.rows() * costs.costs.columns(), "pair"),
                 self.limits(costs),
                 crowd(costs)
             )),
-            Event::Paired(costs, [row, column]) => {
-                let pair = costs.pairs[*row];
-                let why = match pair.map(|pair| pair.turn) {
-                    None | Some(Turn::First) => "",
-                    Some(Turn::LessSure) => {
-                        " The detection is less sure; it may only go on with an object seen in the frame before."
-                    }
-                    Some(Turn::Tentative) => " Confirmed tracks have left it unassigned.",
-                    Some(Turn::LastBox) => {
-                        " It is outside the gate of the prediction, but overlaps the track's last box."
-                    }
-                };
-                said.ink(Role::Predicted, named(&costs.tracks[*row]))
-                    .text(" is assigned to ")
-                    .ink(Role::Measured, format!("detection {}", column + 1))
-                    .text(format!(", at a cost of {}.{why}", short(pair.map_or(0.0, |pair| pair.cost))))
-            }
-            Event::Updated(both, _) => {
-                let [before, after] = &**both;
-                let said =
-                    said.ink(Role::Estimate, named(after)).text(format!(" moves to its detection: {}.", speed(after)));
-                match (before.age.life, after.age.life) {
-                    (TrackStatus::Tentative, TrackStatus::Confirmed) => {
-                        said.text(format!(" It was matched in {} frames and is confirmed.", after.age.seen))
-                    }
-                    (TrackStatus::Coasting, _) => {
-                        said.text(format!(" It is back after {}.", count(before.age.missed, "frame")))
-                    }
-                    _ => said,
-                }
-            }
+            Event::Assigned(costs, [row, column]) => self.assigned(costs, [*row, *column]),
+            Event::Updated(both, measurement) => self.updated_track(both, measurement),
             Event::Missed(track) => said.ink(Role::Predicted, named(track)).text(format!(
-                " was not seen for {} and coasts: its ellipse grows. After more than {} it is deleted.",
+                " is unassigned and coasts: {} missed in a row, deleted after more than max-age = {}. Without an update σ grows to {} px.",
                 count(track.age.missed, "frame"),
-                count(self.rules.patience, "frame")
+                self.rules.max_age,
+                deviations(track)
             )),
-            Event::Ended(track) => said.ink(Role::Rejected, named(track)).text(match track.age.life {
-                TrackStatus::Tentative => " was not seen again and is deleted: it was still tentative.",
-                _ if track.age.missed < self.rules.patience => " is predicted far outside the picture and is deleted.",
-                _ => " was not seen for too long and is deleted.",
-            }),
-            Event::Begun(track) => {
-                said.text("An unassigned detection begins ").ink(Role::Reference, named(track).to_lowercase()).text(".")
+            Event::Deleted(track) => {
+                let limit = self.rules.max_age;
+                said.ink(Role::Rejected, named(track)).text(match track.age.status {
+                    TrackStatus::Tentative => {
+                        let least = self.rules.min_hits;
+                        format!(" is deleted: missed while tentative, before min-hits = {least} matches.")
+                    }
+                    _ if track.age.missed < limit => {
+                        let [x, y] = track.filter.place();
+                        let at = words::place([x as f32, y as f32]);
+                        format!(" is deleted: its prediction {at} px is far outside the picture.")
+                    }
+                    _ => format!(" is deleted: missed for more than max-age = {}.", count(limit, "frame")),
+                })
             }
-            Event::Done(frame_done) => said.text(explain::done(frame, frame_done)),
+            Event::Begun(track) => said
+                .text("An unassigned detection starts ")
+                .ink(Role::Reference, named(track).to_lowercase())
+                .text(format!(
+                    " with velocity 0 ± {} px/frame. It is tentative until min-hits = {}.",
+                    px(track.filter.covariance()[(2, 2)].max(0.0).sqrt()),
+                    self.rules.min_hits
+                )),
+            Event::Done(done, conclusion) => said.text(explain::done(frame, done, conclusion)),
         }
     }
 
-    fn limits(&self, costs: &Costs) -> String {
-        let near = format!("their squared distance is at most {}", short(costs.limit));
-        let shared = match self.min_overlap > 0.0 {
-            true => format!("they have at least {} in common", short(f64::from(self.min_overlap))),
-            false => "their boxes overlap".into(),
+    fn predicted(&self, tracks: &[Track]) -> Sentence {
+        let said = Sentence::default();
+        let Some(widest) = tracks.iter().max_by(|a, b| variance(a).total_cmp(&variance(b))) else {
+            return said.text("No tracks to predict yet.");
         };
-        match self.cost {
+        said.text("Prediction of ").ink(Role::Predicted, count(tracks.len(), "track")).text(format!(
+            ": process noise Q increases each covariance. Track {} is the least certain, σ = {} px.",
+            widest.id,
+            deviations(widest)
+        ))
+    }
+
+    fn assigned(&self, costs: &Costs, [row, column]: [usize; 2]) -> Sentence {
+        let pair = costs.pairs[row];
+        let overlap = fixed(costs.overlap(row, column), 2);
+        let compared = match pair.map(|pair| pair.stage) {
+            Some(MatchingStage::LastBox) => format!(
+                "The prediction is outside the gate or the IoU threshold; IoU with the last box {} ≥ {}.",
+                fixed(1.0 - pair.map_or(1.0, |pair| pair.cost), 2),
+                fixed(self.iou_threshold.into(), 2)
+            ),
+            stage => {
+                let distance =
+                    format!("d² = {} ≤ {}", squared(self.distance(costs, row, column)), squared(costs.limit));
+                let iou = format!("IoU {overlap} ≥ {}", fixed(self.iou_threshold.into(), 2));
+                let decided = match self.cost {
+                    PairCost::Mahalanobis => distance,
+                    PairCost::Overlap => iou,
+                    PairCost::Both => format!("{distance}, {iou}"),
+                };
+                let why = match stage {
+                    Some(MatchingStage::LowScore) => format!(
+                        " Its score is below score-threshold = {}, so it can only continue a track.",
+                        fixed(self.score_threshold.into(), 2)
+                    ),
+                    Some(MatchingStage::Tentative) => " Confirmed tracks left it unassigned.".to_owned(),
+                    _ => String::new(),
+                };
+                format!("{decided}.{why}")
+            }
+        };
+        Sentence::default()
+            .ink(Role::Predicted, named(&costs.tracks[row]))
+            .text(" is assigned to ")
+            .ink(Role::Measured, format!("detection {}", column + 1))
+            .text(format!(", cost {}. {compared}", ratio(pair.map_or(0.0, |pair| pair.cost))))
+    }
+
+    /// The update of the state and its standard deviation, with the gain along x.
+    fn updated_track(&self, [before, after]: &[Track; 2], measurement: &Measurement) -> Sentence {
+        let at = |track: &Track| words::place(track.filter.place().map(|c| c as f32));
+        let gain = before.filter.update_numbers(measurement).map_or(0.0, |numbers| numbers.gain[(0, 0)]);
+        let said = Sentence::default().ink(Role::Estimate, named(after)).text(format!(
+            ": the update with gain K = {} moves the position from {} to {} px. σ falls from {} to {} px; velocity {}.",
+            ratio(gain),
+            at(before),
+            at(after),
+            deviations(before),
+            deviations(after),
+            speed(after)
+        ));
+        match (before.age.status, after.age.status) {
+            (TrackStatus::Tentative, TrackStatus::Confirmed) => said.text(format!(
+                " Confirmed: {} reach min-hits = {}.",
+                count(after.age.hits, "matched frame"),
+                self.rules.min_hits
+            )),
+            (TrackStatus::Coasting, _) => {
+                said.text(format!(" Matched again after {}.", count(before.age.missed, "missed frame")))
+            }
+            _ => said,
+        }
+    }
+
+    /// The gating thresholds in words.
+    fn limits(&self, costs: &Costs) -> String {
+        let near = format!("the gate is d² ≤ {} (χ², 2 dof, {})", squared(costs.limit), words::percent(self.gate));
+        let shared = match self.iou_threshold > 0.0 {
+            true => format!("the IoU threshold is {}", fixed(self.iou_threshold.into(), 2)),
+            false => "boxes have to overlap".into(),
+        };
+        let all = match self.cost {
             PairCost::Mahalanobis => near,
             PairCost::Overlap => shared,
             PairCost::Both => format!("{near}, and {shared}"),
-        }
+        };
+        format!("{}.", words::capital(&all))
     }
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
         let state = seen.before;
-        let mut facts = vec![Fact::new("Frame", state.course.frame().to_string(), None)];
+        let mut facts = vec![Fact::new("Frame", state.run.frame().to_string(), None)];
         let objects = seen.after.unwrap_or(state).tracks.len();
-        facts.push(Fact::new("Objects", objects.to_string(), None));
+        facts.push(Fact::new("Tracks", objects.to_string(), None));
         if let Some(track) = track_of(seen) {
-            let [[xx, _], [_, yy]] = track.filter.place_covariance();
-            facts.push(Fact::new("Object", track.id.to_string(), None));
-            facts.push(Fact::new("State", track.age.life.name(), None));
-            facts.push(Fact::new("Seen", count(track.age.seen, "frame"), None));
+            facts.push(Fact::new("Track", track.id.to_string(), None));
+            facts.push(Fact::new("Status", track.age.status.name(), None));
+            facts.push(Fact::new("Hits", count(track.age.hits, "matched frame"), None));
             facts.push(Fact::new("Velocity", speed(track), None));
-            facts.push(Fact::new(
-                "Standard deviation",
-                format!("{} by {} px", short(xx.sqrt()), short(yy.sqrt())),
-                None,
-            ));
+            facts.push(Fact::new("Standard deviation σ", format!("{} px", deviations(track)), None));
         }
         let (mut tables, mut equation) = (Vec::new(), None);
         if let Some((costs, pair)) = costs_of(seen) {
@@ -149,14 +238,17 @@ impl KalmanTracker {
             tables = self.tables(costs, &names, pair);
             equation = self.equation(costs, pair);
         }
+        if let Some(Event::Updated(both, _)) = seen.events.last() {
+            (tables, equation) = (state_matrices(&both[0].filter, &both[1].filter), None);
+        }
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend(equation.map(Readout::Equation));
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
-        readouts.extend(explain::series(&seen.after.unwrap_or(state).course));
+        readouts.extend(explain::series(&seen.after.unwrap_or(state).run));
         readouts
     }
 
-    /// What a pair costs, and for one pair with its numbers.
+    /// The formula of the cost, and for one pair with its numbers.
     fn equation(&self, costs: &Costs, pair: Option<[usize; 2]>) -> Option<Vec<Math>> {
         let cost = |shown: [Math; 4]| {
             let [distance, limit, overlap, least] = shown;
@@ -173,26 +265,28 @@ impl KalmanTracker {
                 ]),
             }
         };
-        let squared = Math::power(Math::Var("d"), Math::text("2"));
-        let symbols = cost([squared, Math::text("limit"), Math::text("IoU"), Math::text("min-overlap")]);
+        let d_squared = Math::power(Math::Var("d"), Math::text("2"));
+        let symbols = cost([d_squared, Math::text("gate"), Math::text("IoU"), Math::text("IoU threshold")]);
         let mut lines = vec![Math::Row(vec![Math::Var("C"), Math::text(" = "), symbols])];
         if let Some([row, column]) = pair {
-            // A pair of the last box has a cost of its own.
-            let total = Math::ink(Role::Best, short(costs.costs.get(row, column)?));
+            // A pair by the last box has another cost.
+            let total = Math::ink(Role::Best, ratio(costs.costs.get(row, column)?));
             let (distance, overlap) = (self.distance(costs, row, column), costs.overlap(row, column));
-            let shown = [distance, costs.limit, overlap, f64::from(self.min_overlap)].map(|v| Math::text(short(v)));
+            let [distance, limit] = [distance, costs.limit].map(|v| Math::text(squared(v)));
+            let [overlap, least] = [overlap, f64::from(self.iou_threshold)].map(|v| Math::text(fixed(v, 2)));
+            let shown = [distance, limit, overlap, least];
             lines.push(Math::Row(vec![Math::text("= "), cost(shown), Math::text(" = "), total]));
         }
         Some(lines)
     }
 
-    /// The squared Mahalanobis distance of a detection from an object.
+    /// Returns the squared Mahalanobis distance of a detection from a track.
     fn distance(&self, costs: &Costs, row: usize, column: usize) -> f64 {
         let measured = self.measurement(&costs.detections[column]);
         costs.tracks[row].filter.squared_distance(&measured).unwrap_or(f64::INFINITY)
     }
 
-    /// The tables of costs, the pairs that were chosen lit.
+    /// The cost matrices, with the assignment lit.
     fn tables(&self, costs: &Costs, names: &Names, pair: Option<[usize; 2]>) -> Vec<Matrix> {
         let lit: Vec<(usize, usize)> = match pair {
             Some([row, column]) => vec![(row, column)],
@@ -202,21 +296,21 @@ impl KalmanTracker {
             }
         };
         let cost = |row, column| costs.costs.get(row, column).unwrap_or(f64::INFINITY);
-        let mut all = vec![names.table(("C", "costs: objects down, detections across"), cost, &lit)];
+        let mut all = vec![names.table(("C", "cost matrix: tracks (rows), detections (columns)"), cost, &lit)];
         if self.cost != PairCost::Overlap {
             let distance = |row, column| self.distance(costs, row, column);
-            all.push(names.table(("d²", "squared Mahalanobis distances"), distance, &lit));
+            all.push(names.table(("d²", "squared Mahalanobis distance"), distance, &lit));
         }
         if self.cost != PairCost::Mahalanobis {
-            all.push(names.table(("IoU", "overlaps"), |row, column| costs.overlap(row, column), &lit));
+            all.push(names.table(("IoU", "intersection over union"), |row, column| costs.overlap(row, column), &lit));
         }
         all.into_iter().flatten().collect()
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let looked =
-            seen.events.iter().find_map(|event| if let Event::Looked(all, _) = event { Some(all) } else { None });
-        explain::draw_detections(scene, looked.into_iter().flat_map(|all| all.iter()));
+        let detected =
+            seen.events.iter().find_map(|event| if let Event::Detected(all, _) = event { Some(all) } else { None });
+        explain::draw_detections(scene, detected.into_iter().flat_map(|all| all.iter()));
         let after = seen.after.map(|state| &state.tracks);
         match (after, seen.events.last()) {
             (Some(tracks), _) => tracks.iter().for_each(|track| draw_track(scene, track, seen)),
@@ -225,7 +319,7 @@ impl KalmanTracker {
         }
     }
 
-    /// The objects in the middle of a frame: predicted, and those that were done already as they are now.
+    /// Draws the tracks within a frame: updated, or else predicted.
     fn draw_work(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let predicted = seen.events.iter().find_map(|event| match event {
             Event::Predicted(tracks) => Some(tracks),
@@ -239,7 +333,7 @@ impl KalmanTracker {
             match event {
                 Event::Updated(both, _) => _ = now.insert(both[1].id, (&both[1], true)),
                 Event::Missed(track) | Event::Begun(track) => _ = now.insert(track.id, (track, true)),
-                Event::Ended(track) => _ = now.remove(&track.id),
+                Event::Deleted(track) => _ = now.remove(&track.id),
                 _ => {}
             }
         }
@@ -247,31 +341,31 @@ impl KalmanTracker {
             if is_done {
                 draw_track(scene, track, seen);
             } else {
-                draw(scene, track, (Role::Predicted, "predicted"));
+                draw(scene, track, (Role::Predicted, "prediction"));
             }
         }
         pairs(seen, scene);
     }
 }
 
-/// What was left out because so many compete, if anything was.
+/// The limits of the work in dense crowds, if they were reached.
 fn crowd(costs: &Costs) -> String {
     let crowded = match costs.crowded {
         0 => String::new(),
-        all => format!(" Of {}, only the {MOST_NEAR} nearest detections are compared.", count(all, "object")),
+        all => format!(" Of {}, only the {MOST_NEAR} nearest detections are compared.", count(all, "track")),
     };
-    match costs.hasty {
+    match costs.greedy {
         0 => crowded,
         all => {
-            format!("{crowded} Too many compete for one assignment: {} took the nearest left.", count(all, "object"))
+            format!("{crowded} The optimal assignment is too large: {} assigned greedily.", count(all, "track"))
         }
     }
 }
 
-/// The pairs chosen so far, each as a line from the object to its detection.
+/// Draws the assigned pairs as arrows from prediction to detection.
 fn pairs(seen: &Seen<KalmanTracker>, scene: &mut Scene) {
     let chosen = seen.events.iter().filter_map(|event| match event {
-        Event::Paired(costs, [row, column]) => {
+        Event::Assigned(costs, [row, column]) => {
             let from = costs.tracks[*row].filter.place().map(|c| c as f32);
             Some(Arrow { from, to: costs.detections[*column].center })
         }
@@ -283,27 +377,27 @@ fn pairs(seen: &Seen<KalmanTracker>, scene: &mut Scene) {
     }
 }
 
-/// The object that the step is about.
+/// The track of the step.
 fn track_of<'a>(seen: &Seen<'a, KalmanTracker>) -> Option<&'a Track> {
     match seen.events.last()? {
         Event::Updated(both, _) => Some(&both[1]),
-        Event::Missed(track) | Event::Ended(track) | Event::Begun(track) => Some(track),
-        Event::Paired(costs, [row, _]) => costs.tracks.get(*row),
+        Event::Missed(track) | Event::Deleted(track) | Event::Begun(track) => Some(track),
+        Event::Assigned(costs, [row, _]) => costs.tracks.get(*row),
         _ => None,
     }
 }
 
-/// The table of costs, from when on there is one, and the pair that the step is about.
+/// The cost matrix, once it is computed, and the pair of the step.
 fn costs_of<'a>(seen: &Seen<'a, KalmanTracker>) -> Option<(&'a Costs, Option<[usize; 2]>)> {
     let pair = match seen.events.last()? {
-        Event::Paired(_, pair) => Some(*pair),
+        Event::Assigned(_, pair) => Some(*pair),
         _ => None,
     };
     let costs = seen.events.iter().find_map(|event| if let Event::Costs(costs) = event { Some(costs) } else { None });
     costs.map(|costs| (&**costs, pair))
 }
 
-/// A box with its ellipse and its number.
+/// Draws a track's box, 95 % ellipse and number.
 fn draw(scene: &mut Scene, track: &Track, (role, meaning): (Role, &'static str)) {
     let bounds = track.bounds();
     explain::rect(scene, role, bounds);
@@ -314,9 +408,9 @@ fn draw(scene: &mut Scene, track: &Track, (role, meaning): (Role, &'static str))
     scene.legend(role, meaning);
 }
 
-/// An object with its trail, as its life has it.
+/// Draws a track and its trajectory by its status.
 fn draw_track(scene: &mut Scene, track: &Track, seen: &Seen<KalmanTracker>) {
-    let role = explain::role(track.age.life);
-    explain::trail(scene, &seen.after.unwrap_or(seen.before).course, role.0, (track.id, track.filter.place()));
+    let role = explain::role(track.age.status);
+    explain::trail(scene, &seen.after.unwrap_or(seen.before).run, role.0, (track.id, track.filter.place()));
     draw(scene, track, role);
 }

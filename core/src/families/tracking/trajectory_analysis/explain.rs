@@ -1,11 +1,12 @@
-//! How trajectories are told and drawn.
+//! The steps of the trajectory analysis in words, plots and marks.
 
 use std::sync::Arc;
 
 use super::{Event, State, TrajectoryAnalysis, line, near};
-use crate::base::words::{counted, heading, heading_deg, number, number_64};
+use crate::base::words::{counted, heading, heading_deg, place};
 use crate::geometry::Bounds;
 use crate::methods::multi_object::directions::Directions;
+use crate::methods::numbers::{fixed, percent, px};
 use crate::products::{
     Object, ObjectFrame, TrackStatus,
     objects::trajectory::{TrackPoint, Trajectory},
@@ -13,7 +14,7 @@ use crate::products::{
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
 
-/// Trajectories of objects that were not seen for longer are not drawn.
+/// The frames after which an ended trajectory is no longer drawn.
 const TRAIL_FRAMES: usize = 40;
 
 impl TrajectoryAnalysis {
@@ -34,88 +35,119 @@ impl TrajectoryAnalysis {
         let said = Sentence::default();
         let Some(event) = seen.events.last() else {
             return said
-                .text("Objects are tracked, and their trajectories are analysed: ")
+                .text("The trajectories of tracks give ")
                 .ink(Role::Result, "speed and heading")
                 .text(", crossings of a ")
                 .ink(Role::Window, "line")
                 .text(", dwell time in a ")
                 .ink(Role::Reference, "zone")
-                .text(", and objects that go ")
-                .ink(Role::Error, "where the others do not")
-                .text(". Line and zone are placed on the picture from among the parameters.");
+                .text(" and ")
+                .ink(Role::Error, "anomalous directions")
+                .text(". Place line and zone on the picture with their buttons among the parameters.");
         };
-        // What became of an object before it was confirmed is known only now.
+        // The tentative frames of a track are added when it is confirmed.
         let name = |trajectory: &Trajectory| {
             let frame =
                 trajectory.sightings.last().map(|last| last.frame).filter(|frame| *frame != frame_of(seen.before));
-            let when = frame.map_or_else(String::new, |frame| format!("In frame {frame}, still tentative: "));
-            format!("{when}Object {}", trajectory.id)
+            let when = frame.map_or_else(String::new, |frame| format!("Tentative frame {frame}: "));
+            format!("{when}Track {}", trajectory.id)
         };
         match event {
             Event::Tracked(frame) => {
-                let seen = frame.objects.iter().filter(|object| object.life == TrackStatus::Confirmed).count();
-                said.ink(Role::Estimate, counted(seen, "object")).text(" confirmed.")
+                let seen = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed).count();
+                said.ink(Role::Estimate, counted(seen, "confirmed track")).text(" in this frame.")
             }
             Event::Moved(of) => self.moved(said.ink(Role::Estimate, name(of)), of),
             Event::Crossed(of, crossing) => {
-                let side =
-                    if crossing.is_forward { "right, the side with the +" } else { "left, the side with the −" };
-                said.ink(Role::Estimate, name(of))
-                    .text(" goes over the ")
-                    .ink(Role::Window, "line")
-                    .text(format!(" to its {side}. {}", told_counts(counts(seen))))
-            }
-            Event::Entered(of, _) => {
-                said.ink(Role::Estimate, name(of)).text(" comes into the ").ink(Role::Reference, "zone").text(".")
-            }
-            Event::Left(of, stay) => {
-                said.ink(Role::Estimate, name(of)).text(" has left the ").ink(Role::Reference, "zone").text(format!(
-                    ": it was there from frame {} to {}, {}.",
-                    stay.entered,
-                    stay.last,
-                    counted(stay.frames(), "frame")
+                let side = if crossing.is_forward { "right (+)" } else { "left (−)" };
+                said.ink(Role::Estimate, name(of)).text(" crosses the ").ink(Role::Window, "line").text(format!(
+                    " to its {side} at {} px. {}",
+                    place(point(crossing.at)),
+                    crossings_so_far(counts(seen))
                 ))
             }
-            Event::Unusual(of, unusual) => said
+            Event::Entered(of, dwell) => said
                 .ink(Role::Estimate, name(of))
-                .text(" goes ")
+                .text(" enters the ")
+                .ink(Role::Reference, "zone")
+                .text(format!("; dwell time counts from frame {}.", dwell.entered)),
+            Event::Left(of, dwell) => {
+                said.ink(Role::Estimate, name(of)).text(" leaves the ").ink(Role::Reference, "zone").text(format!(
+                    ": dwell time {}, from frame {} to {}.",
+                    counted(dwell.frames(), "frame"),
+                    dwell.entered,
+                    dwell.last
+                ))
+            }
+            Event::Unusual(of, anomaly) => said
+                .ink(Role::Estimate, name(of))
+                .text(" has an anomalous direction: ")
                 .ink(
                     Role::Error,
                     format!(
-                        "{}° off where {} went here",
-                        number_64(unusual.angle_deg.round()),
-                        counted(unusual.others, "other")
+                        "{}° from the mean of {}",
+                        fixed(anomaly.angle_deg, 0),
+                        counted(anomaly.others, "other track")
                     ),
                 )
-                .text(format!(": more than {}°, and so it is unusual.", number(self.unusual_angle))),
-            Event::Learned(_) => {
-                said.text("The headings of this frame are kept, so that later ones can be compared with them.")
-            }
+                .text(format!(" in this cell, above unusual-angle = {}°.", fixed(self.unusual_angle.into(), 0))),
+            Event::Learned(directions) => said.text(format!(
+                "The directions of this frame are added to the grid. {} at least min-others = {} tracks.{}",
+                match directions.all(self.min_others).len() {
+                    1 => "1 cell has".to_owned(),
+                    cells => format!("{cells} cells have"),
+                },
+                self.min_others,
+                self.conclusion(seen)
+            )),
         }
+    }
+
+    /// The counts of the run, at its end.
+    fn conclusion(&self, seen: &Seen<Self>) -> String {
+        let Some(state) = seen.after.filter(|after| after.span.frames() == Some(after.frames.len())) else {
+            return String::new();
+        };
+        let [right, left] = counts(seen);
+        let (dwelt, unusual) = state.trajectories.iter().fold((0, 0), |(dwelt, unusual), of| {
+            let is_unusual = of.sightings.iter().any(|seen| seen.anomaly.is_some());
+            (dwelt + usize::from(!of.dwells.is_empty()), unusual + usize::from(is_unusual))
+        });
+        let mut said = format!(" Run: {}", counted(state.trajectories.len(), "trajectory").replace("ys", "ies"));
+        if self.line.is_some() {
+            said += &format!(", {right} crossings to the right and {left} to the left");
+        }
+        if self.zone.is_some() {
+            said += &format!(", {dwelt} in the zone");
+        }
+        said + &format!(", {unusual} with an anomalous direction.")
     }
 
     fn moved(&self, said: Sentence, trajectory: &Trajectory) -> Sentence {
         let Some(last) = trajectory.sightings.last() else { return said };
         match last.velocity {
-            None => said.text(" is seen for the first time."),
+            None => said.text(format!(" starts at {} px; velocity needs a second position.", place(point(last.at)))),
             Some(velocity) => {
                 let speed = velocity[0].hypot(velocity[1]);
-                let said = said.text(" moves at ").ink(Role::Result, format!("{} px/frame", number_64(speed)));
+                let said = said.text(": speed ").ink(Role::Result, format!("{} px/frame", px(speed)));
                 if speed < f64::from(self.min_speed) {
-                    return said.text(": too slow for a heading.");
+                    let least = px(self.min_speed.into());
+                    return said.text(format!(" is below min-speed = {least} px/frame, so it has no heading."));
                 }
-                said.text(format!(" towards {}, {}.", heading(velocity), self.over(trajectory)))
+                said.text(format!(", heading {}, by {}.", heading(velocity), self.over(trajectory)))
             }
         }
     }
 
-    /// Over which frames the velocity of the last sighting is taken, in words.
+    /// The positions that the velocity is fitted to, in words.
     fn over(&self, trajectory: &Trajectory) -> String {
         let sightings = || trajectory.sightings.iter().rev();
         let last = sightings().next().map_or(0, |seen| seen.frame);
         match sightings().take_while(|seen| seen.frame + self.window > last).last() {
-            Some(first) if first.frame < last => format!("over {}", counted(last - first.frame + 1, "frame")),
-            _ => "since it was seen before".into(),
+            Some(first) if first.frame < last => {
+                format!("least squares over {}", counted(last - first.frame + 1, "frame"))
+            }
+            _ => "the last two positions, which are farther apart than the window".into(),
         }
     }
 
@@ -124,14 +156,18 @@ impl TrajectoryAnalysis {
         let mut facts = vec![Fact::new("Frame", frame_of(seen.before).to_string(), None)];
         if self.line.is_some() {
             let [forward, back] = counts(seen);
-            facts.push(Fact::new("Counted", format!("{forward} to the right, {back} to the left"), Some(Role::Window)));
+            facts.push(Fact::new(
+                "Crossings",
+                format!("{forward} to the right, {back} to the left"),
+                Some(Role::Window),
+            ));
         }
         if self.zone.is_some() {
             let frame = frame_at(seen);
             let is_here = |of: &Trajectory| frame.is_some_and(|frame| frame.object(of.id).is_some());
-            let is_inside = |of: &&Arc<Trajectory>| is_here(of) && of.stays.last().is_some_and(|stay| !stay.is_over);
+            let is_inside = |of: &&Arc<Trajectory>| is_here(of) && of.dwells.last().is_some_and(|dwell| !dwell.is_over);
             let inside = now(seen).iter().filter(is_inside).count();
-            facts.push(Fact::new("In the zone", inside.to_string(), Some(Role::Reference)));
+            facts.push(Fact::new("Tracks in the zone", inside.to_string(), Some(Role::Reference)));
         }
         let subject = self.subject(seen);
         if let Some(trajectory) = &subject {
@@ -146,28 +182,24 @@ impl TrajectoryAnalysis {
     }
 
     fn facts(&self, trajectory: &Trajectory) -> Vec<Fact> {
-        let mut facts = vec![Fact::new("Object", trajectory.id.to_string(), Some(Role::Estimate))];
+        let mut facts = vec![Fact::new("Track", trajectory.id.to_string(), Some(Role::Estimate))];
         if let Some(TrackPoint { velocity: Some(velocity), step: Some(step), .. }) = trajectory.sightings.last() {
-            let speed = |v: &[f64; 2]| format!("{} px/frame", number_64(v[0].hypot(v[1])));
+            let speed = |v: &[f64; 2]| format!("{} px/frame", px(v[0].hypot(v[1])));
             facts.push(Fact::new("Speed", speed(velocity), Some(Role::Result)));
-            facts.push(Fact::new("Since seen before", speed(step), Some(Role::Measured)));
+            facts.push(Fact::new("Speed since last position", speed(step), Some(Role::Measured)));
             facts.push(Fact::new("Heading", heading(*velocity), None));
         }
-        facts.push(Fact::new("Direction", format!("{} px", number_64(trajectory.length_px())), None));
+        facts.push(Fact::new("Path length", format!("{} px", px(trajectory.length_px())), None));
         if let Some(straightness) = trajectory.straightness() {
-            facts.push(Fact::new("Straightness", format!("{} %", number_64(100.0 * straightness)), None));
+            facts.push(Fact::new("Straightness", percent(straightness), None));
         }
         if self.zone.is_some() {
-            facts.push(Fact::new(
-                "Time in the zone",
-                counted(trajectory.dwell_frames(), "frame"),
-                Some(Role::Reference),
-            ));
+            facts.push(Fact::new("Dwell time", counted(trajectory.dwell_frames(), "frame"), Some(Role::Reference)));
         }
         facts
     }
 
-    /// The object that the step is about: its own, that which is pointed at, or the one that was seen most.
+    /// The trajectory that the facts are about: that of the step, the one pointed at, or the longest.
     fn subject(&self, seen: &Seen<Self>) -> Option<Arc<Trajectory>> {
         if let Some(of) = seen.events.last().and_then(Event::trajectory) {
             return Some(Arc::clone(of));
@@ -201,18 +233,18 @@ impl TrajectoryAnalysis {
         let crossings: Vec<[f32; 2]> = all.iter().flat_map(|of| of.crossings.iter().map(|c| point(c.at))).collect();
         if !crossings.is_empty() {
             scene.mark(Picture::CURRENT, Role::Best, Shape::Points(crossings));
-            scene.legend(Role::Best, "counted");
+            scene.legend(Role::Best, "crossing");
         }
-        scene.legend(Role::Estimate, "tracked");
-        if let Some(Event::Unusual(of, unusual)) = seen.events.last()
+        scene.legend(Role::Estimate, "trajectory of a track");
+        if let Some(Event::Unusual(of, anomaly)) = seen.events.last()
             && let Some(last) = of.sightings.last()
         {
-            scene.mark(Picture::CURRENT, Role::Rejected, chevron(last.at, unusual.usual, self.part as f64));
-            scene.legend(Role::Rejected, "where others go");
+            scene.mark(Picture::CURRENT, Role::Rejected, chevron(last.at, anomaly.mean, self.cell_size as f64));
+            scene.legend(Role::Rejected, "mean direction of tracks");
         }
     }
 
-    /// Line and zone, with what was counted.
+    /// Draws line and zone with their counts.
     fn draw_places(&self, seen: &Seen<Self>, scene: &mut Scene) {
         if let Some(Bounds { min, max }) = self.zone {
             scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min, max });
@@ -223,34 +255,34 @@ impl TrajectoryAnalysis {
         scene.mark(Picture::CURRENT, Role::Window, path);
         let [u, v] = [0, 1].map(|i| line.to[i] - line.from[i]);
         let length = u.hypot(v);
-        // Near its end, where fewer go than in its middle.
+        // Near its end, where fewer tracks cross than in its middle.
         let middle = [0, 1].map(|i| line.to[i] - 0.12 * (line.to[i] - line.from[i]));
         let [forward, back] = counts(seen);
-        // To the right of who looks along it, as y points down.
+        // Right as seen along the line, since y points down.
         for (side, text) in [(1.0, format!("+{forward}")), (-1.0, format!("−{back}"))] {
             let at = [middle[0] - side * 12.0 * v / length, middle[1] + side * 12.0 * u / length];
             scene.mark(Picture::CURRENT, Role::Window, Shape::Text { at, text });
         }
-        scene.legend(Role::Window, "line, with what was counted");
+        scene.legend(Role::Window, "counting line with crossings");
     }
 
     fn draw_directions(&self, directions: &Directions, scene: &mut Scene) {
-        for (at, usual) in directions.all(self.least_others) {
-            let shape = chevron(at.map(f64::from), usual.direction, directions.side_px as f64 * usual.agreement);
+        for (at, mean) in directions.all(self.min_others) {
+            let shape = chevron(at.map(f64::from), mean.direction, directions.side_px as f64 * mean.agreement);
             scene.mark(Picture::CURRENT, Role::Rejected, shape);
-            scene.legend(Role::Rejected, "where others go");
+            scene.legend(Role::Rejected, "mean direction of tracks");
         }
     }
 }
 
-/// The objects of the frame at hand, or of the one before it.
+/// The objects of the current frame, or of the one before it.
 fn frame_at<'a>(seen: &Seen<'a, TrajectoryAnalysis>) -> Option<&'a Arc<ObjectFrame>> {
     let at_hand =
         seen.events.iter().find_map(|event| if let Event::Tracked(frame) = event { Some(frame) } else { None });
     at_hand.or(seen.before.frames.last())
 }
 
-/// All trajectories as they are at the step.
+/// All trajectories up to the step.
 fn now(seen: &Seen<TrajectoryAnalysis>) -> Vec<Arc<Trajectory>> {
     let mut all = seen.after.unwrap_or(seen.before).trajectories.clone();
     for of in seen.events.iter().filter_map(Event::trajectory) {
@@ -262,11 +294,11 @@ fn now(seen: &Seen<TrajectoryAnalysis>) -> Vec<Arc<Trajectory>> {
     all
 }
 
-fn told_counts([forward, back]: [usize; 2]) -> String {
-    format!("So far {forward} to the right and {back} to the left.")
+fn crossings_so_far([forward, back]: [usize; 2]) -> String {
+    format!("Crossings so far: {forward} to the right, {back} to the left.")
 }
 
-/// How many have gone over the line to its right and to its left.
+/// The crossings of the line to its right and to its left.
 fn counts(seen: &Seen<TrajectoryAnalysis>) -> [usize; 2] {
     let all = now(seen);
     let of = |is_forward: bool| all.iter().flat_map(|of| &of.crossings).filter(|c| c.is_forward == is_forward).count();
@@ -281,7 +313,7 @@ fn point(at: [f64; 2]) -> [f32; 2] {
     at.map(|c| c as f32)
 }
 
-/// A short line with a head that points along a direction, around a place.
+/// A short arrow in a direction around a position.
 fn chevron(at: [f64; 2], [u, v]: [f64; 2], size_px: f64) -> Shape {
     let place = |along: f64, across: f64| {
         point([at[0] + size_px * (along * u - across * v), at[1] + size_px * (along * v + across * u)])
@@ -290,14 +322,14 @@ fn chevron(at: [f64; 2], [u, v]: [f64; 2], size_px: f64) -> Shape {
     Shape::Path { points: vec![place(-0.3, 0.0), tip, place(0.18, 0.1), tip, place(0.18, -0.1)], closed: false }
 }
 
-/// An object with its box, its number and where it goes.
+/// Draws a track's box, number and velocity.
 fn draw_object(scene: &mut Scene, object: &Object, last: Option<&TrackPoint>) {
-    let is_unusual = last.is_some_and(|last| last.unusual.is_some());
-    let (role, meaning) = match object.life {
-        _ if is_unusual => (Role::Error, "unusual direction"),
-        TrackStatus::Tentative => (Role::Candidate, "tentative"),
-        TrackStatus::Confirmed => (Role::Estimate, "tracked"),
-        TrackStatus::Coasting => (Role::Predicted, "not seen"),
+    let is_unusual = last.is_some_and(|last| last.anomaly.is_some());
+    let (role, meaning) = match object.status {
+        _ if is_unusual => (Role::Error, "anomalous direction"),
+        TrackStatus::Tentative => (Role::Candidate, "tentative track"),
+        TrackStatus::Confirmed => (Role::Estimate, "confirmed track"),
+        TrackStatus::Coasting => (Role::Predicted, "coasting track"),
     };
     let Bounds { min, max } = object.bounds;
     scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
@@ -310,7 +342,7 @@ fn draw_object(scene: &mut Scene, object: &Object, last: Option<&TrackPoint>) {
     }
 }
 
-/// The same broken where it goes through the left: from 180° to −180° is no turn.
+/// Breaks a line of headings where it wraps from 180° to −180°.
 fn unwrapped(points: Vec<[f32; 2]>) -> Vec<[f32; 2]> {
     let mut broken: Vec<[f32; 2]> = Vec::with_capacity(points.len());
     for point in points {
@@ -322,7 +354,7 @@ fn unwrapped(points: Vec<[f32; 2]>) -> Vec<[f32; 2]> {
     broken
 }
 
-/// Speed and heading from frame to frame.
+/// The plots of speed and heading.
 fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
     let line = |of: &dyn Fn(&TrackPoint) -> Option<f64>| -> Vec<[f32; 2]> {
         let known = trajectory.sightings.iter().filter_map(|seen| Some([seen.frame as f32, of(seen)? as f32]));
@@ -339,16 +371,16 @@ fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
         lines,
     };
     let speeds = vec![
-        ("since seen before", Role::Measured, line(&|seen| seen.step.map(speed))),
-        ("smoothed", Role::Result, line(&|seen| seen.velocity.map(speed))),
+        ("since last position", Role::Measured, line(&|seen| seen.step.map(speed))),
+        ("least squares", Role::Result, line(&|seen| seen.velocity.map(speed))),
     ];
     let degrees = |v: [f64; 2]| (v != [0.0; 2]).then(|| heading_deg(v));
     let headings = vec![
-        ("since seen before", Role::Measured, unwrapped(line(&|seen| seen.step.and_then(degrees)))),
-        ("smoothed", Role::Result, unwrapped(line(&TrackPoint::heading_deg))),
+        ("since last position", Role::Measured, unwrapped(line(&|seen| seen.step.and_then(degrees)))),
+        ("least squares", Role::Result, unwrapped(line(&TrackPoint::heading_deg))),
     ];
     if trajectory.sightings.len() < 3 {
         return Vec::new();
     }
-    vec![series("Speed", "px/frame", speeds), series("Heading", "° against the clock from right", headings)]
+    vec![series("Speed", "px/frame", speeds), series("Heading", "° counter-clockwise from right", headings)]
 }

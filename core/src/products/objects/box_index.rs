@@ -1,53 +1,53 @@
-//! Which boxes may have something in common, without asking every pair.
+//! A spatial index of boxes: candidates for overlap without a test of every pair.
 //!
-//! Boxes lie in grids whose cells are as wide as they are, one grid for each size; a box is asked for in the cells that it reaches
-//! of each grid.
+//! Boxes are stored in grids of cells of their size, one grid for each power of two; a query visits the cells that it reaches in
+//! each grid.
 
 use std::collections::BTreeMap;
 
 use crate::data::Detection;
 use crate::geometry::Bounds;
 
-/// A box by its least and its largest corner, in px.
+/// The least and the largest corner of a box in px.
 pub type Corners = [[f64; 2]; 2];
 
-/// The corners of a box.
+/// Returns the corners of a box.
 pub fn corners(bounds: &Bounds) -> Corners {
     [bounds.min, bounds.max].map(|corner| corner.map(f64::from))
 }
 
-/// Boxes by place and size.
+/// Boxes by position and size.
 #[derive(Clone, Debug, Default)]
-pub struct Near {
+pub struct BoxIndex {
     grids: Vec<Cells>,
-    /// Those that lie nowhere: a corner of theirs is no number, or infinitely far.
-    nowhere: Vec<u32>,
+    /// Boxes with a corner that is not finite.
+    unbounded: Vec<u32>,
     count: usize,
 }
 
-/// Boxes that are at most as wide and high as a cell.
+/// A grid of the boxes that are at most as large as a cell.
 #[derive(Clone, Debug)]
 struct Cells {
     side: f64,
-    /// Row and column of the cell in which the least corner lies, and which box it is; in this order.
+    /// Row and column of the cell of the least corner, and the index of the box, sorted.
     boxes: Vec<([i64; 2], u32)>,
 }
 
-/// How far corners may be off that are worked out from each other, as a share of their size.
+/// The rounding tolerance of corners, as a share of their size.
 const ROUNDING: f64 = 1e-9;
 
 /// The smallest and the largest side of a cell, as powers of two.
 const SMALLEST: i32 = -10;
 const LARGEST: i32 = 200;
 
-impl Near {
-    /// The boxes in their places.
+impl BoxIndex {
+    /// Indexes boxes.
     pub fn new(boxes: impl IntoIterator<Item = Corners>) -> Self {
         let (mut near, mut by_size) = (Self::default(), BTreeMap::<i32, Vec<_>>::new());
         for (index, [min, max]) in boxes.into_iter().enumerate() {
             near.count += 1;
             if !is_finite([min, max]) {
-                near.nowhere.push(index as u32);
+                near.unbounded.push(index as u32);
                 continue;
             }
             let longest = (max[0] - min[0]).max(max[1] - min[1]);
@@ -62,29 +62,29 @@ impl Near {
         near
     }
 
-    /// Asks `of` about all boxes that touch one, and maybe some that only lie near it; gives what it tells, by ascending numbers,
-    /// in place of what `found` holds.
+    /// Replaces `found` with the values of `of` for all boxes that touch a box, in ascending order. `of` is called for some boxes
+    /// nearby too.
     pub fn touching(&self, [min, max]: Corners, found: &mut Vec<(usize, f64)>, of: impl Fn(usize) -> Option<f64>) {
         found.clear();
         let mut ask = |index: u32| found.extend(of(index as usize).map(|told| (index as usize, told)));
         if !is_finite([min, max]) {
             return (0..self.count as u32).for_each(ask);
         }
-        self.nowhere.iter().for_each(|index| ask(*index));
+        self.unbounded.iter().for_each(|index| ask(*index));
         self.grids.iter().for_each(|grid| grid.reached([min, max], &mut ask));
-        // The boxes of a cell are in order already, which this sort makes use of.
+        // The boxes of a cell are sorted already, which this sort exploits.
         found.sort_by_key(|(index, _)| *index);
     }
 }
 
 impl Cells {
-    /// Asks about the boxes in the cells that a box reaches. The least corner of one that touches it lies at most a cell before it;
-    /// a little more makes up for rounding.
+    /// Visits the boxes in the cells that a box reaches. The least corner of a touching box lies at most one cell before it, plus
+    /// the rounding tolerance.
     fn reached(&self, [min, max]: Corners, ask: &mut impl FnMut(u32)) {
         let reach = self.side * (1.0 + ROUNDING);
         let span = |i: usize| [cell(min[i] - reach - ROUNDING * min[i].abs(), self.side), cell(max[i], self.side)];
         let ([left, right], [top, bottom]) = (span(0), span(1));
-        // To look row by row would take longer than to ask about all.
+        // Going row by row would take longer than visiting all boxes.
         if bottom.saturating_sub(top) as u64 > self.boxes.len() as u64 {
             return self.boxes.iter().for_each(|(_, index)| ask(*index));
         }
@@ -96,8 +96,7 @@ impl Cells {
     }
 }
 
-/// Leaves at most so many of the detections `found`, those whose places are nearest to `at`; of those as far, the first. Whether
-/// there were more.
+/// Truncates `found` to the `most` detections nearest to `at`; of equal distances, the first. Returns whether there were more.
 pub fn nearest(found: &mut Vec<(usize, f64)>, at: [f64; 2], (all, most): (&[Detection], usize)) -> bool {
     if found.len() <= most {
         return false;
@@ -116,7 +115,7 @@ fn is_finite(corners: Corners) -> bool {
     corners.iter().flatten().all(|c| c.is_finite())
 }
 
-/// The cell in which a coordinate lies; what is too far lies in the last one.
+/// Returns the cell of a coordinate; the cast saturates at the last one.
 fn cell(c: f64, side: f64) -> i64 {
     (c / side).floor() as i64
 }
@@ -125,7 +124,7 @@ fn cell(c: f64, side: f64) -> i64 {
 mod tests {
     use super::*;
 
-    /// Boxes of many sizes all over the place, some of them without any, some nowhere.
+    /// Boxes of many sizes all over the place, some of them without any, some unbounded.
     fn boxes(count: u64) -> Vec<Bounds> {
         let chance = |i: u64, k: u64| {
             let mixed = ((i * 0x9E37_79B9) ^ (k * 0x85EB_CA6B)).wrapping_mul(0x2545_F491_4F6C_DD1D);
@@ -150,7 +149,7 @@ mod tests {
     #[test]
     fn no_box_that_has_something_in_common_is_left_out() {
         let (all, asked) = (boxes(400), boxes(530));
-        let near = Near::new(all.iter().map(corners));
+        let near = BoxIndex::new(all.iter().map(corners));
         let (mut found, mut told, mut shared) = (Vec::new(), 0, 0);
         for one in &asked[130..] {
             let overlap = |index: usize| f64::from(one.iou(&all[index]));
@@ -180,13 +179,13 @@ mod tests {
     fn boxes_that_touch_are_found_at_every_size() {
         for power in -12..60 {
             let side = f64::from(power).exp2();
-            let near = Near::new([[[0.0; 2], [side; 2]], [[3.0 * side, 0.0], [4.0 * side, side]]]);
+            let near = BoxIndex::new([[[0.0; 2], [side; 2]], [[3.0 * side, 0.0], [4.0 * side, side]]]);
             let mut found = Vec::new();
             near.touching([[side, side], [1.5 * side, 1.5 * side]], &mut found, |_| Some(0.0));
             assert!(found.contains(&(0, 0.0)), "{side}");
         }
         let mut found = vec![(1, 2.0)];
-        Near::default().touching([[0.0; 2], [9.0; 2]], &mut found, |_| Some(0.0));
+        BoxIndex::default().touching([[0.0; 2], [9.0; 2]], &mut found, |_| Some(0.0));
         assert!(found.is_empty());
     }
 }

@@ -1,4 +1,4 @@
-//! Data association in a frame: which detection belongs to which track.
+//! Data association: gating, costs and assignment of tracks and detections.
 
 use std::sync::Arc;
 
@@ -10,80 +10,79 @@ use crate::methods::kalman::{Measurement, chi_square};
 use crate::products::{
     TrackStatus,
     objects::{
-        assignment::{Assigned, Effort, least_cost, nearest_first},
-        near::{Corners, Near, corners, nearest},
+        assignment::{Assigned, WorkBudget, least_cost, nearest_first},
+        box_index::{BoxIndex, Corners, corners, nearest},
         pairs::Pairs,
     },
 };
 
-/// In whose turn a pair was chosen.
+/// The stage of the matching in which a pair was assigned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
-    /// Of confirmed tracks, or of all, with sure detections.
+pub enum MatchingStage {
+    /// Confirmed tracks, or all, with high-score detections.
     First,
-    /// Of objects that were seen in the frame before, with detections that are less sure.
-    LessSure,
-    /// Of tentative objects.
+    /// Tracks matched in the previous frame with low-score detections.
+    LowScore,
+    /// Tentative tracks.
     Tentative,
-    /// Of confirmed tracks, by the boxes in which they were last seen.
+    /// Confirmed tracks by their last detected boxes.
     LastBox,
 }
 
-/// The detection of an object.
+/// The detection assigned to a track.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
     pub column: usize,
     pub cost: f64,
-    pub turn: Turn,
+    pub stage: MatchingStage,
 }
 
-/// Objects beside detections.
+/// The cost matrix and the assignment.
 #[derive(Clone, Debug)]
 pub struct Costs {
     pub tracks: Vec<Track>,
     pub detections: Arc<Vec<Detection>>,
-    /// Which detections are sure.
-    pub is_sure: Vec<bool>,
-    /// What the allowed pairs cost; a row for each object.
+    /// Whether the score of each detection reaches the score threshold.
+    pub is_high: Vec<bool>,
+    /// The costs of the pairs inside the gate; a row for each track.
     pub costs: Pairs,
-    /// The limit of the squared distances.
+    /// The gating threshold of d².
     pub limit: f64,
-    /// The detection of each object.
+    /// The detection of each track.
     pub pairs: Vec<Option<Pair>>,
-    /// Objects with more than [`MOST_NEAR`] detections near them, of which only the nearest count.
+    /// The number of tracks with more than [`MOST_NEAR`] detections nearby, of which only the nearest count.
     pub crowded: usize,
-    /// Objects that were paired nearest first, because so many compete.
-    pub hasty: usize,
+    /// The number of tracks assigned greedily because too many compete.
+    pub greedy: usize,
 }
 
-/// An object competes for so many detections at most, those that are nearest to it: in a crowd in which everything lies on
-/// everything, comparing all pairs would take for ever.
+/// The maximum number of detections compared with a track, the nearest ones. It bounds the work in dense crowds.
 pub const MOST_NEAR: usize = 500;
 
-/// An assignment looks at so many pairs at most, some tenths of a second long; then it goes on nearest first.
+/// The maximum number of pairs visited by an assignment, a few tenths of a second; beyond it the assignment is greedy.
 const MOST_WORK: u64 = 20_000_000;
 
-/// So many objects are compared before it is asked whether to go on.
-const OBJECTS_AT_ONCE: usize = 64;
+/// The number of tracks between checks for cancellation.
+const TRACKS_PER_CHECK: usize = 64;
 
 impl Costs {
-    /// The overlap of an object and a detection, as intersection over union.
+    /// Returns the IoU of a track and a detection.
     pub fn overlap(&self, row: usize, column: usize) -> f64 {
         f64::from(self.tracks[row].bounds().iou(&self.detections[column].bounds))
     }
 }
 
-/// What is compared in a frame.
+/// The detections of a frame and the gating threshold.
 struct Frame<'a> {
     clip: &'a Clip,
     detections: &'a [Detection],
     measured: Vec<Measurement>,
-    /// The limit of the squared distances.
+    /// The gating threshold of d².
     limit: f64,
 }
 
 impl KalmanTracker {
-    /// What the pairs of `tracks` and `detections` cost that are allowed, and the assignment.
+    /// Computes the costs of the pairs inside the gate, and the assignment.
     ///
     /// # Errors
     /// If the work is cancelled.
@@ -91,29 +90,29 @@ impl KalmanTracker {
         &self,
         clip: &Clip,
         (tracks, detections): (Vec<Track>, Arc<Vec<Detection>>),
-        is_sure: impl Fn(&Detection) -> bool,
+        is_high: impl Fn(&Detection) -> bool,
     ) -> Result<Costs, Error> {
         let measured = detections.iter().map(|detection| self.measurement(detection)).collect();
         let limit = chi_square::quantile(f64::from(self.gate), 2);
         let frame = Frame { clip, detections: &detections, measured, limit };
-        let boxes = Near::new(detections.iter().map(|detection| corners(&detection.bounds)));
+        let boxes = BoxIndex::new(detections.iter().map(|detection| corners(&detection.bounds)));
         let (costs, crowded) = match self.cost {
             PairCost::Mahalanobis => self.by_distance(&frame, &tracks),
             PairCost::Overlap | PairCost::Both => self.by_overlap(&frame, &boxes, &tracks),
         }?;
-        let is_sure = detections.iter().map(is_sure).collect();
+        let is_high = detections.iter().map(is_high).collect();
         let pairs = vec![None; tracks.len()];
-        let mut all = Costs { tracks, detections, is_sure, costs, limit, pairs, crowded, hasty: 0 };
-        self.share(clip, &mut all, &boxes)?;
+        let mut all = Costs { tracks, detections, is_high, costs, limit, pairs, crowded, greedy: 0 };
+        self.associate(clip, &mut all, &boxes)?;
         Ok(all)
     }
 
-    /// The pairs of which the detection lies in the gate of the object.
+    /// Returns the costs d² of the pairs inside the gate.
     fn by_distance(&self, frame: &Frame, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
-        // No farther along an axis than √limit (σ + σ'), those of the object and of the measurement: |a + b| ≤ |a| + |b|.
+        // Along an axis the gate reaches at most √limit (σ + σ'), of track and measurement: |a + b| ≤ |a| + |b|.
         let reach = (frame.limit * ROUNDING).sqrt();
         let gates = frame.measured.iter().map(|measured| around(measured.place, [reach * measured.place_deviation; 2]));
-        let gates = Near::new(gates);
+        let gates = BoxIndex::new(gates);
         rows_of(frame, tracks, |track, found| {
             let gate = Gate::of(track, frame.limit);
             let corners = around(gate.place, [gate.xx, gate.yy].map(|variance| reach * variance.sqrt()));
@@ -124,9 +123,9 @@ impl KalmanTracker {
         })
     }
 
-    /// The pairs whose boxes overlap enough, and where both count, whose detection lies in the gate as well.
-    fn by_overlap(&self, frame: &Frame, boxes: &Near, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
-        let least = f64::from(self.min_overlap);
+    /// Returns the costs of the pairs above the IoU threshold and, if both count, inside the gate.
+    fn by_overlap(&self, frame: &Frame, boxes: &BoxIndex, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
+        let least = f64::from(self.iou_threshold);
         rows_of(frame, tracks, |track, found| {
             self.overlapping(&track.bounds(), (boxes, frame.detections), found);
             let is_cut = nearest(found, track.filter.place(), (frame.detections, MOST_NEAR));
@@ -142,39 +141,41 @@ impl KalmanTracker {
         })
     }
 
-    /// The detections that have enough in common with a box, and how much.
-    fn overlapping(&self, bounds: &Bounds, (boxes, all): (&Near, &[Detection]), found: &mut Vec<(usize, f64)>) {
-        let is_enough = |overlap: &f64| *overlap > 0.0 && *overlap >= f64::from(self.min_overlap);
+    /// Finds the detections above the IoU threshold with a box, and their IoU.
+    fn overlapping(&self, bounds: &Bounds, (boxes, all): (&BoxIndex, &[Detection]), found: &mut Vec<(usize, f64)>) {
+        let is_enough = |overlap: &f64| *overlap > 0.0 && *overlap >= f64::from(self.iou_threshold);
         let overlap = |x: usize| Some(f64::from(bounds.iou(&all[x].bounds))).filter(is_enough);
         boxes.touching(corners(bounds), found, overlap);
     }
 
-    /// Chooses pairs, turn after turn.
-    fn share(&self, clip: &Clip, all: &mut Costs, boxes: &Near) -> Result<(), Error> {
-        let is_first = |track: &Track| !self.in_turns || track.age.life != TrackStatus::Tentative;
+    /// Assigns detections in stages.
+    fn associate(&self, clip: &Clip, all: &mut Costs, boxes: &BoxIndex) -> Result<(), Error> {
+        let is_first = |track: &Track| !self.cascade || track.age.status != TrackStatus::Tentative;
         let by_cost = all.costs.clone();
-        self.take_turn(clip, (all, Turn::First), &by_cost, |track, is_sure| is_sure && is_first(track))?;
-        self.take_turn(clip, (all, Turn::LessSure), &by_cost, |track, is_sure| {
-            !is_sure && is_first(track) && track.age.missed == 0
+        self.match_stage(clip, (all, MatchingStage::First), &by_cost, |track, is_high| is_high && is_first(track))?;
+        self.match_stage(clip, (all, MatchingStage::LowScore), &by_cost, |track, is_high| {
+            !is_high && is_first(track) && track.age.missed == 0
         })?;
-        if self.in_turns {
-            self.take_turn(clip, (all, Turn::Tentative), &by_cost, |track, is_sure| is_sure && !is_first(track))?;
+        if self.cascade {
+            self.match_stage(clip, (all, MatchingStage::Tentative), &by_cost, |track, is_high| {
+                is_high && !is_first(track)
+            })?;
         }
         if self.recover {
             let by_last_box = self.by_last_box(all, boxes);
-            self.take_turn(clip, (all, Turn::LastBox), &by_last_box, |track, is_sure| {
-                is_sure && track.age.life != TrackStatus::Tentative
+            self.match_stage(clip, (all, MatchingStage::LastBox), &by_last_box, |track, is_high| {
+                is_high && track.age.status != TrackStatus::Tentative
             })?;
         }
         Ok(())
     }
 
-    /// What pairs cost of objects that are left and detections that overlap the boxes in which these were last seen.
-    fn by_last_box(&self, all: &Costs, boxes: &Near) -> Pairs {
+    /// Returns the costs of unassigned tracks by their last detected boxes.
+    fn by_last_box(&self, all: &Costs, boxes: &BoxIndex) -> Pairs {
         let (mut pairs, mut found) = (Pairs::new(all.detections.len()), Vec::new());
         for (track, pair) in all.tracks.iter().zip(&all.pairs) {
             found.clear();
-            if pair.is_none() && track.age.life != TrackStatus::Tentative {
+            if pair.is_none() && track.age.status != TrackStatus::Tentative {
                 self.overlapping(&track.last, (boxes, &all.detections), &mut found);
             }
             nearest(&mut found, track.filter.place(), (&all.detections, MOST_NEAR));
@@ -183,41 +184,41 @@ impl KalmanTracker {
         pairs
     }
 
-    /// Chooses pairs of objects and detections that are left, as far as they take part.
-    fn take_turn(
+    /// Assigns the free tracks and detections that take part in a stage.
+    fn match_stage(
         &self,
         clip: &Clip,
-        (all, turn): (&mut Costs, Turn),
+        (all, stage): (&mut Costs, MatchingStage),
         costs: &Pairs,
         takes_part: impl Fn(&Track, bool) -> bool,
     ) -> Result<(), Error> {
         let mut is_free = vec![true; costs.columns()];
         all.pairs.iter().flatten().for_each(|pair| is_free[pair.column] = false);
         let costs = costs
-            .filtered(|y, x, _| is_free[x] && all.pairs[y].is_none() && takes_part(&all.tracks[y], all.is_sure[x]));
+            .filtered(|y, x, _| is_free[x] && all.pairs[y].is_none() && takes_part(&all.tracks[y], all.is_high[x]));
         if costs.is_empty() {
             return Ok(());
         }
-        let Assigned { columns, hasty } = match self.association {
-            Association::Nearest => Assigned { columns: nearest_first(&costs), hasty: 0 },
-            Association::Assignment => least_cost(&costs, &mut Effort::limited(MOST_WORK, &|| clip.wanted()))?,
+        let Assigned { columns, greedy } = match self.association {
+            Association::Nearest => Assigned { columns: nearest_first(&costs), greedy: 0 },
+            Association::Assignment => least_cost(&costs, &mut WorkBudget::limited(MOST_WORK, &|| clip.wanted()))?,
         };
-        all.hasty += hasty;
+        all.greedy += greedy;
         for (row, column) in columns.into_iter().enumerate() {
             let cost = column.and_then(|column| Some((column, costs.get(row, column)?)));
-            all.pairs[row] = all.pairs[row].or(cost.map(|(column, cost)| Pair { column, cost, turn }));
+            all.pairs[row] = all.pairs[row].or(cost.map(|(column, cost)| Pair { column, cost, stage }));
         }
         Ok(())
     }
 }
 
-/// What is allowed may be farther by so much, since distances are rounded: all that is told here is checked again.
+/// Tolerance of the quick gate test for rounding. Pairs that pass are tested again exactly.
 const ROUNDING: f64 = 1.001;
 
-/// The gate of an object without its measurement: what lies clearly outside is told without the filter.
+/// The gate of a track, for a quick test without the filter.
 struct Gate {
     place: [f64; 2],
-    /// The covariance of the place.
+    /// The covariance of the position.
     xx: f64,
     xy: f64,
     yy: f64,
@@ -230,7 +231,7 @@ impl Gate {
         Self { place: track.filter.place(), xx, xy, yy, limit }
     }
 
-    /// Whether a measurement is farther than the limit, by more than rounding makes of it.
+    /// Returns whether a measurement is clearly outside the gate.
     fn is_far(&self, measured: &Measurement) -> bool {
         let variance = measured.place_deviation * measured.place_deviation;
         let [x, y] = [0, 1].map(|i| measured.place[i] - self.place[i]);
@@ -242,18 +243,18 @@ impl Gate {
     }
 }
 
-/// A smaller determinant, as a share of the product of the variances, is not worked out exactly enough.
+/// The minimum determinant, as a share of the product of the variances, for the quick test to be accurate.
 const SOUND: f64 = 1e-6;
 
-/// The box of a place and how far it reaches.
+/// Returns the box around a position.
 fn around(place: [f64; 2], reach: [f64; 2]) -> Corners {
     [[place[0] - reach[0], place[1] - reach[1]], [place[0] + reach[0], place[1] + reach[1]]]
 }
 
-/// A row of pairs, and whether not all detections that are near were compared.
+/// A row of pairs, and whether nearby detections were left out.
 type Row = (Vec<(usize, f64)>, bool);
 
-/// The rows of all objects, and how many of them were cut.
+/// Returns the rows of all tracks, and the number of rows with detections left out.
 fn rows_of(
     frame: &Frame,
     tracks: &[Track],
@@ -261,7 +262,7 @@ fn rows_of(
 ) -> Result<(Pairs, usize), Error> {
     let (mut pairs, mut found, mut cut) = (Pairs::new(frame.detections.len()), Vec::new(), 0);
     for (y, track) in tracks.iter().enumerate() {
-        if y.is_multiple_of(OBJECTS_AT_ONCE) {
+        if y.is_multiple_of(TRACKS_PER_CHECK) {
             frame.clip.wanted()?;
         }
         let (row, is_cut) = row(track, &mut found);
@@ -277,7 +278,7 @@ mod tests {
     use crate::methods::kalman::MotionModel;
     use crate::synth::random::hash;
 
-    /// Detections of all sizes, some far away, some as large as the picture, one nowhere.
+    /// Detections of all sizes, some far away, some as large as the picture, one without coordinates.
     fn detections(count: u64, seed: u64) -> Vec<Detection> {
         let of = |i: u64| {
             let chance = |k: u64| (hash(seed, i, k) >> 40) as f32 / (1u64 << 24) as f32;
@@ -293,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn pairs_are_those_of_which_all_are_compared() {
+    fn gating_by_boxes_finds_the_same_pairs_as_comparing_all() {
         let clip = Clip::blank("boxes", (640, 480), 2);
         let mut allowed = 0;
         for (motion, cost, unseen, min_overlap) in [
@@ -303,7 +304,8 @@ mod tests {
             (MotionModel::Acceleration, PairCost::Mahalanobis, 30, 0.2),
             (MotionModel::Acceleration, PairCost::Overlap, 3, 0.0),
         ] {
-            let tracker = KalmanTracker { motion, cost, min_overlap, gate: 0.99, ..KalmanTracker::default() };
+            let tracker =
+                KalmanTracker { motion, cost, iou_threshold: min_overlap, gate: 0.99, ..KalmanTracker::default() };
             let seen = detections(150, 2);
             let tracks: Vec<Track> = detections(170, 1)
                 .iter()
@@ -316,7 +318,7 @@ mod tests {
                 })
                 .collect();
             let costs = tracker.costs(&clip, (tracks, Arc::new(seen)), |_| true).expect("it is wanted");
-            assert_eq!((costs.crowded, costs.hasty), (0, 0));
+            assert_eq!((costs.crowded, costs.greedy), (0, 0));
             for (y, x) in (0..170).flat_map(|y| (0..150).map(move |x| (y, x))) {
                 let measured = tracker.measurement(&costs.detections[x]);
                 let distance = costs.tracks[y].filter.squared_distance(&measured).unwrap_or(f64::INFINITY);

@@ -1,0 +1,227 @@
+//! A run of a multi-object tracker: its parameters, detections, finished frames and conclusions.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::lifecycle::{Rules, TrackAge};
+use super::source::{Detector, Noise, Source, SourceSettings, default_detector};
+use crate::base::Error;
+use crate::data::{Clip, Detection};
+use crate::geometry::Bounds;
+use crate::params;
+use crate::params::Spots;
+use crate::products::{
+    Followed, Object, ObjectField, ObjectFrame, TrackStatus,
+    objects::score::{Boxes, Matches, Scores, scores_on},
+};
+use crate::run::{Foreground, Granularity, Progress, Span, Stage, need};
+
+params! {
+    /// The parameters of all trackers that a run starts with.
+    pub struct Settings {
+        /// Maximum number of frames, the first included.
+        frames: usize = 300, 2..=10_000;
+        /// Source of the detections.
+        source: Source = Source::Auto;
+        /// Detector of moving objects. Used with source = moving, or where there are neither clicks, detections nor truth.
+        detector: Stage<Foreground> = default_detector();
+        /// Positions clicked on the frames, used as detections.
+        clicks: Spots = Spots::default();
+        /// Minimum score of a detection of the clip's file. Those with a lower score are discarded.
+        min_score: f32 = 0.3, -1000.0..=1000.0;
+        /// Standard deviation of the noise added to true positions (source = truth).
+        added_noise: f32 = 2.0, 0.0..=100.0, "px";
+        /// Random seed. The same seed gives the same noise.
+        seed: u32 = 1, 0..=9999;
+    }
+}
+
+/// The confirmed tracks of a frame and of the run beside the ground truth.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Conclusion {
+    /// The matches of the frame.
+    pub frame: Option<Matches>,
+    /// The scores of the run, at its end.
+    pub run: Option<Scores>,
+    /// The frame of the run with the most misses and false alarms, at its end.
+    pub worst: Option<(usize, Matches)>,
+}
+
+/// The finished frames of a run, and the detector of those to come.
+#[derive(Clone)]
+pub(crate) struct TrackerRun {
+    /// All frames of the run.
+    pub span: Span,
+    detector: Detector,
+    min_score: f32,
+    /// The number of tracks so far.
+    begun: u32,
+    frames: Vec<Arc<ObjectFrame>>,
+    /// The first finished frame that the last unit has changed.
+    changed_from: usize,
+    picture: (usize, usize),
+}
+
+impl TrackerRun {
+    /// Starts a run.
+    ///
+    /// # Errors
+    /// If the clip has no pair there, or lacks the source of detections.
+    pub fn new(settings: Settings, clip: &Clip, frame: usize) -> Result<Self, Error> {
+        let Settings { frames, source, detector, clicks, min_score, added_noise, seed } = settings;
+        let span = Span::new(clip, frame, frames)?;
+        let noise = Noise { deviation_px: f64::from(added_noise), seed: u64::from(seed) };
+        let detector = Detector::new(source, clip, &span, SourceSettings { noise, clicks, stage: detector })?;
+        let picture = clip.size();
+        Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), changed_from: 0, picture })
+    }
+
+    /// Returns the next frame.
+    pub fn frame(&self) -> usize {
+        self.span.first + self.frames.len()
+    }
+
+    /// Returns the finished frames.
+    pub fn frames(&self) -> &[Arc<ObjectFrame>] {
+        &self.frames
+    }
+
+    /// Returns the detections of the next frame, and the number discarded by the minimum score.
+    ///
+    /// # Errors
+    /// If the frame or the truth cannot be read, or there is no room for more.
+    pub fn look(&mut self, clip: &Clip) -> Result<(Vec<Detection>, usize), Error> {
+        self.changed_from = self.frames.len();
+        need::check_kept(clip, self.own_bytes() + self.shared_bytes())?;
+        let mut detections = self.detector.look(clip, self.frame())?;
+        let count = detections.len();
+        if self.detector.has_scores() {
+            detections.retain(|detection| detection.score >= self.min_score);
+        }
+        let discarded = count - detections.len();
+        Ok((detections, discarded))
+    }
+
+    /// Returns whether detections have scores of a detector.
+    pub fn has_scores(&self) -> bool {
+        self.detector.has_scores()
+    }
+
+    /// Width and height of the picture in px.
+    pub fn picture(&self) -> (usize, usize) {
+        self.picture
+    }
+
+    /// Returns the identity of a new track.
+    pub fn next_id(&mut self) -> u32 {
+        self.begun += 1;
+        self.begun
+    }
+
+    /// Adds a finished frame.
+    pub fn note(&mut self, clip: &Clip, frame: Arc<ObjectFrame>) -> Progress {
+        self.frames.push(frame);
+        if self.span.is_over(clip, self.frame()) { Progress::Done } else { Progress::More }
+    }
+
+    /// Applies hindsight to the earlier frames of a matched track: confirms its tentative frames and interpolates its coasted
+    /// ones; `was` is its age before the match.
+    pub fn look_back(&mut self, rules: Rules, object: &Object, was: TrackAge) {
+        if rules.backdate && was.status == TrackStatus::Tentative && object.status == TrackStatus::Confirmed {
+            for (t, frame) in self.frames.iter_mut().enumerate().rev() {
+                let Some(i) = frame.place(object.id) else { break };
+                Arc::make_mut(frame).objects[i].status = TrackStatus::Confirmed;
+                self.changed_from = self.changed_from.min(t);
+            }
+        }
+        if rules.interpolate && was.missed > 0 {
+            self.interpolate(object, was.missed);
+        }
+    }
+
+    /// Interpolates the boxes of the missed frames linearly.
+    fn interpolate(&mut self, object: &Object, missed: usize) {
+        let (now, count) = (object.bounds, self.frames.len());
+        let Some(before) = count.checked_sub(missed + 1).map(|i| Arc::clone(&self.frames[i])) else { return };
+        let Some(from) = before.object(object.id) else { return };
+        self.changed_from = self.changed_from.min(count - missed);
+        for (step, frame) in self.frames[count - missed..].iter_mut().enumerate() {
+            let share = (step + 1) as f32 / (missed + 1) as f32;
+            let between = |a: [f32; 2], b: [f32; 2]| [0, 1].map(|i| a[i] + (b[i] - a[i]) * share);
+            let bounds = Bounds { min: between(from.bounds.min, now.min), max: between(from.bounds.max, now.max) };
+            if let Some(i) = frame.place(object.id) {
+                let other = &mut Arc::make_mut(frame).objects[i];
+                // Only the box is interpolated: velocity and covariance were predictions.
+                *other = Object {
+                    bounds,
+                    status: TrackStatus::Confirmed,
+                    position: bounds.center().map(f64::from),
+                    velocity: None,
+                    covariance: None,
+                    ..*other
+                };
+            }
+        }
+    }
+
+    /// Scores a frame, and at the end of the run all of them.
+    pub fn conclusion(&self, clip: &Clip, frame: &Arc<ObjectFrame>) -> Conclusion {
+        if self.detector.is_clicked() {
+            return Conclusion::default();
+        }
+        let is_last = self.span.is_over(clip, self.frame() + 1);
+        if !is_last {
+            return Conclusion { frame: matches(clip, self.frame(), frame), ..Conclusion::default() };
+        }
+        let mut field = self.field();
+        field.frames.push(Arc::clone(frame));
+        let all = field.frames.iter().enumerate().filter_map(|(i, frame)| {
+            let t = self.span.first + i;
+            Some((t, matches(clip, t, frame)?))
+        });
+        let errors = |all: &Matches| all.misses() + all.false_positives();
+        let worst = all.reduce(|a, b| if errors(&b.1) > errors(&a.1) { b } else { a });
+        Conclusion {
+            frame: matches(clip, self.frame(), frame),
+            run: scores_on(clip, &field).ok().flatten(),
+            worst: worst.filter(|(_, all)| errors(all) > 0),
+        }
+    }
+
+    /// Returns the position of the run.
+    pub fn place(&self) -> Vec<Granularity> {
+        self.span.place(self.frames.len())
+    }
+
+    /// Memory of its own in bytes. Earlier frames are shared with the states before, unless the last unit has changed them.
+    pub fn own_bytes(&self) -> usize {
+        let changed: usize = self.frames[self.changed_from..].iter().map(|frame| frame.bytes()).sum();
+        size_of::<Self>() + size_of_val(&self.frames[..]) + changed
+    }
+
+    /// Memory of the detector and of all frames, in bytes.
+    pub fn shared_bytes(&self) -> usize {
+        let frames: usize = self.frames.iter().map(|frame| frame.bytes()).sum();
+        self.detector.bytes() + frames
+    }
+
+    /// Returns the tracks of all frames.
+    pub fn field(&self) -> ObjectField {
+        ObjectField {
+            // A click has no size to compare with a true box.
+            followed: if self.detector.is_clicked() { Followed::One(BTreeSet::new()) } else { Followed::All },
+            picture: self.picture,
+            first: self.span.first,
+            frames: self.frames.clone(),
+            trajectories: Vec::new(),
+        }
+    }
+}
+
+/// Matches the confirmed tracks of a frame with the true boxes, if these are known.
+fn matches(clip: &Clip, t: usize, frame: &ObjectFrame) -> Option<Matches> {
+    let truth = clip.truth()?.objects(t).ok().flatten()?;
+    let known: Boxes = truth.iter().map(|object| (object.id, Bounds::from(object))).collect();
+    let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
+    Some(Matches::of(&(known, confirmed.map(|object| (object.id, object.bounds)).collect())))
+}
