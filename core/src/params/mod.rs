@@ -290,8 +290,8 @@ pub trait Params {
     }
 }
 
-/// What a parameter is called now: `detector.rate` may have moved to `tracker.detector.rate`.
-fn current_name<'a, P: Params + ?Sized>(params: &P, name: &'a str) -> Cow<'a, str> {
+/// The present name of a parameter: `detector.rate` may have moved to `tracker.detector.rate`.
+pub(crate) fn current_name<'a, P: Params + ?Sized>(params: &P, name: &'a str) -> Cow<'a, str> {
     let (head, rest) = name.split_at(name.find('.').unwrap_or(name.len()));
     match params.renamed().iter().find(|(old, _)| *old == head) {
         Some((_, new)) => Cow::Owned(format!("{new}{rest}")),

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::{Kind, Parameter, Value};
-use crate::base::words::number;
+use crate::base::words::px;
 use crate::geometry::Bounds;
 
 /// A line from one place of the picture to another, in px.
@@ -158,9 +158,9 @@ impl Placed {
     /// What a person reads of it: `160 px`, `60 × 90 px`, `12 places`.
     pub fn words(&self) -> String {
         match self {
-            Self::Line(Some(line)) => format!("{} px", number(apart(line))),
+            Self::Line(Some(line)) => format!("{} px", px(apart(line))),
             Self::Zone(Some(zone)) => {
-                let [width, height] = zone.size().map(number);
+                let [width, height] = zone.size().map(px);
                 format!("{width} × {height} px")
             }
             Self::Spots(Spots(all)) if all.len() == 1 => "1 place".into(),

@@ -1,11 +1,11 @@
-//! What the frames of a run came to so far.
+//! The results of the frames of a run so far.
 
 use std::sync::Arc;
 
 use super::{Followed, MaskField, ObjectField, ObjectFrame, Output};
 use crate::data::PackedMask;
 
-/// What frame after frame came to; copies share it.
+/// The results frame by frame; copies share them.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     frames: Arc<Vec<Arc<ObjectFrame>>>,
@@ -13,7 +13,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Adds what the next frame came to.
+    /// Adds the result of the next frame.
     pub fn note(&mut self, frame: ObjectFrame) {
         Arc::make_mut(&mut self.pixels).push(frame.mask.as_ref().map_or(0, PackedMask::count) as u32);
         Arc::make_mut(&mut self.frames).push(Arc::new(frame));
@@ -24,12 +24,12 @@ impl Record {
         &self.frames
     }
 
-    /// How many pixels the mask of each has.
+    /// Number of foreground pixels of each frame.
     pub fn pixels(&self) -> &[u32] {
         &self.pixels
     }
 
-    /// All of it, of a run on pictures of that size from frame `first` on: masks, and the objects found in them.
+    /// The masks and objects of a run on pictures of this size from frame `first` on.
     pub fn output(&self, picture: (usize, usize), first: usize) -> Output {
         let frames = || Vec::clone(&self.frames);
         let masks = MaskField { picture, first, frames: frames() };
@@ -38,18 +38,18 @@ impl Record {
         Output::of(masks).and(objects)
     }
 
-    /// Memory that it takes by itself, in bytes: what earlier frames came to is shared with the records before.
+    /// Memory of its own in bytes; earlier frames are shared with earlier records.
     pub fn own_bytes(&self) -> usize {
         let last = self.frames.last().map_or(0, |frame| frame.bytes());
         size_of_val(&self.frames[..]) + size_of_val(&self.pixels[..]) + last
     }
 
-    /// Memory that all frames take, in bytes.
+    /// Memory of all frames in bytes.
     pub fn bytes(&self) -> usize {
         self.own_bytes() + self.shared_bytes()
     }
 
-    /// Memory that earlier frames take, in bytes.
+    /// Memory of earlier frames in bytes.
     pub fn shared_bytes(&self) -> usize {
         self.frames.iter().rev().skip(1).map(|frame| frame.bytes()).sum()
     }

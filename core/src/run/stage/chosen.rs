@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::super::AnyEstimator;
 use crate::base::Error;
-use crate::params::{Params, Part, Spec, StageValue, Value, set_by_name};
+use crate::params::{Params, Part, Spec, StageValue, Value, current_name, set_by_name};
 
 /// The parameter of all that go through a clip: how many frames at most.
 pub(super) const FRAMES: &str = "frames";
@@ -74,8 +74,9 @@ impl Params for Chosen {
         self.estimator.renamed()
     }
 
-    /// What a session of before says of what the parent decides had no effect: the default is passed over.
+    /// Refuses a parameter that the parent decides. Older sessions name it with its default, which is accepted.
     fn set(&mut self, name: &str, text: &str) -> Result<(), Error> {
+        let name = &*current_name(self, name);
         let specs = self.estimator.specs();
         let Some(spec) = specs.iter().find(|spec| spec.name == name && self.decided.contains(&name)) else {
             return set_by_name(self, name, text);

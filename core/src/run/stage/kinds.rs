@@ -136,5 +136,5 @@ impl Makes for BlockVectors {
     const WORDS: &'static str = "block vectors";
     // The parent says what is compared, and refines what is found.
     const DECIDED: &'static [&'static str] =
-        &["block", "range", "cost", "subpixel", "filter", "lambda", "spacing", "border"];
+        &["block-size", "search-range", "cost", "subpixel", "interpolation", "lambda", "spacing", "border"];
 }
