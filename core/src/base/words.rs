@@ -2,7 +2,7 @@
 //! `I_x, I_y, I_t`, since there is no subscript y; digits are true subscripts, as in `u₀`. [`crate::scene::Math`] typesets
 //! all of them.
 //!
-//! A quantity has a fixed number of decimals, whatever its size: [`px`], [`subpixel`], [`gray`], [`cost`], [`ratio`].
+//! A quantity has a fixed number of decimals, whatever its size: [`px`], [`subpixel`], [`gray`], [`cost`].
 //! All have a true minus sign, and thin spaces between thousands from 10 000 on.
 
 /// A real number of a quantity that has no function of its own: three decimals, none from 1000 on.
@@ -41,11 +41,6 @@ pub fn gray(v: f32) -> String {
 /// A cost that is a sum of whole numbers: no decimals.
 pub fn cost(v: f64) -> String {
     fixed(v, 0)
-}
-
-/// A ratio, weight or correlation without unit: three decimals.
-pub fn ratio(v: f32) -> String {
-    fixed(v.into(), 3)
 }
 
 /// A number with two decimals.
@@ -129,10 +124,10 @@ pub fn heading([u, v]: [f64; 2]) -> String {
     format!("{degrees}°").replace('-', "−")
 }
 
-/// A displacement in px as text, each component as [`number`] writes it.
+/// A displacement of a sub-pixel method in px as text.
 pub fn vector([u, v]: [f32; 2]) -> String {
     // A no-break space.
-    format!("({},\u{a0}{})", number(u), number(v))
+    format!("({},\u{a0}{})", subpixel(u), subpixel(v))
 }
 
 /// A position in px as text, to a hundredth of a px.
@@ -196,7 +191,7 @@ mod tests {
         assert_eq!(told, ["0.000", "0.000", "−0.001", "0.012", "12.340", "−255.000", "−1403"]);
         assert_eq!([fine(1403.247), fine(-0.001), fine(-12.0)], ["1403.25", "0.00", "−12.00"]);
         assert_eq!([px(3.0), px(-0.25), px(-0.001), subpixel(-0.0625)], ["3", "−0.25", "0.00", "−0.062"]);
-        assert_eq!([cost(812.0), cost(-1e6), gray(5.531), ratio(0.5)], ["812", "−1\u{202f}000\u{202f}000", "5.53", "0.500"]);
+        assert_eq!([cost(812.0), cost(-1e6), gray(5.531)], ["812", "−1\u{202f}000\u{202f}000", "5.53"]);
         assert_eq!(fixed(f64::INFINITY, 2), "inf");
         let headings = [[2.0, 0.0], [0.0, -3.0], [-1.0, 0.0], [0.0, 4.0], [-9.0, 0.01]].map(heading);
         assert_eq!(headings, ["0°", "90°", "180°", "−90°", "180°"]);

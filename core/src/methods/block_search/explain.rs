@@ -3,7 +3,7 @@
 use super::probe::Probe;
 use super::subpixel::has_lowest;
 use super::{Event, Fit, Match, Stage, Subpixel, shorter};
-use crate::base::words::{cost, counted, fixed, grouped};
+use crate::base::words::{cost, counted, fixed, gray, grouped};
 use crate::products::{metrics, predict};
 use crate::scene::{Role, Sentence};
 
@@ -211,7 +211,7 @@ impl Probe<'_> {
         let cost = self.settings.matching.cost;
         let levels = cost.levels_of(self.rate.distortion(found), self.block());
         let name = if cost.is_squared() { "Root-mean-square difference" } else { "Mean absolute difference" };
-        (levels.map_or_else(String::new, |levels| format!("{name} {levels:.2} gray levels")), levels)
+        (levels.map_or_else(String::new, |levels| format!("{name} {} gray levels", gray(levels as f32))), levels)
     }
 
     /// After the last block of a picture: the quality of the motion-compensated prediction, and its worst block.
