@@ -514,7 +514,7 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
             "levels 0 to 1, and not 2",
         ),
         (run(SMALL, "--pixel 7"), "X,Y"),
-        (run(SMALL, "--pixel frame:7,9"), "a picture is called t, t+1"),
+        (run(SMALL, "--pixel frame:7,9"), "a picture must be t, t+1"),
         (run(SMALL, "--pixel t+1:7,9"), "explains no pixels of the picture t+1"),
         (run(SMALL, "--step 3.7 --pixel 7,9"), "full-search does not explain pixel (7, 9) by itself at step 3.7"),
         (run(SMALL, "--beside diamond --pixel 7,9"), "by itself"),

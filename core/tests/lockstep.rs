@@ -275,7 +275,7 @@ fn what_cannot_stand_side_by_side_is_refused_in_a_sentence() {
     let mut high = team(&["diamond", "hierarchical"]);
     high[1].set("levels", "6").expect("in range");
     assert!(
-        refused(&high).starts_with("hierarchical: 6 levels"),
+        refused(&high).starts_with("hierarchical: with 6 levels"),
         "it is told which one cannot run: {}",
         refused(&high)
     );

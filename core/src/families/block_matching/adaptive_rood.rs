@@ -22,7 +22,7 @@ use crate::run::Info;
 block_search_params! {
     /// Adaptive rood pattern search (ARPS): arms as long as the predicted motion, then descent with a small diamond.
     pub struct AdaptiveRood {
-        /// Zero-motion threshold: largest mean difference at (0, 0) at which a block is taken as static and the search stops; 0
+        /// Largest mean difference at (0, 0) at which a block is taken as static and the search stops; 0
         /// searches every block. The paper uses SAD 512 for 16×16 px, which is 2 gray levels per pixel.
         zero_motion_threshold: f32 = 2.0, 0.0..=16.0, "gray levels";
     }

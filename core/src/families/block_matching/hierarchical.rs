@@ -253,7 +253,7 @@ impl Hierarchical {
         let row = move |v| (-reach..=reach).map(move |u| [best[0] + u, best[1] + v]);
         tester.stage(line::TEST_AROUND, (-reach..=reach).flat_map(row), || {
             format!(
-                "A vector of the coarser level is known to ±1 px of two here: all within ±{reach} px of {} are tested.",
+                "One pixel of the coarser level is two here: the vector is refined within ±{reach} px of {}.",
                 vector(best)
             )
         });

@@ -62,12 +62,15 @@ impl BlockSearch for NewThreeStep {
         let best = tester.best();
         if best == [0, 0] {
             return tester.report(line::STOP_AT_ZERO, || {
-                "The minimum is (0, 0): first-step stop, the block is taken as static.".into()
+                "First-step stop: the minimum is (0, 0), so the block is taken as static.".into()
             });
         }
         if best.iter().all(|c| c.abs() <= 1) {
             return tester.stage(line::TEST_NEXT_TO_IT, around(best, &SQUARE, 1), || {
-                format!("The minimum {} is a neighbour of (0, 0): second-step stop after its neighbours.", vector(best))
+                format!(
+                    "Second-step stop: the minimum {} is next to (0, 0), and the search ends with its neighbours.",
+                    vector(best)
+                )
             });
         }
         left -= step;

@@ -22,9 +22,9 @@ use crate::scene::Name;
 block_search_params! {
     /// Predictive search (EPZS): starts at predictors, stops early if one matches, and descends to a minimum otherwise.
     pub struct Predictive {
-        /// Early termination: the search stops when the mean difference of the best match does not exceed this threshold.
+        /// The search stops when the mean difference of the best match does not exceed this threshold (early termination).
         termination_threshold: f32 = 0.25, 0.0..=16.0, "gray levels";
-        /// Grid refinement: a block whose mean difference still exceeds this threshold is searched again from a grid.
+        /// Mean difference above which a block is searched again, from a grid over the search window.
         grid_threshold: f32 = 2.0, 0.0..=16.0, "gray levels";
         /// Distance of the grid's candidates; 1 makes it a full search.
         grid_step: usize = 3, 1..=16, "px";

@@ -22,7 +22,7 @@ block_search_params! {
     /// Logarithmic search by quadrants: the search window is quartered again and again, keeping the quadrant with the
     /// minimum.
     pub struct QuadrantSearch {
-        /// Smallest window: the search stops when the window is at most this wide and high.
+        /// The search stops when the window is at most this wide and high.
         min_window: usize = 1, 1..=64, "px";
         /// Smallest relative decrease of the minimum per iteration: the search stops below it. 0 disables the criterion.
         min_decrease: f32 = 0.0, 0.0..=100.0, "%";
@@ -77,7 +77,7 @@ impl BlockSearch for QuadrantSearch {
             if part.side() <= self.min_window.max(2) {
                 let (side, smallest) = (part.side(), self.min_window);
                 return tester.report(line::STOP_AT_SMALLEST, || match side <= smallest {
-                    true => format!("The quadrant is {side} px wide, min window {smallest} px: the search stops."),
+                    true => format!("The quadrant is {side} px wide, at most the min window of {smallest} px: the search stops."),
                     false => format!("The quadrant is {side} px wide and fully tested: the search stops."),
                 });
             }

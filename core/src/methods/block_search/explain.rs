@@ -87,11 +87,16 @@ impl Probe<'_> {
                 }
             }
             (Some(Event::Found(found)), _) => self.describe_result(*found),
-            (None, _) => said.text(format!(
-                "Frame t has {} of {} px. Each is to be matched in frame t+1.",
-                counted(self.pair.blocks.len(), "block"),
-                format_args!("{0}×{0}", self.pair.blocks.size)
-            )),
+            (None, _) => {
+                let level = match self.counted.level {
+                    Some(level) => format!("Level {level} of frame t has"),
+                    None => "Frame t has".to_owned(),
+                };
+                let (blocks, size) = (counted(self.pair.blocks.len(), "block"), self.pair.blocks.size);
+                said.text(format!(
+                    "{level} {blocks} of {size}×{size} px. Each is to be matched in frame t+1."
+                ))
+            }
         }
     }
 
@@ -201,7 +206,7 @@ impl Probe<'_> {
         let listed: Vec<_> = ties.iter().take(LISTED).map(|tie| vector(tie.vector())).collect();
         let more = if ties.len() > LISTED { ", …" } else { "" };
         format!(
-            "The same cost at {}{more}: the match is ambiguous, as on repeating texture or along an edge.",
+            "The same cost at {}{more}: repeating texture or an edge makes the match ambiguous. A larger block may resolve it.",
             listed.join(", ")
         )
     }
@@ -279,7 +284,7 @@ impl Probe<'_> {
         };
         let said = said.text(format!("{cost} {relation} the minimum so far, ")).ink(Role::Best, minimum);
         if candidate.cost == best.cost && shorter(best.quarters(), candidate.quarters()) {
-            return said.text(format!(", which {} and is kept.", preference(best, candidate)));
+            return said.text(format!(". That displacement {}: it is kept.", preference(best, candidate)));
         }
         said.text(verdict)
     }
