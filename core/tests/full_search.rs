@@ -169,10 +169,7 @@ fn every_event_says_why() {
              repeating texture or an edge makes the match ambiguous. A larger block may resolve it.",
         ]
     );
-    assert_eq!(
-        sentences(&clip, &settings, 0, "SAD 0 at"),
-        ["SAD 0 at (1, 0) is below 160 at (0, 0): new minimum."]
-    );
+    assert_eq!(sentences(&clip, &settings, 0, "SAD 0 at"), ["SAD 0 at (1, 0) is below 160 at (0, 0): new minimum."]);
     assert_eq!(
         sentences(&clip, &settings, 0, "Candidate (1, 1)"),
         ["Candidate (1, 1): SAD 0 equals the minimum so far, 0 at (1, 0). That displacement is shorter: it is kept."]

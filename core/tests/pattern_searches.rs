@@ -465,13 +465,15 @@ fn every_decision_says_why() {
          Of these 5, 4 are new and inside the search window.",
     );
     has("log-search", &range, "The minimum (2, 0) is the centre: the step is halved to 1 px.");
-    has(
-        "quadrant-search",
-        &range,
-        "The minimum (0, 0) lies in the quadrant around (3, 3): this quadrant is kept.",
-    );
+    has("quadrant-search", &range, "The minimum (0, 0) lies in the quadrant around (3, 3): this quadrant is kept.");
     let still = told("adaptive-rood", &[("still", "16")], &pit(12, (0, 0)), 12);
-    assert!(still.contains(&"SAD 4096 at (0, 0) does not exceed the zero-motion threshold 4096: static block, the search stops.".into()), "{still:#?}");
+    assert!(
+        still.contains(
+            &"SAD 4096 at (0, 0) does not exceed the zero-motion threshold 4096: static block, the search stops."
+                .into()
+        ),
+        "{still:#?}"
+    );
     has("adaptive-rood", &range, "The left block predicts (7, 0): arm length max(|u|, |v|) = 7 px.");
     has(
         "adaptive-rood",

@@ -7,7 +7,7 @@ use super::Error;
 
 /// A flag that is set on one thread and looked at on others; its clones are one flag.
 ///
-/// What looks at it may also say how far it is, so that whoever waits sees it go on.
+/// The work may also report its progress, which the waiting thread shows.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Arc<Board>);
 

@@ -107,7 +107,7 @@ impl Figure {
         }
     }
 
-    /// The figure that someone draws from one place to another; for spots nothing.
+    /// The figure drawn by dragging from one point to another; none for spots.
     pub fn spanned(self, from: [f32; 2], to: [f32; 2]) -> Placed {
         match self {
             Self::Line => Placed::Line(Some(Line { from, to })),

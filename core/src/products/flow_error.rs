@@ -13,15 +13,16 @@ pub(super) const MEASURES: [Measure; 9] = [
         .in_column("EPE px", 3),
     Measure::new("epe_median_px", "Median endpoint error in px."),
     Measure::new("epe_p95_px", "95th percentile of the endpoint error in px."),
-    Measure::new(
-        "r0.5",
-        "Share of the pixels with an endpoint error above 0.5 px, R0.5 of the Middlebury benchmark.",
-    ),
+    Measure::new("r0.5", "Share of the pixels with an endpoint error above 0.5 px, R0.5 of the Middlebury benchmark."),
     Measure::new("r1.0", "Share of the pixels with an endpoint error above 1 px."),
     Measure::new("r2.0", "Share of the pixels with an endpoint error above 2 px."),
     Measure::new("aae_deg", "Mean angular error in degrees."),
-    Measure::new("known", "Number of pixels compared: those with known true flow and an estimate.").in_column("EPE of", 0),
-    Measure::new("coverage", "Coverage: share of the pixels with known true flow that have an estimate; for dense fields."),
+    Measure::new("known", "Number of pixels compared: those with known true flow and an estimate.")
+        .in_column("EPE of", 0),
+    Measure::new(
+        "coverage",
+        "Coverage: share of the pixels with known true flow that have an estimate; for dense fields.",
+    ),
 ];
 
 /// The elements compared.

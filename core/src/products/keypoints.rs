@@ -136,8 +136,8 @@ pub(super) const MEASURES: [Measure; 2] = [
 
 /// The number of features and, if tracking was attempted, of tracked ones.
 pub(super) fn counts(points: usize, tracked: Option<usize>) -> Assessment {
-    let told = tracked.map_or_else(String::new, |tracked| format!(", tracked {}", grouped(tracked)));
-    let text = format!("{}{told}", grouped(points));
+    let of_tracked = tracked.map_or_else(String::new, |tracked| format!(", tracked {}", grouped(tracked)));
+    let text = format!("{}{of_tracked}", grouped(points));
     let own = scores(&MEASURES, [points.into(), tracked.into()]);
     Assessment { headline: format!("{text} features"), ..Assessment::default() }.with(own, vec![fact("Features", text)])
 }

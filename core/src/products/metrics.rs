@@ -28,7 +28,9 @@ pub const LIMITS_PX: [f64; 3] = [0.5, 1.0, 2.0];
 fn check_sizes(flow: &Flow, truth: &Flow) -> Result<(), Error> {
     if flow.0.size() != truth.0.size() {
         let ((w, h), (tw, th)) = (flow.0.size(), truth.0.size());
-        return Err(Error::new(format!("the flow is {w}×{h} px and the true flow {tw}×{th} px; both must have one size")));
+        return Err(Error::new(format!(
+            "the flow is {w}×{h} px and the true flow {tw}×{th} px; both must have one size"
+        )));
     }
     Ok(())
 }

@@ -33,7 +33,10 @@ const fn in_kilobytes(measure: Measure, heading: &'static str, name: &'static st
 pub(super) const MEASURES: [Measure; 4] = [
     PSNR,
     in_kilobytes(
-        Measure::new("residual_bits", "Zero-order entropy of the residual of the motion-compensated prediction, in bits."),
+        Measure::new(
+            "residual_bits",
+            "Zero-order entropy of the residual of the motion-compensated prediction, in bits.",
+        ),
         "residual kB",
         "residual_kb",
     ),
@@ -62,12 +65,12 @@ pub(super) fn assess(
     let psnr = Some(metrics::psnr_db(picture, frame.luma())?).filter(|psnr| psnr.is_finite());
     let Coding { frame_bits, residual_bits, vector_bits } = Coding::of(vectors, frame.luma(), picture)?;
     let values = [psnr.into(), residual_bits.into(), vector_bits.into(), Figure::Real(frame_bits)];
-    let told = psnr.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
-    let headline = psnr.map_or("perfect prediction".into(), |_| told.clone());
+    let quality = psnr.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
+    let headline = psnr.map_or("perfect prediction".into(), |_| quality.clone());
     let kilobytes = |bits: f64| format!("{:.1}", bits / 8000.0);
     let vectors = vector_bits.map_or_else(String::new, |bits| format!(" + {}", kilobytes(bits)));
     let coding = format!("{}{vectors} kB, frame alone {} kB", kilobytes(residual_bits), kilobytes(frame_bits));
     let sent = if vector_bits.is_some() { "Residual + vectors" } else { "Residual" };
-    let facts = vec![fact("Prediction", told), fact(sent, coding)];
+    let facts = vec![fact("Prediction", quality), fact(sent, coding)];
     Ok(Assessment { headline, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
 }

@@ -54,10 +54,7 @@ pub(crate) fn check_kept(clip: &Clip, kept: usize) -> Result<(), Error> {
     if is_room {
         return Ok(());
     }
-    Err(Error::new(format!(
-        "the results so far take {} of memory and no more is free; run fewer frames",
-        size(kept)
-    )))
+    Err(Error::new(format!("the results so far take {} of memory and no more is free; run fewer frames", size(kept))))
 }
 
 /// A number of bytes as text.
@@ -87,11 +84,9 @@ mod tests {
         assert_eq!(need.run, BASE + 69 * 128_000_000);
         assert!(check(&clip, "Nobody", 3 << 30).is_ok() && check_kept(&clip, 3 << 30).is_ok());
         let refused = check(&clip, "Horn–Schunck", need.run).unwrap_err().to_string();
-        assert!(
-            refused.starts_with(
-                "Horn–Schunck needs about 8.2 GiB of memory for frames of 16000×8000 px, but 3.0 GiB are free"
-            )
-        );
+        assert!(refused.starts_with(
+            "Horn–Schunck needs about 8.2 GiB of memory for frames of 16000×8000 px, but 3.0 GiB are free"
+        ));
         assert!(check_kept(&clip, 4 << 30).unwrap_err().to_string().contains("4.0 GiB"));
         assert!(Need::default().and([f64::MAX; 2]).run == u64::MAX);
     }

@@ -111,7 +111,7 @@ impl FromStr for Picture {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        let told = || {
+        let invalid = || {
             Error::new(format!(
                 "a picture must be t, t+1, t-1, reference, template or mosaic, with the prefix right- for the right \
                  view and the suffix -level-2 for a level of a pyramid, not {text}"
@@ -122,7 +122,7 @@ impl FromStr for Picture {
             None => (Viewpoint::Left, text),
         };
         let (rest, level) = match rest.split_once("-level-") {
-            Some((rest, level)) => (rest, level.parse().map_err(|_| told())?),
+            Some((rest, level)) => (rest, level.parse().map_err(|_| invalid())?),
             None => (rest, 0),
         };
         let (role, time) = match rest {
@@ -132,7 +132,7 @@ impl FromStr for Picture {
             "t" => (PictureRole::Frame, Some(0)),
             moment => (PictureRole::Frame, moment.strip_prefix('t').and_then(|time| time.parse().ok())),
         };
-        Ok(Self { viewpoint, time: time.ok_or_else(told)?, level, role })
+        Ok(Self { viewpoint, time: time.ok_or_else(invalid)?, level, role })
     }
 }
 

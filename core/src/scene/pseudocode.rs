@@ -110,7 +110,8 @@ macro_rules! pseudocode {
     };
 }
 
-/// Declares names of lines that several algorithms share: a line of the same name in [`pseudocode!`](crate::pseudocode!) is theirs.
+/// Declares names of lines that several algorithms share; a line of the same name in [`pseudocode!`](crate::pseudocode!) is
+/// one of them.
 #[macro_export]
 macro_rules! line_names {
     ($($name:ident),+ $(,)?) => {$(

@@ -1,7 +1,8 @@
 //! Synthetic clips with exact ground truth, rendered on demand from moving layers.
 //!
 //! A *scene* ([`SCENES`]) is a list of layers from front to back. Each has a shape, a texture defined at every real
-//! coordinate, and an invertible motion, so that frames and true motion are exact at any time. [`Difficulty`] holds one slider for each difficulty of the course.
+//! coordinate, and an invertible motion, so that frames and true motion are exact at any time. [`Difficulty`] holds one
+//! slider for each difficulty of the course.
 //!
 //! The same scene and sliders give the same bytes on every platform, in any order of frames: random numbers are hashes of
 //! seed and position, and all elementary functions are our own.

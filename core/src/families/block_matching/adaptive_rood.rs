@@ -78,7 +78,9 @@ impl BlockSearch for AdaptiveRood {
             None => format!("There is no left block to predict from: arm length {arm} px by default."),
         });
         tester.stage(line::TEST_ROOD, around([0, 0], &SMALL, arm).chain(predicted), || match predicted {
-            Some(p) if p != [0, 0] => format!("Rood pattern: the centre (0, 0), 4 arm ends and the predictor {}.", vector(p)),
+            Some(p) if p != [0, 0] => {
+                format!("Rood pattern: the centre (0, 0), 4 arm ends and the predictor {}.", vector(p))
+            }
             _ => "Rood pattern: the centre (0, 0) and 4 arm ends.".into(),
         });
         let lines = Descent { test: line::TEST_SMALL_DIAMOND, decide: line::UNTIL_BEST_STAYS };

@@ -50,14 +50,19 @@ impl BlockSearch for FourStep {
         for number in 1..=squares {
             tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, 2), || match number {
                 1 => "The square of 9 candidates, 2 px apart, starts at (0, 0).".into(),
-                _ => format!("The square of 9 candidates moves to {}: step {number} of at most {squares}.", vector(centre)),
+                _ => format!(
+                    "The square of 9 candidates moves to {}: step {number} of at most {squares}.",
+                    vector(centre)
+                ),
             });
             let best = tester.best();
             tester.report(line::MOVE_CENTER, || match best == centre {
                 true => {
                     format!("The minimum of the square is its centre {}: a local minimum is reached.", vector(centre))
                 }
-                false => format!("The minimum {} lies on the edge of the square: the square moves there.", vector(best)),
+                false => {
+                    format!("The minimum {} lies on the edge of the square: the square moves there.", vector(best))
+                }
             });
             if best == centre {
                 break;

@@ -178,7 +178,8 @@ impl Hierarchical {
     fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         let pair = Pair::new(clip, frame, self.matching.block_size, self.refinement.spacing, self.refinement.border)?;
         let (width, height) = pair.blocks.picture;
-        let fits = |level: usize| width.div_ceil(1 << level).min(height.div_ceil(1 << level)) >= self.matching.block_size;
+        let fits =
+            |level: usize| width.div_ceil(1 << level).min(height.div_ceil(1 << level)) >= self.matching.block_size;
         if !fits(self.levels - 1) {
             let most = (1..self.levels).take_while(|&level| fits(level)).count() + 1;
             return Err(Error::new(format!(

@@ -51,9 +51,7 @@ impl BlockSearch for NewThreeStep {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let mut left = self.matching.search_range as i32;
         let step = (left + 1) / 2;
-        tester.report(line::SET_STEP, || {
-            format!("Search range {left} px: the first step is half of it, {step} px.")
-        });
+        tester.report(line::SET_STEP, || format!("Search range {left} px: the first step is half of it, {step} px."));
         tester.stage(line::TEST_BOTH_SQUARES, around([0, 0], &SQUARE, 1).chain(around([0, 0], &SQUARE[1..], step)), || {
             format!(
                 "Centre bias, since most motion is small: the neighbours of (0, 0) and the 8 candidates at {step} px."
@@ -77,7 +75,10 @@ impl BlockSearch for NewThreeStep {
         while left > 0 {
             let (centre, step) = (tester.best(), (left + 1) / 2);
             tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, step), || {
-                format!("The minimum {} is an outer candidate: continue there with a step of {step} px.", vector(centre))
+                format!(
+                    "The minimum {} is an outer candidate: continue there with a step of {step} px.",
+                    vector(centre)
+                )
             });
             left -= step;
         }

@@ -100,7 +100,9 @@ impl BlockSearch for Predictive {
                 .before
                 .map(|before| format!(", and the temporal predictor {}", vector(before.vector())))
                 .unwrap_or_default();
-            format!("The median predictor exceeds the threshold: (0, 0) and each neighbour's vector are tested{before}.")
+            format!(
+                "The median predictor exceeds the threshold: (0, 0) and each neighbour's vector are tested{before}."
+            )
         });
         if self.is_enough(tester, (line::STOP_AT_PREDICTOR, "the best predictor")) {
             return;
@@ -148,11 +150,7 @@ fn descend_from(tester: &mut Tester<impl Observer<Event>>, (start, rank): (Displ
         // On the path of an earlier descent all is tested, but the path may lead further.
         if around(centre, &SQUARE, 1).any(|at| tester.is_new(at)) {
             tester.stage(line::WALK_FROM_GRID, around(centre, &SQUARE, 1), || {
-                format!(
-                    "Descent from {}, rank {rank} of the grid: the square is at {}.",
-                    vector(start),
-                    vector(centre)
-                )
+                format!("Descent from {}, rank {rank} of the grid: the square is at {}.", vector(start), vector(centre))
             });
         }
         let known = around(centre, &SQUARE, 1).filter(|&at| tester.known(at).is_some());

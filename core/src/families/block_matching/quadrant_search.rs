@@ -77,7 +77,9 @@ impl BlockSearch for QuadrantSearch {
             if part.side() <= self.min_window.max(2) {
                 let (side, smallest) = (part.side(), self.min_window);
                 return tester.report(line::STOP_AT_SMALLEST, || match side <= smallest {
-                    true => format!("The quadrant is {side} px wide, at most the min window of {smallest} px: the search stops."),
+                    true => format!(
+                        "The quadrant is {side} px wide, at most the min window of {smallest} px: the search stops."
+                    ),
                     false => format!("The quadrant is {side} px wide and fully tested: the search stops."),
                 });
             }

@@ -93,9 +93,7 @@ impl Probe<'_> {
                     None => "Frame t has".to_owned(),
                 };
                 let (blocks, size) = (counted(self.pair.blocks.len(), "block"), self.pair.blocks.size);
-                said.text(format!(
-                    "{level} {blocks} of {size}×{size} px. Each is to be matched in frame t+1."
-                ))
+                said.text(format!("{level} {blocks} of {size}×{size} px. Each is to be matched in frame t+1."))
             }
         }
     }
@@ -187,7 +185,9 @@ impl Probe<'_> {
         }
         let range = self.settings.matching.search_range as u32;
         if found.displacement.iter().any(|c| c.unsigned_abs() == range) {
-            return format!("It lies at the limit of the search range of ±{range} px: a larger range may lower the cost.");
+            return format!(
+                "It lies at the limit of the search range of ±{range} px: a larger range may lower the cost."
+            );
         }
         let (mean, levels) = self.difference_per_pixel(found);
         if levels.is_some_and(|levels| levels >= POOR_MATCH) {
@@ -264,8 +264,7 @@ impl Probe<'_> {
 
     fn describe_candidate(&self, candidate: Match, rows: usize) -> Sentence {
         let height = self.block().height;
-        let said =
-            Sentence::default().text("Candidate ").ink(Role::Candidate, vector(candidate.vector())).text(": ");
+        let said = Sentence::default().text("Candidate ").ink(Role::Candidate, vector(candidate.vector())).text(": ");
         let cost = self.settings.show(candidate.cost);
         let Some(best) = self.best() else {
             return said.text(format!("{cost}, the first cost of this block."));

@@ -73,7 +73,12 @@ impl<O: Observer<Event>> Tester<'_, O> {
     /// Tests the eight positions around the best match, at a distance of each of `steps` in quarters of a px.
     fn test_subpixel(&mut self, steps: &[i32]) {
         let Some(start) = self.best else { return };
-        self.pair.take_between(self.block, start.displacement, self.settings.refinement.interpolation, &mut self.work.between);
+        self.pair.take_between(
+            self.block,
+            start.displacement,
+            self.settings.refinement.interpolation,
+            &mut self.work.between,
+        );
         for &step in steps {
             let centre = self.best.map_or([0, 0], |best| best.quarters());
             let all = around(centre, &AROUND, step);

@@ -64,8 +64,7 @@ impl Probe<'_> {
     fn moments(&self, a: &Cut, b: &Cut) -> Math {
         let (pixels, stride) = b.rows();
         let count = (self.block().width * self.block().height) as f64;
-        let [of_a, of_b, both] =
-            whole::moments(a, pixels, stride).map(|moment| fixed(moment as f64 / count, 0));
+        let [of_a, of_b, both] = whole::moments(a, pixels, stride).map(|moment| fixed(moment as f64 / count, 0));
         let below = vec![
             Math::text("("),
             Math::ink(Role::Reference, of_a),
