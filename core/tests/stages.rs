@@ -121,7 +121,7 @@ fn no_estimator_is_inside_itself() {
             "has a stage of this kind itself, and an estimator cannot contain itself; choose",
         ),
         ("trajectory-analysis", "tracker", "mixture-of-gaussians", "not tracks of objects; choose"),
-        ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, and keypoints of"),
+        ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, but keypoints of"),
         ("klt", "detector", "klt", "makes feature tracks, not keypoints of single frames; choose harris"),
         ("hierarchical", "coarse", "horn-schunck", "makes dense flow, not block vectors"),
         ("hierarchical", "coarse.block", "8", "block-size is set by the parent estimator"),
