@@ -45,7 +45,7 @@ fn list_names_every_estimator_with_its_parameters() {
     let all = json(folder.path(), "list --json");
     let full = all.as_array().unwrap().iter().find(|e| e["id"] == "full-search").expect("full search is there");
     let names: Vec<_> = full["params"].as_array().unwrap().iter().map(|p| p["name"].as_str().unwrap()).collect();
-    for name in ["block", "range", "cost", "border", "order", "early-exit"] {
+    for name in ["block-size", "search-range", "cost", "border", "order", "early-exit"] {
         assert!(names.contains(&name), "{name}");
     }
     let block = &full["params"][0];
@@ -53,7 +53,7 @@ fn list_names_every_estimator_with_its_parameters() {
         (&block["range"], &block["default"], &block["unit"]),
         (&serde_json::json!([4, 64]), &16.into(), &"px".into())
     );
-    let best = serde_json::json!({ "name": "keep-best", "text": "      best ← cost at (u, v)" });
+    let best = serde_json::json!({ "name": "keep-best", "text": "      minimum ← c; best ← (u, v)" });
     assert!(full["pseudocode"].as_array().unwrap().contains(&best), "{}", full["pseudocode"]);
     let text = stdout(folder.path(), "list");
     assert!(text.contains("full-search") && text.contains("4 to 64 px; 16 unless set"));
@@ -160,7 +160,7 @@ fn a_layer_that_cannot_be_is_refused_with_its_reason() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |line: &str| refusal(folder.path(), &format!("run {SMALL} --overlay a.png {line}"));
     for (line, reason) in [
-        ("--estimator horn-schunck --layer heat", "layer can be none, wheel"),
+        ("--estimator horn-schunck --layer heat", "layer must be none, wheel"),
         ("--estimator horn-schunck --layer error --step 1.1", "the end of a run"),
         ("--estimator horn-schunck --layer confidence", "tells no confidence"),
         ("--estimator harris --layer wheel", "single points"),
@@ -222,7 +222,7 @@ fn run_tells_one_object_with_time_and_errors() {
         ]
     );
     assert_eq!((&run["estimator"], &run["frame"], &run["threads"]), (&"full-search".into(), &1.into(), &2.into()));
-    assert_eq!((&run["params"]["block"], &run["params"]["range"]), (&8.into(), &7.into()));
+    assert_eq!((&run["params"]["block-size"], &run["params"]["search-range"]), (&8.into(), &7.into()));
     assert_eq!((&run["last_frame"], &run["units"]), (&2.into(), &48.into()));
     assert!(run["ms"]["min"].as_f64().unwrap() <= run["ms"]["median"].as_f64().unwrap());
     let metrics = &run["metrics"];
@@ -489,7 +489,7 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (run(SMALL, "--step 13"), "ends at 12"),
         (run(SMALL, "--set block=8.5"), "whole number"),
         (run(SMALL, "--view up"), "side-by-side"),
-        (run(SMALL, "--view blend --blend 1.5"), "blend can be 0 to 1, not 1.5"),
+        (run(SMALL, "--view blend --blend 1.5"), "blend must be 0 to 1, not 1.5"),
         (run(SMALL, "--blend 0.8"), "--view blend"),
         (run(SMALL, "--scale 9"), "1..=8"),
         (run(SMALL, "--threads 0"), "1..=256"),
@@ -502,7 +502,7 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (format!("run {SMALL} --estimator nothing-like-it"), "full-search"),
         (run(SMALL, "--beside magic"), "no estimator magic"),
         (run(SMALL, "--beside diamond,full-search"), "beside itself"),
-        (run(SMALL, "--beside diamond,hexagon,three-step,four-step"), "two to four"),
+        (run(SMALL, "--beside diamond,hexagon,three-step,four-step"), "2 to 4 estimators"),
         (run(SMALL, "--beside hierarchical --set hierarchical.levels=6"), "hierarchical: 6 levels"),
         (run(SMALL, "--beside diamond --set diamond.block=8"), "set block=8"),
         (run(SMALL, "--beside diamond --pace slow"), "block, budget"),
@@ -514,7 +514,7 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
             "levels 0 to 1, and not 2",
         ),
         (run(SMALL, "--pixel 7"), "X,Y"),
-        (run(SMALL, "--pixel frame:7,9"), "a picture is called t, t+1"),
+        (run(SMALL, "--pixel frame:7,9"), "a picture must be t, t+1"),
         (run(SMALL, "--pixel t+1:7,9"), "explains no pixels of the picture t+1"),
         (run(SMALL, "--step 3.7 --pixel 7,9"), "full-search does not explain pixel (7, 9) by itself at step 3.7"),
         (run(SMALL, "--beside diamond --pixel 7,9"), "by itself"),
@@ -610,8 +610,8 @@ fn a_session_keeps_its_parameters_when_its_own_estimator_is_named() {
     fs::write(here.join("lesson.motionscope"), text).unwrap();
     let params = |line: &str| json(here, &format!("run lesson.motionscope {line} --json"))["params"].clone();
     assert_eq!(params("--estimator full-search"), params(""));
-    assert_eq!(params("--estimator full-search --set range=5")["block"], 8);
-    assert_eq!(params("--estimator diamond")["block"], 16, "another one has its own");
+    assert_eq!(params("--estimator full-search --set range=5")["block-size"], 8);
+    assert_eq!(params("--estimator diamond")["block-size"], 16, "another one has its own");
 }
 
 #[test]
@@ -873,7 +873,7 @@ fn what_is_wrong_with_detections_is_told() {
         ("run det.txt --estimator full-search --frames 0..3", "--frame "),
         ("run det.txt --estimator kalman-tracker --tracks a.png", ".npy"),
         ("run det.txt --estimator trajectory-analysis --set line=1,2,3", "x,y,x,y"),
-        ("run det.txt --estimator full-search --flow a.flo", "no pictures"),
+        ("run det.txt --estimator full-search --flow a.flo", "no frames"),
         ("run synth:traffic,frames=2 --estimator full-search --tracks a.txt", "makes block vectors"),
         ("run det.txt --estimator kalman-tracker --masks m", "makes objects"),
         ("run alone/det.txt --estimator kalman-tracker --set source=truth", "no true objects"),

@@ -559,7 +559,7 @@ fn the_end_stays_the_end_while_parameters_change() {
     let mut window = Window::usual();
     window.command(Command::End);
     for block in [64.0, 48.0, 20.0, 4.0, 16.0] {
-        window.harness.get_by_role_and_label(Role::Slider, "Block").set_value_accesskit(block);
+        window.harness.get_by_role_and_label(Role::Slider, "Block size").set_value_accesskit(block);
         // Without waiting for the run: the next change comes while it is on its way.
         window.harness.run_steps(2);
     }
@@ -746,7 +746,7 @@ fn the_courses_table_is_measured_in_the_window_too() {
 #[test]
 fn another_estimator_keeps_the_parameters_that_it_has_too() {
     let mut window = Window::usual();
-    window.harness.get_by_role_and_label(Role::Slider, "Block").set_value_accesskit(24.0);
+    window.harness.get_by_role_and_label(Role::Slider, "Block size").set_value_accesskit(24.0);
     window.settle();
     window.press(Modifiers::COMMAND, Key::K);
     window.harness.get_by_label("What to find").type_text("hexagon");

@@ -11,7 +11,7 @@
 //! let sample = synth::scene("pillar")?;
 //! let clip = synth::make(sample.id, &sample.difficulty())?;
 //! let mut search = estimator("diamond")?;
-//! search.set("block", "8")?;
+//! search.set("block-size", "8")?;
 //! let output = search.run(&clip, 0, &Threads::all()?)?;
 //! let blocks = output.get::<BlockField>().expect("a block search makes block vectors");
 //! println!("{} candidates for {} blocks", blocks.candidates(), blocks.vectors.len());

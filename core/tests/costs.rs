@@ -119,7 +119,7 @@ fn shown(cost: &str, a: fn(usize, usize) -> u8, b: fn(usize, usize) -> u8) -> (V
 fn formulas_have_the_numbers_of_the_block() {
     let (lines, tile) = shown("zsad", |x, _| 10 * x as u8, |x, _| 10 * x as u8 + 5);
     assert_eq!(lines[0], "ZSAD(0, 0) = Σ_x, y |(I_t(x, y) − m_t) − (I_t+1(x, y) − m_t+1)|");
-    assert_eq!(lines[1], "= |(0 − 15.0) − (5 − 20.0)| + … + |(30 − 15.0) − (35 − 20.0)|");
+    assert_eq!(lines[1], "= |(0 − 15.00) − (5 − 20.00)| + … + |(30 − 15.00) − (35 − 20.00)|");
     assert_eq!((lines[2].as_str(), tile), ("= 0.00", Grid::new(4, 4, 0)));
     // A constant difference has one coefficient, 16 times as large.
     let (lines, tile) = shown("satd", |_, _| 7, |_, _| 5);

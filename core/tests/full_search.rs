@@ -130,7 +130,7 @@ fn a_flat_picture_does_not_move() {
 fn refuses_a_block_larger_than_the_picture_in_words() {
     let clip = Clip::from_frames("tiny", vec![Frame::gray(Grid::new(10, 10, 0)); 2]).unwrap();
     let error = estimator("full-search").unwrap().walk(&clip, 0).err().unwrap().to_string();
-    assert_eq!(error, "a block of 16 px does not fit into a picture of 10×10 px; choose a smaller block");
+    assert_eq!(error, "a block of 16×16 px does not fit into a picture of 10×10 px; choose a smaller block size");
 }
 
 /// All sentences of block `unit`, from 0, that begin with `start`.
@@ -163,15 +163,16 @@ fn every_event_says_why() {
     assert_eq!(
         sentences(&clip, &settings, 0, "Block"),
         [
-            "Block 1 is the 8×8 px at (0, 0) of frame t. Its search window in frame t+1 holds 2×2 = 4 candidates; \
-             the picture's border cuts it.",
-            "Block 1 moves by (1, 0) px: SAD 0 is the smallest of 4 tested.",
+            "Block 1: 8×8 px at (0, 0) in frame t. Its search window of ±1 px in frame t+1, cut at the picture border, \
+             holds 2×2 = 4 candidates.",
+            "Block 1: motion vector (1, 0) px. SAD 0 is the minimum of 4 tested candidates. The same cost at (1, 1): \
+             repeating texture or an edge makes the match ambiguous. A larger block may resolve it.",
         ]
     );
-    assert_eq!(sentences(&clip, &settings, 0, "0 at"), ["0 at (1, 0) is less than 160 at (0, 0): the new best."]);
+    assert_eq!(sentences(&clip, &settings, 0, "SAD 0 at"), ["SAD 0 at (1, 0) is below 160 at (0, 0): new minimum."]);
     assert_eq!(
         sentences(&clip, &settings, 0, "Candidate (1, 1)"),
-        ["Candidate (1, 1) costs 0, the same as the best so far, 0 at (1, 0), which is shorter and stays."]
+        ["Candidate (1, 1): SAD 0 equals the minimum so far, 0 at (1, 0). That displacement is shorter: it is kept."]
     );
     let whole = [("block", "8"), ("range", "1"), ("border", "replicate")];
     assert!(sentences(&clip, &whole, 0, "Block")[0].ends_with("holds 3×3 = 9 candidates."));
@@ -181,20 +182,20 @@ fn every_event_says_why() {
 fn ties_say_which_rule_decided() {
     let settings = [("block", "8"), ("range", "1"), ("border", "replicate")];
     let flat = pair(|_, _| 7, |_, _| 7);
-    let preferred = sentences(&flat, &settings, 0, "0 at");
-    assert_eq!(preferred[0], "0 at (−1, −1) is the first cost, so it is the best so far.");
+    let preferred = sentences(&flat, &settings, 0, "SAD 0 at");
+    assert_eq!(preferred[0], "SAD 0 at (−1, −1) is the minimum so far, as the first candidate of this block.");
     assert_eq!(
         preferred[1],
-        "0 at (0, −1) equals the best so far at (−1, −1), and the displacement is shorter: it is preferred."
+        "SAD 0 at (0, −1) equals the minimum so far at (−1, −1), and the displacement is shorter: new minimum."
     );
     let kept = sentences(&flat, &settings, 0, "Candidate (1, −1)");
-    assert!(kept[0].ends_with("0 at (0, −1), which is shorter and stays."), "{}", kept[0]);
-    // Diagonal stripes one pixel off: (0, −1) and (1, 0) are as short and fit as well.
+    assert!(kept[0].ends_with("0 at (0, −1). That displacement is shorter: it is kept."), "{}", kept[0]);
+    // Diagonal stripes one pixel off: (0, −1) and (1, 0) are equally short and match equally well.
     let spiral = [("block", "8"), ("range", "1"), ("border", "replicate"), ("order", "spiral")];
     let stripe = |k: usize| (k * 37 % 251) as u8;
     let stripes = pair(|x, y| stripe(x + 30 - y + 1), |x, y| stripe(x + 30 - y));
     let told = sentences(&stripes, &spiral, 4, "Candidate");
-    assert!(told.iter().any(|told| told.contains("as short and comes first, row by row")), "{told:?}");
+    assert!(told.iter().any(|told| told.contains("equally short and comes first in raster order")), "{told:?}");
 }
 
 #[test]
@@ -205,7 +206,7 @@ fn an_early_exit_stops_at_the_first_row_that_is_too_much() {
     let given_up = sentences(&clip, &settings, 0, "Candidate (1, 0)");
     assert_eq!(
         given_up,
-        ["Candidate (1, 0) costs 80 after 1 of 8 rows, already more than the best, 0 at (0, 0): given up early."]
+        ["Candidate (1, 0): SAD 80 after 1 of 8 rows exceeds the minimum so far, 0 at (0, 0). Early exit: rejected."]
     );
     let mut search = estimator("full-search").unwrap();
     settings.iter().for_each(|(name, value)| search.set(name, value).unwrap());
@@ -220,7 +221,7 @@ fn an_early_exit_stops_at_the_first_row_that_is_too_much() {
     let mut seen = [false; 2];
     while walk.cursor().event < walk.events() || walk.cursor() == Cursor::default() {
         walk.jump(Move::Granularity(2, Direction::Forward));
-        let is_given_up = walk.step(None).sentence.plain().contains("given up early");
+        let is_given_up = walk.step(None).sentence.plain().contains("Early exit: rejected");
         assert!(!is_given_up || bounds(&*walk), "{}", walk.cursor());
         seen[usize::from(is_given_up)] |= bounds(&*walk) == is_given_up;
     }

@@ -198,11 +198,13 @@ fn too_many_levels_are_refused_with_the_limit() {
     let refused = |clip: &Clip| search.walk(clip, 0).err().expect("refused").to_string();
     assert_eq!(
         refused(&clip(320, 240)),
-        "6 levels would leave less than a block of 16 px of a picture of 320×240 px; choose 4 or fewer, or a smaller block"
+        "with 6 levels the coarsest is smaller than a block of 16 px, for a picture of 320×240 px; \
+         choose 4 levels or fewer, or a smaller block size"
     );
     assert_eq!(
         refused(&clip(40, 20)),
-        "6 levels would leave less than a block of 16 px of a picture of 40×20 px; choose a smaller block"
+        "with 6 levels the coarsest is smaller than a block of 16 px, for a picture of 40×20 px; \
+         choose a smaller block size"
     );
     assert!(search.walk(&clip(512, 512), 0).is_ok());
 }
@@ -215,7 +217,7 @@ fn levels_are_granularities_and_say_where_they_are() {
     assert_eq!(walk.units(), Some(300 + 80 + 20));
     walk.jump(Move::Granularity(3, Direction::Forward));
     let told = walk.step(None).sentence.plain();
-    assert!(told.starts_with("Level 2 of the pyramid is 80×60 px large. Block 1 is the 16×16 px at (0, 0)"), "{told}");
+    assert!(told.starts_with("Level 2 of the pyramid, 80×60 px. Block 1: 16×16 px at (0, 0)"), "{told}");
     // Level by level.
     for (units, level) in [(20, 0), (100, 1), (400, 2)] {
         assert_eq!(walk.place()[1].index, level);
@@ -225,7 +227,7 @@ fn levels_are_granularities_and_say_where_they_are() {
     }
     walk.jump(Move::To(Cursor { unit: 19, event: usize::MAX }));
     let told = walk.step(None).sentence.plain();
-    assert!(told.contains(" On the picture itself that is ("), "{told}");
+    assert!(told.contains(" On level 0 it corresponds to ("), "{told}");
     // A block of 16 px on level 2 is drawn over 64 px of the picture, and a click there leads to it.
     let scene = walk.scene(None);
     let reference = scene.marks.iter().find(|mark| mark.role == motionscope_core::Role::Reference).expect("the block");

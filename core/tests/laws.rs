@@ -492,7 +492,7 @@ fn who_looks_at_pictures_refuses_a_clip_without_any() {
         let refused = [estimator.walk(&blank, 0).err(), estimator.run(&blank, 0, &Threads::single()).err()];
         for error in refused {
             assert_eq!(error.is_some(), estimator.needs_pictures());
-            assert!(error.is_none_or(|error| error.to_string().contains("no pictures")));
+            assert!(error.is_none_or(|error| error.to_string().contains("no frames")));
         }
     });
 }
@@ -703,7 +703,7 @@ proptest! {
             let clip = clip_for(&*estimator, moving(30, 26, (1, -1), 2));
             if let Err(error) = estimator.walk(&clip, 0) {
                 // A pyramid of so many levels has no room for a block. It says so, and one of two levels has.
-                prop_assert!(error.to_string().contains("levels would leave less than a block"), "{error}");
+                prop_assert!(error.to_string().contains("levels the coarsest is smaller than a block"), "{error}");
                 estimator.set("levels", "2").expect("a pyramid");
             }
             let mut walk = estimator.walk(&clip, 0).expect("small blocks fit");

@@ -264,18 +264,18 @@ fn what_cannot_stand_side_by_side_is_refused_in_a_sentence() {
     let refused = |estimators: &[Box<dyn AnyEstimator>]| {
         refused_or_run(estimators, Pace::Block).err().unwrap_or_else(|| "nothing was refused".into())
     };
-    assert!(refused(&team(&["diamond"])).contains("two to four"));
+    assert!(refused(&team(&["diamond"])).contains("2 to 4 estimators"));
     assert!(refused(&team(&["diamond", "hexagon", "three-step", "full-search", "predictive"])).contains("not 5"));
-    assert!(refused(&team(&["diamond", "hexagon", "diamond"])).contains("diamond would stand beside itself"));
+    assert!(refused(&team(&["diamond", "hexagon", "diamond"])).contains("diamond is there twice"));
     let mut different = team(&["diamond", "diamond"]);
     different[1].set("range", "2").expect("in range");
     assert!(refused_or_run(&different, Pace::Block).is_ok(), "one estimator set differently is worth a look");
     different[1].set("block", "9").expect("in range");
-    assert!(refused(&different).contains("same block and spacing"));
+    assert!(refused(&different).contains("same block size and spacing"));
     let mut high = team(&["diamond", "hierarchical"]);
     high[1].set("levels", "6").expect("in range");
     assert!(
-        refused(&high).starts_with("hierarchical: 6 levels"),
+        refused(&high).starts_with("hierarchical: with 6 levels"),
         "it is told which one cannot run: {}",
         refused(&high)
     );

@@ -184,7 +184,7 @@ fn what_does_not_fit_is_refused_before_anything_is_read() {
         ];
         for (fits, error) in fits.into_iter().zip(errors) {
             let error = error.to_string();
-            let told = if fits { "it was read" } else { "and 2.0 GiB are free" };
+            let told = if fits { "it was read" } else { "but 2.0 GiB are free" };
             assert!(error.contains(told), "{id} {settings}: {error}");
             refused.extend((!fits).then_some((id, settings.clone(), error)));
         }
@@ -193,7 +193,7 @@ fn what_does_not_fit_is_refused_before_anything_is_read() {
     for id in ["horn-schunck", "tv-l1", "farneback", "lucas-kanade", "mixture-of-gaussians", "flow-magnitude"] {
         assert_eq!(both(id), 2, "{id} is refused both ways");
     }
-    assert!(refused.iter().all(|(.., error)| error.contains("on pictures of 16000×8000 px")));
+    assert!(refused.iter().all(|(.., error)| error.contains("for frames of 16000×8000 px")));
     // Blocks edge to edge take little of however large a picture.
     assert_eq!([both("full-search"), both("diamond")], [0; 2]);
 }
@@ -245,7 +245,7 @@ fn what_is_found_ends_a_run_where_there_is_no_room_for_more() {
         let tight = clip.clone().within(need);
         let most = most_of(|| match estimator.run(&tight, 0, &Threads::single()) {
             Ok(output) => drop(output),
-            Err(error) => assert!(error.to_string().contains("there is no room for more"), "{id}: {error}"),
+            Err(error) => assert!(error.to_string().contains("no more is free"), "{id}: {error}"),
         });
         println!("{id}: {:.1} of {:.1} MB", most as f64 / 1e6, need as f64 / 1e6);
         assert!(most < 2 * need + (8 << 20), "{id} takes {most} bytes, and may take {need}");

@@ -432,68 +432,72 @@ fn every_decision_says_why() {
         let told = told(id, settings, &clip, 12);
         assert!(told.iter().any(|told| told == sentence), "{id}: {told:#?}");
     };
-    has("three-step", &range, "The search can still go 3 px: the step is half of that, rounded up, 2 px.");
+    has("three-step", &range, "3 px of the search range remain: the step is half of that, 2 px.");
     has(
         "three-step",
         &range,
-        "9 points in steps of 2 px around (0, 0) are tested. \
-         Of these 9, 8 lie in the window and were not tested before.",
+        "Square of 9 candidates with a step of 2 px around (0, 0). \
+         Of these 9, 8 are new and inside the search window.",
     );
     has(
         "three-step",
         &range,
-        "Block 13 moves by (2, 0) px: SAD 4096 is the smallest of 25 tested; full search would test 225.",
+        "Block 13: motion vector (2, 0) px. SAD 4096 is the minimum of 25 tested candidates (full search: 225). \
+         Mean absolute difference 16.00 gray levels, a poor match: occlusion, a change of brightness, or motion that is \
+         no translation.",
     );
     has(
         "diamond",
         &range,
-        "(2, 0) is better than the centre (0, 0): the large diamond moves there and looks further that way.",
+        "The minimum of the large diamond is (2, 0), not its centre (0, 0): the pattern moves there.",
     );
     has(
         "diamond",
         &range,
-        "The large diamond stands at (2, 0), with 9 points. \
-         Of these 9, 5 lie in the window and were not tested before.",
+        "The large diamond of 9 candidates moves to (2, 0). \
+         Of these 9, 5 are new and inside the search window.",
     );
-    has("diamond", &range, "Nothing on the large diamond beats its centre (2, 0): it stays.");
+    has("diamond", &range, "The minimum of the large diamond is its centre (2, 0): a local minimum is reached.");
     has(
         "diamond",
         &range,
-        "The small diamond looks closer: its centre (2, 0) and the 4 points next to it. \
-         Of these 5, 4 lie in the window and were not tested before.",
+        "Small diamond: the centre (2, 0) and its 4 neighbours refine the match to 1 px. \
+         Of these 5, 4 are new and inside the search window.",
     );
-    has("log-search", &range, "(2, 0) is still the best, so the step is halved to 1 px.");
-    has(
-        "quadrant-search",
-        &range,
-        "The best, (0, 0), lies in the quadrant around (3, 3): the search goes on in there.",
-    );
+    has("log-search", &range, "The minimum (2, 0) is the centre: the step is halved to 1 px.");
+    has("quadrant-search", &range, "The minimum (0, 0) lies in the quadrant around (3, 3): this quadrant is kept.");
     let still = told("adaptive-rood", &[("still", "16")], &pit(12, (0, 0)), 12);
-    assert!(still.contains(&"SAD 4096 is at most SAD 4096: the block counts as still.".into()), "{still:#?}");
-    has("adaptive-rood", &range, "The block to the left moved by (7, 0), so the arms are 7 px long.");
+    assert!(
+        still.contains(
+            &"SAD 4096 at (0, 0) does not exceed the zero-motion threshold 4096: static block, the search stops."
+                .into()
+        ),
+        "{still:#?}"
+    );
+    has("adaptive-rood", &range, "The left block predicts (7, 0): arm length max(|u|, |v|) = 7 px.");
     has(
         "adaptive-rood",
         &range,
-        "(0, 0), the 4 ends of the arms around it and (7, 0) are tested. \
-         Of these 6, 4 lie in the window and were not tested before.",
+        "Rood pattern: the centre (0, 0), 4 arm ends and the predictor (7, 0). \
+         Of these 6, 4 are new and inside the search window.",
     );
     has(
         "predictive",
         &range,
-        "The neighbours moved by (7, 0) left, (2, 7) above, (−7, 7) above right; their median is (2, 7).",
+        "Neighbours: left (7, 0), above (2, 7), above right (−7, 7). The median predictor is (2, 7).",
     );
     let [settings, enough] = [("range", "16"), ("enough", "16")].map(|setting| [setting]);
     has(
         "predictive",
         &settings,
-        "SAD 4096 is more than SAD 512: nothing nearby fits, so a grid in steps of 3 px is tested. \
-         Of these 121, 119 lie in the window and were not tested before.",
+        "SAD 4096 exceeds the grid threshold 512: a grid with a step of 3 px is tested. \
+         Of these 121, 119 are new and inside the search window.",
     );
     let rest = told("predictive", &enough, &pit(0, (0, 0)), 0);
-    assert!(rest[1].starts_with("There are no neighbours to learn from yet"), "{rest:#?}");
-    assert!(rest.iter().any(|told| told.ends_with("which is good enough: the search ends.")), "{rest:#?}");
+    assert!(rest[1].starts_with("No neighbour is searched yet"), "{rest:#?}");
+    assert!(rest.iter().any(|told| told.ends_with(": early termination.")), "{rest:#?}");
     let early = [("range", "8"), ("least-gain", "50")];
-    has("quadrant-search", &early, "The best cost fell by 0.0 %, less than 50 %: the search ends.");
+    has("quadrant-search", &early, "The minimum decreased by 0.0 %, less than 50 %: the search stops.");
 }
 
 #[test]
@@ -503,7 +507,7 @@ fn the_smallest_window_of_a_search_by_quadrants_ends_it() {
             .expect("sound");
     let rounds = |smallest: &str| {
         let told = told("quadrant-search", &[("range", "8"), ("smallest", smallest)], &clip, 12);
-        told.iter().filter(|told| told.contains("is cut into quadrants")).count()
+        told.iter().filter(|told| told.contains("is divided into quadrants")).count()
     };
     assert_eq!([rounds("1"), rounds("2"), rounds("3"), rounds("5"), rounds("9"), rounds("17")], [4, 4, 3, 2, 1, 1]);
 }

@@ -71,8 +71,8 @@ fn a_wrong_stage_is_refused_in_a_sentence_and_changes_nothing() {
         ("detector", "kalman-tracker", "makes objects, not foreground masks"),
         ("detector", "none", "there is no estimator none"),
         ("detector.alpha", "3", "there is no parameter alpha"),
-        ("detector.min-area", "x", "min-area can be"),
-        ("gate.alpha", "3", "is no stage"),
+        ("detector.min-area", "x", "min-area must be"),
+        ("gate.alpha", "3", "is not a stage"),
         ("none.alpha", "3", "there is no parameter none"),
         ("detector.frames", "7", "frames is set by the parent estimator; set frames there"),
     ] {
@@ -120,11 +120,11 @@ fn no_estimator_is_inside_itself() {
             "trajectory-analysis",
             "has a stage of this kind itself, and an estimator cannot contain itself; choose",
         ),
-        ("trajectory-analysis", "tracker", "mixture-of-gaussians", "not objects followed over time; choose"),
-        ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, and keypoints of"),
+        ("trajectory-analysis", "tracker", "mixture-of-gaussians", "not tracks of objects; choose"),
+        ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, but keypoints of"),
         ("klt", "detector", "klt", "makes feature tracks, not keypoints of single frames; choose harris"),
         ("hierarchical", "coarse", "horn-schunck", "makes dense flow, not block vectors"),
-        ("hierarchical", "coarse.block", "8", "block is set by the parent estimator"),
+        ("hierarchical", "coarse.block", "8", "block-size is set by the parent estimator"),
     ] {
         let mut estimator = estimator(parent).expect("it");
         let before = estimator.values();

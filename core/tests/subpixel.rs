@@ -106,7 +106,7 @@ fn plain_refinement(clip: &Clip, block: usize, grid: &BlockField, start: [f32; 2
 
 /// The numbers in a text, in order.
 fn numbers(text: &str) -> Vec<f64> {
-    let text = text.replace('−', "-");
+    let text = text.replace('−', "-").replace('\u{202f}', "");
     let parts = text.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'));
     parts.filter_map(|part| part.trim_end_matches('.').parse().ok()).collect()
 }

@@ -6,9 +6,9 @@ use motionscope_core::{AnyEstimator, Params, Spec, Value};
 /// A parameter with the values that it goes through.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// What is set, and to what: `range=4,8,16`.
+    /// What is set, and to what: `search-range=4,8,16`.
     pub setting: String,
-    /// The same for a person: `Range: 4 to 16 px`.
+    /// The same for a person: `Search range: 4 to 16 px`.
     pub title: String,
     /// What stands along the plot.
     pub axis: &'static str,
@@ -113,9 +113,9 @@ mod tests {
     fn what_several_share_is_swept_once() {
         let pair = [estimator("full-search").expect("it exists"), estimator("diamond").expect("it exists")];
         let all = of_estimators(&pair);
-        assert_eq!(all.iter().filter(|sweep| sweep.name() == "range").count(), 1);
-        let range = all.iter().find(|sweep| sweep.name() == "range").expect("both have a range");
-        assert_eq!((range.setting.as_str(), range.axis), ("range=4,8,16,32,64", "Range"));
+        assert_eq!(all.iter().filter(|sweep| sweep.name() == "search-range").count(), 1);
+        let range = all.iter().find(|sweep| sweep.name() == "search-range").expect("both have a range");
+        assert_eq!((range.setting.as_str(), range.axis), ("search-range=4,8,16,32,64", "Search range"));
     }
 
     #[test]

@@ -83,7 +83,7 @@ fn a_click_has_another_explained_and_only_the_next_goes_to_a_block() {
 fn the_budget_is_shared_and_parameters_are() {
     let mut window = Window::usual();
     window.key(Key::B);
-    window.harness.get_by_role_and_label(Role::Slider, "Range").set_value_accesskit(4.0);
+    window.harness.get_by_role_and_label(Role::Slider, "Search range").set_value_accesskit(4.0);
     window.settle();
     let all = |window: &Window, name: &str| -> Vec<Value> {
         window.app().document().side_by_side().beside.iter().map(|one| one.get(name).expect("they have it")).collect()

@@ -6,12 +6,12 @@ use super::*;
 fn a_parameter_changes_the_run_and_undo_brings_it_back() {
     let mut window = Window::usual();
     let (before, place) = (window.told(), window.shown().reference().expect("a block").at);
-    window.harness.get_by_role_and_label(Role::Slider, "Block").set_value_accesskit(24.0);
+    window.harness.get_by_role_and_label(Role::Slider, "Block size").set_value_accesskit(24.0);
     window.settle();
     assert_eq!(window.value("block"), Value::Int(24));
     let there = window.shown().reference().expect("a block").at;
     assert!((0..2).all(|i| (there[i] - place[i]).abs() <= 20.0), "it stays where it was: {place:?} {there:?}");
-    window.click("Reset block");
+    window.click("Reset block size");
     assert_eq!(window.value("block"), Value::Int(16));
     window.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(window.value("block"), Value::Int(24));
@@ -25,7 +25,7 @@ fn a_parameter_changes_the_run_and_undo_brings_it_back() {
 #[test]
 fn dragging_a_slider_is_one_change() {
     let mut window = Window::usual();
-    let rail = window.harness.get_by_role_and_label(Role::Slider, "Range").rect();
+    let rail = window.harness.get_by_role_and_label(Role::Slider, "Search range").rect();
     let at = |share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
     window.drag(at(0.25), at(0.75));
     let Value::Int(range) = window.value("range") else { panic!("the range is a whole number") };
@@ -53,7 +53,7 @@ fn what_is_only_shown_does_not_change() {
 #[test]
 fn each_gesture_on_a_slider_is_taken_back_by_itself() {
     let mut window = Window::usual();
-    let rail = window.harness.get_by_role_and_label(Role::Slider, "Range").rect();
+    let rail = window.harness.get_by_role_and_label(Role::Slider, "Search range").rect();
     let at = |share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
     let mut seen = vec![window.value("range")];
     for share in [0.3, 0.6] {

@@ -42,7 +42,7 @@ fn clicks_measure_an_object_frame_by_frame() {
     window.command(Command::PreviousUnit);
     assert!(window.told().contains("Measured"), "what was clicked is measured");
     window.command(Command::Undo);
-    assert_eq!(placed(&window, "clicks").words(), "2 places", "each click is taken back by itself");
+    assert_eq!(placed(&window, "clicks").words(), "2 points", "each click is taken back by itself");
     window.key(Key::Escape);
     assert!(window.harness.query_by_label_contains("Done placing").is_none(), "Esc ends it");
 }

@@ -8,7 +8,7 @@ pub(crate) fn vector_bits(vectors: impl Iterator<Item = [f32; 2]>) -> f64 {
     bits(vectors.map(|vector| vector.map(|c| (c * 100.0).round() as i32)))
 }
 
-/// Bits of all symbols at −log₂ p each, where p is how often a symbol comes among them.
+/// Bits of all symbols at −log₂ p each, with p the relative frequency of a symbol.
 pub(crate) fn bits<T: Ord>(symbols: impl Iterator<Item = T>) -> f64 {
     let mut counts = BTreeMap::new();
     for symbol in symbols {

@@ -1,4 +1,4 @@
-//! What went wrong, in one sentence.
+//! Errors: one sentence each.
 
 /// The most characters that a sentence has.
 const LONGEST: usize = 300;
@@ -9,7 +9,7 @@ const LONGEST_WORD: usize = 40;
 /// Characters at the end of a sentence that is cut: they say what to do.
 const TAIL: usize = 110;
 
-/// One helpful sentence: what was wrong, where, and what to do.
+/// One sentence: the problem, its place, and the remedy.
 ///
 /// It has at most 300 characters, all on one line, and no control characters, whatever names and words of other programs were
 /// put into it: what is too long is shortened in the middle.

@@ -1,4 +1,4 @@
-//! What any code here needs, whatever it is about: errors, words and numbers, threads, and who sees what happens.
+//! Foundations: errors, words and numbers, threads, cancellation, and observers.
 
 pub mod entropy;
 mod error;

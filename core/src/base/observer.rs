@@ -1,6 +1,6 @@
-//! Who sees what happens inside an algorithm, and what that costs.
+//! Observers of the events inside an algorithm, at no cost if nothing observes.
 
-/// Where an algorithm tells what it does. `()` sees nothing and costs nothing; `Vec<E>` keeps everything.
+/// A receiver of an algorithm's events. `()` ignores them at no cost; `Vec<E>` keeps them.
 pub trait Observer<E> {
     /// Whether anything that it is shown is seen.
     const WATCHES: bool = true;
@@ -24,7 +24,7 @@ impl<E> Observer<E> for Vec<E> {
 
 /// An observer to whom events are told as what `map` makes of them: a part of an estimator's work within the whole.
 pub struct Mapped<'a, O, F> {
-    /// Who sees them.
+    /// The receiver.
     pub observer: &'a mut O,
     /// What they are within the whole.
     pub map: F,

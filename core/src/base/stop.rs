@@ -1,4 +1,4 @@
-//! Tells work on another thread that it is cancelled, and is told how far it is.
+//! Cancellation and progress of work on another thread.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -7,7 +7,7 @@ use super::Error;
 
 /// A flag that is set on one thread and looked at on others; its clones are one flag.
 ///
-/// What looks at it may also say how far it is, so that whoever waits sees it go on.
+/// The work may also report its progress, which the waiting thread shows.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Arc<Board>);
 
@@ -37,18 +37,18 @@ impl Stop {
         if self.is_set() { Err(Self::cancelled()) } else { Ok(()) }
     }
 
-    /// What is said of work that was stopped.
+    /// The error of cancelled work.
     pub(crate) fn cancelled() -> Error {
         Error::new("it was cancelled")
     }
 
-    /// Notes that `done` of `of` parts of the work are done; of no parts there is nothing to tell.
+    /// Reports that `done` of `of` parts of the work are done; ignored if `of` is 0.
     pub fn tell(&self, done: usize, of: usize) {
         let [done, of] = [done, of].map(|parts| u32::try_from(parts).unwrap_or(u32::MAX));
         self.0.done.store(u64::from(of) << 32 | u64::from(done.min(of)), Ordering::Relaxed);
     }
 
-    /// Parts of the work that are done, and all that there are, where that was told.
+    /// Parts done and total parts, if reported.
     pub fn told(&self) -> Option<(usize, usize)> {
         let told = self.0.done.load(Ordering::Relaxed);
         let (of, done) = (told >> 32, told & u64::from(u32::MAX));

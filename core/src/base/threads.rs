@@ -14,7 +14,7 @@ impl Threads {
     /// The most that may be asked for.
     pub const MAX: usize = 256;
 
-    /// Everything on the calling thread.
+    /// Work on the calling thread only.
     pub fn single() -> Self {
         Self(None)
     }
@@ -31,7 +31,7 @@ impl Threads {
                 .build()
                 .map(|pool| Self(Some(pool)))
                 .map_err(|e| Error::new(format!("{count} threads could not be started: {e}"))),
-            _ => Err(Error::new(format!("threads can be 1 to {}, not {count}", Self::MAX))),
+            _ => Err(Error::new(format!("threads must be 1 to {}, not {count}", Self::MAX))),
         }
     }
 
@@ -43,7 +43,7 @@ impl Threads {
         Self::new(std::thread::available_parallelism().map_or(1, usize::from).min(Self::MAX))
     }
 
-    /// How many there are.
+    /// Number of threads.
     pub fn count(&self) -> usize {
         self.0.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
     }
@@ -168,7 +168,7 @@ impl Threads {
     }
 }
 
-/// How a sweep may end before it is done.
+/// The early end of a sweep.
 #[derive(Default)]
 pub(crate) struct End {
     /// Whether one of the threads has panicked.
@@ -177,7 +177,7 @@ pub(crate) struct End {
     given_up: OnceLock<Error>,
 }
 
-/// What a sweep gave at the places before.
+/// The results of a sweep at earlier positions.
 #[derive(Clone, Copy)]
 pub(crate) enum Earlier<'a, T> {
     /// One thread: all of them are done.

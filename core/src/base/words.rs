@@ -1,43 +1,64 @@
-//! How numbers, displacements and places are told. In plain text a letter below the line stands behind a low line, as in
-//! `I_x, I_y, I_t`, for there is no small y to put there; digits are small ones, as in `u₀`. [`crate::scene::Math`] sets all of them.
+//! How numbers, displacements and places are written. In plain text an index stands behind an underscore, as in
+//! `I_x, I_y, I_t`, since there is no subscript y; digits are true subscripts, as in `u₀`. [`crate::scene::Math`] typesets
+//! all of them.
+//!
+//! A quantity has a fixed number of decimals, whatever its size: [`px`], [`subpixel`], [`gray`], [`cost`].
+//! All have a true minus sign, and thin spaces between thousands from 10 000 on.
 
-/// A real number as a person reads it: a true minus sign, and about three digits that count.
+/// A real number of a quantity that has no function of its own: three decimals, none from 1000 on.
 pub fn number(v: f32) -> String {
-    let size = v.abs();
-    let decimals = match size {
-        _ if size >= 100.0 => 0,
-        _ if size >= 10.0 => 1,
-        _ if size >= 1.0 || size == 0.0 => 2,
-        _ if size >= 0.1 => 3,
-        _ if size >= 0.01 => 4,
-        _ => 5,
-    };
-    signed(v, decimals)
+    fixed(v.into(), if v.abs() < 999.9995 { 3 } else { 0 })
 }
 
-/// A number with a true minus sign, unless nothing is left of it.
-fn signed(v: f32, decimals: usize) -> String {
+/// A number with this many decimals, a true minus sign, and thin spaces from 10 000 on.
+pub fn fixed(v: f64, decimals: usize) -> String {
     let digits = format!("{:.decimals$}", v.abs());
     let is_negative = v < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b));
-    if is_negative { format!("−{digits}") } else { digits }
+    let sign = if is_negative { "−" } else { "" };
+    match digits.split_once('.') {
+        Some((whole, rest)) => format!("{sign}{}.{rest}", spaced(whole)),
+        // Infinity and NaN are words.
+        None if v.is_finite() => format!("{sign}{}", spaced(&digits)),
+        None => format!("{sign}{digits}"),
+    }
 }
 
-/// A number with two decimals, however large: one that large ones nearly cancel to.
+/// A position or displacement in px: two decimals, none where it is whole.
+pub fn px(v: f32) -> String {
+    fixed(v.into(), if v.fract() == 0.0 { 0 } else { 2 })
+}
+
+/// A position or displacement of a sub-pixel method in px: three decimals.
+pub fn subpixel(v: f32) -> String {
+    fixed(v.into(), 3)
+}
+
+/// A difference or standard deviation in gray levels: two decimals.
+pub fn gray(v: f32) -> String {
+    fixed(v.into(), 2)
+}
+
+/// A cost that is a sum of whole numbers: no decimals.
+pub fn cost(v: f64) -> String {
+    fixed(v, 0)
+}
+
+/// A number with two decimals.
 pub fn fine(v: f32) -> String {
-    signed(v, 2)
+    fixed(v.into(), 2)
 }
 
-/// The same of a number that is known more exactly than it is told.
+/// As [`number`], of a number of double precision.
 pub fn number_64(v: f64) -> String {
     number(v as f32)
 }
 
-/// So many of something: `1 frame`, `3 frames`.
+/// A count with its noun: `1 frame`, `3 frames`.
 pub fn counted(count: usize, one: &str) -> String {
     if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
 }
 
-/// That there is no `kind` called `given`, with the one of `names` that was probably meant, or else with all of them.
+/// The message for an unknown name: the nearest of `names` if `given` looks like a misspelling of it, else all of them.
 pub fn there_is_no(kind: &str, given: &str, names: &[&str]) -> String {
     let nearest = names.iter().map(|name| (edits(given, name), *name)).min();
     match nearest {
@@ -49,8 +70,8 @@ pub fn there_is_no(kind: &str, given: &str, names: &[&str]) -> String {
     }
 }
 
-/// How many letters must be put in, left out, replaced or swapped with the next to make `a` of `b`: the distance of Damerau and
-/// Levenshtein, each letter being touched once.
+/// The Damerau–Levenshtein distance: insertions, deletions, replacements and swaps of neighbouring letters between `a` and
+/// `b`, each letter being edited once (optimal string alignment).
 fn edits(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];
@@ -69,15 +90,15 @@ fn edits(a: &str, b: &str) -> usize {
     rows[a.len()][b.len()]
 }
 
-/// Between groups of three digits: thin, and no line is broken there.
+/// The separator of thousands: a narrow no-break space.
 const THIN_SPACE: char = '\u{202f}';
 
-/// A whole number with thin spaces between thousands: 12 345.
+/// A count with thin spaces between thousands from 10 000 on: 12 345.
 pub fn grouped(count: usize) -> String {
     spaced(&count.to_string())
 }
 
-/// Digits with thin spaces between thousands: four stand together, more are grouped.
+/// Digits with thin spaces between thousands; four digits stay together.
 pub fn spaced(digits: &str) -> String {
     let mut text = String::new();
     for (i, digit) in digits.chars().enumerate() {
@@ -89,58 +110,58 @@ pub fn spaced(digits: &str) -> String {
     text
 }
 
-/// Where a velocity leads, in degrees from right, against the clock: more than −180 up to 180.
+/// The direction of a velocity in degrees, counter-clockwise from right: more than −180 up to 180.
 pub fn heading_deg([u, v]: [f64; 2]) -> f64 {
     // Not `-v`: left would be −180 where v is 0.
     (0.0 - v).atan2(u).to_degrees()
 }
 
-/// Where a velocity leads: `45°`, from right, against the clock, as a person reads a picture.
+/// The direction of a velocity as text: `45°`, counter-clockwise from right as seen on the picture.
 pub fn heading([u, v]: [f64; 2]) -> String {
     let degrees = heading_deg([u, v]).round();
-    // No minus in front of nothing, and one name for left.
+    // No negative zero, and one value for left.
     let degrees = if degrees == -180.0 { 180.0 } else { degrees + 0.0 };
     format!("{degrees}°").replace('-', "−")
 }
 
-/// A displacement as a person reads it.
+/// A displacement of a sub-pixel method in px as text.
 pub fn vector([u, v]: [f32; 2]) -> String {
-    // A space at which no line is broken.
-    format!("({},\u{a0}{})", number(u), number(v))
+    // A no-break space.
+    format!("({},\u{a0}{})", subpixel(u), subpixel(v))
 }
 
-/// A place as a person reads it, to a hundredth of a px.
+/// A position in px as text, to a hundredth of a px.
 pub fn place(at: [f32; 2]) -> String {
-    let [x, y] = at.map(|c| format!("{c:.2}").replace('-', "−"));
-    // A space at which no line is broken.
+    let [x, y] = at.map(fine);
+    // A no-break space.
     format!("({x},\u{a0}{y})")
 }
 
-/// `+ 3.1` or `− 3.1`.
+/// A signed term of a sum: `+ 3.100` or `− 3.100`.
 pub fn plus(v: f32) -> String {
     let number = number(v);
     number.strip_prefix('−').map_or_else(|| format!("+ {number}"), |size| format!("− {size}"))
 }
 
-/// A number as it stands behind a sign.
+/// A factor of a product: in parentheses if it is negative.
 pub fn factor(v: f32) -> String {
     let number = number(v);
     if number.starts_with('−') { format!("({number})") } else { number }
 }
 
-/// A pixel as a person reads it.
+/// A pixel's coordinates as text.
 pub fn pixel((x, y): (usize, usize)) -> String {
-    // A space at which no line is broken.
+    // A no-break space.
     format!("({x},\u{a0}{y})")
 }
 
-/// Words at the beginning of a sentence.
+/// The words with a capital letter at the beginning.
 pub fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect()
 }
 
-/// A share of 0 to 1 in percent, as exactly as a person typed it.
+/// A share of 0 to 1 in percent, with up to four significant decimals: `99.99 %`.
 pub fn percent(share: f32) -> String {
     let digits = format!("{:.4}", 100.0 * share);
     format!("{} %", digits.trim_end_matches('0').trim_end_matches('.'))
@@ -165,13 +186,16 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_short_and_have_a_true_sign() {
-        let told = [0.0, -1e-7, -0.00123, 0.01234, 0.1234, -3.456, 12.34, -255.0].map(number);
-        assert_eq!(told, ["0.00", "0.00000", "−0.00123", "0.0123", "0.123", "−3.46", "12.3", "−255"]);
+    fn numbers_have_fixed_decimals_and_a_true_minus_sign() {
+        let told = [0.0, -1e-7, -0.00123, 0.01234, 12.34, -255.0, -1403.2].map(number);
+        assert_eq!(told, ["0.000", "0.000", "−0.001", "0.012", "12.340", "−255.000", "−1403"]);
         assert_eq!([fine(1403.247), fine(-0.001), fine(-12.0)], ["1403.25", "0.00", "−12.00"]);
+        assert_eq!([px(3.0), px(-0.25), px(-0.001), subpixel(-0.0625)], ["3", "−0.25", "0.00", "−0.062"]);
+        assert_eq!([cost(812.0), cost(-1e6), gray(5.531)], ["812", "−1\u{202f}000\u{202f}000", "5.53"]);
+        assert_eq!(fixed(f64::INFINITY, 2), "inf");
         let headings = [[2.0, 0.0], [0.0, -3.0], [-1.0, 0.0], [0.0, 4.0], [-9.0, 0.01]].map(heading);
         assert_eq!(headings, ["0°", "90°", "180°", "−90°", "180°"]);
-        assert_eq!((plus(-2.0), plus(0.5)), ("− 2.00".into(), "+ 0.500".into()));
+        assert_eq!((plus(-2.0), plus(0.5)), ("− 2.000".into(), "+ 0.500".into()));
         assert_eq!(place([126.737, -3.0]), "(126.74,\u{a0}−3.00)");
         assert_eq!([0.9999, 0.99, 0.5].map(percent), ["99.99 %", "99 %", "50 %"]);
     }

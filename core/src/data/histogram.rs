@@ -1,49 +1,49 @@
-//! How often each displacement came: what a search leaves behind, to be seen at one glance.
+//! The 2-D histogram of displacements.
 
 use super::Flow;
 use crate::base::entropy;
 use crate::geometry::Grid;
 
-/// The smallest part of the plane that is shown to either side of (0, 0), in px, so that it does not grow at each step.
+/// Smallest range to either side of (0, 0) in px, so that the histogram does not grow at each step.
 const LEAST: i32 = 2;
 
-/// Which blocks are counted.
+/// The blocks that a histogram counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counted {
-    /// The unit of the first.
+    /// Unit of the first block.
     pub first_unit: usize,
-    /// The level of a pyramid that they lie on, where there are several.
+    /// Level of the pyramid, if there are several.
     pub level: Option<usize>,
 }
 
-/// How far from (0, 0) displacements of pixels are told apart, in px: some that are far astray are counted at the edge.
+/// Largest displacement component of pixels in px: outliers are counted at the edge.
 const FARTHEST: f32 = 64.0;
 
-/// Counts of displacements over bins of one whole px each way.
+/// Counts of displacements in bins of 1×1 px.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
-    /// What has the displacements: `block`.
+    /// The element that has a displacement: `block`.
     pub of: &'static str,
-    /// The level of a pyramid whose blocks are counted, where there are several.
+    /// Level of the pyramid, if there are several.
     pub level: Option<usize>,
-    /// Displacement in the middle of the first bin, in px.
+    /// Displacement at the centre of the first bin in px.
     pub origin: [i32; 2],
-    /// How many there are in each bin.
+    /// Count of each bin.
     pub counts: Grid<u32>,
-    /// The unit that found the first of each bin: where a click on it leads.
+    /// The unit of the first displacement in each bin: the target of a click.
     pub units: Grid<Option<usize>>,
-    /// The bin of the newest result, if there is one at hand.
+    /// The bin of the latest result, if any.
     pub newest: Option<[i32; 2]>,
-    /// Zero-order entropy in bits for each, displacements told apart by hundredths of a px; `None` where they are of pixels,
-    /// whose displacements no coder sends one by one.
+    /// Zero-order entropy in bits per vector, vectors being quantised to 0.01 px; `None` for pixels, whose vectors are not
+    /// coded one by one.
     pub bits: Option<f64>,
-    /// Whether some lie between whole px, and were rounded to their bin.
+    /// Whether some displacements are fractional, and rounded to their bin.
     pub is_rounded: bool,
 }
 
 impl Histogram {
-    /// Counts `vectors`, the displacements in px of the blocks that were found; the last may be at hand (`has_newest`).
-    /// There is none without vectors.
+    /// The histogram of `vectors`, the displacements of blocks in px; the last is the latest result if `has_newest`. `None`
+    /// without vectors.
     pub fn of(counted: Counted, vectors: &[[f32; 2]], has_newest: bool) -> Option<Self> {
         let last = vectors.last()?;
         let bin = |vector: &[f32; 2]| vector.map(|c| c.round() as i32);
@@ -72,7 +72,7 @@ impl Histogram {
         })
     }
 
-    /// Counts the displacements of a field's pixels, as far as they are known; none of them was found by a unit alone.
+    /// The histogram of the known displacements of a field's pixels.
     pub fn of_pixels(flow: &Flow) -> Option<Self> {
         let known = flow.0.cells().iter().filter(|vector| vector[0].is_finite());
         let vectors: Vec<[f32; 2]> = known.map(|vector| vector.map(|c| c.clamp(-FARTHEST, FARTHEST))).collect();
@@ -80,17 +80,17 @@ impl Histogram {
         Some(Self { of: "pixel", units: counted.units.map(|_| None), bits: None, ..counted })
     }
 
-    /// How many there are in all.
+    /// Sum of all counts.
     pub fn total(&self) -> u32 {
         self.counts.cells().iter().sum()
     }
 
-    /// How many bins have any.
+    /// Number of bins that are not empty.
     pub fn distinct(&self) -> usize {
         self.counts.cells().iter().filter(|&&count| count > 0).count()
     }
 
-    /// The bins that have any with their counts, the fullest first, of equals the first in raster order.
+    /// The bins that are not empty with their counts, in descending order, ties in raster order.
     pub fn fullest(&self) -> Vec<([i32; 2], u32)> {
         let width = self.counts.width();
         let place = |i: usize| [self.origin[0] + (i % width) as i32, self.origin[1] + (i / width) as i32];
@@ -100,7 +100,7 @@ impl Histogram {
         bins
     }
 
-    /// Column and row of a bin, if it lies in the part of the plane that is shown.
+    /// Column and row of a bin, if it lies within the histogram.
     pub fn cell(&self, at: [i32; 2]) -> Option<(usize, usize)> {
         let [x, y] = [0, 1].map(|i| usize::try_from(at[i] - self.origin[i]).ok());
         let cell = (x?, y?);

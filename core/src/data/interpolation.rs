@@ -1,14 +1,15 @@
-//! Gray values between pixels, at quarters of a pixel.
+//! Interpolation of gray values at sub-pixel positions.
 
 use crate::choices;
 use crate::geometry::{Border, Gray};
 
 choices! {
-    /// How gray values between pixels are interpolated.
+    /// Interpolation of gray values at sub-pixel positions.
     pub enum Interpolation {
-        /// From the four pixels around, weighted by how near they are.
+        /// Weighted mean of the four nearest pixels.
         Bilinear = "bilinear" "Bilinear",
-        /// As H.264 does: half pixels by the six-tap filter (1, −5, 20, 20, −5, 1) / 32, quarters as the mean of two of them.
+        /// Interpolation of H.264: half pixels with the six-tap filter (1, −5, 20, 20, −5, 1) / 32, quarters as the mean of two
+        /// neighbours.
         SixTap = "six-tap" "H.264 six-tap",
     }
 }

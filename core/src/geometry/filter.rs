@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::{Border, Grid};
 use crate::base::{Threads, wide::wide};
 
-/// How a picture goes on beyond its edge.
+/// Extrapolation of a picture beyond its edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beyond {
     /// With its own pixels, brought back in by a rule: for what cannot be negative.

@@ -35,7 +35,7 @@ impl<T> Grid<T> {
         if width.checked_mul(height) == Some(cells.len()) {
             Ok(Self { width, height, cells })
         } else {
-            Err(Error::new(format!("{} values cannot fill a {width}×{height} grid", cells.len())))
+            Err(Error::new(format!("{} values do not fill a grid of {width}×{height} cells", cells.len())))
         }
     }
 
@@ -59,7 +59,7 @@ impl<T> Grid<T> {
         (x < self.width && y < self.height).then(|| &self.cells[y * self.width + x])
     }
 
-    /// The cell whose square holds `point`, if one does.
+    /// The cell whose square contains `point`, if any.
     pub fn cell_at(&self, point: [f32; 2]) -> Option<(usize, usize)> {
         let inside = |c: f32, extent: usize| (c >= -0.5 && c < extent as f32 - 0.5).then(|| c.round() as usize);
         Some((inside(point[0], self.width)?, inside(point[1], self.height)?))
@@ -110,7 +110,7 @@ impl<T: Clone> Grid<T> {
 }
 
 impl<T: Copy> Grid<T> {
-    /// The cell at `(x, y)`, where coordinates outside are brought back in by `border`.
+    /// The cell at `(x, y)`, with coordinates outside mapped inside by `border`.
     ///
     /// # Panics
     /// If the grid is empty.
@@ -152,7 +152,7 @@ impl<T> IndexMut<(usize, usize)> for Grid<T> {
     }
 }
 
-/// How a coordinate outside a picture is brought back in. The only place where this is decided.
+/// Border rule: the mapping of a coordinate outside a picture to one inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Border {
     /// The edge pixel is repeated: `aaa|abcd|ddd`.

@@ -3,7 +3,7 @@
 use super::Grid;
 use crate::base::Threads;
 
-/// How a picture is read between its pixels.
+/// Interpolation of a picture at sub-pixel positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
     /// From the four pixels around, along straight lines.
@@ -25,7 +25,7 @@ impl Sampling {
         }
     }
 
-    /// The value of `image` at `(x, y)`, NaN where that lies outside the picture or is not known.
+    /// The value of `image` at `(x, y)`; NaN outside the picture, or where unknown.
     #[inline(always)]
     pub fn sample_inside(self, image: &Grid<f32>, x: f32, y: f32) -> f32 {
         let [right, bottom] = [image.width(), image.height()].map(|extent| extent as f32 - 1.0);
@@ -58,7 +58,7 @@ fn bicubic(image: &Grid<f32>, x: f32, y: f32) -> f32 {
     down[0] * a + down[1] * b + down[2] * c + down[3] * d
 }
 
-/// Frame t + 1 brought back along the displacements `(u, v)`: the value of `next` where each pixel goes, NaN where that
+/// Frame t + 1 warped toward frame t by the displacements `(u, v)`: the value of `next` at each displaced pixel, NaN where that
 /// lies outside the picture or is not known.
 pub fn backward(next: &Grid<f32>, [u, v]: [&Grid<f32>; 2], sampling: Sampling, threads: &Threads) -> Grid<f32> {
     let (width, height) = next.size();

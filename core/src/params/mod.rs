@@ -27,9 +27,9 @@ pub enum Value {
     Switch(bool),
     /// One of a few named choices, by its kebab-case name.
     Choice(&'static str),
-    /// Something on the picture.
+    /// A figure placed on the picture.
     Placed(Placed),
-    /// Something with parameters of its own, by its id.
+    /// A stage with parameters of its own, by its id.
     Stage(StageValue),
 }
 
@@ -46,7 +46,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// What a parameter may be.
+/// The type and range of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// A whole number from `min` to `max`, both allowed.
@@ -65,23 +65,23 @@ pub enum Kind {
     },
     /// On or off.
     Switch,
-    /// One of a few.
+    /// One of several choices.
     Choice(Vec<Choice>),
-    /// Something that is placed on the picture.
+    /// A figure placed on the picture.
     Placed(Figure),
-    /// Something with parameters of its own.
+    /// A stage with parameters of its own.
     Stage(PartKind),
-    /// What `of` says, or a word that leaves it open.
+    /// A value of kind `of`, or a word for automatic.
     Optional {
-        /// What it may be where it is set.
+        /// The kind of an explicit value.
         of: Box<Kind>,
-        /// What stands for none of it: `auto`.
+        /// The word for no explicit value: `auto`.
         word: &'static str,
     },
 }
 
 impl Kind {
-    /// What may be given, in words, with `unit` behind numbers.
+    /// The allowed values in words, with `unit` after numbers.
     fn allowed(&self, unit: &str) -> String {
         match self {
             Kind::Int { min, max } => format!("{min} to {max}{unit}"),
@@ -97,7 +97,7 @@ impl Kind {
         }
     }
 
-    /// Whether `value` is one of them.
+    /// Whether `value` is allowed.
     fn fits(&self, value: &Value) -> bool {
         match (self, value) {
             (Kind::Int { min, max }, Value::Int(v)) => (*min..=*max).contains(v),
@@ -112,7 +112,7 @@ impl Kind {
         }
     }
 
-    /// The value that `text` is, if it is one; whether that fits is not looked at.
+    /// The value of `text`, if it can be parsed; the range is not checked.
     fn read(&self, text: &str) -> Option<Value> {
         match self {
             Kind::Int { .. } => text.parse().ok().map(Value::Int),
@@ -130,7 +130,7 @@ impl Kind {
         }
     }
 
-    /// Whether it is a whole number, where it is set.
+    /// Whether an explicit value is a whole number.
     fn is_whole(&self) -> bool {
         match self {
             Kind::Optional { of, .. } => of.is_whole(),
@@ -151,7 +151,7 @@ pub struct Choice {
     pub name: &'static str,
     /// Short label, for the window.
     pub label: &'static str,
-    /// One sentence that says what it means.
+    /// Its meaning in one or two sentences.
     pub doc: &'static str,
 }
 
@@ -162,13 +162,13 @@ pub struct Spec {
     pub name: String,
     /// Name in the window: `Early exit`.
     pub label: String,
-    /// What it does, from the doc comment: the tooltip and the help.
+    /// Its meaning, from the doc comment: the tooltip and the help.
     pub doc: String,
-    /// Unit, or nothing: `px`.
+    /// Unit, or empty: `px`.
     pub unit: &'static str,
-    /// What it may be.
+    /// Type and range.
     pub kind: Kind,
-    /// What it is unless set.
+    /// Default value.
     pub default: Value,
 }
 
@@ -182,7 +182,7 @@ impl Spec {
         Self { name: field.replace('_', "-"), label, doc, unit, kind, default }
     }
 
-    /// What may be given, in words: `4 to 64 px`, `on or off`, `sad, ssd or mse`.
+    /// The allowed values in words: `4 to 64 px`, `on or off`, `sad, ssd or mse`.
     pub fn allowed(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         self.kind.allowed(&unit)
@@ -196,10 +196,10 @@ impl Spec {
         if self.kind.fits(&value) { Ok(value) } else { Err(self.refusal(&value.to_string())) }
     }
 
-    /// Reads a value as a person types it: `16`, `0.5`, `on`, `sad`.
+    /// Parses a value: `16`, `0.5`, `on`, `sad`.
     ///
     /// # Errors
-    /// A sentence that names what may be given.
+    /// A sentence with the allowed values.
     pub fn parse(&self, text: &str) -> Result<Value, Error> {
         let text = text.trim();
         let value = match &self.kind {
@@ -219,15 +219,15 @@ impl Spec {
 
     fn refusal(&self, given: &str) -> Error {
         if self.kind.is_whole() && given.parse::<f64>().is_ok_and(|v| v.fract() != 0.0) {
-            return Error::new(format!("{} can be a whole number, {}, not {given}", self.name, self.allowed()));
+            return Error::new(format!("{} must be a whole number, {}, not {given}", self.name, self.allowed()));
         }
-        Error::new(format!("{} can be {}, not {given}", self.name, self.allowed()))
+        Error::new(format!("{} must be {}, not {given}", self.name, self.allowed()))
     }
 }
 
 /// A set of declared parameters.
 pub trait Params {
-    /// The declarations, in the order in which a person reads them.
+    /// The declarations, in display order.
     fn specs(&self) -> &'static [Spec];
 
     /// The value of parameter `index` of [`Params::specs`].
@@ -245,7 +245,7 @@ pub trait Params {
     /// If there is no such parameter.
     fn set_value(&mut self, index: usize, value: Value) -> Result<(), Error>;
 
-    /// Names that parameters had before, with those that they have now.
+    /// Earlier names of parameters with the present ones.
     fn renamed(&self) -> &'static [(&'static str, &'static str)] {
         &[]
     }
@@ -253,7 +253,7 @@ pub trait Params {
     /// The value of the parameter called `name`.
     ///
     /// # Errors
-    /// A sentence with the names there are.
+    /// A sentence with the existing names.
     fn get(&self, name: &str) -> Result<Value, Error> {
         let name = &*current_name(self, name);
         match name.split_once('.') {
@@ -262,10 +262,10 @@ pub trait Params {
         }
     }
 
-    /// Sets the parameter called `name` from what a person typed; that of a stage is called `stage.name`.
+    /// Sets the parameter called `name` from text; that of a stage is called `stage.name`.
     ///
     /// # Errors
-    /// A sentence with what may be given; then nothing changes.
+    /// A sentence with the allowed values; then nothing changes.
     fn set(&mut self, name: &str, text: &str) -> Result<(), Error> {
         set_by_name(self, name, text)
     }
@@ -275,7 +275,7 @@ pub trait Params {
         self.specs().iter().enumerate().map(|(i, spec)| (spec.name.as_str(), self.value(i))).collect()
     }
 
-    /// Names and values, in declared order; behind each stage its own, called `stage.name`.
+    /// Names and values in declared order; each stage is followed by its own, called `stage.name`.
     fn all_values(&self) -> Vec<(String, Value)> {
         let mut all = Vec::new();
         for (name, value) in self.values() {
@@ -290,8 +290,8 @@ pub trait Params {
     }
 }
 
-/// What a parameter is called now: `detector.rate` may have moved to `tracker.detector.rate`.
-fn current_name<'a, P: Params + ?Sized>(params: &P, name: &'a str) -> Cow<'a, str> {
+/// The present name of a parameter: `detector.rate` may have moved to `tracker.detector.rate`.
+pub(crate) fn current_name<'a, P: Params + ?Sized>(params: &P, name: &'a str) -> Cow<'a, str> {
     let (head, rest) = name.split_at(name.find('.').unwrap_or(name.len()));
     match params.renamed().iter().find(|(old, _)| *old == head) {
         Some((_, new)) => Cow::Owned(format!("{new}{rest}")),
@@ -325,7 +325,7 @@ fn stage_of<P: Params + ?Sized>(params: &P, name: &str) -> Result<(usize, StageV
     let index = find(params.specs(), name)?;
     match params.value(index) {
         Value::Stage(stage) => Ok((index, stage)),
-        _ => Err(Error::new(format!("{name} is no stage: it has no parameters of its own"))),
+        _ => Err(Error::new(format!("{name} is not a stage and has no parameters of its own"))),
     }
 }
 
@@ -342,13 +342,13 @@ pub fn no_such_parameter() -> ! {
     panic!("there are not so many parameters")
 }
 
-/// A type that can be a parameter. Numbers need a range, switches and choices bring their own.
+/// A type that can be a parameter. Numbers need a range; switches and choices have their own.
 pub trait Parameter: Sized {
-    /// The smallest and largest value allowed where the type alone does not say.
+    /// The range of allowed values, for types that need one.
     type Range;
-    /// What stands for none, where an [`Option`] of it is a parameter.
+    /// The word for none, for a parameter of type [`Option`].
     const NONE: &'static str = "auto";
-    /// What the parameter may be.
+    /// Type and range of the parameter.
     fn kind(range: Self::Range) -> Kind;
     /// As a value.
     fn to_value(&self) -> Value;
@@ -405,7 +405,7 @@ impl Parameter for bool {
     }
 }
 
-/// What may be left open: a word stands for `None`.
+/// An optional parameter: a word stands for `None`.
 impl<T: Parameter> Parameter for Option<T> {
     type Range = T::Range;
     fn kind(range: Self::Range) -> Kind {
@@ -461,7 +461,7 @@ pub(crate) use inner_params;
 /// use motionscope_core::Params;
 /// let mut blur = Blur::default();
 /// blur.set("twice", "on").unwrap();
-/// assert_eq!(blur.set("sigma-px", "9").unwrap_err().to_string(), "sigma-px can be 0.5 to 8 px, not 9");
+/// assert_eq!(blur.set("sigma-px", "9").unwrap_err().to_string(), "sigma-px must be 0.5 to 8 px, not 9");
 ///
 /// motionscope_core::params! {
 ///     /// What it is.

@@ -1,4 +1,4 @@
-//! Parameters that have parameters of their own: a part that is chosen by its id.
+//! Parameters with parameters of their own: a part that is chosen by its id.
 
 use std::any::Any;
 use std::fmt;
@@ -12,7 +12,7 @@ pub trait Part: Params + Send + Sync {
     fn id(&self) -> &'static str;
     /// Its name in the window.
     fn name(&self) -> &'static str;
-    /// What it does, in one sentence.
+    /// Its method in one sentence.
     fn summary(&self) -> &'static str;
     /// The same with the same parameters.
     fn clone_part(&self) -> Box<dyn Part>;
@@ -20,18 +20,18 @@ pub trait Part: Params + Send + Sync {
     fn as_any(&self) -> &dyn Any;
 }
 
-/// What can be chosen as a part.
+/// The kind of part that can be chosen.
 #[derive(Clone, Copy)]
 pub struct PartKind {
-    /// What is asked for, in one word.
+    /// The requirement in one word.
     pub asks: &'static str,
-    /// What it makes, by the id of its product: `dense-flow`.
+    /// The id of its product: `dense-flow`.
     pub product: &'static str,
-    /// The same in words: `a dense flow`.
+    /// The product in words: `a dense flow`.
     pub makes: &'static str,
     /// All that can be chosen, with default parameters.
     pub all: fn() -> Vec<Box<dyn Part>>,
-    /// Why there is no such choice called so.
+    /// The reason why an id cannot be chosen.
     pub refuse: fn(&str) -> Error,
 }
 
@@ -57,7 +57,7 @@ impl PartKind {
     /// The part called `id`, with default parameters.
     ///
     /// # Errors
-    /// A sentence that tells what can be chosen.
+    /// A sentence with the possible choices.
     pub fn parse(&self, id: &str) -> Result<StageValue, Error> {
         let found = (self.all)().into_iter().find(|part| part.id() == id);
         found.map(StageValue).ok_or_else(|| (self.refuse)(id))

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::{Kind, Parameter, Value};
-use crate::base::words::number;
+use crate::base::words::px;
 use crate::geometry::Bounds;
 
 /// A line from one place of the picture to another, in px.
@@ -76,12 +76,12 @@ impl Figure {
         }
     }
 
-    /// What may be given, in words.
+    /// The allowed values in words.
     pub(super) fn allowed(self) -> &'static str {
         match self {
-            Self::Line => "x,y,x,y of two different places in px, or none",
+            Self::Line => "x,y,x,y of two different points in px, or none",
             Self::Zone => "x,y,x,y of two opposite corners in px, or none",
-            Self::Spots => "frame:x,y in px for each place, with spaces between, or none",
+            Self::Spots => "frame:x,y in px for each point, separated by spaces, or none",
         }
     }
 
@@ -107,7 +107,7 @@ impl Figure {
         }
     }
 
-    /// The figure that someone draws from one place to another; for spots nothing.
+    /// The figure drawn by dragging from one point to another; none for spots.
     pub fn spanned(self, from: [f32; 2], to: [f32; 2]) -> Placed {
         match self {
             Self::Line => Placed::Line(Some(Line { from, to })),
@@ -141,7 +141,7 @@ const LEAST_PX: f32 = 0.5;
 const MOST_SPOTS: usize = 100_000;
 
 impl Placed {
-    /// What it looks like.
+    /// Its kind of figure.
     pub fn figure(&self) -> Figure {
         match self {
             Self::Line(_) => Figure::Line,
@@ -155,21 +155,21 @@ impl Placed {
         *self == self.figure().none()
     }
 
-    /// What a person reads of it: `160 px`, `60 × 90 px`, `12 places`.
+    /// Its size in words: `160 px`, `60 × 90 px`, `12 points`.
     pub fn words(&self) -> String {
         match self {
-            Self::Line(Some(line)) => format!("{} px", number(apart(line))),
+            Self::Line(Some(line)) => format!("{} px", px(apart(line))),
             Self::Zone(Some(zone)) => {
-                let [width, height] = zone.size().map(number);
+                let [width, height] = zone.size().map(px);
                 format!("{width} × {height} px")
             }
-            Self::Spots(Spots(all)) if all.len() == 1 => "1 place".into(),
-            Self::Spots(Spots(all)) if !all.is_empty() => format!("{} places", all.len()),
+            Self::Spots(Spots(all)) if all.len() == 1 => "1 point".into(),
+            Self::Spots(Spots(all)) if !all.is_empty() => format!("{} points", all.len()),
             _ => NONE.into(),
         }
     }
 
-    /// Whether it can be used: it lies near the picture, and is not too small to be seen.
+    /// Whether it is valid: near the picture, and not too small to be visible.
     pub(super) fn is_sound(&self) -> bool {
         let is_near = |place: [f32; 2]| place.iter().all(|c| c.abs() <= REACH_PX);
         match self {

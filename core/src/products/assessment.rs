@@ -1,10 +1,10 @@
-//! How good a product is: figures for scripts and tables, facts for a person.
+//! Quality of a product: figures for scripts and tables, facts for display.
 
 use crate::base::Error;
 use crate::data::Clip;
 use crate::scene::{Distribution, Fact};
 
-/// What a product is compared with: the clip, with its truth, at the first frame of the run.
+/// The reference of a comparison: the clip with its ground truth, at the first frame of the run.
 #[derive(Clone, Copy)]
 pub struct Reference<'a> {
     /// The clip.
@@ -13,34 +13,34 @@ pub struct Reference<'a> {
     pub frame: usize,
 }
 
-/// A figure that some kind of product is assessed by, as it is declared.
+/// The declaration of a quality measure.
 #[derive(Debug, PartialEq)]
 pub struct Measure {
     /// Its name in JSON: letters, digits, underscores and points.
     pub key: &'static str,
-    /// What it is, with its unit, in one sentence.
+    /// Its definition with the unit, in one sentence.
     pub doc: &'static str,
-    /// What stands for a value that is not a number; nothing where it is not known.
+    /// The word for a value that is not a number; empty where it is unknown.
     pub otherwise: &'static str,
-    /// The column of a comparison that it has, if it has one.
+    /// Its column in a comparison, if any.
     pub column: Option<Column>,
 }
 
 /// A column of a comparison.
 #[derive(Debug, PartialEq)]
 pub struct Column {
-    /// Its heading, for a person.
+    /// Its heading in the window.
     pub heading: &'static str,
-    /// Its name with the unit, for a script.
+    /// Its name with the unit, for scripts.
     pub name: &'static str,
-    /// How many of the measure's units make one of the column's.
+    /// Units of the measure per unit of the column.
     pub per: f64,
-    /// Digits behind the point, for a person.
+    /// Decimals in the window.
     pub digits: usize,
 }
 
 impl Measure {
-    /// A measure that has no column.
+    /// A measure without a column.
     pub const fn new(key: &'static str, doc: &'static str) -> Self {
         Self { key, doc, otherwise: "", column: None }
     }
@@ -70,11 +70,11 @@ impl Measure {
 /// The value of a measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Figure {
-    /// How many there are.
+    /// A count.
     Count(u64),
     /// A real number.
     Real(f64),
-    /// No number, for the reason that [`Measure::otherwise`] names, or because it is not known.
+    /// No number: the case that [`Measure::otherwise`] names, or unknown.
     None,
 }
 
@@ -110,34 +110,34 @@ impl<T: Into<Figure>> From<Option<T>> for Figure {
 /// A measure with its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
-    /// What is measured.
+    /// The measure.
     pub measure: &'static Measure,
     /// Its value.
     pub value: Figure,
 }
 
-/// The scores of all `measures`, of which there are as many as `values`.
+/// The scores of all `measures`, one for each of `values`.
 pub(super) fn scores<const N: usize>(measures: &'static [Measure; N], values: [Figure; N]) -> Vec<Score> {
     measures.iter().zip(values).map(|(measure, value)| Score { measure, value }).collect()
 }
 
-/// How good a product is.
+/// The quality of a product.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assessment {
-    /// In figures.
+    /// Figures for scripts and tables.
     pub scores: Vec<Score>,
-    /// The same for a person.
+    /// Facts for display.
     pub facts: Vec<Fact>,
-    /// In one phrase: `31.20 dB PSNR`; empty where there is none.
+    /// A phrase: `31.20 dB PSNR`; empty if there is none.
     pub headline: String,
-    /// How errors are distributed, where there are such.
+    /// The distribution of errors, if there are any.
     pub errors: Option<Distribution>,
-    /// Why errors are not known, where there is a truth that cannot be read.
+    /// The reason why ground truth cannot be read, if it cannot.
     pub truth_error: Option<Error>,
 }
 
 impl Assessment {
-    /// Both together.
+    /// Both assessments joined.
     #[must_use]
     pub fn and(mut self, other: Self) -> Self {
         let Self { scores, facts, headline, errors, truth_error } = other;
@@ -159,7 +159,7 @@ impl Assessment {
         self
     }
 
-    /// The score by `measure`, if it is one of this product's.
+    /// The score of `measure`, if this product has it.
     pub fn score(&self, measure: &Measure) -> Option<&Score> {
         self.scores.iter().find(|score| score.measure.key == measure.key)
     }

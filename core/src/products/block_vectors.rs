@@ -1,4 +1,4 @@
-//! Block vectors: one displacement per block.
+//! Block vectors: one motion vector per block.
 
 use super::assessment::{fact, scores};
 use super::{
@@ -8,14 +8,14 @@ use crate::base::{Error, words::grouped};
 use crate::data::{Flow, Interpolation};
 use crate::geometry::{Border, Gray, Grid};
 
-/// Where the blocks of a picture lie: `size` px a side, one every `step` px, clipped at the right and bottom edge.
+/// The block grid of a picture: blocks of `size` px a side every `step` px, clipped at the right and bottom edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockGrid {
     /// Width and height of the picture in px.
     pub picture: (usize, usize),
     /// Side of a block in px.
     pub size: usize,
-    /// From one block to the next, in px.
+    /// Distance between neighbouring blocks in px.
     pub step: usize,
 }
 
@@ -40,7 +40,7 @@ impl Block {
 }
 
 impl BlockGrid {
-    /// Columns and rows of blocks: as few as cover the picture.
+    /// Columns and rows of blocks: the fewest that cover the picture.
     pub fn counts(&self) -> (usize, usize) {
         let count = |extent: usize| {
             let covering = extent.saturating_sub(self.size).div_ceil(self.step) + 1;
@@ -55,12 +55,12 @@ impl BlockGrid {
         columns * rows
     }
 
-    /// Whether there is no block at all; there always is one.
+    /// Whether there is no block; never true.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Block `index`, counted along the rows.
+    /// Block `index` in raster order.
     pub fn block(&self, index: usize) -> Block {
         let columns = self.counts().0;
         let (x, y) = (index % columns * self.step, index / columns * self.step);
@@ -88,39 +88,40 @@ impl BlockGrid {
     }
 }
 
-/// One displacement per block.
+/// One motion vector per block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockField {
-    /// Where the blocks lie.
+    /// The block grid.
     pub blocks: BlockGrid,
-    /// Displacement `[u, v]` in px/frame and its cost, by block index; `None` where not yet searched.
+    /// Motion vectors by block index; `None` for blocks not yet searched.
     pub vectors: Vec<Option<BlockVector>>,
-    /// What the cost is called.
+    /// Name of the cost.
     pub cost: &'static str,
-    /// How candidates outside the picture are read.
+    /// Extrapolation beyond the picture's border.
     pub border: Border,
-    /// How gray values between pixels are interpolated.
+    /// Interpolation of gray values at sub-pixel positions.
     pub filter: Interpolation,
 }
 
-/// The displacement of one block.
+/// The motion vector of one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockVector {
     /// Displacement `[u, v]` in px/frame.
     pub displacement: [f32; 2],
     /// Its cost.
     pub cost: f64,
-    /// How many candidates were tested for it.
+    /// Number of candidates tested for it.
     pub candidates: u32,
 }
 
 impl BlockField {
-    /// Candidates that were tested in all.
+    /// Total number of candidates tested.
     pub fn candidates(&self) -> u64 {
         self.vectors.iter().flatten().map(|vector| u64::from(vector.candidates)).sum()
     }
 
-    /// Every pixel moves as the block whose centre is nearest; a block cut by the edge counts as whole.
+    /// The dense flow: each pixel has the vector of the block with the nearest centre; a block clipped by the edge counts as
+    /// whole.
     pub fn flow(&self) -> Flow {
         let columns = self.blocks.counts().0;
         let (width, height) = self.blocks.picture;
@@ -132,7 +133,7 @@ impl BlockField {
     }
 }
 
-const MEASURES: [Measure; 1] = [Measure::new("candidates", "Candidates that were tested in all.")];
+const MEASURES: [Measure; 1] = [Measure::new("candidates", "Number of candidates tested, of all blocks.")];
 
 impl Product for BlockField {
     const KIND: &'static ProductKind = &ProductKind {
@@ -144,7 +145,7 @@ impl Product for BlockField {
         measures: &[&MEASURES, &prediction::MEASURES, &flow_error::MEASURES],
     };
 
-    /// Centre and size of each block, its displacement per frame, and what that costs.
+    /// Centre and size of each block, its motion vector, and the cost.
     fn table(&self) -> Option<Table> {
         let columns = ["x_px", "y_px", "width_px", "height_px", "u_px", "v_px", "cost"];
         let found = self.vectors.iter().enumerate().filter_map(|(i, vector)| Some((self.blocks.block(i), (*vector)?)));

@@ -1,4 +1,4 @@
-//! What compression gains by motion: the bits of a residual and of vectors, against those of the frame itself.
+//! Coding gain of motion compensation: bits of residual and vectors, compared with those of the frame.
 
 use crate::base::{
     Error,
@@ -6,21 +6,21 @@ use crate::base::{
 };
 use crate::geometry::Gray;
 
-/// Bits to send frame t, by zero-order entropy (C. E. Shannon, A Mathematical Theory of Communication, 1948).
+/// Bits of frame t by zero-order entropy (C. E. Shannon, A Mathematical Theory of Communication, 1948).
 ///
-/// No coder is this simple: each number is taken by itself, without its neighbours. It is a common yardstick.
+/// Symbols are coded independently of their neighbours: an estimate, not the size of a real coder's output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coding {
-    /// The frame anew, without motion.
+    /// The frame without motion compensation (intra).
     pub frame_bits: f64,
-    /// The residual: frame t less its prediction.
+    /// The residual: frame t minus its prediction.
     pub residual_bits: f64,
-    /// The displacements, each block's as one symbol; `None` where they are not of blocks: those are not meant to be sent.
+    /// The motion vectors, one symbol per block; `None` for dense and sparse flow, which is not coded.
     pub vector_bits: Option<f64>,
 }
 
 impl Coding {
-    /// The bits for `frame`, of which `prediction` was made, with the motion vectors of blocks in px if these are sent.
+    /// The bits of `frame` with its `prediction`, and of the motion vectors of blocks in px, if any.
     ///
     /// # Errors
     /// If the sizes differ.

@@ -1,43 +1,42 @@
-//! The forward-backward check: whoever goes along the flow and comes back along that of the reverse pair should be where
-//! he started; where he is not, the pixel is hidden in the other frame, or its displacement is wrong.
+//! The forward–backward check: the forward flow followed by the backward flow should return to the start. A pixel that fails
+//! is occluded in the other frame, or its displacement is wrong.
 
 use crate::base::Error;
 use crate::data::Flow;
 use crate::geometry::Grid;
 
-/// How a flow and that of the reverse pair agree.
+/// The forward–backward consistency of two flows.
 #[derive(Clone, Debug)]
 pub struct Consistency {
-    /// How far from each pixel one comes back, |w + w'| in px; NaN where either way is not known, or leads out of the
-    /// picture.
+    /// Forward–backward error |w + w'| of each pixel in px; NaN where a flow is unknown, or leaves the picture.
     pub distance_px: Grid<f32>,
-    /// Pixels that fail the check, or leave the picture: they are hidden in the other frame, or their displacement is wrong.
+    /// Pixels that fail the check or leave the picture: occluded, or wrongly estimated.
     pub inconsistent: Grid<bool>,
 }
 
-/// How well the pixels that fail the check are those that are truly hidden.
+/// Precision and recall of the check as an occlusion detector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
-    /// Share of the pixels found that are truly hidden; `None` where none was found.
+    /// Share of the failing pixels that are occluded; `None` if none fails.
     pub precision: Option<f64>,
-    /// Share of the truly hidden pixels that were found; `None` where none is hidden.
+    /// Share of the occluded pixels that fail; `None` if none is occluded.
     pub recall: Option<f64>,
 }
 
-/// |w + w'|² for a displacement and that back from where it leads, in px², and the limit of that: a share of the squares of
-/// both, and so many px² more.
+/// The squared forward–backward error |w + w'|² in px², and its threshold: `share` of the squares of both displacements plus
+/// `more_px2`.
 pub(crate) fn returned(there: [f32; 2], back: [f32; 2], (share, more_px2): (f32, f32)) -> [f32; 2] {
     let square = |[u, v]: [f32; 2]| u * u + v * v;
     [square([there[0] + back[0], there[1] + back[1]]), share * (square(there) + square(back)) + more_px2]
 }
 
-/// How far one may come back from where he started: this share of the squares of both displacements …
+/// Relative part of the threshold: share of the squares of both displacements.
 const SHARE: f32 = 0.01;
-/// … and this much more, in px².
+/// Absolute part of the threshold in px².
 const MORE_PX2: f32 = 0.5;
 
 impl Consistency {
-    /// Where a pixel fails, in numbers; w is its displacement, and w' that of the reverse pair where w leads.
+    /// The criterion of failure as text; w is the forward displacement, w' the backward one at its end.
     pub fn criterion() -> String {
         format!("|w + w′|² ≥ {SHARE} (|w|² + |w′|²) + {MORE_PX2} px²")
     }
@@ -53,7 +52,7 @@ impl Consistency {
     pub fn of(forward: &Flow, backward: &Flow) -> Result<Self, Error> {
         let (width, height) = forward.0.size();
         if backward.0.size() != (width, height) {
-            return Err(Error::new("the flows of both directions must have one size"));
+            return Err(Error::new("forward and backward flow must have one size"));
         }
         let mut inconsistent = Grid::new(width, height, false);
         let distance_px = Grid::from_fn(width, height, |x, y| {
@@ -71,18 +70,18 @@ impl Consistency {
         Ok(Self { distance_px, inconsistent })
     }
 
-    /// How many pixels fail the check.
+    /// Number of pixels that fail the check.
     pub fn count(&self) -> usize {
         self.inconsistent.cells().iter().filter(|fails| **fails).count()
     }
 
-    /// How well what was found agrees with the pixels that are truly hidden, over those whose way is known.
+    /// Compares the failing pixels with the occluded ones of `truth`, over the pixels of known flow.
     ///
     /// # Errors
     /// If the sizes differ.
     pub fn against(&self, truth: &Grid<bool>) -> Result<Agreement, Error> {
         if truth.size() != self.inconsistent.size() {
-            return Err(Error::new("the mask of hidden pixels must have the size of the flow"));
+            return Err(Error::new("the occlusion mask must have the size of the flow"));
         }
         let (mut found, mut hidden, mut both) = (0usize, 0usize, 0usize);
         let cells = self.inconsistent.cells().iter().zip(self.distance_px.cells()).zip(truth.cells());

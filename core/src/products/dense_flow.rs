@@ -10,13 +10,13 @@ use crate::geometry::{Border, Gray};
 /// One displacement per pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DenseField {
-    /// Displacements in px/frame; unknown where nothing could be said, or has not been yet.
+    /// Displacements in px/frame; unknown where there is no estimate, or none yet.
     pub flow: Flow,
-    /// How far each is to be trusted, larger is better, if the estimator tells.
+    /// Confidence of each displacement, larger is better, if the estimator has one.
     pub confidence: Option<Confidence>,
 }
 
-/// How frame t is predicted from frame t + 1.
+/// Border and interpolation of the prediction of frame t from frame t + 1.
 const SAMPLING: (Border, Interpolation) = (Border::Replicate, Interpolation::Bilinear);
 
 impl Product for DenseField {
@@ -29,7 +29,7 @@ impl Product for DenseField {
         measures: &[&prediction::MEASURES, &flow_error::MEASURES],
     };
 
-    /// Place and displacement of the pixels whose motion is known, row by row, with their confidence where it is told.
+    /// Position and displacement of the pixels of known flow in raster order, with their confidence if there is one.
     fn table(&self) -> Option<Table> {
         let (width, height) = self.flow.0.size();
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));

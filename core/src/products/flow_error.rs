@@ -1,4 +1,4 @@
-//! Errors of displacements against the true flow, where it is known.
+//! Endpoint and angular errors against the true flow.
 
 use std::sync::Arc;
 
@@ -9,51 +9,52 @@ use crate::data::{Flow, Truth};
 use crate::geometry::Grid;
 
 pub(super) const MEASURES: [Measure; 9] = [
-    Measure::new("epe_px", "Mean endpoint error in px over the pixels whose true motion is known and was estimated.")
+    Measure::new("epe_px", "Mean endpoint error in px over the pixels with known true flow and an estimate.")
         .in_column("EPE px", 3),
     Measure::new("epe_median_px", "Median endpoint error in px."),
-    Measure::new("epe_p95_px", "The endpoint error in px that 95 % of the pixels do not exceed."),
-    Measure::new(
-        "r0.5",
-        "Share of the pixels whose endpoint error exceeds 0.5 px, the R0.5 of the Middlebury benchmark.",
-    ),
-    Measure::new("r1.0", "Share of the pixels whose endpoint error exceeds 1 px."),
-    Measure::new("r2.0", "Share of the pixels whose endpoint error exceeds 2 px."),
+    Measure::new("epe_p95_px", "95th percentile of the endpoint error in px."),
+    Measure::new("r0.5", "Share of the pixels with an endpoint error above 0.5 px, R0.5 of the Middlebury benchmark."),
+    Measure::new("r1.0", "Share of the pixels with an endpoint error above 1 px."),
+    Measure::new("r2.0", "Share of the pixels with an endpoint error above 2 px."),
     Measure::new("aae_deg", "Mean angular error in degrees."),
-    Measure::new("known", "Pixels compared: those whose motion is known and was estimated.").in_column("EPE of", 0),
-    Measure::new("coverage", "Share of the pixels of known motion that were compared; of fields."),
+    Measure::new("known", "Number of pixels compared: those with known true flow and an estimate.")
+        .in_column("EPE of", 0),
+    Measure::new(
+        "coverage",
+        "Coverage: share of the pixels with known true flow that have an estimate; for dense fields.",
+    ),
 ];
 
-/// What errors are of.
+/// The elements compared.
 #[derive(Clone, Copy, PartialEq)]
 enum Of {
     Pixels,
     Features,
 }
 
-/// The errors of a field in which every pixel has a displacement.
+/// The errors of a dense field.
 pub(super) fn of_field(flow: &Flow, reference: &Reference<'_>) -> Assessment {
-    told(true_flow(reference).and_then(|truth| assess(flow, truth, Of::Pixels)))
+    or_unknown(true_flow(reference).and_then(|truth| assess(flow, truth, Of::Pixels)))
 }
 
-/// The errors of a flow that only features have.
+/// The errors of a sparse flow.
 pub(super) fn of_points(flow: &Flow, reference: &Reference<'_>) -> Assessment {
-    told(true_flow(reference).and_then(|truth| assess(flow, truth, Of::Features)))
+    or_unknown(true_flow(reference).and_then(|truth| assess(flow, truth, Of::Features)))
 }
 
-/// Features of a frame that have a displacement: where they are in px, and where they go in px/frame.
+/// The tracked features of a frame: positions in px and displacements in px/frame.
 pub(super) type Moved = Vec<([f32; 2], [f32; 2])>;
 
 /// The errors of all displacements of features in `frames`.
 pub(super) fn of_frames(frames: impl Iterator<Item = (usize, Moved)>, reference: &Reference<'_>) -> Assessment {
     let both = reference.clip.truth().map(|truth| displacements(frames, &**truth)).transpose();
-    told(both.and_then(|both| match both {
+    or_unknown(both.and_then(|both| match both {
         Some((found, truth)) => assess(&found, Some(truth), Of::Features),
         None => assess(&Flow(Grid::new(1, 1, Flow::UNKNOWN)), None, Of::Features),
     }))
 }
 
-fn told(assessment: Result<Assessment, Error>) -> Assessment {
+fn or_unknown(assessment: Result<Assessment, Error>) -> Assessment {
     assessment.unwrap_or_else(|error| Assessment {
         facts: vec![fact("Endpoint error", format!("unknown: {error}"))],
         truth_error: Some(error),
@@ -65,7 +66,7 @@ fn true_flow(reference: &Reference<'_>) -> Result<Option<Arc<Flow>>, Error> {
     Ok(reference.clip.truth().map(|truth| truth.flow(reference.frame)).transpose()?.flatten())
 }
 
-/// What was found of all displacements whose truth is known, and that truth, in a row.
+/// The estimated displacements with known truth, and the true ones, as one row each.
 fn displacements(frames: impl Iterator<Item = (usize, Moved)>, truth: &dyn Truth) -> Result<(Flow, Arc<Flow>), Error> {
     let mut both = Vec::new();
     for (frame, moved) in frames {
@@ -90,8 +91,8 @@ fn assess(flow: &Flow, truth: Option<Arc<Flow>>, of: Of) -> Result<Assessment, E
     };
     let Some((error, truth)) = compared else {
         let why = match truth {
-            Some(_) => "unknown: no displacement lies where the true flow is known",
-            None => "unknown: there is no true flow for this frame",
+            Some(_) => "unknown: no estimate where the true flow is known",
+            None => "unknown: no true flow for this frame; open one to see errors",
         };
         return Ok(Assessment::default().with(Vec::new(), vec![fact("Endpoint error", why)]));
     };
@@ -105,13 +106,13 @@ fn assess(flow: &Flow, truth: Option<Arc<Flow>>, of: Of) -> Result<Assessment, E
     let [low, middle, high] = beyond.map(|share| 100.0 * share);
     let facts = vec![
         fact("Mean endpoint error", format!("{epe_px:.3} px")),
-        fact("Median, 95 % below", format!("{epe_median_px:.3} px, {epe_p95_px:.3} px")),
-        fact("Above 0.5, 1, 2 px", format!("{low:.1} %, {middle:.1} %, {high:.1} %")),
+        fact("Median, 95th percentile", format!("{epe_median_px:.3} px, {epe_p95_px:.3} px")),
+        fact("R0.5, R1, R2", format!("{low:.1} %, {middle:.1} %, {high:.1} %")),
         fact("Mean angular error", format!("{aae_deg:.2}°")),
         fact(
-            "Errors of",
+            "Compared",
             match coverage {
-                Some(share) => format!("{} pixels, {:.0} % of those of known motion", grouped(known), 100.0 * share),
+                Some(share) => format!("{} pixels, coverage {:.0} %", grouped(known), 100.0 * share),
                 None => format!("{} displacements", grouped(known)),
             },
         ),

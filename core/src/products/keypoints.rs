@@ -15,42 +15,41 @@ pub struct PointField {
     pub picture: (usize, usize),
     /// The features.
     pub points: Vec<Feature>,
-    /// How each was detected, as far as this run has detected them; else empty.
+    /// Detector response, scale and orientation of each; empty if this run did not detect them.
     pub keypoints: Vec<Keypoint>,
 }
 
 /// How a feature was detected.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Keypoint {
-    /// What it was chosen by; larger is stronger.
+    /// Detector response; larger is stronger.
     pub response: f32,
-    /// The scale at which it was found, in px, if the detector has scales.
+    /// Scale in px, for detectors with a scale space.
     pub scale_px: Option<f32>,
-    /// Its orientation in radians, from x towards y, if the detector gives it one.
+    /// Orientation in radians, from x towards y, for detectors that assign one.
     pub angle_rad: Option<f32>,
-    /// What its neighbourhood looks like, if it was described.
+    /// Its descriptor, if it was described.
     pub descriptor: Option<Descriptor>,
 }
 
 impl Keypoint {
-    /// One of which only the response is known.
+    /// A keypoint of which only the response is known.
     pub fn of_response(response: f32) -> Self {
         Self { response, ..Self::default() }
     }
 }
 
-/// What the neighbourhood of a keypoint looks like; descriptors of one detector have one kind and length.
+/// Descriptor of a keypoint's neighbourhood; descriptors of one detector have one kind and length.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Descriptor {
-    /// Numbers, compared by the length of their difference.
+    /// Real values, compared by Euclidean distance.
     Reals(Arc<[f32]>),
-    /// Bits, compared by how many differ.
+    /// Bits, compared by Hamming distance.
     Bits(Arc<[u64]>),
 }
 
 impl Descriptor {
-    /// How far two are apart: the Euclidean distance of numbers, the Hamming distance of bits. `None` where they are not of one
-    /// kind and length.
+    /// The distance of two descriptors: Euclidean for real values, Hamming for bits. `None` if kind or length differ.
     pub fn distance(&self, other: &Self) -> Option<f32> {
         match (self, other) {
             (Self::Reals(a), Self::Reals(b)) if a.len() == b.len() => {
@@ -67,32 +66,32 @@ impl Descriptor {
 /// One feature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feature {
-    /// Its place in frame t, in px.
+    /// Position in frame t in px.
     pub at: [f32; 2],
     /// Its displacement `[u, v]` in px/frame, if it was tracked.
     pub displacement: Option<[f32; 2]>,
-    /// What became of it.
+    /// Outcome of tracking.
     pub status: Status,
-    /// Mean absolute difference of its window in both frames, in gray levels, if that is known.
+    /// Residual: mean absolute difference of its windows in both frames in gray levels, if known.
     pub residual: Option<f32>,
 }
 
-/// What became of a feature.
+/// Outcome of tracking a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// It was found, and nobody looked where it goes.
+    /// Detected, and not tracked.
     Found,
-    /// It was found again in frame t + 1.
+    /// Tracked to frame t + 1.
     Tracked,
-    /// Lost: it leaves the picture.
+    /// Lost: it left the picture.
     Outside,
-    /// Lost: its window has too little texture to tell two directions apart.
+    /// Lost: the smaller eigenvalue of its structure tensor is too small (aperture problem).
     Flat,
-    /// Lost: what it led to looks too different.
+    /// Lost: the residual between the windows is too large.
     Unlike,
-    /// Lost: tracked back, it does not come to where it was.
+    /// Lost: it failed the forward–backward check.
     Astray,
-    /// Lost: it no longer looks as it did where it was first seen.
+    /// Lost: it is too dissimilar to its first appearance.
     Changed,
 }
 
@@ -124,21 +123,21 @@ impl PointField {
         Flow(flow)
     }
 
-    /// How many features have a status for which `is` holds.
+    /// Number of features with a status for which `is` holds.
     pub fn count(&self, is: impl Fn(Status) -> bool) -> usize {
         self.points.iter().filter(|point| is(point.status)).count()
     }
 }
 
 pub(super) const MEASURES: [Measure; 2] = [
-    Measure::new("points", "Features; of a run through several frames, tracks.").in_column("features", 0),
-    Measure::new("tracked", "Features that were tracked; of tracks, those that were not lost."),
+    Measure::new("points", "Number of features; tracks in a run through several frames.").in_column("features", 0),
+    Measure::new("tracked", "Number of features tracked; tracks that were not lost."),
 ];
 
-/// How many features there are, and how many of them were tracked, if any were to be.
+/// The number of features and, if tracking was attempted, of tracked ones.
 pub(super) fn counts(points: usize, tracked: Option<usize>) -> Assessment {
-    let told = tracked.map_or_else(String::new, |tracked| format!(", tracked {}", grouped(tracked)));
-    let text = format!("{}{told}", grouped(points));
+    let of_tracked = tracked.map_or_else(String::new, |tracked| format!(", tracked {}", grouped(tracked)));
+    let text = format!("{}{of_tracked}", grouped(points));
     let own = scores(&MEASURES, [points.into(), tracked.into()]);
     Assessment { headline: format!("{text} features"), ..Assessment::default() }.with(own, vec![fact("Features", text)])
 }
@@ -153,7 +152,7 @@ impl Product for PointField {
     const KIND: &'static ProductKind = &ProductKind {
         id: "keypoints",
         name: "Keypoints",
-        summary: "Single features of a picture, with their displacements where they were tracked.",
+        summary: "Feature points of a picture, with their displacements if they were tracked.",
         motion: Motion::Points,
         is_of_single_frames: false,
         measures: &[&MEASURES, &flow_error::MEASURES],

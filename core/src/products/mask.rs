@@ -13,12 +13,12 @@ pub struct MaskField {
     pub picture: (usize, usize),
     /// The first frame.
     pub first: usize,
-    /// Its results and those of the frames that follow, shared with the detections of their masks.
+    /// The results frame by frame, shared with the objects found in the masks.
     pub frames: Vec<Arc<ObjectFrame>>,
 }
 
 impl MaskField {
-    /// Returns the frames that have a mask, with it.
+    /// The frames with a mask, and their masks.
     pub fn masks(&self) -> impl Iterator<Item = (usize, &PackedMask)> {
         self.frames.iter().enumerate().filter_map(|(i, frame)| Some((self.first + i, frame.mask.as_ref()?)))
     }
@@ -28,7 +28,7 @@ impl Product for MaskField {
     const KIND: &'static ProductKind = &ProductKind {
         id: "mask",
         name: "Foreground masks",
-        summary: "The pixels of each frame that do not belong to the background.",
+        summary: "The foreground pixels of each frame.",
         motion: Motion::Nowhere,
         is_of_single_frames: true,
         measures: &[],

@@ -1,39 +1,41 @@
-//! How good an estimate is: endpoint and angular error against truth, PSNR of a prediction.
+//! Quality measures: endpoint and angular error against the true flow, PSNR of a prediction.
 
 use crate::base::Error;
 use crate::data::Flow;
 use crate::geometry::{Gray, Grid};
 use crate::scene::Distribution;
 
-/// Errors of a flow against truth, over the pixels where both are known.
+/// Errors of a flow against the true flow, over the pixels where both are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowError {
     /// Mean endpoint error in px (Baker et al. 2011).
     pub epe_px: f64,
     /// Median endpoint error in px.
     pub epe_median_px: f64,
-    /// The endpoint error in px that 95 % of the pixels do not exceed.
+    /// 95th percentile of the endpoint error in px.
     pub epe_p95_px: f64,
-    /// Shares of the pixels whose endpoint error exceeds [`LIMITS_PX`].
+    /// Shares of the pixels with an endpoint error above each of [`LIMITS_PX`].
     pub beyond: [f64; 3],
     /// Mean angular error in degrees between (u, v, 1) and the truth (Barron, Fleet and Beauchemin 1994).
     pub aae_deg: f64,
-    /// Pixels compared.
+    /// Number of pixels compared.
     pub known: usize,
 }
 
-/// Endpoint errors in px beyond which the Middlebury benchmark counts pixels: its R0.5, R1.0 and R2.0.
+/// Thresholds of the endpoint error in px: R0.5, R1.0 and R2.0 of the Middlebury benchmark.
 pub const LIMITS_PX: [f64; 3] = [0.5, 1.0, 2.0];
 
 fn check_sizes(flow: &Flow, truth: &Flow) -> Result<(), Error> {
     if flow.0.size() != truth.0.size() {
         let ((w, h), (tw, th)) = (flow.0.size(), truth.0.size());
-        return Err(Error::new(format!("the flow is {w}×{h} and its truth {tw}×{th}; they must have one size")));
+        return Err(Error::new(format!(
+            "the flow is {w}×{h} px and the true flow {tw}×{th} px; both must have one size"
+        )));
     }
     Ok(())
 }
 
-/// The endpoint error of `flow` at every pixel in px; NaN where it or the truth is not known.
+/// The endpoint error of `flow` at every pixel in px; NaN where it or the true flow is unknown.
 ///
 /// # Errors
 /// If the sizes differ.
@@ -46,12 +48,12 @@ pub fn endpoint_errors(flow: &Flow, truth: &Flow) -> Result<Grid<f32>, Error> {
     }))
 }
 
-/// How the endpoint errors of a flow are distributed, with the figures of `error`.
+/// The distribution of the endpoint errors of a flow, with the figures of `error`.
 pub fn distribution(errors: &Grid<f32>, error: &FlowError) -> Distribution {
-    /// As many bars as can be told apart.
+    /// Number of bins.
     const BINS: usize = 48;
     let known = || errors.cells().iter().copied().filter(|v| v.is_finite());
-    // A little beyond what nearly all stay below, so that the bars are not squeezed by a few that are far off.
+    // Somewhat above the 95th percentile, so that outliers do not squeeze the bars.
     let top = nice((1.6 * error.epe_p95_px as f32).max(0.02));
     let mut counts = vec![0u32; BINS];
     let mut beyond = 0;

@@ -1,7 +1,7 @@
-//! What a run makes: products, each of one kind, and each kind a module of this folder.
+//! The products of a run, each of one kind, and each kind a module of this folder.
 //!
-//! A product owns its data, its table, its comparison with truth, how it is looked at unless told otherwise, and what can
-//! be coloured by it. [`KINDS`] is the one list of them: window, command line, comparison and export go through it.
+//! A product owns its data, its table, its comparison with ground truth and its default view. [`KINDS`] is the one list of
+//! them: window, command line, comparison and export go through it.
 
 mod assessment;
 mod block_vectors;
@@ -38,7 +38,7 @@ pub use streaks::{Streak, Streaks};
 pub use table::{Cell, Table};
 pub use tracks::{Track, TrackField};
 
-/// Every kind of product, in the order in which a person reads them.
+/// Every kind of product, in display order.
 pub const KINDS: &[&ProductKind] =
     &[BlockField::KIND, DenseField::KIND, PointField::KIND, TrackField::KIND, MaskField::KIND, ObjectField::KIND];
 

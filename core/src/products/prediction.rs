@@ -1,4 +1,4 @@
-//! The motion-compensated prediction of frame t: how it is made, and what it is worth.
+//! The motion-compensated prediction of frame t, and its quality.
 
 use super::assessment::{fact, scores};
 use super::{Assessment, Coding, Column, Figure, Measure, Reference, metrics};
@@ -6,9 +6,9 @@ use crate::base::Error;
 use crate::data::{Flow, Interpolation};
 use crate::geometry::{Border, Gray, Grid};
 
-/// The motion-compensated prediction of frame t: each pixel is fetched from where it goes in `next`.
+/// The motion-compensated prediction of frame t: each pixel is fetched from its displaced position in `next`.
 ///
-/// Whole displacements are copied exactly, fractional ones interpolated; a pixel of unknown motion stays where it is.
+/// Whole displacements copy pixels exactly, fractional ones interpolate; a pixel of unknown motion has zero displacement.
 pub fn predict(flow: &Flow, next: &Gray, (border, filter): (Border, Interpolation)) -> Gray {
     Grid::from_fn(flow.0.width(), flow.0.height(), |x, y| {
         let [u, v] = flow.at(x, y).unwrap_or([0.0; 2]);
@@ -33,7 +33,10 @@ const fn in_kilobytes(measure: Measure, heading: &'static str, name: &'static st
 pub(super) const MEASURES: [Measure; 4] = [
     PSNR,
     in_kilobytes(
-        Measure::new("residual_bits", "Zero-order entropy of the residual that the prediction leaves, in bits."),
+        Measure::new(
+            "residual_bits",
+            "Zero-order entropy of the residual of the motion-compensated prediction, in bits.",
+        ),
         "residual kB",
         "residual_kb",
     ),
@@ -43,13 +46,13 @@ pub(super) const MEASURES: [Measure; 4] = [
         "vectors_kb",
     ),
     in_kilobytes(
-        Measure::new("frame_bits", "Zero-order entropy of the frame sent without motion, in bits."),
+        Measure::new("frame_bits", "Zero-order entropy of the frame without motion compensation, in bits."),
         "frame kB",
         "frame_kb",
     ),
 ];
 
-/// What `picture`, a prediction of the frame of `reference`, is worth; `vectors` would be sent with it.
+/// The quality of `picture`, a prediction of the frame of `reference`; `vectors` are coded with it.
 ///
 /// # Errors
 /// If the frame cannot be read.
@@ -62,12 +65,12 @@ pub(super) fn assess(
     let psnr = Some(metrics::psnr_db(picture, frame.luma())?).filter(|psnr| psnr.is_finite());
     let Coding { frame_bits, residual_bits, vector_bits } = Coding::of(vectors, frame.luma(), picture)?;
     let values = [psnr.into(), residual_bits.into(), vector_bits.into(), Figure::Real(frame_bits)];
-    let told = psnr.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
-    let headline = psnr.map_or("perfect prediction".into(), |_| told.clone());
+    let quality = psnr.map_or("perfect".into(), |psnr| format!("{psnr:.2} dB PSNR"));
+    let headline = psnr.map_or("perfect prediction".into(), |_| quality.clone());
     let kilobytes = |bits: f64| format!("{:.1}", bits / 8000.0);
     let vectors = vector_bits.map_or_else(String::new, |bits| format!(" + {}", kilobytes(bits)));
-    let coding = format!("{}{vectors} kB instead of {}", kilobytes(residual_bits), kilobytes(frame_bits));
+    let coding = format!("{}{vectors} kB, frame alone {} kB", kilobytes(residual_bits), kilobytes(frame_bits));
     let sent = if vector_bits.is_some() { "Residual + vectors" } else { "Residual" };
-    let facts = vec![fact("Prediction", told), fact(sent, coding)];
+    let facts = vec![fact("Prediction", quality), fact(sent, coding)];
     Ok(Assessment { headline, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
 }

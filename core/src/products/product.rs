@@ -1,4 +1,4 @@
-//! What every product is: its kind, and what can be asked of it.
+//! The trait of all products, and their kinds.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -8,24 +8,24 @@ use crate::base::Error;
 use crate::data::{Flow, Histogram};
 use crate::geometry::{Gray, Grid};
 
-/// What there is to say about a kind of product before there is one.
+/// The declaration of a kind of product.
 #[derive(Debug)]
 pub struct ProductKind {
     /// Kebab-case id: `dense-flow`.
     pub id: &'static str,
     /// Its name in the window: `Dense flow`.
     pub name: &'static str,
-    /// What it is, in one sentence.
+    /// Its definition in one sentence.
     pub summary: &'static str,
-    /// Where it tells of motion.
+    /// Where it has motion.
     pub motion: Motion,
-    /// Whether it is about each frame by itself, so that this frame alone is shown unless told otherwise.
+    /// Whether it belongs to single frames, so that one frame is shown by default.
     pub is_of_single_frames: bool,
-    /// The figures by which it is assessed, in groups.
+    /// Its quality measures, in groups.
     pub measures: &'static [&'static [Measure]],
 }
 
-/// Two are the same kind where they have the same id.
+/// Kinds are equal if their ids are.
 impl PartialEq for ProductKind {
     fn eq(&self, other: &Self) -> bool {
         self.id == other.id
@@ -34,7 +34,7 @@ impl PartialEq for ProductKind {
 
 impl Eq for ProductKind {}
 
-/// Where a product tells of motion: nowhere first, everywhere last.
+/// The density of a product's motion, in ascending order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Motion {
     /// Nowhere.
@@ -55,44 +55,44 @@ impl Motion {
     }
 }
 
-/// How far displacements are to be trusted.
+/// Confidence of displacements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Confidence {
-    /// What is measured, in lower case and without spaces, with its unit: a column of a table.
+    /// Its name in lower case without spaces, with the unit: a column of a table.
     pub name: &'static str,
     /// Its value at each pixel.
     pub values: Grid<f32>,
 }
 
-/// What a part of a product was chosen by among its candidates.
+/// The search behind a part of a product: cost and number of candidates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tested {
-    /// What the one that was chosen costs.
+    /// Cost of the best match.
     pub cost: f64,
-    /// How many were tested.
+    /// Number of candidates tested.
     pub candidates: u32,
 }
 
-/// Something that a run makes.
+/// A result of a run.
 pub trait Product: Clone + Debug + PartialEq + Send + Sync + 'static {
-    /// What there is to say about its kind.
+    /// The declaration of its kind.
     const KIND: &'static ProductKind;
 
-    /// What it holds, row by row; `None` where that is no table.
+    /// Its data as a table; `None` if it has none.
     fn table(&self) -> Option<Table>;
 
-    /// How good it is, by itself and beside the truth where that is known.
+    /// Its quality, by itself and against ground truth if there is any.
     ///
     /// # Errors
-    /// If a frame cannot be read. A truth that cannot be read is told in [`Assessment::truth_error`].
+    /// If a frame cannot be read. Unreadable ground truth is reported in [`Assessment::truth_error`].
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error>;
 
-    /// The displacement of every pixel, of the last pair where there are several: unknown wherever nothing is said of one.
+    /// The displacement of every pixel, of the last pair if there are several; unknown where there is no estimate.
     fn flow(&self) -> Option<Flow> {
         None
     }
 
-    /// How far each displacement of [`Product::flow`] is trusted, larger is better.
+    /// Confidence of each displacement of [`Product::flow`], larger is better.
     fn confidence(&self) -> Option<&Confidence> {
         None
     }
@@ -102,30 +102,30 @@ pub trait Product: Clone + Debug + PartialEq + Send + Sync + 'static {
         None
     }
 
-    /// The displacements of its parts in an order that another run on pictures of the same size shares, where there is one.
+    /// The displacements of its parts, in an order shared by all runs on pictures of the same size.
     fn displacements(&self) -> Option<Vec<Option<[f32; 2]>>> {
         None
     }
 
-    /// What each of its parts was chosen by, in the order of [`Product::displacements`], where candidates were tested.
+    /// Cost and candidates of each part, in the order of [`Product::displacements`], for block searches.
     fn tested(&self) -> Option<Vec<Option<Tested>>> {
         None
     }
 
-    /// How often each displacement was found, where units do not tell that already.
+    /// The histogram of displacements, if units do not provide it.
     fn histogram(&self) -> Option<Histogram> {
         None
     }
 
-    /// The last frame that it tells of, where that is not the second of a pair.
+    /// Its last frame, if that is not the second of a pair.
     fn last_frame(&self) -> Option<usize> {
         None
     }
 }
 
-/// A product of which only the kind matters.
+/// A product of any kind.
 pub trait AnyProduct: Debug + Send + Sync {
-    /// What there is to say about its kind.
+    /// The declaration of its kind.
     fn kind(&self) -> &'static ProductKind;
 
     /// The product itself, for [`Output::get`](super::Output::get).

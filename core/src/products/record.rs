@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Followed, MaskField, ObjectField, ObjectFrame, Output};
 use crate::data::PackedMask;
 
-/// The results of all frames so far; copies share them.
+/// The results frame by frame; copies share them.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     frames: Arc<Vec<Arc<ObjectFrame>>>,
@@ -13,7 +13,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Adds the results of the next frame.
+    /// Adds the result of the next frame.
     pub fn note(&mut self, frame: ObjectFrame) {
         Arc::make_mut(&mut self.pixels).push(frame.mask.as_ref().map_or(0, PackedMask::count) as u32);
         Arc::make_mut(&mut self.frames).push(Arc::new(frame));
@@ -24,12 +24,12 @@ impl Record {
         &self.frames
     }
 
-    /// The number of foreground pixels of each frame.
+    /// Number of foreground pixels of each frame.
     pub fn pixels(&self) -> &[u32] {
         &self.pixels
     }
 
-    /// Returns the masks and detections of a run on pictures of that size from frame `first` on.
+    /// The masks and objects of a run on pictures of this size from frame `first` on.
     pub fn output(&self, picture: (usize, usize), first: usize) -> Output {
         let frames = || Vec::clone(&self.frames);
         let masks = MaskField { picture, first, frames: frames() };
@@ -38,7 +38,7 @@ impl Record {
         Output::of(masks).and(objects)
     }
 
-    /// Memory of its own in bytes: earlier frames are shared with the records before.
+    /// Memory of its own in bytes; earlier frames are shared with earlier records.
     pub fn own_bytes(&self) -> usize {
         let last = self.frames.last().map_or(0, |frame| frame.bytes());
         size_of_val(&self.frames[..]) + size_of_val(&self.pixels[..]) + last

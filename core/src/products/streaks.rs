@@ -1,4 +1,4 @@
-//! Streaklines: particles that are released at the places of a grid, again and again, and carried along by a flow.
+//! Streaklines: particles released on a grid again and again, and advected by a flow.
 
 use std::f32::consts::TAU;
 
@@ -6,35 +6,34 @@ use crate::data::Flow;
 
 /// Steps of a particle's life.
 const STEPS: usize = 48;
-/// How many of its last places, a step apart, are drawn.
+/// Number of its last positions drawn as a tail.
 const TAIL: usize = 18;
-/// A usual tail is so many times as long as particles are apart when they are released.
+/// Typical tail length in units of the release spacing.
 const REACH: f32 = 1.6;
-/// The frames that a life may have: as many as make tails as long as can be seen.
+/// Shortest and longest life in frames.
 const LIFE_FRAMES: std::ops::RangeInclusive<f32> = 8.0..=256.0;
 
-/// The line that a particle has just gone along, in image pixels, the oldest place first, and how strong it is drawn, 0
-/// to 1: it appears and fades.
+/// The tail of a particle in image pixels, oldest position first, with its opacity, 0 to 1: it fades in and out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Streak {
-    /// Places, a fraction of a frame apart; at least two.
+    /// Positions, a fraction of a frame apart; at least two.
     pub points: Vec<[f32; 2]>,
-    /// How strong it is drawn.
+    /// Opacity.
     pub strength: f32,
 }
 
-/// The ways of all particles through a flow that stays the same from frame to frame.
+/// The paths of all particles through a steady flow.
 ///
-/// They are found once; [`Streaks::at`] then shows where everybody is at any moment.
+/// They are integrated once; [`Streaks::at`] gives the tails at any phase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Streaks {
     life_frames: f32,
-    /// The places of each, a step apart, and the share of its life that it is ahead of the others.
+    /// The path of each particle, and its phase offset as a share of a life.
     ways: Vec<(Vec<[f32; 2]>, f32)>,
 }
 
 impl Streaks {
-    /// Releases particles every `spacing_px` each way, each at a moment of its own.
+    /// Releases particles every `spacing_px` in x and y, each with its own phase.
     pub fn new(flow: &Flow, spacing_px: usize) -> Self {
         let spacing = spacing_px.max(1);
         let (width, height) = flow.0.size();
@@ -52,7 +51,7 @@ impl Streaks {
         Self { life_frames, ways: places.filter_map(way).collect() }
     }
 
-    /// For how many frames each particle is carried along.
+    /// Frames in a particle's life.
     pub fn life_frames(&self) -> u16 {
         self.life_frames as u16
     }
@@ -62,7 +61,7 @@ impl Streaks {
         self.ways.is_empty()
     }
 
-    /// What is seen at `phase`, a share of a particle's life: at 1 everything is as at 0 again.
+    /// The tails at `phase`, a share of a particle's life; periodic with period 1.
     pub fn at(&self, phase: f32) -> Vec<Streak> {
         let streak = |(way, ahead): &(Vec<[f32; 2]>, f32)| {
             let age = (phase + ahead).rem_euclid(1.0);

@@ -1,4 +1,4 @@
-//! Tables: what a product holds, row by row, whatever file it is written to.
+//! Tables: the data of a product row by row, for any file format.
 
 use std::fmt;
 

@@ -10,13 +10,13 @@ use crate::params::Params;
 use crate::products::{Output, ProductKind};
 use crate::scene::Chart;
 
-/// Refuses a clip of detections alone to who looks at pictures.
+/// Rejects a clip of detections alone for estimators that read frames.
 fn check_pictures<E: Estimator>(clip: &Clip) -> Result<(), Error> {
     if !E::NEEDS_PICTURES || !clip.is_blank() {
         return Ok(());
     }
     Err(Error::new(format!(
-        "{} has detections and no pictures, and {} looks at pictures; choose a tracker, or open a clip",
+        "{} has detections but no frames, and {} needs frames; choose a tracker, or open a video",
         clip.info().name,
         E::INFO.id
     )))
@@ -27,7 +27,7 @@ fn check_memory<E: Estimator>(estimator: &E, clip: &Clip, of: fn(Need) -> u64) -
     need::check(clip, E::INFO.name, of(Footprint::need(estimator, clip)))
 }
 
-/// How much a run consists of.
+/// The size of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
     /// Units.
@@ -38,18 +38,18 @@ pub struct Extent {
     pub memory_bytes: usize,
 }
 
-/// An estimator of which only the declaration matters: what the window and the command line hold.
+/// An estimator of any type, as the window and the command line hold it.
 pub trait AnyEstimator: Params + Send + Sync {
-    /// What there is to say about it.
+    /// Its declaration.
     fn info(&self) -> &'static Info;
 
     /// The kinds of products that a run may make, the one that matters most first.
     fn produces(&self) -> &'static [&'static ProductKind];
 
-    /// What it can be relied on to find: for tests.
+    /// The motion it is guaranteed to find, for tests.
     fn guarantee(&self) -> Guarantee;
 
-    /// Whether it is about each frame by itself, and nothing is said of how pixels of one lie in the next.
+    /// Whether its products belong to single frames, without motion from one to the next.
     fn is_of_single_frames(&self) -> bool {
         self.info().frames == 1 || self.produces().iter().all(|kind| kind.is_of_single_frames)
     }
@@ -71,13 +71,13 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If a frame cannot be read.
     fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error>;
 
-    /// The same estimator without hindsight, where it looks back in time as it is set.
+    /// The causal version of the estimator, if its parameters make it non-causal.
     fn causal(&self) -> Option<Box<dyn AnyEstimator>>;
 
     /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
     fn tests_candidates(&self) -> bool;
 
-    /// Whether it looks at pictures: some take what others have detected.
+    /// Whether it reads frames; some estimators read detections only.
     fn needs_pictures(&self) -> bool;
 
     /// The charts that its steps may have something for.
@@ -107,13 +107,13 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If the clip, the frame or the parameters do not allow a run.
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error>;
 
-    /// How many units and events a whole run consists of.
+    /// Number of units and events of a whole run.
     ///
     /// # Errors
     /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error>;
 
-    /// How many candidates each unit of a whole run tests.
+    /// Number of candidates tested by each unit of a whole run.
     ///
     /// # Errors
     /// If the clip, the frame, the parameters or the memory do not allow a run.
@@ -128,7 +128,7 @@ pub trait AnyRun: Send {
     /// As [`Estimator::advance`].
     fn advance(&mut self) -> Result<Progress, Error>;
 
-    /// What the run has made so far.
+    /// The products so far.
     fn output(&self) -> Output;
 
     /// Memory that its state takes with all that is shared, in bytes.

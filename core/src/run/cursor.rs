@@ -2,7 +2,7 @@
 
 use crate::base::Error;
 
-/// A place in a run: the unit at hand and how many of its events were seen.
+/// A position in a run: the current unit and the number of its events passed.
 ///
 /// The default is the start, before anything was seen. Every other cursor has seen at least one event of its
 /// unit; the end of a unit has seen all of them. People count units from 1, so the cursor with `unit` 7 and
@@ -10,7 +10,7 @@ use crate::base::Error;
 /// `event` beyond the last means the end of the unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cursor {
-    /// The unit at hand, from 0.
+    /// The current unit, from 0.
     pub unit: usize,
     /// Events of that unit that were seen.
     pub event: usize,
@@ -37,7 +37,7 @@ impl std::str::FromStr for Cursor {
             (Some(unit @ 1..), None) => Ok(Self { unit: unit - 1, event: usize::MAX }),
             (Some(unit @ 1..), Some(Some(event))) => Ok(Self { unit: unit - 1, event }),
             _ => Err(Error::new(format!(
-                "a step is written UNIT.EVENT as in 35.412, UNIT for its end, or 0 for the start; {text} is neither"
+                "a step is written UNIT.EVENT as in 35.412, UNIT for its end, or 0 for the start, not {text}"
             ))),
         }
     }

@@ -1,4 +1,4 @@
-//! What every estimator is: a declaration, a unit of work, and how it is seen and told.
+//! The trait of all estimators: a declaration, a unit of work, and its presentation.
 
 use std::any::Any;
 
@@ -10,7 +10,7 @@ use crate::products::{Output, ProductKind};
 use crate::pseudocode;
 use crate::scene::{Chart, Focus, Line, Name, Picture, Role, Scene, Step};
 
-/// What there is to say about an estimator before it runs.
+/// The declaration of an estimator.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Info {
     /// Stable kebab-case id: `full-search`. Its file is called the same, with underscores.
@@ -19,94 +19,91 @@ pub struct Info {
     pub name: &'static str,
     /// Family and folder: `Block matching` lives in `block_matching`.
     pub family: &'static str,
-    /// What it does, in one sentence.
+    /// Its method in one sentence.
     pub summary: &'static str,
-    /// The source that it follows.
+    /// The publication that it follows.
     pub source: &'static str,
     /// The algorithm, line by line, as [`pseudocode!`](crate::pseudocode!) declares it.
     pub pseudocode: &'static [Line],
-    /// Names of the ladder's granularities, outermost first. The last is an event, the one before it a unit.
+    /// Names of the granularities of stepping, outermost first. The last is an event, the one before it a unit.
     pub granularities: &'static [&'static str],
-    /// How many frames a run looks at, from the one that it starts on.
+    /// Number of frames that a run reads, from its first one on.
     pub frames: usize,
 }
 
-/// What an estimator finds where the whole picture moves alike, by a whole number of px unless it says otherwise, and not
-/// farther than it looks.
+/// What an estimator is guaranteed to find for a global translation within its range, in whole px unless stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Guarantee {
-    /// That displacement, on any texture that differs from place to place.
+    /// The translation, on any texture that does not repeat.
     Translation,
-    /// That displacement, give or take a few px each way, where the texture is smooth, so that the cost falls from all
-    /// sides towards it.
+    /// The translation up to an error of `off_px`, on smooth texture, where the cost surface has a single minimum.
     SmoothTranslation {
-        /// How far off it may be.
+        /// Largest error in px of each component.
         off_px: u8,
     },
-    /// A displacement that fits at least as well as none at all.
+    /// A displacement of no higher cost than zero motion.
     Better,
-    /// A displacement of a fraction of a px on any smooth texture, on average this near.
+    /// A sub-pixel translation of a dense field on smooth texture, with this mean error.
     SubPixel {
         /// Mean error in hundredths of a px.
         off_centi_px: u8,
     },
-    /// A displacement of a fraction of a px for its features on any smooth texture, on average this near.
+    /// A sub-pixel translation of features on smooth texture, with this mean error.
     Features {
         /// Mean error in hundredths of a px.
         off_centi_px: u8,
     },
-    /// No displacement, but features: those of a picture that is moved are moved alike.
+    /// Feature points that move with the picture (covariance); no displacement.
     Places,
-    /// No displacement, but what moves before a background at rest: it is found in its place.
+    /// Moving objects before a static background; no displacement.
     Objects,
-    /// The part along the gradient of a displacement of a fraction of a px, on any smooth texture.
+    /// The normal flow of a sub-pixel translation, on smooth texture.
     AlongGradient,
 }
 
 impl Info {
-    /// Where in [`Info::pseudocode`] the line called `name` is.
+    /// The index in [`Info::pseudocode`] of the line called `name`.
     pub fn line(&self, name: Name) -> Option<usize> {
         pseudocode::find(self.pseudocode, name)
     }
 }
 
-/// The granularity of the levels of a pyramid: they are counted down to 0, the picture itself.
+/// The granularity of pyramid levels, counted down to 0, the picture itself.
 pub const LEVEL: &str = "level";
 
-/// Where a run stands on one granularity of the ladder.
+/// The position of a run on one granularity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Granularity {
-    /// Which one, from 0.
+    /// Index from 0.
     pub index: usize,
-    /// How many there are, if that is known.
+    /// Total number, if known.
     pub of: Option<usize>,
 }
 
-/// Whether there is more to do.
+/// Whether the run continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// At least one more unit.
+    /// At least one unit remains.
     More,
     /// That was the last unit.
     Done,
 }
 
-/// What can be seen at a cursor: everything that a step tells and a scene draws comes from this alone.
+/// The run at a cursor: steps and scenes are made from this alone.
 pub struct Seen<'a, E: Estimator> {
     /// The state before the unit at the cursor.
     pub before: &'a E::State,
-    /// The state after it, once all its events were seen.
+    /// The state after it, at the end of the unit.
     pub after: Option<&'a E::State>,
     /// The unit's events up to the cursor; empty only at the very start of a run.
     pub events: &'a [E::Event],
-    /// The pixel that the person points at, on a picture that the estimator takes ([`Pointed::takes`]). It changes what is
-    /// explained, never what is computed.
+    /// The pixel pointed at, on a picture that the estimator accepts ([`Pointed::takes`]). It changes the explanation, never
+    /// the result.
     pub focus: Option<Focus>,
 }
 
 impl<E: Estimator> Seen<'_, E> {
-    /// The point of frame t that the person points at, in px: on frame t, or at the same place of a picture that the
-    /// estimator takes and whose pixels are those of frame t.
+    /// The point of frame t pointed at in px: on frame t, or at the same position of a picture aligned with it.
     pub fn point(&self) -> Option<[f32; 2]> {
         self.focus.filter(|focus| focus.on.is_aligned_with(Picture::CURRENT)).map(|focus| focus.at)
     }
@@ -118,33 +115,33 @@ impl<E: Estimator> Seen<'_, E> {
 /// happens inside it. Everything that a unit reads and writes is in the state, so that a run can be
 /// taken up anywhere and gives the same bits.
 pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + Clone + Send + Sync + 'static {
-    /// What there is to say about it.
+    /// Its declaration.
     const INFO: Info;
-    /// The kinds of products that a run may make, the one that matters most first.
+    /// The kinds of products of a run, the main one first.
     const PRODUCES: &'static [&'static ProductKind];
-    /// What it can be relied on to find: for tests.
+    /// The motion it is guaranteed to find, for tests.
     const GUARANTEE: Guarantee = Guarantee::Translation;
-    /// Whether the end of a run tells how far its field is trusted.
+    /// Whether its field has a confidence at the end of a run.
     const TELLS_CONFIDENCE: bool = false;
-    /// Whether it looks at pictures: some take what others have detected.
+    /// Whether it reads frames; some estimators read detections only.
     const NEEDS_PICTURES: bool = true;
-    /// The charts that its steps may have something for, the one that matters most first: the window offers no others.
+    /// The charts that its steps fill, the main one first; the window offers no others.
     const CHARTS: &'static [Chart] = Chart::ALL;
-    /// All that a unit reads and writes, its random generator included.
+    /// Everything that a unit reads and writes, its random generator included.
     type State: Clone + Send + Sync + 'static;
-    /// What happens inside a unit.
+    /// An event inside a unit.
     type Event: Clone + Send + Sync + 'static;
 
     /// The state before the first unit of a run on frame `frame`.
     ///
     /// # Errors
-    /// Every bad input is refused here.
+    /// If the input is invalid: all checks are made here.
     fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error>;
 
-    /// Does one unit of work and tells at least one event. Called only while there is more to do.
+    /// Performs one unit of work and reports at least one event. Called only while the run continues.
     ///
     /// # Errors
-    /// If a frame that it needs is damaged; the run ends before this unit.
+    /// If a frame cannot be read; the run ends before this unit.
     fn advance(
         &self,
         clip: &Clip,
@@ -152,30 +149,30 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
         observer: &mut impl Observer<Self::Event>,
     ) -> Result<Progress, Error>;
 
-    /// How many units the run has, if that is known beforehand.
+    /// Number of units of the run, if known beforehand.
     fn units(&self, state: &Self::State) -> Option<usize>;
 
-    /// Where the next unit of `state` stands: one entry for each of [`Info::granularities`] but the innermost.
+    /// The position of the next unit of `state`: one entry for each of [`Info::granularities`] but the innermost.
     fn place(&self, state: &Self::State) -> Vec<Granularity>;
 
-    /// The frame that the next unit of `state` works on, for those that go through a clip: the first of a pair, or one by
-    /// itself. `None` where that is always the pair of the run.
+    /// The frame (or first frame of the pair) of the next unit of `state`, for estimators that process a clip frame by frame;
+    /// `None` for those of a single pair.
     fn at_frame(&self, _state: &Self::State) -> Option<usize> {
         None
     }
 
-    /// The units that so many frames take on pictures of a width and height in px, where a run goes through the clip frame
-    /// by frame and each takes as many; `None` for what looks at a pair, or takes as long as it takes.
+    /// Number of units for this many frames of a width and height in px, for estimators with a fixed number of units per frame;
+    /// `None` otherwise.
     fn units_of(&self, _picture: (usize, usize), _frames: usize) -> Option<usize> {
         None
     }
 
-    /// What it lends to an estimator whose stage it is, beside what a run of it makes.
+    /// What it lends to an estimator whose stage it is, besides its products.
     fn lends(&self) -> Option<Box<dyn Any>> {
         None
     }
 
-    /// What its stages look at while it works on frame `now`, where that is not the pair from there on.
+    /// The frames that its stages read while it works on frame `now`, if not the pair from there on.
     ///
     /// # Errors
     /// If a frame cannot be read.
@@ -183,33 +180,33 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
         Ok(None)
     }
 
-    /// The role of an event that is worth a mark on the timeline.
+    /// The role of an event that is marked on the timeline.
     fn landmark(&self, _event: &Self::Event) -> Option<Role> {
         None
     }
 
-    /// How its candidates are counted, if it searches blocks by testing such: then it can go in lockstep with others.
+    /// The count of its candidates, for block searches: these can run in lockstep.
     fn tests(&self) -> Option<&dyn TestsCandidates<Self::State, Self::Event>> {
         None
     }
 
-    /// What lies where a person points, if something does.
+    /// The explanation of a pixel pointed at, if it has one.
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
         None
     }
 
-    /// What the cursor tells.
+    /// The explanation at the cursor.
     fn step(&self, seen: &Seen<Self>) -> Step;
 
-    /// What the cursor shows on the stage.
+    /// Draws the scene at the cursor.
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene);
 
-    /// The same estimator as it would work on a live camera, where it looks back in time as it is set: without hindsight.
+    /// The causal version of the estimator, as for a live camera, if its parameters make it non-causal.
     fn causal(&self) -> Option<Self> {
         None
     }
 
-    /// What a state amounts to so far.
+    /// The products of a state so far.
     fn output(&self, state: &Self::State) -> Output;
 
     /// Runs to the end. Override it to spread units over cores, never to compute differently:
@@ -222,7 +219,7 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     }
 }
 
-/// Runs to the end before the eyes of `observer`; gives the last state and the number of units.
+/// Runs to the end with events reported to `observer`; returns the last state and the number of units.
 ///
 /// # Errors
 /// As [`Estimator::start`] and [`Estimator::advance`].

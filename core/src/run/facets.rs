@@ -1,11 +1,11 @@
-//! What is asked of estimators beside their work: memory, candidates, and what a person points at.
+//! Further traits of estimators: memory, candidates, and pixels pointed at.
 
 use super::{Cursor, Need};
 use crate::data::Clip;
 use crate::params::Value;
 use crate::scene::{Focus, Picture};
 
-/// The memory that an estimator takes, whose states are `S`.
+/// The memory of an estimator with states `S`.
 pub trait Footprint<S: Clone> {
     /// Memory that a run on a clip takes, known before it starts: about the most, beside the frames of the clip. A run for which
     /// there is not so much is refused.
@@ -20,7 +20,7 @@ pub trait Footprint<S: Clone> {
     /// Memory that one state at rest takes by itself, in bytes, for the budget of checkpoints.
     fn state_bytes(&self, state: &S) -> usize;
 
-    /// Memory of all that a run needs beside the two frames, in bytes: what its states share as well.
+    /// Memory of a run without the two frames in bytes, including what its states share.
     fn memory_bytes(&self, state: &S) -> usize {
         self.state_bytes(state)
     }
@@ -33,10 +33,10 @@ pub trait TestsCandidates<S, E> {
         vec![block]
     }
 
-    /// Whether a candidate is tested at `event`: what estimators beside each other are counted by.
+    /// Whether `event` tests a candidate: the count of estimators in lockstep.
     fn is_evaluation(&self, event: &E) -> bool;
 
-    /// How many such events each unit had that `state` has behind it.
+    /// Number of such events of each unit before `state`.
     fn evaluations(&self, state: &S) -> Vec<u32>;
 }
 
@@ -59,29 +59,29 @@ impl Explained {
     }
 }
 
-/// What the stages of an estimator look at, where that is not the pair of the clip that it works on.
+/// The frames that the stages of an estimator read, if not the current pair of the clip.
 #[derive(Clone, Debug)]
 pub struct StageView {
-    /// The clip of whose first pair they run.
+    /// The clip on whose first pair they run.
     pub clip: Clip,
     /// The values that it gives to parameters which it decides.
     pub set: Vec<(&'static str, Value)>,
 }
 
-/// An estimator that has something to show where a person points, and has states `S`.
+/// An estimator with states `S` that explains pixels pointed at.
 pub trait Pointed<S> {
     /// Whether pixels of `picture` can be pointed at: a click on frame t + 1 is not one on frame t.
     fn takes(&self, picture: Picture) -> bool {
         picture == Picture::CURRENT
     }
 
-    /// The unit whose result lies at `focus`, for a click on the stage.
+    /// The unit with its result at `focus`, for a click on the stage.
     fn unit_at(&self, _state: &S, _focus: Focus) -> Option<usize> {
         None
     }
 
-    /// From when on the pixel at `focus` can be explained by itself; `None` where the unit that lies there is what
-    /// is explained, or nothing lies there. Before that nobody sees what a pixel will come to by pointing at it.
+    /// The first step at which the pixel at `focus` can be explained by itself, so that no result shows in advance; `None` where
+    /// its unit is explained instead, or there is none.
     fn explained(&self, _state: &S, _focus: Focus) -> Option<Explained> {
         None
     }

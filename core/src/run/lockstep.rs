@@ -14,11 +14,11 @@ use crate::products::{BlockField, BlockGrid, Output};
 use crate::scene::{Focus, Picture, Readout, Role, Scene, Step};
 
 choices! {
-    /// What estimators that go in lockstep have in common at every step.
+    /// What estimators in lockstep have in common at every step.
     pub enum Pace {
         /// All are at the same block, and have tested as many candidates for it.
         Block = "block" "same block",
-        /// All have tested as many candidates in the whole picture: the first leads, and the run ends where it ends.
+        /// The same number of candidates tested in the whole picture; the run ends with that of the first estimator.
         Budget = "budget" "same budget",
     }
 }
@@ -39,7 +39,7 @@ struct Member {
     walk: Box<dyn Walk>,
     /// Where the budget counts: candidates tested before each unit, and in all.
     spent: Vec<u64>,
-    /// The units that lead to what is shown.
+    /// The units that lead to the result shown.
     trails: Vec<Trail>,
     /// How many candidates of them were tested; one more once what was found is told.
     seen: usize,
@@ -113,13 +113,13 @@ pub struct Lockstep {
 }
 
 impl Lockstep {
-    /// What there is to say about several estimators: each has its own to say.
+    /// The declaration of a run of several estimators.
     pub const INFO: Info = Info {
         id: "lockstep",
         name: "Lockstep",
         family: "Comparison",
-        summary: "Several estimators on the same pair of frames, in lockstep.",
-        source: "that of each estimator",
+        summary: "Several block searches on the same pair of frames, in lockstep.",
+        source: "as for each estimator",
         pseudocode: &[],
         granularities: &["frame", "block", "candidate"],
         frames: 2,
@@ -155,14 +155,14 @@ impl Lockstep {
             let grid = member.walk.output().get::<BlockField>().map(|field| field.blocks);
             let id = member.walk.info().id;
             grid.ok_or_else(|| {
-                Error::new(format!("{id} has no blocks to be walked in lockstep; choose block searches"))
+                Error::new(format!("{id} has no blocks to step through in lockstep; choose block searches"))
             })
         });
         let blocks = blocks.collect::<Result<Vec<BlockGrid>, Error>>()?;
         if let Some(other) = blocks.iter().position(|grid| *grid != blocks[0]) {
             let [first, other] = [0, other].map(|index| estimators[index].info().id);
             return Err(Error::new(format!(
-                "{first} and {other} have different blocks; give them the same block and spacing"
+                "{first} and {other} have different block grids; give them the same block size and spacing"
             )));
         }
         let units = match pace {
@@ -307,26 +307,26 @@ fn budgeted(spent: &[u64], leader: &[u64], goal: Cursor) -> (Vec<usize>, usize) 
     (vec![unit], left.min(of_unit + 1) + usize::from(is_told && left == of_unit))
 }
 
-/// Refuses what cannot stand side by side.
+/// Rejects estimators that cannot run side by side.
 ///
 /// # Errors
 /// If there are too few or too many, or one is there twice.
 pub fn check(estimators: &[&dyn AnyEstimator]) -> Result<(), Error> {
     let count = estimators.len();
     if !MEMBERS.contains(&count) {
-        return Err(Error::new(format!("two to four estimators can stand side by side, not {count}")));
+        return Err(Error::new(format!("2 to 4 estimators can run side by side, not {count}")));
     }
     if let Some(other) = estimators.iter().find(|estimator| !estimator.tests_candidates()) {
         let name = other.info().name;
         return Err(Error::new(format!(
-            "{name} tests no candidates, so it cannot go in lockstep; choose block searches"
+            "{name} tests no candidates, so it cannot run in lockstep; choose block searches"
         )));
     }
     let same = |a: &dyn AnyEstimator, b: &dyn AnyEstimator| a.info().id == b.info().id && a.values() == b.values();
     let twice = (1..count).find(|&i| estimators[..i].iter().any(|other| same(*other, estimators[i])));
     match twice {
         Some(i) => Err(Error::new(format!(
-            "{} would stand beside itself with the same parameters; name another estimator",
+            "{} is there twice with the same parameters; choose another estimator, or change a parameter",
             estimators[i].info().id
         ))),
         None => Ok(()),
@@ -395,7 +395,7 @@ impl Walk for Lockstep {
         self.members.iter().find_map(|member| member.walk.failure())
     }
 
-    /// Where each member is done.
+    /// The end of each member.
     fn landmarks(&self) -> Vec<(usize, Role)> {
         let members = self.members.iter().filter(|_| self.pace == Pace::Block);
         members.map(|member| (member.candidates() + 1, Role::Result)).collect()

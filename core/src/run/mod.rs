@@ -1,4 +1,4 @@
-//! What an estimator is, and how one is run: to the end, step by step in both directions, beside others, within others.
+//! Estimators and their runs: to the end, step by step in both directions, side by side, and as stages of others.
 
 mod any;
 mod cursor;

@@ -1,66 +1,63 @@
-//! The memory that a run needs, and whether there is so much.
+//! The memory that a run needs, and the check against what is free.
 
 use crate::base::Error;
 use crate::data::Clip;
 
-/// Memory that a run takes at most, about, beside the frames of the clip, in bytes.
+/// Estimated peak memory of a run without the frames of the clip, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Need {
     /// Of a run to its end.
     pub run: u64,
-    /// Of a run that is walked through, with all that is told of a unit, but only one of the states that are kept to go back to.
+    /// Of a run that is stepped through, with the events of a unit and one checkpoint.
     pub walk: u64,
 }
 
-/// What every run may take beside that: buffers of each thread, the events of a small unit.
+/// Allowance for every run in bytes: buffers of each thread, events of a small unit.
 const BASE: u64 = 4 << 20;
 
-/// What is left for others: a frame that is decoded, a picture that is painted.
+/// Reserve in bytes for other work: decoding a frame, painting a picture.
 const RESERVE: u64 = 64 << 20;
 
 impl Need {
-    /// So many bytes for each pixel of the clip's frames, of a run to its end and of one that is walked through.
+    /// This many bytes per pixel of the clip's frames, for a run to its end and for one that is stepped through.
     pub fn per_pixel(clip: &Clip, [run, walk]: [f64; 2]) -> Self {
         let (width, height) = clip.size();
         let pixels = width as f64 * height as f64;
         Self { run: BASE + (pixels * run) as u64, walk: BASE + (pixels * walk) as u64 }
     }
 
-    /// The same and so many bytes more.
+    /// The same plus this many bytes.
     #[must_use]
     pub fn and(self, [run, walk]: [f64; 2]) -> Self {
         Self { run: self.run.saturating_add(run as u64), walk: self.walk.saturating_add(walk as u64) }
     }
 }
 
-/// Refuses what `who` would need `bytes` for, if there are not so many free.
+/// Checks that `bytes`, the need of estimator `who`, are free.
 pub(crate) fn check(clip: &Clip, who: &str, bytes: u64) -> Result<(), Error> {
     let (free, (width, height)) = (clip.room(), clip.size());
     if bytes <= free {
         return Ok(());
     }
     Err(Error::new(format!(
-        "{who} would take about {} of memory on pictures of {width}×{height} px, and {} are free; make the clip smaller before \
-         it is opened, or choose an estimator that takes less",
+        "{who} needs about {} of memory for frames of {width}×{height} px, but {} are free; open a smaller clip, or choose an \
+         estimator that needs less",
         size(bytes),
         size(free)
     )))
 }
 
-/// Ends a run that keeps `kept` bytes of what it has found, if there is no room for more.
+/// Checks that a run with `kept` bytes of results has memory to continue.
 pub(crate) fn check_kept(clip: &Clip, kept: usize) -> Result<(), Error> {
     let (kept, free) = (kept as u64, clip.room());
     let is_room = if clip.has_budget() { kept <= free } else { free >= RESERVE };
     if is_room {
         return Ok(());
     }
-    Err(Error::new(format!(
-        "what was found so far takes {} of memory, and there is no room for more; let the run go through fewer frames",
-        size(kept)
-    )))
+    Err(Error::new(format!("the results so far take {} of memory and no more is free; run fewer frames", size(kept))))
 }
 
-/// A number of bytes as a person reads it.
+/// A number of bytes as text.
 fn size(bytes: u64) -> String {
     const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
     let (mut value, mut unit) = (bytes as f64 / 1024.0, 0);
@@ -87,11 +84,9 @@ mod tests {
         assert_eq!(need.run, BASE + 69 * 128_000_000);
         assert!(check(&clip, "Nobody", 3 << 30).is_ok() && check_kept(&clip, 3 << 30).is_ok());
         let refused = check(&clip, "Horn–Schunck", need.run).unwrap_err().to_string();
-        assert!(
-            refused.starts_with(
-                "Horn–Schunck would take about 8.2 GiB of memory on pictures of 16000×8000 px, and 3.0 GiB"
-            )
-        );
+        assert!(refused.starts_with(
+            "Horn–Schunck needs about 8.2 GiB of memory for frames of 16000×8000 px, but 3.0 GiB are free"
+        ));
         assert!(check_kept(&clip, 4 << 30).unwrap_err().to_string().contains("4.0 GiB"));
         assert!(Need::default().and([f64::MAX; 2]).run == u64::MAX);
     }

@@ -4,7 +4,7 @@ use super::Granularity;
 use crate::base::Error;
 use crate::data::Clip;
 
-/// What the parameter is called that says how many frames a run goes through.
+/// The name of the parameter for the number of frames.
 pub const FRAMES: &str = "frames";
 
 /// Frames from the first to the last of a run, both counted in.
@@ -12,13 +12,13 @@ pub const FRAMES: &str = "frames";
 pub struct Span {
     /// The first.
     pub first: usize,
-    /// The last that it may come to; the clip may end before where nobody knows its length.
+    /// The last frame; a clip of unknown length may end earlier.
     last: usize,
     is_known: bool,
 }
 
 impl Span {
-    /// From frame `first` on `count` at most, fewer where the clip ends.
+    /// At most `count` frames from `first` on, fewer if the clip ends.
     ///
     /// # Errors
     /// If there is no pair of frames there: without a second one nothing is seen to move.
@@ -30,22 +30,22 @@ impl Span {
         Ok(Self { first, last, is_known: frames.is_some() })
     }
 
-    /// How many frames there are, if that is known.
+    /// Number of frames, if known.
     pub fn frames(&self) -> Option<usize> {
         self.is_known.then(|| self.last - self.first + 1)
     }
 
-    /// How many frames there are at most.
+    /// Largest possible number of frames.
     pub fn most(&self) -> usize {
         self.last - self.first + 1
     }
 
-    /// Where a run stands that has frames for units and `done` of them behind it: in the clip, and at a frame.
+    /// The position of a run with frames as units after `done` of them: in the clip, and at a frame.
     pub fn place(&self, done: usize) -> Vec<Granularity> {
         vec![Granularity { index: 0, of: Some(1) }, Granularity { index: done, of: self.frames() }]
     }
 
-    /// Whether there is no frame `next`. One that is damaged is no end: whoever goes on to it is told of it.
+    /// Whether the clip ends before frame `next`. A damaged frame is no end: reading it is an error.
     pub fn is_over(&self, clip: &Clip, next: usize) -> bool {
         next > self.last || (!self.is_known && clip.has_frame(next) == Ok(false))
     }

@@ -33,7 +33,7 @@ struct Journey<E: Estimator> {
     state: E::State,
 }
 
-/// What a journey looks for.
+/// The goal of a move.
 #[derive(Clone, Copy)]
 enum Goal {
     /// A cursor.
@@ -86,7 +86,7 @@ impl<S> Checkpoints<S> {
     }
 }
 
-/// Where the groups of each granularity begin, as far as the run was ever done.
+/// The first units of the groups of each granularity, as far as the run has been computed.
 struct Groups {
     starts: Vec<Vec<usize>>,
     place: Vec<usize>,
@@ -121,7 +121,7 @@ impl Groups {
     }
 }
 
-/// A run of one estimator, with all that is needed to be anywhere in it at once.
+/// A run of one estimator with checkpoints, for random access to its steps.
 pub struct Timeline<E: Estimator> {
     estimator: E,
     clip: Clip,
@@ -138,7 +138,7 @@ pub struct Timeline<E: Estimator> {
 }
 
 impl<E: Estimator> Timeline<E> {
-    /// Memory that checkpoints may take unless told otherwise.
+    /// Default memory of checkpoints.
     pub const BUDGET_BYTES: usize = 384 << 20;
 
     /// The run of `estimator` on `frame`, at its start.
@@ -198,7 +198,7 @@ impl<E: Estimator> Timeline<E> {
         self.seen > 0 && self.seen == self.unit.events.len()
     }
 
-    /// Notes that the run has come to `state`, before unit `index`.
+    /// Records `state`, before unit `index`.
     fn come_by(&mut self, index: usize, state: &E::State) {
         self.groups.note(index, &self.estimator.place(state));
         let estimator = &self.estimator;
@@ -209,7 +209,7 @@ impl<E: Estimator> Timeline<E> {
         });
     }
 
-    /// The goal of a move, or `None` if the unit at hand has it; then the cursor is there.
+    /// The goal of a move, or `None` if it lies in the current unit; then the cursor is there.
     fn goal(&mut self, to: Move) -> Option<Goal> {
         let all = self.unit.events.len();
         let unit = self.unit.index;
@@ -249,7 +249,7 @@ impl<E: Estimator> Timeline<E> {
         }
     }
 
-    /// Sets out towards `goal` from the nearest state at hand.
+    /// Starts towards `goal` from the nearest checkpoint.
     fn depart(&self, goal: Goal) -> Journey<E> {
         let goal = match (goal, self.units) {
             (Goal::Cursor(cursor), Some(units)) if cursor.unit >= units => Goal::end_of(units - 1),
@@ -302,8 +302,8 @@ impl<E: Estimator> Timeline<E> {
         }
     }
 
-    /// Unit `index` cannot be run: the run ends before it. The first unit was run once, so it stays. Where it was only given up,
-    /// so is the journey: the run stays where it is.
+    /// Unit `index` fails: the run ends before it. The first unit has run once, so it stays. If it was cancelled, so is the move,
+    /// and the run stays where it is.
     fn end(&mut self, index: usize, error: Error) -> Option<Journey<E>> {
         if error == Stop::cancelled() || self.clip.wanted().is_err() {
             return None;

@@ -1,4 +1,4 @@
-//! The levels of a pyramid as pictures: to be looked at beside, or instead of, the picture itself.
+//! The levels of a pyramid as pictures, shown beside or instead of the picture itself.
 
 use std::fmt;
 use std::sync::{Arc, OnceLock};
@@ -16,7 +16,7 @@ pub struct Level {
     enlarged: OnceLock<[Arc<Frame>; 2]>,
 }
 
-/// Where the pixels of a level lie in the picture.
+/// The position of a level's pixels in the picture.
 #[derive(Clone, Copy)]
 enum Placing {
     /// Pixel `(x, y)` of level n at `(2ⁿ x, 2ⁿ y)`.
@@ -85,8 +85,8 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// Frames t and t + 1 on a level, as large as the picture so that marks on that lie where they belong: each pixel is a
-    /// square of them. The coarsest if there is no such level.
+    /// Frames t and t + 1 on a level, enlarged to the size of the picture, each pixel to a
+    /// square, so that marks align. The coarsest if there is no such level.
     pub fn pair(&self, level: usize) -> [Arc<Frame>; 2] {
         let level = level.min(self.all.len() - 1);
         match level {
@@ -101,26 +101,26 @@ impl Levels {
     }
 }
 
-/// A pyramid as a stack of pictures, with what a step works on at each level.
+/// A pyramid as a stack of pictures, with the current block or window on each level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stack {
     /// The pictures.
     pub levels: Levels,
-    /// What lies on each, from level 0 on.
+    /// The contents of each level, from level 0 on.
     pub floors: Vec<Floor>,
 }
 
-/// What lies on one level, in its own px.
+/// The contents of one level, in its own px.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Floor {
-    /// First and last edge of what is at hand, a block or a window.
+    /// First and last edge of the current block or window.
     pub at_hand: Option<[[f32; 2]; 2]>,
-    /// The displacement that was found for it there, or the best so far, as the role says.
+    /// Its displacement, final or best so far according to the role.
     pub vector: Option<([f32; 2], Role)>,
 }
 
 impl Floor {
-    /// The middle of what is at hand.
+    /// The centre of the current block or window.
     pub fn middle(&self) -> Option<[f32; 2]> {
         self.at_hand.map(|[min, max]| [0, 1].map(|i| (min[i] + max[i]) / 2.0))
     }

@@ -16,7 +16,7 @@ pub enum Shape {
         /// Right and bottom edge.
         max: [f32; 2],
     },
-    /// Displacements; painters may lengthen them all by one factor, told in the legend.
+    /// Displacements; painters may scale them by one factor, stated in the legend.
     Arrows(Vec<Arrow>),
     /// An ellipse; `angle_rad` turns the first axis from x towards y.
     Ellipse {
@@ -50,8 +50,8 @@ pub enum Shape {
         /// The values.
         values: Grid<f32>,
     },
-    /// A displacement `[u, v]` in px for every pixel, NaN where it is not known: painters draw arrows at as many of them
-    /// as there is room for, and lay colours over the picture that tell of all.
+    /// A displacement `[u, v]` in px for every pixel, NaN where unknown: painters draw a subset as arrows, and
+    /// all as colours over the picture.
     Flow {
         /// Pixel of the grid's first cell.
         origin: [f32; 2],
@@ -161,19 +161,19 @@ impl Shape {
     }
 }
 
-/// A displacement: where it starts and where it ends, in image pixels.
+/// A displacement by its start and end in image pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrow {
-    /// Where it starts; painters put a dot there.
+    /// Start; painters draw a dot there.
     pub from: [f32; 2],
-    /// Where it ends.
+    /// End.
     pub to: [f32; 2],
 }
 
-/// About how many arrows stand along the longer side of a picture, unless someone wants more or fewer.
+/// Default number of arrows along the longer side of a picture, approximately.
 const ARROWS: usize = 36;
 
-/// From one arrow of a dense field to the next on a picture of this size, in px, unless it is chosen.
+/// Default distance between arrows of a dense field in px, for a picture of this size.
 pub fn arrow_spacing((width, height): (usize, usize)) -> usize {
     (width.max(height) / ARROWS).max(5)
 }
@@ -183,31 +183,31 @@ pub fn arrow_spacing((width, height): (usize, usize)) -> usize {
 pub struct Mark {
     /// The picture that it lies on.
     pub on: Picture,
-    /// What it stands for.
+    /// Its role.
     pub role: Role,
-    /// The object that it belongs to where several are told apart: each has a colour of its own in the place of the role's.
+    /// The identity of its object, if objects are distinguished: each has a colour of its own instead of the role's.
     pub of: Option<u32>,
     /// Where it is.
     pub shape: Shape,
 }
 
-/// Everything drawn over a pair of pictures, back to front, and the legend that explains it.
+/// All marks over a pair of pictures, back to front, with their legend.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// Marks, back to front.
     pub marks: Vec<Mark>,
-    /// What each role means in this scene.
+    /// The meaning of each role in this scene.
     pub legend: Vec<(Role, &'static str)>,
-    /// The pyramid on which the step works, where there is one: its pictures can stand below the marks.
+    /// The pyramid of the step, if any: its pictures can be shown below the marks.
     pub levels: Option<Levels>,
-    /// The pictures that the step is about, up to four, where those are not frames t and t + 1.
+    /// The pictures of the step, up to four, if not frames t and t + 1.
     pub pictures: Vec<Canvas>,
-    /// What the values of a heat are called, where no surface says so: `λ`.
+    /// The name of the values of a heat map, if no surface gives it: `λ`.
     pub heat: Option<&'static str>,
 }
 
 impl Scene {
-    /// Whether both look the same. Values that are not known yet are NaN, and the same as such.
+    /// Whether both look the same; NaN equals NaN.
     pub fn same(&self, other: &Scene) -> bool {
         let same = |(a, b): (&Mark, &Mark)| a.on == b.on && a.role == b.role && a.of == b.of && a.shape.same(&b.shape);
         self.legend == other.legend
@@ -228,14 +228,14 @@ impl Scene {
         self.marks.push(Mark { on, role, of: Some(id), shape });
     }
 
-    /// Adds the marks of `other`, a scene on a picture `factor` times smaller, and what their roles mean.
+    /// Adds the marks and the legend of `other`, a scene on a picture `factor` times smaller.
     pub fn add_enlarged(&mut self, other: Scene, factor: usize) {
         let Scene { marks, legend, .. } = other;
         self.marks.extend(marks.into_iter().map(|mark| Mark { shape: mark.shape.enlarged(factor), ..mark }));
         legend.into_iter().for_each(|(role, meaning)| self.legend(role, meaning));
     }
 
-    /// Says what `role` means here, once.
+    /// Adds the meaning of `role` to the legend, once.
     pub fn legend(&mut self, role: Role, meaning: &'static str) {
         if !self.legend.iter().any(|(r, _)| *r == role) {
             self.legend.push((role, meaning));

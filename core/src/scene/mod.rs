@@ -1,4 +1,4 @@
-//! What is drawn and told: marks in image pixels, each with an ink role, and words with roles.
+//! Scenes and explanations: marks in image pixels, sentences and charts, each with roles.
 //!
 //! A scene is data. Painters (window, PNG, SVG) choose colours, dashes and halos by [`Role`].
 

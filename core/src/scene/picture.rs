@@ -1,4 +1,4 @@
-//! The pictures of a step by their names: marks, places and what a person points at say on which of them they lie.
+//! The pictures of a step by name: marks, positions and pixels pointed at refer to them.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::base::Error;
 use crate::data::Frame;
 
-/// From where a picture was taken.
+/// The viewpoint of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Viewpoint {
     /// The only camera, or the left one of two.
@@ -17,30 +17,30 @@ pub enum Viewpoint {
     Right,
 }
 
-/// What a picture is to the step that shows it.
+/// The role of a picture in its step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum PictureRole {
     /// A frame of the clip.
     #[default]
     Frame,
-    /// What a frame is compared with, pixel by pixel: a model of the background.
+    /// The picture that a frame is compared with, pixel by pixel: a background model.
     Reference,
-    /// A small picture that is looked for in a frame.
+    /// A small picture that is matched in a frame.
     Template,
-    /// Frames put together in the coordinates of one of them.
+    /// Frames registered in the coordinates of one of them.
     Mosaic,
 }
 
-/// The name of a picture: whose view, at which time, on which level of a pyramid, and what it is to the step.
+/// The name of a picture: viewpoint, time, pyramid level, and role in the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Picture {
-    /// From where it was taken.
+    /// Viewpoint.
     pub viewpoint: Viewpoint,
-    /// Frames from frame t on: 0 for frame t, −1 for the one before.
+    /// Time relative to frame t in frames: 0 for frame t, −1 for the previous one.
     pub time: i32,
     /// The level of the pyramid; 0 is the picture itself.
     pub level: u8,
-    /// What it is to the step.
+    /// Role in the step.
     pub role: PictureRole,
 }
 
@@ -51,7 +51,7 @@ impl Picture {
     pub const CURRENT: Self = Self::at(0);
     /// Frame t + 1.
     pub const NEXT: Self = Self::at(1);
-    /// What frame t is compared with.
+    /// The picture that frame t is compared with.
     pub const REFERENCE: Self = Self { role: PictureRole::Reference, ..Self::CURRENT };
 
     /// The frame `time` frames after frame t.
@@ -66,7 +66,7 @@ impl Picture {
         self.viewpoint == other.viewpoint && self.level == other.level && is_same_role
     }
 
-    /// What stands above it where frame t has the number `frame`: `Frame t+1 = 13`.
+    /// Its title if frame t has the number `frame`: `Frame t+1 = 13`.
     pub fn title(self, frame: Option<usize>) -> String {
         let number = frame.and_then(|frame| frame.checked_add_signed(self.time as isize));
         let number = number.map_or_else(String::new, |number| format!(" = {number}"));
@@ -111,10 +111,10 @@ impl FromStr for Picture {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        let told = || {
+        let invalid = || {
             Error::new(format!(
-                "a picture is called t, t+1, t-1, reference, template or mosaic, with right- before it for the right \
-                 view and -level-2 behind it for a level of a pyramid, and not {text}"
+                "a picture must be t, t+1, t-1, reference, template or mosaic, with the prefix right- for the right \
+                 view and the suffix -level-2 for a level of a pyramid, not {text}"
             ))
         };
         let (viewpoint, rest) = match text.strip_prefix("right-") {
@@ -122,7 +122,7 @@ impl FromStr for Picture {
             None => (Viewpoint::Left, text),
         };
         let (rest, level) = match rest.split_once("-level-") {
-            Some((rest, level)) => (rest, level.parse().map_err(|_| told())?),
+            Some((rest, level)) => (rest, level.parse().map_err(|_| invalid())?),
             None => (rest, 0),
         };
         let (role, time) = match rest {
@@ -132,16 +132,16 @@ impl FromStr for Picture {
             "t" => (PictureRole::Frame, Some(0)),
             moment => (PictureRole::Frame, moment.strip_prefix('t').and_then(|time| time.parse().ok())),
         };
-        Ok(Self { viewpoint, time: time.ok_or_else(told)?, level, role })
+        Ok(Self { viewpoint, time: time.ok_or_else(invalid)?, level, role })
     }
 }
 
-/// Where the pixels of a picture come from.
+/// The source of a picture's pixels.
 #[derive(Clone)]
 pub enum Pixels {
-    /// They are a frame of the clip, which whoever shows it has.
+    /// A frame of the clip.
     OfClip,
-    /// They are made when the picture is looked at, and not before.
+    /// Computed when the picture is shown.
     Made(Arc<dyn Fn() -> Frame + Send + Sync>),
 }
 
@@ -156,36 +156,36 @@ impl fmt::Debug for Pixels {
 pub struct Canvas {
     /// Its name.
     pub picture: Picture,
-    /// Where its pixels come from.
+    /// The source of its pixels.
     pub pixels: Pixels,
 }
 
 impl Canvas {
-    /// The frame of the clip that is called `picture`.
+    /// The frame of the clip called `picture`.
     pub const fn of_clip(picture: Picture) -> Self {
         Self { picture, pixels: Pixels::OfClip }
     }
 
-    /// A picture whose pixels `make` makes when it is looked at.
+    /// A picture whose pixels are computed by `make` when it is shown.
     pub fn made(picture: Picture, make: impl Fn() -> Frame + Send + Sync + 'static) -> Self {
         Self { picture, pixels: Pixels::Made(Arc::new(make)) }
     }
 }
 
 impl PartialEq for Canvas {
-    /// Whether they are of one name and one origin: what is made of the same state has the same pixels.
+    /// Whether name and kind of source are equal: pictures computed from the same state have the same pixels.
     fn eq(&self, other: &Self) -> bool {
         let is_made = |canvas: &Self| matches!(canvas.pixels, Pixels::Made(_));
         self.picture == other.picture && is_made(self) == is_made(other)
     }
 }
 
-/// A place on a picture: what a person points at.
+/// A position on a picture: the pixel pointed at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus {
     /// The picture that it lies on.
     pub on: Picture,
-    /// Where, in px of that picture.
+    /// Position in px of that picture.
     pub at: [f32; 2],
 }
 

@@ -52,30 +52,30 @@ pub const fn kebab<const N: usize>(identifier: &str) -> [u8; N] {
 /// A line of an algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// What steps call it.
+    /// Its name in steps.
     pub name: Name,
-    /// What is read, indented by two spaces for each loop or condition around it.
+    /// Its text, indented by two spaces for each enclosing loop or condition.
     pub text: &'static str,
 }
 
 impl Line {
-    /// How many loops and conditions are around it.
+    /// Number of enclosing loops and conditions.
     pub fn depth(&self) -> usize {
         (self.text.len() - self.text.trim_start().len()) / 2
     }
 }
 
-/// Where in `lines` the one called `name` is.
+/// The index in `lines` of the line called `name`.
 pub fn find(lines: &[Line], name: Name) -> Option<usize> {
     lines.iter().position(|line| line.name == name)
 }
 
-/// Whether line `index` is a heading: the head of a loop, a condition or a procedure, whose body is what follows further in.
+/// Whether line `index` is a heading: the head of a loop, condition or procedure, followed by its indented body.
 pub fn is_heading(lines: &[Line], index: usize) -> bool {
     lines.get(index + 1).is_some_and(|next| next.depth() > lines[index].depth())
 }
 
-/// The headings around line `index`, the innermost first: where a run stands that is at this line.
+/// The headings enclosing line `index`, the innermost first.
 pub fn around(lines: &[Line], index: usize) -> impl Iterator<Item = usize> {
     let mut depth = lines.get(index).map_or(0, Line::depth);
     (0..index.min(lines.len())).rev().filter(move |&above| {
@@ -91,10 +91,10 @@ pub fn around(lines: &[Line], index: usize) -> impl Iterator<Item = usize> {
 /// ```
 /// motionscope_core::pseudocode! {
 ///     EACH_FRAME: "for each frame t",
-///     KEEP_BEST: "  keep what fits best",
+///     KEEP_BEST: "  best ← match of minimum cost",
 /// }
 /// assert_eq!(line::KEEP_BEST.as_str(), "keep-best");
-/// assert_eq!(line::ALL[1].text, "  keep what fits best");
+/// assert_eq!(line::ALL[1].text, "  best ← match of minimum cost");
 /// ```
 #[macro_export]
 macro_rules! pseudocode {
@@ -110,7 +110,8 @@ macro_rules! pseudocode {
     };
 }
 
-/// Declares names of lines for what several algorithms share: a line of the same name is theirs in [`pseudocode!`](crate::pseudocode!).
+/// Declares names of lines that several algorithms share; a line of the same name in [`pseudocode!`](crate::pseudocode!) is
+/// one of them.
 #[macro_export]
 macro_rules! line_names {
     ($($name:ident),+ $(,)?) => {$(

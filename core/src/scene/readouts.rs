@@ -1,29 +1,29 @@
-//! What is shown beside the stage: equations, tables, charts, as data.
+//! The contents beside the stage: equations, tables and charts, as data.
 
 use super::{Math, Role, Stack};
 use crate::data::Histogram;
 use crate::geometry::Grid;
 
-/// Something that the explanation panel, the plots and the 3-D views show. One generic view draws each kind.
+/// A content of the explanation panel, the plots and the 3-D views. One generic view draws each kind.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Readout {
     /// Labelled numbers of this step.
     Facts(Vec<Fact>),
-    /// A formula with this step's numbers put in, line by line.
+    /// A formula, and with the numbers of this step, line by line.
     Equation(Vec<Math>),
     /// Small pictures with their numbers, side by side: the block, the candidate, their difference.
     Tiles(Vec<Tile>),
     /// A quantity over steps.
     Series(Series),
-    /// A cost over displacements, as a heat map and as a 3-D surface.
+    /// A cost surface over displacements, as a heat map and in 3-D.
     Surface(Surface),
     /// Lines and points in the plane of displacements.
     Plane(Plane),
-    /// How often each displacement was found.
+    /// The histogram of displacements.
     Histogram(Histogram),
-    /// How often a quantity has each value.
+    /// The distribution of a quantity.
     Distribution(Distribution),
-    /// A pyramid with what is at hand on each of its levels.
+    /// A pyramid with the current block or window on each level.
     Stack(Stack),
     /// Matrices with the numbers of this step.
     Matrices(Vec<Matrix>),
@@ -73,9 +73,9 @@ impl Readout {
 /// One labelled number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
-    /// What it is: `Best so far`.
+    /// Its name: `Best so far`.
     pub label: &'static str,
-    /// Its value as shown: `812 at (−3, 2)`.
+    /// Its value as text: `812 at (−3, 2)`.
     pub value: String,
     /// Its role, if it has one.
     pub role: Option<Role>,
@@ -88,101 +88,101 @@ impl Fact {
     }
 }
 
-/// A small picture whose pixels are numbers worth reading.
+/// A small picture with readable pixel values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
     /// What it is.
     pub label: &'static str,
     /// Its role, if it has one.
     pub role: Option<Role>,
-    /// The numbers; NaN where there is none yet.
+    /// The values; NaN where unknown.
     pub values: Grid<f32>,
-    /// The number shown black and the one shown white.
+    /// The values shown black and white.
     pub range: [f32; 2],
 }
 
 /// A matrix, or a vector as one of a single column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matrix {
-    /// What it is called in formulas: `P`.
+    /// Its symbol in formulas: `P`.
     pub symbol: &'static str,
-    /// What it is: `covariance of the state`.
+    /// Its name: `covariance of the state`.
     pub name: &'static str,
     /// Its role, if it has one.
     pub role: Option<Role>,
     /// Its entries.
     pub entries: Grid<f64>,
-    /// What stands for each row, as `x` and `v_x`; nothing where that is clear.
+    /// The labels of the rows, as `x` and `v_x`; empty if they are clear.
     pub rows: Vec<String>,
     /// The same for the columns.
     pub columns: Vec<String>,
-    /// The entries that this step has changed, or is about.
+    /// The entries that this step changes or uses.
     pub changed: Option<Grid<bool>>,
 }
 
 /// A quantity over steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// What is plotted.
+    /// Title: the quantity plotted.
     pub title: &'static str,
-    /// What runs along x.
+    /// Label of the x axis.
     pub x_label: &'static str,
-    /// What runs along y, with its unit.
+    /// Label of the y axis, with the unit.
     pub y_label: &'static str,
-    /// How many steps there will be, so that the axis does not jump.
+    /// Final number of steps, so that the axis does not jump.
     pub x_max: usize,
-    /// The event at which each step came, from x = 1 on, counted from 1: where a click on it leads.
+    /// The event of each step from x = 1 on, counted from 1: the target of a click.
     pub events: Vec<usize>,
-    /// Where something else is at hand from then on, in the order of x: what is on either side cannot be compared.
+    /// Sections in the order of x; values of different sections are not comparable.
     pub sections: Vec<Section>,
-    /// The lines: name, role, and `(x, y)` points. A line is broken where y is NaN: nothing is known there.
+    /// The lines: name, role, and `(x, y)` points. A line is broken where y is NaN (unknown).
     pub lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
 }
 
-/// A stretch of a [`Series`] that begins anew.
+/// A section of a [`Series`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
-    /// Where it begins along x.
+    /// Its first x.
     pub from: f32,
-    /// What it is: `level 2`.
+    /// Its name: `level 2`.
     pub label: String,
     /// Whether it is part of a longer one.
     pub is_part: bool,
 }
 
-/// How often a quantity has each value, from 0 up.
+/// The distribution of a quantity, from 0 up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distribution {
-    /// What is counted: `Endpoint error`.
+    /// The quantity: `Endpoint error`.
     pub title: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// Where the last bar ends.
+    /// Upper end of the last bin.
     pub top: f32,
-    /// How many there are in each bar, all of one width.
+    /// Counts of the bins, all of one width.
     pub counts: Vec<u32>,
-    /// How many lie beyond the last bar.
+    /// Count beyond the last bin.
     pub beyond: u32,
-    /// Values with a name: `mean`.
+    /// Statistics with their names: `mean`.
     pub figures: Vec<(&'static str, f32)>,
-    /// Shares, 0 to 1, that exceed a limit.
+    /// Thresholds with the share, 0 to 1, that exceeds them.
     pub shares: Vec<(f32, f32)>,
 }
 
-/// A cost over displacements.
+/// A cost surface over displacements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
-    /// What is shown: `SAD`.
+    /// Name of the cost: `SAD`.
     pub title: &'static str,
     /// Displacement of the first cell, in px.
     pub origin: [i32; 2],
-    /// The costs; NaN where nothing was tested yet.
+    /// The costs; NaN where not tested.
     pub values: Grid<f32>,
-    /// The event that tested each displacement, counted from 1: where a click on it leads.
+    /// The event that tested each displacement, counted from 1: the target of a click.
     pub events: Grid<Option<usize>>,
     /// The displacement under test, if any.
     pub probe: Option<[i32; 2]>,
-    /// The best displacement so far, if any.
+    /// The displacement of minimum cost so far, if any.
     pub best: Option<[i32; 2]>,
 }
 
@@ -196,8 +196,7 @@ impl Surface {
         })
     }
 
-    /// The part with all displacements that were tested and those up to `margin` px around them; all of it before the
-    /// first.
+    /// The part with all tested displacements and a margin of `margin` px; the whole surface before the first test.
     #[must_use]
     pub fn around_tested(&self, margin: usize) -> Self {
         let (width, height) = self.values.size();
@@ -220,20 +219,20 @@ impl Surface {
     }
 }
 
-/// What pixels say about their displacement (u, v): lines and points in the plane of displacements, v downwards.
+/// The (u, v) plane of displacements with constraint lines and points, v downwards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
-    /// What is shown: `Gradient constraint`.
+    /// Title: `Gradient constraint`.
     pub title: &'static str,
-    /// What displacements are measured in: `px`, or `px of level 2`.
+    /// Unit of displacements: `px`, or `px of level 2`.
     pub unit: String,
     /// Displacements from `-reach` to `reach` px are shown on both axes.
     pub reach: f32,
-    /// The lines on which pixels allow the displacement to lie.
+    /// The constraint lines of the pixels.
     pub lines: Vec<Constraint>,
     /// Displacements with their names.
     pub points: Vec<(&'static str, Role, [f32; 2])>,
-    /// How certain a displacement is, where that is known: an ellipse of one standard deviation.
+    /// Uncertainty of a displacement, if known: an ellipse of one standard deviation.
     pub ellipse: Option<Spread>,
 }
 
@@ -242,9 +241,9 @@ pub struct Plane {
 pub struct Constraint {
     /// The factors a, b and c; a and b are not both 0.
     pub factors: [f32; 3],
-    /// How much it counts, 0 to 1.
+    /// Its weight, 0 to 1.
     pub weight: f32,
-    /// What it stands for.
+    /// Its role.
     pub role: Role,
 }
 

@@ -1,29 +1,29 @@
-//! What a mark stands for.
+//! The meaning of a mark.
 
-/// What a mark or a word stands for. A role has one colour, and one shape or line style, everywhere.
+/// The meaning of a mark or a word. A role has one colour, and one shape or line style, everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Role {
-    /// The block, point or feature that is being matched.
+    /// The block, point or feature to be matched.
     Reference,
     /// The search window.
     Window,
     /// The candidate under test.
     Candidate,
-    /// A candidate that lost.
+    /// A rejected candidate.
     Rejected,
-    /// The best candidate so far.
+    /// The best match so far.
     Best,
-    /// A result: the displacement that was chosen.
+    /// A result: the motion vector.
     Result,
-    /// What a model predicts.
+    /// A prediction.
     Predicted,
-    /// What was measured.
+    /// A measurement.
     Measured,
-    /// The estimate after prediction and measurement.
+    /// The estimate after the update.
     Estimate,
-    /// What is truly so.
+    /// Ground truth.
     Truth,
-    /// How far off something is.
+    /// An error or a residual.
     Error,
 }
 

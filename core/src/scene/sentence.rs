@@ -1,4 +1,4 @@
-//! Words with roles, and formulas.
+//! Sentences with roles, and formulas.
 
 use super::Role;
 
@@ -21,7 +21,7 @@ impl Sentence {
         self
     }
 
-    /// The sentence without colours, and with nothing but plain spaces.
+    /// The sentence without colours, with plain spaces.
     pub fn plain(&self) -> String {
         self.0.iter().map(|(words, _)| words.replace('\u{a0}', " ")).collect()
     }

@@ -1,14 +1,14 @@
-//! What one step tells.
+//! The explanation of one step.
 
 use super::{Name, Readout, Sentence};
 
-/// What a step tells: the line of the pseudocode, why, and the numbers.
+/// The explanation of a step: the pseudocode line, a sentence, and the numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// The line of [`crate::run::Info::pseudocode`] that is at work.
+    /// The current line of [`crate::run::Info::pseudocode`].
     pub line: Name,
     /// What happened and why, in one or two sentences.
     pub sentence: Sentence,
-    /// What the panels show.
+    /// The contents of the panels.
     pub readouts: Vec<Readout>,
 }

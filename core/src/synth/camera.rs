@@ -1,4 +1,4 @@
-//! What light and camera do to a picture: none of it moves anything.
+//! Effects of light and camera on a picture; none changes the motion.
 
 use rayon::prelude::*;
 

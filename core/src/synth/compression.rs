@@ -1,4 +1,4 @@
-//! What JPEG does to a picture, without the file: each block of 8×8 pixels is turned into frequencies (DCT), these are
+//! The loss of JPEG compression, without the file: each block of 8×8 pixels is turned into frequencies (DCT), these are
 //! rounded to the standard's tables (ITU-T T.81, Annex K, scaled as the Independent JPEG Group does), and turned back.
 
 use rayon::prelude::*;

@@ -1,40 +1,40 @@
-//! What makes motion hard to see: one slider for each difficulty of the course.
+//! The difficulties of motion estimation: one slider for each of the course.
 
 use crate::base::Error;
 use crate::params::Params;
 
 crate::params! {
-    /// Every difficulty that a synthetic clip can have, and its size. All are off unless a scene says otherwise.
+    /// The difficulties of a synthetic clip. All are off unless a scene sets them.
     ///
-    /// Speed, scale change and rotation change the true motion, and the truth follows exactly. All others change
-    /// only how the motion looks.
+    /// Speed, scale change and rotation change the true motion, and the ground truth follows exactly. All others change only
+    /// the appearance.
     #[derive(PartialEq)]
     pub struct Difficulty {
-        /// How many times faster than usual everything in the scene moves.
+        /// Factor on all velocities of the scene.
         speed: f32 = 1.0, 0.0..=4.0, "×";
-        /// How much the whole picture grows in each frame (shrinks if negative); once doubled or halved, it goes back.
+        /// Growth of the whole picture per frame (negative: shrinking); after doubling or halving it reverses.
         scale_change: f32 = 0.0, -5.0..=5.0, "%/frame";
-        /// How far the whole picture turns clockwise about its centre in each frame.
+        /// Clockwise rotation of the whole picture about its centre per frame.
         rotation: f32 = 0.0, -10.0..=10.0, "°/frame";
-        /// How much of the texture's contrast is gone; at 100 % every surface is plain and only outlines are left.
+        /// Loss of texture contrast; at 100 % every surface is uniform and only outlines remain.
         low_texture: f32 = 0.0, 0.0..=100.0, "%";
-        /// How much of every texture is replaced by a pattern that repeats itself.
+        /// Share of every texture that is replaced by a repeating pattern: ambiguous matches.
         repeating_texture: f32 = 0.0, 0.0..=100.0, "%";
-        /// Distance after which the repeating pattern looks the same again.
+        /// Period of the repeating pattern.
         period: u32 = 16, 4..=64, "px";
-        /// How much brighter the light gets in each of four frames (darker if negative); in the next four it goes back.
+        /// Multiplicative brightness change per frame (negative: darker), over four frames; over the next four it reverses.
         gain: f32 = 0.0, -10.0..=10.0, "%/frame";
-        /// How many gray levels are added in each of four frames; in the next four they are taken away again.
+        /// Additive brightness change per frame, over four frames; over the next four it reverses.
         offset: f32 = 0.0, -10.0..=10.0, "levels/frame";
-        /// How far the light of any frame may be off at random, up or down.
+        /// Largest random brightness change of a frame, up or down: violates brightness constancy.
         flicker: f32 = 0.0, 0.0..=50.0, "%";
-        /// How long the shutter stays open, as a share of the time between frames; what moves is smeared.
+        /// Exposure time as a share of the time between frames: motion blur.
         motion_blur: f32 = 0.0, 0.0..=100.0, "%";
-        /// Standard deviation of the Gaussian noise on the gray value of every pixel.
+        /// Standard deviation of the Gaussian noise added to every gray value.
         noise: f32 = 0.0, 0.0..=50.0, "levels";
-        /// Share of pixels that are replaced by black or white.
+        /// Share of pixels replaced by black or white.
         salt_and_pepper: f32 = 0.0, 0.0..=50.0, "%";
-        /// How strongly blocks of 8×8 pixels are compressed, as in JPEG at quality 100 less this; 0 is uncompressed.
+        /// Compression of 8×8 blocks as in JPEG, at quality 100 minus this; 0 is uncompressed.
         compression: u32 = 0, 0..=99, "%";
         /// Width of every frame.
         width: usize = 320, 32..=1920, "px";
@@ -42,16 +42,16 @@ crate::params! {
         height: usize = 240, 32..=1080, "px";
         /// Number of frames.
         frames: usize = 24, 2..=500;
-        /// Another number gives other textures and other noise; the same number, the same bytes.
+        /// Random seed of textures and noise. The same seed gives the same clip.
         seed: u32 = 1, 0..=999_999;
     }
 }
 
 impl Difficulty {
-    /// Checks every value, since the fields can be written directly.
+    /// Checks every value against its range, since the fields can be written directly.
     ///
     /// # Errors
-    /// A sentence with the range of the first value that is not allowed.
+    /// If a value is out of range: a sentence with the range.
     pub(super) fn check(&self) -> Result<(), Error> {
         self.specs().iter().zip(self.values()).try_for_each(|(spec, (_, value))| spec.check(value).map(|_| ()))
     }

@@ -1,4 +1,4 @@
-//! Layers, front to back, and what each pixel sees of them.
+//! Layers, front to back, and the visible part of each.
 
 use super::Setting;
 use super::difficulty::Difficulty;
@@ -7,7 +7,7 @@ use super::motion::{Affine, Motion, grown};
 use super::shape::{Point, Shape, length};
 use super::texture::{Rgb, Spot, mix, smooth};
 
-/// What colour a layer has at a spot.
+/// The colour of a layer at a spot.
 pub type Paint = Box<dyn Fn(Spot) -> Rgb + Send + Sync>;
 
 /// One painted surface of a scene.
@@ -41,13 +41,13 @@ impl Layer {
     }
 }
 
-/// A layer where it is at one moment.
+/// A layer at one moment.
 struct Placed<'a> {
     layer: &'a Layer,
     time: f64,
     to_layer: Affine,
     to_picture: Affine,
-    /// How wide a pixel of the picture is, in the layer's coordinates.
+    /// Width of a picture's pixel in the layer's coordinates.
     pixel: f64,
     /// Left, top, right and bottom edge in the picture; infinite if the layer has no end.
     bounds: [f64; 4],
@@ -75,13 +75,13 @@ impl<'a> Placed<'a> {
             .fold(none, |[left, top, right, bottom], [x, y]| [left.min(x), top.min(y), right.max(x), bottom.max(y)])
     }
 
-    /// Where in the picture the layer's `rest` is.
+    /// The position in the picture of the layer's point `rest`.
     fn forward(&self, rest: Point) -> Point {
         let bent = self.layer.motion.wave.map_or(rest, |wave| wave.forward(rest, self.time));
         self.to_picture.apply(bent)
     }
 
-    /// What of the layer is at `p` in the picture.
+    /// The point of the layer at `p` in the picture.
     fn back(&self, p: Point) -> Point {
         let bent = self.to_layer.apply(p);
         self.layer.motion.wave.map_or(bent, |wave| wave.back(bent, self.time))
@@ -97,7 +97,7 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// An object at one moment: its edges in the picture, and how much of it can be seen.
+/// An object at one moment: its bounding box in the picture, and its visibility.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackPoint {
     /// Its number.
@@ -120,7 +120,7 @@ impl Stage {
         Self { layers, difficulty }
     }
 
-    /// Whether there is anything to be tracked.
+    /// Whether the scene has objects.
     pub fn has_objects(&self) -> bool {
         self.layers.iter().any(|layer| layer.object.is_some())
     }
@@ -138,12 +138,12 @@ impl Stage {
 /// The scene's middle, in its own units; a scene is drawn for a picture of 320×240.
 const MIDDLE: Point = [159.5, 119.5];
 
-/// How many px of the picture a unit of the scene takes.
+/// Pixels of the picture per unit of the scene.
 pub fn scale(d: &Difficulty) -> f64 {
     (d.width as f64 / 320.0).min(d.height as f64 / 240.0)
 }
 
-/// How far from the scene's middle, in its units, anything can be seen, however the camera turns or draws back.
+/// Largest visible distance from the scene's centre in its units, for any rotation and zoom of the camera.
 pub fn reach(d: &Difficulty) -> f64 {
     /// The edge of a layer is soft.
     const MARGIN_PX: f64 = 2.0;

@@ -1,11 +1,11 @@
-//! Synthetic clips with exact truth, made on the fly from painted layers that move.
+//! Synthetic clips with exact ground truth, rendered on demand from moving layers.
 //!
-//! A *scene* ([`SCENES`]) is a list of layers from front to back. Each has a shape, a paint that can be evaluated at any
-//! real coordinate, and a motion that is exact in both directions; so a frame is rendered, and a pixel's true motion
-//! known, at any moment. [`Difficulty`] holds one slider for each difficulty of the course.
+//! A *scene* ([`SCENES`]) is a list of layers from front to back. Each has a shape, a texture defined at every real
+//! coordinate, and an invertible motion, so that frames and true motion are exact at any time. [`Difficulty`] holds one
+//! slider for each difficulty of the course.
 //!
-//! The same scene and sliders give the same bytes on every platform, in whichever order frames are asked for: all
-//! randomness is hashed from the seed and the place, and all functions are our own.
+//! The same scene and sliders give the same bytes on every platform, in any order of frames: random numbers are hashes of
+//! seed and position, and all elementary functions are our own.
 //!
 //! ```
 //! use motionscope_core::{Params, synth};
@@ -42,30 +42,30 @@ use truth::ExactTruth;
 pub use difficulty::Difficulty;
 pub use scenes::SCENES;
 
-/// A synthetic scene, named for what it teaches.
+/// A synthetic scene, named after the problem it demonstrates.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Kebab-case name, for scripts.
     pub id: &'static str,
-    /// Name to show.
+    /// Name in the window.
     pub title: &'static str,
-    /// One sentence: what there is to learn from it.
+    /// The lesson in one or two sentences.
     pub teaches: &'static str,
-    /// Changes the sliders from off to what the scene needs.
+    /// Sets the scene's own defaults of the sliders.
     tune: fn(&mut Difficulty),
     /// Its layers, front to back.
     layers: fn(&Setting) -> Vec<Layer>,
 }
 
-/// What a scene may want to know before it is built.
+/// Parameters of a scene's layers.
 struct Setting {
-    /// Other numbers give other textures.
+    /// Random seed of the textures.
     seed: u32,
-    /// How many px of the picture a unit of the scene takes.
+    /// Pixels of the picture per unit of the scene.
     scale: f64,
-    /// How far from its middle anything can be seen, in the scene's units.
+    /// Largest visible distance from the centre, in units of the scene.
     reach: f64,
-    /// How many times faster than usual everything moves.
+    /// Factor on all velocities.
     speed: f64,
 }
 
@@ -76,17 +76,17 @@ impl Setting {
 }
 
 impl Sample {
-    /// The sliders as this scene is meant to be seen first.
+    /// The default sliders of this scene.
     pub fn difficulty(&self) -> Difficulty {
         let mut difficulty = Difficulty::default();
         (self.tune)(&mut difficulty);
         difficulty
     }
 
-    /// The clip, whose frames are rendered when they are asked for, with its truth.
+    /// The clip with its ground truth; frames are rendered on demand.
     ///
     /// # Errors
-    /// A sentence with the range of the first slider that is not within its range.
+    /// If a slider is out of range: a sentence with the range.
     pub fn clip(&self, difficulty: &Difficulty) -> Result<Clip, Error> {
         difficulty.check()?;
         let stage = Arc::new(Stage::new((self.layers)(&Setting::new(difficulty)), difficulty.clone()));
@@ -108,7 +108,7 @@ impl Sample {
 /// The scene called `id`.
 ///
 /// # Errors
-/// A sentence with the names there are.
+/// If there is none: a sentence with all names.
 pub fn scene(id: &str) -> Result<&'static Sample, Error> {
     SCENES.iter().find(|scene| scene.id == id).ok_or_else(|| {
         let ids: Vec<_> = SCENES.iter().map(|scene| scene.id).collect();
@@ -119,12 +119,12 @@ pub fn scene(id: &str) -> Result<&'static Sample, Error> {
 /// The clip of the scene called `id`.
 ///
 /// # Errors
-/// If there is no such scene, or a slider is not within its range.
+/// If there is no such scene, or a slider is out of range.
 pub fn make(id: &str, difficulty: &Difficulty) -> Result<Clip, Error> {
     scene(id)?.clip(difficulty)
 }
 
-/// Renders frames when they are asked for.
+/// The source of a synthetic clip: renders frames on demand.
 struct Studio {
     stage: Arc<Stage>,
     difficulty: Difficulty,
@@ -132,7 +132,7 @@ struct Studio {
 }
 
 impl Studio {
-    /// Keeps as many frames as fit into 32 MiB, but at least the two of a pair.
+    /// A source that caches as many frames as fit into 32 MiB, but at least two.
     fn new(stage: Arc<Stage>, difficulty: Difficulty) -> Self {
         const BUDGET_BYTES: usize = 32 << 20;
         const BYTES_PER_PIXEL: usize = 4;

@@ -1,4 +1,4 @@
-//! How layers move: exact in both directions, at any time, whole frames or not.
+//! Motion of layers: exact forwards and backwards, at any real time.
 
 use super::maths::{cos, exp, ln, sin, sin_cos, there_and_back};
 use super::shape::Point;
@@ -19,7 +19,7 @@ impl Affine {
         Self { linear: [[cos * scale, -sin * scale], [sin * scale, cos * scale]], shift }
     }
 
-    /// Where `p` goes.
+    /// The image of `p`.
     pub fn apply(&self, p: Point) -> Point {
         std::array::from_fn(|i| self.linear[i][0] * p[0] + self.linear[i][1] * p[1] + self.shift[i])
     }
@@ -40,35 +40,35 @@ impl Affine {
         Self { linear, shift: back.map(|s| -s) }
     }
 
-    /// By how much areas grow.
+    /// The determinant: growth of areas.
     pub fn area(&self) -> f64 {
         let [[a, b], [c, d]] = self.linear;
         a * d - b * c
     }
 }
 
-/// How a layer moves. Lengths are in the scene's units, times in frames.
+/// The motion of a layer. Lengths are in the scene's units, times in frames.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
-    /// Where the layer's origin is at time 0.
+    /// Position of the layer's origin at time 0.
     pub from: Point,
-    /// How far it goes in each frame.
+    /// Velocity per frame.
     pub velocity: Point,
     /// From which to which distance from `from` it goes round and round, if it does: at the end it is back at the start.
     pub lap: Option<[f64; 2]>,
-    /// How far it swings to either side, about its path.
+    /// Amplitude of an oscillation about its path.
     pub sway: Point,
-    /// How high it bounces.
+    /// Height of its bounces.
     pub bounce: f64,
-    /// How many frames a swing or a bounce takes.
+    /// Period of oscillation or bounce in frames.
     pub period: f64,
-    /// How far it is turned clockwise at time 0, in turns.
+    /// Clockwise rotation at time 0, in turns.
     pub turned: f64,
-    /// How many turns it makes in each frame.
+    /// Rotation per frame, in turns.
     pub spin: f64,
-    /// How much it grows in each frame, as a share; once doubled or halved, it goes back.
+    /// Growth per frame as a share; after doubling or halving it reverses.
     pub growth: f64,
-    /// How it bends, if it does.
+    /// Its wave, if it bends.
     pub wave: Option<Wave>,
 }
 

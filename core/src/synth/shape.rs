@@ -5,7 +5,7 @@ use super::maths::sin_cos;
 /// A point or vector: x right, y down.
 pub type Point = [f64; 2];
 
-/// From here on nobody needs to know exactly how far away an edge is.
+/// Distance to an edge, in the layer's units, beyond which it need not be exact.
 const FAR: f64 = 8.0;
 
 /// A height for every x.

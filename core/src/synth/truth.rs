@@ -1,4 +1,4 @@
-//! The exact motion of every pixel, what gets hidden, and where the objects are.
+//! Ground truth: the exact flow of every pixel, occlusions, and objects.
 
 use std::sync::Arc;
 

@@ -125,7 +125,7 @@ pub fn fact(step: &scene::Step, label: &str) -> Option<String> {
 
 /// The numbers in a text, in their order.
 pub fn numbers(text: &str) -> Vec<f64> {
-    let plain = text.replace('−', "-");
+    let plain = text.replace('−', "-").replace('\u{202f}', "");
     let parts = plain.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'));
     parts.filter_map(|part| part.parse().ok()).collect()
 }

@@ -1,10 +1,10 @@
-//! Adaptive rood pattern search: a cross whose arms are as long as the neighbour's motion, then small steps downhill.
+//! Adaptive rood pattern search: a cross with arms as long as the predictor, then a small diamond descends to a minimum.
 //!
 //! ```text
 //! . . . . 1 . . . .
-//! . . . . . . . . .     the block to the left moved by (4, 1): arms of 4 px, the longer of the two
-//! . . . . . . . . .     1  the centre, the ends of the arms, and the neighbour's motion p
-//! . . . . . . . . .     2  a small diamond around the best, here p, moves downhill until its centre is the best
+//! . . . . . . . . .     motion vector of the left block (4, 1): arm length max(|u|, |v|) = 4 px
+//! . . . . . . . . .     1  the centre, the ends of the arms, and the predictor p
+//! . . . . . . . . .     2  a small diamond around the best, here p, moves until its centre is the minimum
 //! 1 . . . 1 . . 2 1
 //! . . . . . . 2 2 p 2
 //! . . . . . . . 2 2
@@ -12,7 +12,7 @@
 //! . . . . 1 . . . .
 //! ```
 
-use super::diamond::{Downhill, SMALL, walk_downhill};
+use super::diamond::{Descent, SMALL, descend};
 use crate::base::Observer;
 use crate::methods::block_search::{
     BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, vector,
@@ -20,22 +20,23 @@ use crate::methods::block_search::{
 use crate::run::Info;
 
 block_search_params! {
-    /// Adaptive rood pattern search: as far out as the neighbour moved, then downhill.
+    /// Adaptive rood pattern search (ARPS): arms as long as the predicted motion, then descent with a small diamond.
     pub struct AdaptiveRood {
-        /// A block that differs by at most this much per pixel at (0, 0) counts as still and is searched no further; 0
-        /// searches every block. The paper has a SAD of 512 for 16×16 px, which is 2.
-        still: f32 = 2.0, 0.0..=16.0, "gray levels";
+        /// Largest mean difference at (0, 0) at which a block is taken as static and the search stops; 0
+        /// searches every block. The paper uses SAD 512 for 16×16 px, which is 2 gray levels per pixel.
+        zero_motion_threshold: f32 = 2.0, 0.0..=16.0, "gray levels";
     }
+    renamed { "still" => "zero-motion-threshold" }
 }
 
 search_pseudocode! {
     TEST_ZERO: "  test (0, 0)",
-    STOP_IF_STILL: "  if its cost is at most still per pixel, then stop",
-    SET_ARM: "  p ← displacement of the block to the left; arm ← the longer of its |u| and |v|, 2 without one",
-    TEST_ROOD: "  test p and the 4 points at distance arm around (0, 0)",
+    STOP_IF_STILL: "  if its cost per pixel ≤ zero-motion threshold, then stop",
+    SET_ARM: "  p ← motion vector of the left block; arm ← max(|u|, |v|) of p, or 2 if there is none",
+    TEST_ROOD: "  test p and the 4 candidates at distance arm from (0, 0)",
     REPEAT: "  repeat",
-    TEST_SMALL_DIAMOND: "    test the 4 points next to the best",
-    UNTIL_BEST_STAYS: "  until the best stays",
+    TEST_SMALL_DIAMOND: "    test the small diamond: the 4 neighbours of best",
+    UNTIL_BEST_STAYS: "  until best is unchanged",
 }
 
 impl BlockSearch for AdaptiveRood {
@@ -43,7 +44,7 @@ impl BlockSearch for AdaptiveRood {
         id: "adaptive-rood",
         name: "Adaptive rood pattern search",
         family: "Block matching",
-        summary: "Looks as far out as the block to the left moved, and where it moved, then walks downhill.",
+        summary: "Tests a cross whose arm length is predicted from the left block, then descends with a small diamond.",
         source: "Y. Nie and K.-K. Ma, Adaptive rood pattern search for fast block-matching motion estimation, \
                  IEEE Trans. Image Processing 11(12), 2002",
         pseudocode: line::ALL,
@@ -57,26 +58,32 @@ impl BlockSearch for AdaptiveRood {
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         tester.stage(line::TEST_ZERO, [[0, 0]].into_iter(), || {
-            "Does the block stay where it is? (0, 0) is tested first.".into()
+            "Zero-motion prejudgement: (0, 0) is tested first, since most blocks are static.".into()
         });
-        let (cost, most) = (tester.best_distortion(), tester.cost_of_levels(self.still));
+        let (cost, most) = (tester.best_distortion(), tester.cost_of_levels(self.zero_motion_threshold));
         if cost <= most {
-            let settings = tester.settings.free();
-            return tester.tell(line::STOP_IF_STILL, || {
-                format!("{} is at most {}: the block counts as still.", settings.show(cost), settings.show(most))
+            let settings = tester.settings.without_rate();
+            return tester.report(line::STOP_IF_STILL, || {
+                format!(
+                    "{} at (0, 0) does not exceed the zero-motion threshold {}: static block, the search stops.",
+                    settings.show(cost),
+                    settings.number(most)
+                )
             });
         }
         let predicted = tester.neighbours.left.map(|left| left.displacement);
         let arm = predicted.map_or(2, |[u, v]| u.abs().max(v.abs()));
-        tester.tell(line::SET_ARM, || match predicted {
-            Some(p) => format!("The block to the left moved by {}, so the arms are {arm} px long.", vector(p)),
-            None => format!("There is no block to the left to learn from, so the arms are {arm} px long."),
+        tester.report(line::SET_ARM, || match predicted {
+            Some(p) => format!("The left block predicts {}: arm length max(|u|, |v|) = {arm} px.", vector(p)),
+            None => format!("There is no left block to predict from: arm length {arm} px by default."),
         });
         tester.stage(line::TEST_ROOD, around([0, 0], &SMALL, arm).chain(predicted), || match predicted {
-            Some(p) if p != [0, 0] => format!("(0, 0), the 4 ends of the arms around it and {} are tested.", vector(p)),
-            _ => "(0, 0) and the 4 ends of the arms around it are tested.".into(),
+            Some(p) if p != [0, 0] => {
+                format!("Rood pattern: the centre (0, 0), 4 arm ends and the predictor {}.", vector(p))
+            }
+            _ => "Rood pattern: the centre (0, 0) and 4 arm ends.".into(),
         });
-        let lines = Downhill { test: line::TEST_SMALL_DIAMOND, decide: line::UNTIL_BEST_STAYS };
-        walk_downhill(tester, &SMALL, lines, "small diamond");
+        let lines = Descent { test: line::TEST_SMALL_DIAMOND, decide: line::UNTIL_BEST_STAYS };
+        descend(tester, &SMALL, lines, "small diamond");
     }
 }

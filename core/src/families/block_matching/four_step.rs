@@ -1,13 +1,13 @@
-//! Four-step search: a square of nine points, 2 px apart, that moves to its best point until that is its centre.
+//! Four-step search: a square of nine candidates, 2 px apart, moves to its minimum until that is its centre.
 //!
 //! ```text
 //! . . . . . . . . .
 //! . . . . . . . . .
 //! . . 1 . 1 . 1 . 2     ±7 px.
-//! . . . . . . . 4 4 4   1  the centre and 8 points at a distance of 2 px
-//! . . 1 . 1 . 1 4 2 4   2  the best is on the edge, here (2, 0): the square moves there, 3 new points
-//! . . . . . . . 4 4 4   3  5 new points if the best is at a corner; the square moves 3 times at most, counting 1
-//! . . 1 . 1 . 1 . 2     4  the best is the centre, here (4, 0), or there is no move left: its 8 neighbours
+//! . . . . . . . 4 4 4   1  the centre and 8 candidates at a distance of 2 px
+//! . . 1 . 1 . 1 4 2 4   2  the minimum is on the edge, here (2, 0): the square moves there, 3 new candidates
+//! . . . . . . . 4 4 4   3  5 new candidates if the minimum is at a corner; at most 3 squares, counting 1
+//! . . 1 . 1 . 1 . 2     4  the minimum is the centre, here (4, 0), or no square is left: its 8 neighbours
 //! . . . . . . . . .
 //! . . . . . . . . .
 //! ```
@@ -20,15 +20,15 @@ use crate::methods::block_search::{
 use crate::run::Info;
 
 block_search_params! {
-    /// Four-step search: a small square moves towards the best match; the last step looks at the neighbours.
+    /// Four-step search: a 5×5 square descends the cost surface; the last step tests the 3×3 neighbourhood.
     pub struct FourStep {}
 }
 
 search_pseudocode! {
-    REPEAT: "  centre ← (0, 0); repeat range / 2 times",
-    TEST_SQUARE: "    test centre and the 8 points at distance 2 around it",
-    MOVE_CENTER: "    if the best is centre, then go on below; else centre ← the best",
-    TEST_NEIGHBORS: "  test the 8 neighbours of the best",
+    REPEAT: "  centre ← (0, 0); repeat search range / 2 times",
+    TEST_SQUARE: "    test the square: centre and the 8 candidates at distance 2 px",
+    MOVE_CENTER: "    if best = centre, then leave the loop; else centre ← best",
+    TEST_NEIGHBORS: "  test the 8 neighbours of best",
 }
 
 impl BlockSearch for FourStep {
@@ -36,29 +36,33 @@ impl BlockSearch for FourStep {
         id: "four-step",
         name: "Four-step search",
         family: "Block matching",
-        summary: "Moves a square of nine points, 2 px apart, to its best point, then looks at the neighbours.",
+        summary: "Moves a square of nine candidates, 2 px apart, to its minimum, then tests the eight neighbours.",
         source: "L.-M. Po and W.-C. Ma, A novel four-step search algorithm for fast block motion estimation, \
                  IEEE Trans. Circuits and Systems for Video Technology 6(3), 1996 \
-                 (±7 px with 3 squares; here as many as reach the edge of the window)",
+                 (±7 px with 3 squares; here as many as reach the edge of the search window)",
         pseudocode: line::ALL,
         granularities: &["frame", "block", "step"],
         frames: 2,
     };
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let (mut centre, squares) = ([0, 0], (self.matching.range / 2).max(1));
+        let (mut centre, squares) = ([0, 0], (self.matching.search_range / 2).max(1));
         for number in 1..=squares {
             tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, 2), || match number {
-                1 => "The square begins at (0, 0), its 9 points 2 px apart.".into(),
+                1 => "The square of 9 candidates, 2 px apart, starts at (0, 0).".into(),
                 _ => format!(
-                    "The square of 9 points stands at {}: number {number} of {squares} at most.",
+                    "The square of 9 candidates moves to {}: step {number} of at most {squares}.",
                     vector(centre)
                 ),
             });
             let best = tester.best();
-            tester.tell(line::MOVE_CENTER, || match best == centre {
-                true => format!("Nothing on the square beats its centre {}: the square stays.", vector(centre)),
-                false => format!("{} lies on the edge of the square, so the square moves there.", vector(best)),
+            tester.report(line::MOVE_CENTER, || match best == centre {
+                true => {
+                    format!("The minimum of the square is its centre {}: a local minimum is reached.", vector(centre))
+                }
+                false => {
+                    format!("The minimum {} lies on the edge of the square: the square moves there.", vector(best))
+                }
             });
             if best == centre {
                 break;
@@ -67,7 +71,7 @@ impl BlockSearch for FourStep {
         }
         let best = tester.best();
         tester.stage(line::TEST_NEIGHBORS, around(best, &SQUARE, 1), || {
-            format!("The last step looks at {} and its 8 neighbours.", vector(best))
+            format!("Last step: the 3×3 neighbourhood of {}.", vector(best))
         });
     }
 }

@@ -1,4 +1,4 @@
-//! Full search, also called sequential or exhaustive search: every displacement in the window is tested.
+//! Full search, also called sequential or exhaustive search: every displacement in the search window is tested.
 //!
 //! ```text
 //! ● ● ● ● ● ● ●
@@ -24,35 +24,36 @@ use crate::run::{Guarantee, Info};
 use crate::{choices, pseudocode};
 
 choices! {
-    /// The order in which the candidates of a window are tested.
+    /// Order in which the candidates of a search window are tested.
     pub enum Order {
-        /// Row by row from the upper left corner.
+        /// Row by row from the upper left corner of the search window.
         Raster = "raster" "Raster",
-        /// In square rings outwards from the zero displacement, so that an early exit finds a low cost soon.
+        /// In square rings outwards from (0, 0): a low cost is found early, so early exit rejects more rows.
         Spiral = "spiral" "Spiral",
     }
 }
 
 block_search_params! {
-    /// Full search: every displacement in the window is tested, so the smallest cost is found for certain.
+    /// Full search: every displacement in the search window is tested, which guarantees the global minimum.
     pub struct FullSearch {
-        /// The order in which the candidates are tested. It never changes the result.
+        /// Order in which the candidates are tested. It does not change the result.
         order: Order = Order::Raster;
-        /// Stop adding up a candidate after the row at which its sum exceeds the best (partial distortion). It never
-        /// changes the result, and only SAD, SSD and MSE can be given up. The saving is told in rows; in time there is none here, where whole windows are summed at once.
+        /// Partial distortion elimination: reject a candidate at the row where its partial sum exceeds the minimum so far. It
+        /// does not change the result, and applies to SAD, SSD and MSE. The rows saved are counted; here it saves no time,
+        /// since whole search windows are summed at once.
         early_exit: bool = false;
     }
 }
 
 pseudocode! {
     EACH_BLOCK: "for each block B of frame t",
-    LAY_WINDOW: "  lay the window of ±range px around B in frame t+1",
-    EACH_CANDIDATE: "  for each displacement (u, v) in the window",
-    COMPUTE_COST: "    cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v)]",
-    COMPARE_COST: "    if cost < best, or equal and (u, v) shorter, then first",
-    KEEP_BEST: "      best ← cost at (u, v)",
-    REFINE_BEST: "  refine the best to a fraction of a px, if asked for",
-    SET_DISPLACEMENT: "  displacement of B ← (u, v) of the best",
+    LAY_WINDOW: "  place the search window of ±search range around B in frame t+1",
+    EACH_CANDIDATE: "  for each candidate (u, v) in the search window",
+    COMPUTE_COST: "    c ← cost of B and the block of frame t+1 displaced by (u, v) [+ λR(u, v)]",
+    COMPARE_COST: "    if c < minimum, or c = minimum and (u, v) is shorter than best",
+    KEEP_BEST: "      minimum ← c; best ← (u, v)",
+    REFINE_BEST: "  refine best to sub-pixel accuracy (if subpixel is set)",
+    SET_DISPLACEMENT: "  motion vector of B ← best",
 }
 
 impl BlockSearch for FullSearch {
@@ -60,7 +61,7 @@ impl BlockSearch for FullSearch {
         id: "full-search",
         name: "Full search",
         family: "Block matching",
-        summary: "Tests every displacement in a window and keeps the one with the smallest difference.",
+        summary: "Tests every displacement in the search window and keeps the global minimum of the cost.",
         source: "A. K. Jain, Fundamentals of Digital Image Processing, Prentice Hall 1989; \
                  early exit: C.-D. Bei and R. M. Gray, IEEE Trans. Communications 33(10), 1985",
         pseudocode: line::ALL,
@@ -80,8 +81,8 @@ impl BlockSearch for FullSearch {
         }
         let (Patch { block: cut, area }, order) = (&work.patch, &work.order.1[..]);
         let price = |index| rate.price(window.displacement(index).map(|c| 4 * c));
-        // The kernel works out whole windows at once. An early exit is therefore only for the eye: what it passes over
-        // could not have won.
+        // The kernel computes whole search windows at once. Early exit is therefore only shown: the rows it skips could not
+        // change the minimum.
         let until = |sum, index: usize, limit| {
             cost::until(sum, cut, area, (index % window.size.0, index / window.size.0), limit)
         };
@@ -114,25 +115,25 @@ impl BlockSearch for FullSearch {
     }
 }
 
-/// How many candidates are passed over at once where none of them can win.
+/// Candidates skipped at once where none of them can be the minimum.
 const RUN: usize = 16;
 
-/// The costs of all candidates of a window, or sums from which they follow.
+/// The costs of all candidates of a search window, or sums from which they follow.
 struct Scan<'a, T, F> {
     window: Window,
-    /// The indices into the window in the order of the search; empty for raster.
+    /// The indices into the search window in the order of the search; empty for raster.
     order: &'a [u32],
-    /// By index into the window.
+    /// By index into the search window.
     costs: &'a [T],
-    /// At least as much as any of them.
+    /// An upper bound of the costs.
     most: T,
-    /// The cost that follows.
+    /// The cost for a sum.
     of: F,
 }
 
 impl<T: Copy + PartialOrd, F: Fn(T) -> f64> Scan<'_, T, F> {
-    /// Tests the candidates in order. This is the loop that is taught, timed and trusted: there is no other.
-    /// `seen` gives what is seen of a candidate: its cost, and the rows that were looked at until it exceeded a limit.
+    /// Tests the candidates in order; the only loop, both for stepping and for timing. `seen` gives the cost of a candidate and
+    /// the rows summed until it exceeded a limit.
     fn run(&self, observer: &mut impl Observer<Event>, seen: impl Fn(usize, T) -> (f64, usize)) -> Match {
         let (window, count) = (self.window, self.window.count());
         let found = |index| Match::whole(window.displacement(index), (self.of)(self.costs[index]));
@@ -140,13 +141,13 @@ impl<T: Copy + PartialOrd, F: Fn(T) -> f64> Scan<'_, T, F> {
             let (cost, rows) = seen(index, limit);
             Event::Candidate { tested: Match::whole(window.displacement(index), cost), rows }
         };
-        // An index: the displacement is only worked out where it is asked for.
+        // An index: the displacement is computed only where it is needed.
         let mut best: Option<usize> = None;
         let mut limit = self.most;
         for first in (0..count).step_by(RUN) {
             let run = first..count.min(first + RUN);
             if self.all_exceed(limit, run.clone()) {
-                // None of these can win: whoever looks sees them, and otherwise there is nothing to do.
+                // None of these can be the minimum: they are only reported.
                 run.for_each(|place| observer.see(|| event(self.index(place), limit)));
                 continue;
             }
@@ -164,7 +165,7 @@ impl<T: Copy + PartialOrd, F: Fn(T) -> f64> Scan<'_, T, F> {
         best.map_or(Match::whole([0, 0], f64::INFINITY), found)
     }
 
-    /// The index into the window of the candidate at `place` in the order of the search.
+    /// The index into the search window of the candidate at `place` in the order of the search.
     #[inline(always)]
     fn index(&self, place: usize) -> usize {
         self.order.get(place).map_or(place, |&index| index as usize)
@@ -175,7 +176,7 @@ impl<T: Copy + PartialOrd, F: Fn(T) -> f64> Scan<'_, T, F> {
     fn all_exceed(&self, limit: T, places: Range<usize>) -> bool {
         match self.order.get(places.clone()) {
             Some(order) if !order.is_empty() => order.iter().all(|&index| self.costs[index as usize] > limit),
-            // Without stopping at the first, so that it becomes vector instructions.
+            // Without an early return, so that it is vectorised.
             _ => self.costs[places].iter().fold(true, |all, &cost| all & (cost > limit)),
         }
     }

@@ -1,14 +1,14 @@
-//! Hierarchical search: far motion is found where the picture is small, and made exact level by level.
+//! Hierarchical search: coarse-to-fine block matching on a Gaussian pyramid.
 //!
 //! ```text
 //!        ┌───┐
-//!        │ ↗ │         coarsest level: a search within ±range / 2^level px
+//!        │ ↗ │         coarsest level: a search within ±search range / 2^level px
 //!       ┌┴───┴┐
-//!       │  ↗  │        twice as large: what was found, doubled, and the ±refine px around it
+//!       │  ↗  │        next level: the doubled vector, refined within ±refinement range px
 //!      ┌┴─────┴┐       . . . . .
 //!      │       │       . 3 3 3 .     1  (0, 0)
-//!      │   ↗   │       . 3 2 3 .     2  twice what the nearest block of the coarser level moved, and its neighbours
-//!      │       │       1 3 3 3 2     3  all within ±refine px of the best of them
+//!      │   ↗   │       . 3 2 3 .     2  doubled vectors of the nearest block of the coarser level and its neighbours
+//!      │       │       1 3 3 3 2     3  all candidates within ±refinement range px of the best of them
 //!      └───────┘       . . . . .
 //! ```
 
@@ -32,29 +32,31 @@ use crate::run::{
 use crate::scene::{Chart, Fact, Floor, Focus, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
 
 block_search_params! {
-    /// Hierarchical search: the coarsest level of a pyramid is searched, and each finer one refines what was found.
+    /// Hierarchical search: block matching on the coarsest level of a Gaussian pyramid, refined level by level.
     pub struct Hierarchical {
-        /// Levels of the pyramid, the picture itself included. Each is half as wide and high as the one below.
+        /// Levels of the pyramid, the picture included. Each halves width and height, so large motion becomes small; too many
+        /// levels blur small objects away.
         levels: usize = 3, 2..=6;
-        /// Search of the coarsest level.
+        /// Block search of the coarsest level.
         coarse: Stage<BlockVectors> = Stage::named("full-search");
-        /// How far around the best start each finer level looks.
-        refine: usize = 1, 1..=4, "px";
+        /// Largest correction of the doubled vector on each finer level.
+        refinement_range: usize = 1, 1..=4, "px";
     }
+    renamed { "refine" => "refinement-range" }
 }
 
-/// What a hierarchical search reads and writes.
+/// The state of a hierarchical search.
 #[derive(Clone)]
 pub struct State {
     /// The two frames and their blocks, level by level; the picture itself is level 0.
     levels: Arc<[Pair]>,
-    /// The same frames, to be looked at.
+    /// The same frames, for display.
     pictures: Arc<[Level]>,
-    /// What was found, and how many candidates were tested for it, by level and block.
+    /// The matches with the number of candidates tested, by level and block.
     found: Vec<Vec<(Match, u32)>>,
     /// The level of the next block.
     level: usize,
-    /// How the coarsest level is searched.
+    /// The search pattern of the coarsest level.
     coarse: Pattern,
 }
 
@@ -79,7 +81,7 @@ impl State {
         coarser.nearest(x.min(coarser.picture.0 - 1), y.min(coarser.picture.1 - 1))
     }
 
-    /// Block `index` of `level`, and on each coarser level the one from which the one below inherits.
+    /// Block `index` of `level`, and on each coarser level the block that initialises the one below.
     fn line(&self, level: usize, index: usize) -> Vec<usize> {
         let mut line = vec![index];
         for coarser in level + 1..self.levels.len() {
@@ -106,7 +108,7 @@ impl State {
         self.levels[level + 1..].iter().map(|pair| pair.blocks.len()).sum()
     }
 
-    /// Twice what was found for the block of the coarser level that is nearest to block `index`, and for those around it.
+    /// The doubled vectors of the coarser block nearest to block `index`, and of its neighbours.
     fn inherited(&self, index: usize) -> Vec<Displacement> {
         let (coarser, found) = (&self.levels[self.level + 1].blocks, &self.found[self.level + 1]);
         let (columns, rows) = coarser.counts();
@@ -118,23 +120,23 @@ impl State {
         inside.map(|(column, row)| found[row * columns + column].0.displacement.map(|c| 2 * c)).collect()
     }
 
-    /// What was found so far on the level at hand.
+    /// The matches so far on the current level.
     fn matches(&self) -> Vec<Match> {
         self.found[self.level].iter().map(|(found, _)| *found).collect()
     }
 
-    /// The pyramid after so many events; before anything was done the picture itself is what there is.
+    /// The pyramid after these events; before the first one the picture itself is shown.
     fn shown(&self, events: &[Event]) -> Levels {
         let at_work = if events.is_empty() { 0 } else { self.level };
         Levels { all: self.pictures.clone(), at_work }
     }
 
-    /// How many px of the picture one of the level at hand is.
+    /// Pixels of the picture per pixel of the current level.
     fn scale(&self) -> f32 {
         (1u32 << self.level) as f32
     }
 
-    /// Takes the result of the next block.
+    /// Adds the match of the next block.
     fn push(&mut self, (found, tested): (Match, usize)) -> Progress {
         self.found[self.level].push((found, tested as u32));
         if self.index() < self.pair().blocks.len() {
@@ -149,10 +151,10 @@ impl State {
 }
 
 impl Hierarchical {
-    /// The settings on a level: the range is that of the picture, in the level's pixels. Only what is found on the
-    /// picture itself is refined, and sent.
+    /// The settings on a level: the search range in the level's pixels. Sub-pixel refinement and the rate term apply to
+    /// level 0 only.
     fn settings_on(&self, level: usize) -> Settings {
-        let matching = Matching { range: self.matching.range.div_ceil(1 << level), ..self.matching };
+        let matching = Matching { search_range: self.matching.search_range.div_ceil(1 << level), ..self.matching };
         let settings = Settings { matching, ..self.settings() };
         match level {
             0 => settings,
@@ -168,25 +170,26 @@ impl Hierarchical {
         let stage = self.coarse.estimator();
         let lent = stage.lends().and_then(|lent| lent.downcast::<Pattern>().ok());
         lent.map(|pattern| *pattern).ok_or_else(|| {
-            Error::new(format!("{} has no pattern of displacements to test; choose a block search", stage.info().id))
+            Error::new(format!("{} has no search pattern; choose a block search as the coarse search", stage.info().id))
         })
     }
 
     /// The state before the first block.
     fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        let pair = Pair::new(clip, frame, self.matching.block, self.refinement.spacing, self.refinement.border)?;
+        let pair = Pair::new(clip, frame, self.matching.block_size, self.refinement.spacing, self.refinement.border)?;
         let (width, height) = pair.blocks.picture;
-        let fits = |level: usize| width.div_ceil(1 << level).min(height.div_ceil(1 << level)) >= self.matching.block;
+        let fits =
+            |level: usize| width.div_ceil(1 << level).min(height.div_ceil(1 << level)) >= self.matching.block_size;
         if !fits(self.levels - 1) {
             let most = (1..self.levels).take_while(|&level| fits(level)).count() + 1;
             return Err(Error::new(format!(
-                "{} levels would leave less than a block of {} px of a picture of {width}×{height} px; {}",
+                "with {} levels the coarsest is smaller than a block of {} px, for a picture of {width}×{height} px; {}",
                 self.levels,
-                self.matching.block,
+                self.matching.block_size,
                 if most > 1 {
-                    format!("choose {most} or fewer, or a smaller block")
+                    format!("choose {most} levels or fewer, or a smaller block size")
                 } else {
-                    "choose a smaller block".into()
+                    "choose a smaller block size".into()
                 }
             )));
         }
@@ -200,7 +203,7 @@ impl Hierarchical {
         let levels: Vec<_> = [pair.clone()].into_iter().chain(coarser).collect();
         let pictures = levels.iter().map(|pair| Level::new([pair.current.clone(), pair.next.clone()])).collect();
         let (found, level) = (vec![Vec::new(); levels.len()], levels.len() - 1);
-        let coarse = self.pattern()?.within(self.settings_on(level).matching.range)?;
+        let coarse = self.pattern()?.within(self.settings_on(level).matching.search_range)?;
         Ok(State { found, level, levels: levels.into(), pictures, coarse })
     }
 
@@ -214,7 +217,7 @@ impl Hierarchical {
         levels
     }
 
-    /// Searches block `index` of the level at hand, `found` being those of the level before it.
+    /// Searches block `index` of the current level, `found` being the matches of earlier blocks.
     fn search_block<O: Observer<Event>>(
         &self,
         state: &State,
@@ -241,25 +244,23 @@ impl Hierarchical {
         result
     }
 
-    /// Refines on a finer level what was found on the coarser one.
+    /// Refines the vectors of the coarser level on a finer one.
     fn refine(&self, inherited: &[Displacement], tester: &mut Tester<impl Observer<Event>>) {
         tester.stage(line::TEST_COARSER, inherited.iter().copied().chain([[0, 0]]), || {
             let twice = inherited.first().map_or(String::new(), |first| vector(*first));
-            format!(
-                "The coarser level found half of {twice} here: {twice} is tested, so is what was found next to it, and (0, 0)."
-            )
+            format!("Initialisation from the coarser level: the doubled vector {twice}, those of its neighbours, and (0, 0).")
         });
-        let (best, reach) = (tester.best(), self.refine as i32);
+        let (best, reach) = (tester.best(), self.refinement_range as i32);
         let row = move |v| (-reach..=reach).map(move |u| [best[0] + u, best[1] + v]);
         tester.stage(line::TEST_AROUND, (-reach..=reach).flat_map(row), || {
             format!(
-                "A pixel of the coarser level is two here, so all within ±{reach} px of {} are tested.",
+                "One pixel of the coarser level is two here: the vector is refined within ±{reach} px of {}.",
                 vector(best)
             )
         });
     }
 
-    /// The pyramid with the block at hand on every level, and what was found for it there.
+    /// The pyramid with the block and its vector on every level.
     fn stack(&self, seen: &Seen<Self>, probe: &Probe) -> Stack {
         let state = seen.before;
         let floor = |(level, index): (usize, usize)| {
@@ -275,7 +276,7 @@ impl Hierarchical {
             };
             Floor { at_hand: Some([min, [min[0] + width as f32, min[1] + height as f32]]), vector }
         };
-        // Before anything was done no block is at hand.
+        // Before the first event there is no current block.
         let floors = match seen.events {
             [] => vec![Floor::default(); state.levels.len()],
             _ => state.column().into_iter().enumerate().map(floor).collect(),
@@ -293,20 +294,20 @@ impl Hierarchical {
 }
 
 pseudocode! {
-    MAKE_PYRAMIDS: "make a Gaussian pyramid of frame t and one of frame t+1",
-    EACH_LEVEL: "for each level, from the coarsest to the picture itself",
+    MAKE_PYRAMIDS: "build Gaussian pyramids of frames t and t+1",
+    EACH_LEVEL: "for each level, from the coarsest to level 0 (the picture)",
     EACH_BLOCK: "  for each block B of the level",
     IS_COARSEST: "    if the level is the coarsest, then",
-    SEARCH_COARSEST: "      search B within ±range / 2^level px as coarse says",
+    SEARCH_COARSEST: "      search B within ±search range / 2^level px with the coarse search",
     IS_FINER: "    else",
-    TEST_COARSER: "      test twice what the nearest coarser blocks moved, and (0, 0)",
-    TEST_AROUND: "      test all within ±refine px of the best",
-    REFINE_BEST: "    refine the best to a fraction of a px, if asked for and the level is the picture",
-    SET_DISPLACEMENT: "    displacement of B ← (u, v) of the best",
-    TEST: "to test (u, v), if it is new and lies in the window",
-    COMPUTE_COST: "  cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v), on the picture]",
-    COMPARE_COST: "  if cost < best, or equal and (u, v) shorter, then first",
-    KEEP_BEST: "    best ← cost at (u, v)",
+    TEST_COARSER: "      test the doubled vectors of the nearest coarser blocks, and (0, 0)",
+    TEST_AROUND: "      test all candidates within ±refinement range of best",
+    REFINE_BEST: "    refine best to sub-pixel accuracy (on level 0, if subpixel is set)",
+    SET_DISPLACEMENT: "    motion vector of B ← best",
+    TEST: "to test candidate (u, v), if it is new and inside the search window",
+    COMPUTE_COST: "  c ← cost of B and the block of frame t+1 displaced by (u, v) [+ λR(u, v) on level 0]",
+    COMPARE_COST: "  if c < minimum, or c = minimum and (u, v) is shorter than best",
+    KEEP_BEST: "    minimum ← c; best ← (u, v)",
 }
 
 impl Estimator for Hierarchical {
@@ -314,7 +315,7 @@ impl Estimator for Hierarchical {
         id: "hierarchical",
         name: "Hierarchical search",
         family: "Block matching",
-        summary: "Searches where the picture is small, and refines what it finds level by level.",
+        summary: "Matches blocks on the coarsest level of a pyramid, and refines the motion vectors level by level.",
         source: "M. Bierling, Displacement estimation by hierarchical blockmatching, Proc. SPIE 1001, Visual \
                  Communications and Image Processing, 1988; pyramid: P. J. Burt and E. H. Adelson, The Laplacian pyramid \
                  as a compact image code, IEEE Trans. Communications 31(4), 1983",
@@ -353,7 +354,7 @@ impl Estimator for Hierarchical {
         event.landmark()
     }
 
-    /// Its search sees the coarsest level alone.
+    /// The coarse search works on the coarsest level.
     fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
         let pair = clip.pair(now)?;
         let coarsest = |frame| self.coarser_levels(frame).pop().unwrap_or_else(|| Arc::clone(frame));
@@ -362,7 +363,7 @@ impl Estimator for Hierarchical {
         let level = Clip::from_frames(name, frames.into())?.part_of(clip);
         let settings = self.settings_on(self.levels - 1);
         let set = vec![
-            ("range", Value::Int(settings.matching.range as i64)),
+            ("search-range", Value::Int(settings.matching.search_range as i64)),
             ("subpixel", settings.refinement.subpixel.to_value()),
             ("lambda", Value::Real(0.0)),
         ];
@@ -394,28 +395,28 @@ impl Estimator for Hierarchical {
         let (width, height) = state.pair().blocks.picture;
         let mut sentence = probe.sentence();
         if let Some(Event::Window) = seen.events.last() {
-            let level = format!("Level {} of the pyramid is {width}×{height} px large. ", state.level);
+            let level = format!("Level {} of the pyramid, {width}×{height} px. ", state.level);
             sentence = Sentence([vec![(level, None)], sentence.0].concat());
         }
         if let Some(Event::Found(found)) = seen.events.last().filter(|_| state.level > 0) {
             let on_picture = found.displacement.map(|c| c << state.level);
             sentence = sentence
-                .text(" On the picture itself that is ")
-                .ink(Role::Result, format!("{} px", vector(on_picture)));
-            sentence = sentence.text(".");
+                .text(" On level 0 it corresponds to ")
+                .ink(Role::Result, format!("{} px", vector(on_picture)))
+                .text(".");
         }
         let mut readouts = probe.readouts();
-        // A finer level tests a few displacements of a wide window: these are what there is to be seen.
+        // A finer level tests few candidates of a wide search window: only the part around them is shown.
         if !state.is_coarsest() {
             readouts.iter_mut().for_each(|readout| {
                 if let Readout::Surface(surface) = readout {
-                    *surface = surface.around_tested(self.refine + 1);
+                    *surface = surface.around_tested(self.refinement_range + 1);
                 }
             });
         }
         if let Some(Readout::Facts(facts)) = readouts.first_mut() {
             let of = state.levels.len() - 1;
-            let value = format!("{}, from {of} down to 0, {width}×{height} px", state.level);
+            let value = format!("{}, coarsest {of}, {width}×{height} px", state.level);
             facts.insert(0, Fact { label: "Level", value, role: None });
         }
         readouts.push(Readout::Stack(self.stack(seen, &probe)));
@@ -435,7 +436,7 @@ impl Estimator for Hierarchical {
         let vector = |(found, candidates): &(Match, u32)| Some(found.result(*candidates));
         let mut vectors: Vec<_> = state.found[0].iter().map(vector).collect();
         vectors.resize(blocks.len(), None);
-        // What was tested on a coarser level counts for the block of the picture that lies there.
+        // Candidates of a coarser level count for the block of level 0 at the same place.
         for (level, found) in state.found.iter().enumerate().skip(1) {
             for (i, (_, candidates)) in found.iter().enumerate() {
                 let place = state.levels[level].blocks.block(i).center().map(|c| c * (1u32 << level) as f32);
@@ -469,7 +470,7 @@ impl Footprint<State> for Hierarchical {
     fn need(&self, clip: &Clip) -> Need {
         let (width, height) = clip.size();
         let of_level = |level: usize| self.settings().grid((width.div_ceil(1 << level), height.div_ceil(1 << level)));
-        // Beside the levels of both frames.
+        // Plus the levels of both frames.
         need(clip, (0..self.levels).map(|level| of_level(level).len()).sum()).and([(width * height) as f64; 2])
     }
 
@@ -485,7 +486,7 @@ impl Footprint<State> for Hierarchical {
 }
 
 impl TestsCandidates<State, Event> for Hierarchical {
-    /// From the coarsest level on: the nearest block of each, from which the one below inherits.
+    /// The nearest block of each level, from the coarsest on: each initialises the one below.
     fn way_to(&self, state: &State, block: usize) -> Vec<usize> {
         let line = state.line(0, block).into_iter().enumerate();
         line.map(|(level, index)| state.first_unit(level) + index).rev().collect()

@@ -1,13 +1,13 @@
-//! New three-step search: as three-step search, but it looks right around the centre too, where most motion is, and
-//! stops early if it finds it there.
+//! New three-step search: as three-step search, but it also tests the neighbours of the centre, where most motion is, and
+//! stops early if the minimum is there.
 //!
 //! ```text
 //! 1 . . . 1 . . . 1
 //! . . . . . . . . .
 //! . . . . . . . . .     ±7 px.
-//! . . . 1 1 1 2 . .     1  the centre, its 8 neighbours, and 8 points at a distance of 4 px
-//! 1 . . 1 1 1 2 . 1     2  if the best is a neighbour, here (1, 0): the 3 or 5 points next to it, and that is all
-//! . . . 1 1 1 2 . .        if it is one of the outer points: go on as three-step search does
+//! . . . 1 1 1 2 . .     1  the centre, its 8 neighbours, and 8 candidates at a distance of 4 px
+//! 1 . . 1 1 1 2 . 1     2  if the minimum is a neighbour, here (1, 0): its 3 or 5 new neighbours, and stop
+//! . . . 1 1 1 2 . .        if it is one of the outer candidates: continue as three-step search
 //! . . . . . . . . .        if it is the centre: stop at once
 //! . . . . . . . . .
 //! 1 . . . 1 . . . 1
@@ -21,18 +21,18 @@ use crate::methods::block_search::{
 use crate::run::Info;
 
 block_search_params! {
-    /// New three-step search: three-step search that looks around the centre first and may stop there.
+    /// New three-step search: a centre-biased three-step search with an early stop for small motion.
     pub struct NewThreeStep {}
 }
 
 search_pseudocode! {
-    SET_STEP: "  step ← half of range, rounded up",
-    TEST_BOTH_SQUARES: "  test (0, 0), its 8 neighbours, and the 8 points at distance step",
-    STOP_AT_ZERO: "  if (0, 0) is the best, then stop",
-    IS_NEIGHBOR: "  if the best is one of the neighbours, then",
-    TEST_NEXT_TO_IT: "    test the points next to it and stop",
-    WHILE_LEFT: "  while step < range is left to go",
-    TEST_SQUARE: "    test the 8 points around the best at half of what is left",
+    SET_STEP: "  rest ← search range; step ← ⌈rest / 2⌉; rest ← rest − step",
+    TEST_BOTH_SQUARES: "  test (0, 0), its 8 neighbours, and the 8 candidates at distance step",
+    STOP_AT_ZERO: "  if best = (0, 0), then stop",
+    IS_NEIGHBOR: "  if best is one of the 8 neighbours, then",
+    TEST_NEXT_TO_IT: "    test the neighbours of best and stop",
+    WHILE_LEFT: "  while rest > 0",
+    TEST_SQUARE: "    step ← ⌈rest / 2⌉; rest ← rest − step; test the 8 candidates at distance step from best",
 }
 
 impl BlockSearch for NewThreeStep {
@@ -40,7 +40,7 @@ impl BlockSearch for NewThreeStep {
         id: "new-three-step",
         name: "New three-step search",
         family: "Block matching",
-        summary: "Three-step search that also tests the centre's neighbours, and stops early where little moves.",
+        summary: "Three-step search that also tests the neighbours of (0, 0), and stops early where motion is small.",
         source: "R. Li, B. Zeng and M. L. Liou, A new three-step search algorithm for block motion estimation, \
                  IEEE Trans. Circuits and Systems for Video Technology 4(4), 1994",
         pseudocode: line::ALL,
@@ -49,32 +49,36 @@ impl BlockSearch for NewThreeStep {
     };
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let mut left = self.matching.range as i32;
+        let mut left = self.matching.search_range as i32;
         let step = (left + 1) / 2;
-        tester.tell(line::SET_STEP, || {
-            format!("The search can go {left} px: the first step is half of that, {step} px.")
-        });
+        tester.report(line::SET_STEP, || format!("Search range {left} px: the first step is half of it, {step} px."));
         tester.stage(line::TEST_BOTH_SQUARES, around([0, 0], &SQUARE, 1).chain(around([0, 0], &SQUARE[1..], step)), || {
             format!(
-                "Most motion is small, so the neighbours of (0, 0) are tested as well as the 8 points {step} px away."
+                "Centre bias, since most motion is small: the neighbours of (0, 0) and the 8 candidates at {step} px."
             )
         });
         let best = tester.best();
         if best == [0, 0] {
-            return tester.tell(line::STOP_AT_ZERO, || {
-                "(0, 0) is better than all points around it: the search stops at once.".into()
+            return tester.report(line::STOP_AT_ZERO, || {
+                "First-step stop: the minimum is (0, 0), so the block is taken as static.".into()
             });
         }
         if best.iter().all(|c| c.abs() <= 1) {
             return tester.stage(line::TEST_NEXT_TO_IT, around(best, &SQUARE, 1), || {
-                format!("{} is a neighbour of (0, 0): only the points next to it are left to test.", vector(best))
+                format!(
+                    "Second-step stop: the minimum {} is next to (0, 0), and the search ends with its neighbours.",
+                    vector(best)
+                )
             });
         }
         left -= step;
         while left > 0 {
             let (centre, step) = (tester.best(), (left + 1) / 2);
             tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, step), || {
-                format!("{} lies far out, so the search goes on there in steps of {step} px.", vector(centre))
+                format!(
+                    "The minimum {} is an outer candidate: continue there with a step of {step} px.",
+                    vector(centre)
+                )
             });
             left -= step;
         }

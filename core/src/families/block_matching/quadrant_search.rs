@@ -1,12 +1,12 @@
-//! Logarithmic search by quadrants: the window is quartered, the quarter with the best point is kept, and so on.
+//! Logarithmic search by quadrants: the search window is quartered, the quadrant with the minimum is kept, and so on.
 //!
 //! ```text
 //! 1 . . . . . . . 1 . . . . . . . 1
 //! . . . . . . . . . . . . . . . . .
 //! . . . . . . . . 2 . 2 . 2 . 2 . 2     ±8 px.
-//! . . . . . . . . . . . . . . . . .     1  the corners and the centre of each quadrant: 13 points
-//! . . . . 1 . . . 2 . 2 . 1 . 2 . 2     2  the best is (4, −4), so the upper right quadrant is kept; of its own
-//! . . . . . . . . . . . . . . . . .        quadrants' points 5 are known and 8 are new, those on the inner lines
+//! . . . . . . . . . . . . . . . . .     1  the corners and the centre of each quadrant: 13 candidates
+//! . . . . 1 . . . 2 . 2 . 1 . 2 . 2     2  the minimum is (4, −4), so the upper right quadrant is kept; of its own
+//! . . . . . . . . . . . . . . . . .        13 candidates 5 are known and 8 are new, those on the inner lines
 //! . . . . . . . . 2 . 2 . 2 . 2 . 2
 //! . . . . . . . . . . . . . . . . .
 //! 1 . . . . . . . 1 . . . . . . . 1
@@ -19,22 +19,23 @@ use crate::methods::block_search::{
 use crate::run::{Guarantee, Info};
 
 block_search_params! {
-    /// Logarithmic search by quadrants: the window is quartered again and again, always keeping the quadrant with the
-    /// best match.
+    /// Logarithmic search by quadrants: the search window is quartered again and again, keeping the quadrant with the
+    /// minimum.
     pub struct QuadrantSearch {
-        /// The search ends when the window is at most this wide and high.
-        smallest: usize = 1, 1..=64, "px";
-        /// The search ends when a round lowers the best cost by less than this share of it; 0 never ends it early.
-        least_gain: f32 = 0.0, 0.0..=100.0, "%";
+        /// The search stops when the window is at most this wide and high.
+        min_window: usize = 1, 1..=64, "px";
+        /// Smallest relative decrease of the minimum per iteration: the search stops below it. 0 disables the criterion.
+        min_decrease: f32 = 0.0, 0.0..=100.0, "%";
     }
+    renamed { "smallest" => "min-window", "least-gain" => "min-decrease" }
 }
 
 search_pseudocode! {
-    REPEAT: "  W ← the window; repeat",
+    REPEAT: "  W ← search window; repeat",
     TEST_QUADRANTS: "    test the corners and the centre of each quadrant of W",
-    KEEP_QUADRANT: "    W ← the quadrant with the best; of several, that with the best centre",
-    STOP_AT_SMALLEST: "    if W is at most smallest px wide and high, or all of it was tested, then stop",
-    STOP_AT_LEAST_GAIN: "    if the best cost fell by less than least-gain, then stop",
+    KEEP_QUADRANT: "    W ← the quadrant that holds best; of several, the one with the lowest cost at its centre",
+    STOP_AT_SMALLEST: "    if W is at most min window wide and high, or fully tested, then stop",
+    STOP_AT_LEAST_GAIN: "    if the minimum decreased by less than min decrease, then stop",
 }
 
 impl BlockSearch for QuadrantSearch {
@@ -42,53 +43,57 @@ impl BlockSearch for QuadrantSearch {
         id: "quadrant-search",
         name: "Logarithmic search by quadrants",
         family: "Block matching",
-        summary: "Quarters the window, keeps the quadrant with the best match, and halves it again.",
+        summary: "Divides the search window into quadrants, keeps the one with the minimum, and repeats.",
         source: "the course's logarithmic search; the idea is that of J. R. Jain and A. K. Jain, Displacement measurement \
                  and its application in interframe image coding, IEEE Trans. Communications 29(12), 1981",
         pseudocode: line::ALL,
         granularities: &["frame", "block", "step"],
         frames: 2,
     };
-    /// A quadrant that was left is never looked at again, although the best match may lie right behind its edge.
+    /// A quadrant that was dropped is never tested again, although the global minimum may lie just inside it.
     const GUARANTEE: Guarantee = Guarantee::Better;
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let range = self.matching.range as i32;
+        let range = self.matching.search_range as i32;
         let mut part = Part { min: [-range; 2], max: [range; 2] };
         loop {
             let (whole, before) = (part, tester.best_cost());
             tester.narrowed = Some(whole.window());
             tester.stage(line::TEST_QUADRANTS, whole.points().into_iter(), || {
-                format!("{} is cut into quadrants: their corners and centres are tested.", whole.named())
+                format!("{} is divided into quadrants: their corners and centres are the candidates.", whole.named())
             });
             let best = tester.best();
             let cost = |quadrant: &Part| tester.known(quadrant.centre()).unwrap_or(f64::INFINITY);
             let holding = whole.quadrants().into_iter().filter(|quadrant| quadrant.holds(best));
-            // The best point so far was always kept, so a quadrant holds it.
+            // The minimum so far was always kept, so a quadrant holds it.
             part = holding.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(whole);
             tester.narrowed = Some(part.window());
-            tester.tell(line::KEEP_QUADRANT, || {
+            tester.report(line::KEEP_QUADRANT, || {
                 let (best, centre) = (vector(best), vector(part.centre()));
-                format!("The best, {best}, lies in the quadrant around {centre}: the search goes on in there.")
+                format!("The minimum {best} lies in the quadrant around {centre}: this quadrant is kept.")
             });
             let gain = if before > 0.0 { 100.0 * (before - tester.best_cost()) / before } else { 0.0 };
-            // All corners of a part are tested, so one of 2 px has nothing left to test.
-            if part.side() <= self.smallest.max(2) {
-                return tester.tell(line::STOP_AT_SMALLEST, || {
-                    format!("This quadrant is {} px wide: the search ends.", part.side())
+            // All corners of a part are tested, so one of 2 px has no new candidate.
+            if part.side() <= self.min_window.max(2) {
+                let (side, smallest) = (part.side(), self.min_window);
+                return tester.report(line::STOP_AT_SMALLEST, || match side <= smallest {
+                    true => format!(
+                        "The quadrant is {side} px wide, at most the min window of {smallest} px: the search stops."
+                    ),
+                    false => format!("The quadrant is {side} px wide and fully tested: the search stops."),
                 });
             }
-            if before.is_finite() && gain < f64::from(self.least_gain) {
-                let least = self.least_gain;
-                return tester.tell(line::STOP_AT_LEAST_GAIN, || {
-                    format!("The best cost fell by {gain:.1} %, less than {least} %: the search ends.")
+            if before.is_finite() && gain < f64::from(self.min_decrease) {
+                let least = self.min_decrease;
+                return tester.report(line::STOP_AT_LEAST_GAIN, || {
+                    format!("The minimum decreased by {gain:.1} %, less than {least} %: the search stops.")
                 });
             }
         }
     }
 }
 
-/// A part of the window: a rectangle of displacements, corners included.
+/// A part of the search window: a rectangle of displacements, corners included.
 #[derive(Clone, Copy)]
 struct Part {
     min: Displacement,
@@ -108,7 +113,7 @@ impl Part {
         (0..2).all(|i| (self.min[i]..=self.max[i]).contains(&point[i]))
     }
 
-    /// Upper left, upper right, lower left, lower right; they share the lines between them.
+    /// The upper left, upper right, lower left and lower right quadrant; neighbours share a line.
     fn quadrants(&self) -> [Part; 4] {
         let (Part { min: [left, top], max: [right, bottom] }, [x, y]) = (*self, self.centre());
         [
@@ -135,6 +140,6 @@ impl Part {
     }
 
     fn named(&self) -> String {
-        format!("The part of the window from {} to {}", vector(self.min), vector(self.max))
+        format!("The window from {} to {}", vector(self.min), vector(self.max))
     }
 }

@@ -1,12 +1,12 @@
-//! Three-step search: nine points, the best of which becomes the centre of nine closer ones, and so on.
+//! Three-step search: nine candidates, the minimum of which is the centre of nine closer ones, and so on.
 //!
 //! ```text
 //! 1 . . . 1 . . . 1
 //! . . . . . . . . .
 //! . . . . . . . . .     ±7 px: steps of 4, 2 and 1 px.
-//! . . . . . . . . .     1  the centre and 8 points at a distance of 4 px
-//! 1 . . . 1 . 2 . 2     2  8 points at 2 px around the best of them, here (4, 4)
-//! . . . . . . . 3 3 3   3  8 points at 1 px around the best of these, here (4, 6)
+//! . . . . . . . . .     1  the centre and 8 candidates at a distance of 4 px
+//! 1 . . . 1 . 2 . 2     2  8 candidates at 2 px around their minimum, here (4, 4)
+//! . . . . . . . 3 3 3   3  8 candidates at 1 px around the new minimum, here (4, 6)
 //! . . . . . . 2 3 2 3
 //! . . . . . . . 3 3 3
 //! 1 . . . 1 . 2 . 2
@@ -19,18 +19,18 @@ use crate::methods::block_search::{
 use crate::run::Info;
 
 block_search_params! {
-    /// Three-step search: coarse steps first, then ever smaller ones around the best so far.
+    /// Three-step search: a square of nine candidates with a step that is halved at each iteration.
     pub struct ThreeStep {}
 }
 
-/// A centre and the eight points around it.
+/// A centre and its eight neighbours.
 pub(super) const SQUARE: [Displacement; 9] =
     [[0, 0], [-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
 
 search_pseudocode! {
-    WHILE_LEFT: "  left ← range; while left > 0",
-    HALVE_STEP: "    step ← half of left, rounded up; left ← left − step",
-    TEST_SQUARE: "    test the best so far and the 8 points at distance step around it",
+    WHILE_LEFT: "  rest ← search range; while rest > 0",
+    HALVE_STEP: "    step ← ⌈rest / 2⌉; rest ← rest − step",
+    TEST_SQUARE: "    test best and the 8 candidates at distance step",
 }
 
 impl BlockSearch for ThreeStep {
@@ -38,24 +38,24 @@ impl BlockSearch for ThreeStep {
         id: "three-step",
         name: "Three-step search",
         family: "Block matching",
-        summary: "Tests nine points far apart, then nine closer ones around the best, halving the distance each time.",
+        summary: "Tests nine candidates far apart, then eight closer ones around the minimum, halving the step each time.",
         source: "T. Koga, K. Iinuma, A. Hirano, Y. Iijima and T. Ishiguro, Motion compensated interframe coding for \
                  video conferencing, Proc. National Telecommunications Conference, 1981 \
-                 (±6 px in steps of 3, 2 and 1; here as many steps as reach the edge of the window)",
+                 (±6 px in steps of 3, 2 and 1; here as many steps as reach the edge of the search window)",
         pseudocode: line::ALL,
         granularities: &["frame", "block", "step"],
         frames: 2,
     };
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        let mut left = self.matching.range as i32;
+        let mut left = self.matching.search_range as i32;
         while left > 0 {
             let (centre, step) = (tester.best(), (left + 1) / 2);
-            tester.tell(line::HALVE_STEP, || {
-                format!("The search can still go {left} px: the step is half of that, rounded up, {step} px.")
+            tester.report(line::HALVE_STEP, || {
+                format!("{left} px of the search range remain: the step is half of that, {step} px.")
             });
             tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, step), || {
-                format!("9 points in steps of {step} px around {} are tested.", vector(centre))
+                format!("Square of 9 candidates with a step of {step} px around {}.", vector(centre))
             });
             left -= step;
         }

@@ -1,18 +1,29 @@
-//! A block search at a cursor: why the last event happened, in words.
+//! A block search at a cursor: what the last event means, in words.
 
 use super::probe::Probe;
 use super::subpixel::has_lowest;
-use super::{Event, Fit, Match, Stage, shorter};
+use super::{Event, Fit, Match, Stage, Subpixel, shorter};
+use crate::base::words::{cost, counted, fixed, gray, grouped};
+use crate::products::{metrics, predict};
 use crate::scene::{Role, Sentence};
 
-/// A number with a true minus sign.
+/// A match is called poor from this mean (or root-mean-square) difference on, in gray levels per pixel.
+const POOR_MATCH: f64 = 10.0;
+/// How many ties are listed.
+const LISTED: usize = 3;
+
+/// A component of a displacement in px: two decimals, none where it is whole.
 pub(super) fn signed(v: impl Into<f64>) -> String {
     let v = v.into();
-    let shown = short(v.abs());
-    if v < 0.0 && shown != "0" { format!("−{shown}") } else { shown }
+    fixed(v, decimals(&[v]))
 }
 
-/// A number with at most two digits after the point.
+/// The decimals of a displacement with these components.
+fn decimals(components: &[f64]) -> usize {
+    if components.iter().all(|c| c.fract() == 0.0) { 0 } else { 2 }
+}
+
+/// A parameter's value with at most two decimals.
 pub(super) fn short(v: f64) -> String {
     let shown = format!("{v:.2}");
     shown.trim_end_matches('0').trim_end_matches('.').into()
@@ -21,148 +32,270 @@ pub(super) fn short(v: f64) -> String {
 /// Why `a` is preferred to `b`, which costs the same.
 fn preference(a: Match, b: Match) -> &'static str {
     let length = |found: Match| found.quarters().map(|c| c * c).iter().sum::<i32>();
-    if length(a) < length(b) { "is shorter" } else { "is as short and comes first, row by row" }
+    if length(a) < length(b) { "is shorter" } else { "is equally short and comes first in raster order" }
 }
 
-/// A displacement as a person reads it.
+/// A displacement as text: two decimals, none where both components are whole.
 pub(crate) fn vector([u, v]: [impl Into<f64>; 2]) -> String {
-    // A space at which no line is broken.
-    format!("({},\u{a0}{})", signed(u), signed(v))
+    let components = [u.into(), v.into()];
+    let [u, v] = components.map(|c| fixed(c, decimals(&components)));
+    // A no-break space.
+    format!("({u},\u{a0}{v})")
 }
 
-/// What a stage passes over of the points that it asks for.
-fn left_out(stage: &Stage) -> String {
+/// The candidates of a stage that are skipped.
+fn skipped(stage: &Stage) -> String {
     match (stage.points.len(), stage.asked) {
         (new, asked) if new == asked => String::new(),
-        (0, 1) => " It was tested before or lies outside the window.".into(),
-        (0, asked) => format!(" All {asked} were tested before or lie outside the window."),
-        (new, asked) => format!(" Of these {asked}, {new} lie in the window and were not tested before."),
+        (0, 1) => " It was tested before or lies outside the search window.".into(),
+        (0, asked) => format!(" All {asked} were tested before or lie outside the search window."),
+        (new, asked) => {
+            let are = if new == 1 { "is" } else { "are" };
+            format!(" Of these {asked}, {new} {are} new and inside the search window.")
+        }
     }
 }
 
 impl Probe<'_> {
-    /// Why the last event happened.
+    /// What the last event means, and what decided it.
     pub fn sentence(&self) -> Sentence {
-        let block = self.block();
-        let place = format!("{}×{} px at ({}, {})", block.width, block.height, block.x, block.y);
-        let show = |found: Match| self.settings.number(found.cost);
+        let show = |found: Match| self.settings.show(found.cost);
         let said = Sentence::default();
         match (self.events.last(), self.candidate()) {
             (Some(Event::Window), _) | (Some(Event::Candidate { .. } | Event::NewBest { .. }), None) => {
-                let (columns, rows) = self.window.size;
-                let of = format!("{columns}×{rows} = {} candidates", self.window.count());
-                let is_cut = self.window.count() < (2 * self.settings.matching.range + 1).pow(2);
-                let cut = if is_cut { "; the picture's border cuts it." } else { "." };
-                said.ink(Role::Reference, format!("Block {}", self.index + 1))
-                    .text(format!(" is the {place} of frame t. Its "))
-                    .ink(Role::Window, "search window")
-                    .text(format!(" in frame t+1 holds {of}{cut}"))
+                self.describe_window()
             }
             (Some(Event::Stage { stage, .. } | Event::Refine(stage)), _) => {
-                said.text(stage.why.clone()).text(left_out(stage))
+                said.text(stage.why.clone()).text(skipped(stage))
             }
-            (Some(Event::Fit(fit)), _) => self.why_fit(fit),
-            (Some(Event::Candidate { .. }), Some((candidate, rows))) => self.why_candidate(candidate, rows),
+            (Some(Event::Fit(fit)), _) => self.describe_fit(fit),
+            (Some(Event::Candidate { .. }), Some((candidate, rows))) => self.describe_candidate(candidate, rows),
             (Some(Event::NewBest { before }), Some((best, _))) => {
                 let said = said.ink(Role::Best, format!("{} at {}", show(best), vector(best.vector())));
                 match *before {
-                    None => said.text(" is the first cost, so it is the best so far."),
+                    None => said.text(" is the minimum so far, as the first candidate of this block."),
                     Some(old) if old.cost == best.cost => said.text(format!(
-                        " equals the best so far at {}, and the displacement {}: it is preferred.",
+                        " equals the minimum so far at {}, and the displacement {}: new minimum.",
                         vector(old.vector()),
                         preference(best, old)
                     )),
-                    Some(old) => {
-                        said.text(format!(" is less than {} at {}: the new best.", show(old), vector(old.vector())))
-                    }
+                    Some(old) => said.text(format!(
+                        " is below {} at {}: new minimum.",
+                        self.settings.number(old.cost),
+                        vector(old.vector())
+                    )),
                 }
             }
-            (Some(Event::Found(found)), _) => said
-                .ink(Role::Reference, format!("Block {}", self.index + 1))
-                .text(" moves by ")
-                .ink(Role::Result, format!("{} px", vector(found.vector())))
-                .text(format!(": {} is the smallest of {} tested", self.cost_of(*found), self.tested()))
-                .text(self.saved_candidates())
-                .text(self.saved_rows()),
-            (None, _) => said.text(format!(
-                "Nothing has been searched yet: {} blocks of {} px wait. Step into the first.",
-                self.pair.blocks.len(),
-                self.pair.blocks.size
-            )),
+            (Some(Event::Found(found)), _) => self.describe_result(*found),
+            (None, _) => {
+                let level = match self.counted.level {
+                    Some(level) => format!("Level {level} of frame t has"),
+                    None => "Frame t has".to_owned(),
+                };
+                let (blocks, size) = (counted(self.pair.blocks.len(), "block"), self.pair.blocks.size);
+                said.text(format!("{level} {blocks} of {size}×{size} px. Each is to be matched in frame t+1."))
+            }
         }
     }
 
-    /// What not testing every candidate has saved, if it has.
-    fn saved_candidates(&self) -> String {
-        let all = self.window.count();
-        let whole = self.tests().cells().iter().flatten().count();
+    fn describe_window(&self) -> Sentence {
+        let (block, (columns, rows)) = (self.block(), self.window.size);
+        let range = self.settings.matching.search_range;
+        let is_cut = self.window.count() < (2 * range + 1).pow(2);
+        let cut = if is_cut { ", cut at the picture border," } else { "" };
+        Sentence::default()
+            .ink(Role::Reference, format!("Block {}", self.index + 1))
+            .text(format!(": {}×{} px at ({}, {}) in frame t. Its ", block.width, block.height, block.x, block.y))
+            .ink(Role::Window, "search window")
+            .text(format!(
+                " of ±{range} px in frame t+1{cut} holds {columns}×{rows} = {} candidates.",
+                grouped(self.window.count())
+            ))
+    }
+
+    /// The result of a block, how good it is, and after the last block how good the whole field is.
+    fn describe_result(&self, found: Match) -> Sentence {
+        Sentence::default()
+            .ink(Role::Reference, format!("Block {}", self.index + 1))
+            .text(": motion vector ")
+            .ink(Role::Result, format!("{} px", vector(found.vector())))
+            .text(format!(". {} is the minimum of {}.", self.cost_of(found), self.candidates_tested()))
+            .text(self.rows_summed())
+            .text(format!(" {}", self.verdict(self.as_tested(found))))
+            .text(self.conclusion(found))
+    }
+
+    /// The match where it was tested: a parabola moves it afterwards.
+    fn as_tested(&self, found: Match) -> Match {
+        let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola;
+        Match { fraction: if is_fitted { [0.0; 2] } else { found.fraction }, ..found }
+    }
+
+    /// The number of candidates tested, and the number that full search would test.
+    fn candidates_tested(&self) -> String {
+        let (all, whole) = (self.window.count(), self.tests().cells().iter().flatten().count());
+        let tested = counted_candidates(self.tested());
         let between = match self.tested() - whole {
             0 => String::new(),
-            between => format!(", {between} of them between pixels"),
+            between => format!(", {} between pixels", grouped(between)),
         };
         match whole < all && self.counted.level.is_none() {
-            true if between.is_empty() => format!("; full search would test {all}."),
-            true => format!("{between}; full search would test {all} of whole px."),
-            false => format!("{between}."),
+            true => format!("{tested}{between} (full search: {})", grouped(all)),
+            false => format!("{tested}{between}"),
         }
     }
 
-    /// What giving up early has saved, if it has.
-    fn saved_rows(&self) -> String {
-        let looked_at: usize =
-            self.events.iter().map(|event| if let Event::Candidate { rows, .. } = event { *rows } else { 0 }).sum();
-        let all = self.tested() * self.block().height;
-        if looked_at == all {
+    /// The share of the rows that were summed where candidates were rejected early.
+    fn rows_summed(&self) -> String {
+        let rows = |event: &Event| if let Event::Candidate { rows, .. } = event { *rows } else { 0 };
+        let (summed, all): (usize, _) = (self.events.iter().map(rows).sum(), self.tested() * self.block().height);
+        if summed == all {
             return String::new();
         }
+        let share = 100.0 * summed as f64 / all as f64;
+        format!(" Early exit: {} of {} rows summed, {share:.0} %.", grouped(summed), grouped(all))
+    }
+
+    /// The whole-pixel candidates whose cost is known in full.
+    fn whole_candidates(&self) -> impl Iterator<Item = Match> {
+        let height = self.block().height;
+        self.events.iter().filter_map(move |event| match event {
+            &Event::Candidate { tested, rows } if rows == height && tested.fraction == [0.0; 2] => Some(tested),
+            _ => None,
+        })
+    }
+
+    /// How reliable the match `found` is: ambiguous, at the limit of the search range, poor, exact, or perhaps a local minimum.
+    fn verdict(&self, found: Match) -> String {
+        let ties: Vec<Match> = self
+            .whole_candidates()
+            .filter(|other| other.cost == found.cost && other.displacement != found.displacement)
+            .collect();
+        let tested = self.tests().cells().iter().flatten().count();
+        if !ties.is_empty() && ties.len() + 1 == tested {
+            return "All candidates cost the same: without texture the match is arbitrary, and the shortest \
+                    displacement is taken."
+                .into();
+        }
+        if !ties.is_empty() {
+            return self.ambiguity(&ties);
+        }
+        if self.rate.distortion(found) == 0.0 {
+            return "The match is exact.".into();
+        }
+        let range = self.settings.matching.search_range as u32;
+        if found.displacement.iter().any(|c| c.unsigned_abs() == range) {
+            return format!(
+                "It lies at the limit of the search range of ±{range} px: a larger range may lower the cost."
+            );
+        }
+        let (mean, levels) = self.difference_per_pixel(found);
+        if levels.is_some_and(|levels| levels >= POOR_MATCH) {
+            return format!(
+                "{mean}, a poor match: occlusion, a change of brightness, or motion that is no translation."
+            );
+        }
+        match tested < self.window.count() {
+            true => format!("It may be a local minimum, since candidates were left out{}.", after_colon(&mean)),
+            false => format!("It is the global minimum of the search window{}.", after_colon(&mean)),
+        }
+    }
+
+    /// That the minimum is not unique, with the displacements that cost the same.
+    fn ambiguity(&self, ties: &[Match]) -> String {
+        let listed: Vec<_> = ties.iter().take(LISTED).map(|tie| vector(tie.vector())).collect();
+        let more = if ties.len() > LISTED { ", …" } else { "" };
         format!(
-            " Giving up early, {looked_at} of {all} rows were added up: {:.0} %.",
-            100.0 * looked_at as f64 / all as f64
+            "The same cost at {}{more}: repeating texture or an edge makes the match ambiguous. A larger block may resolve it.",
+            listed.join(", ")
         )
     }
 
-    /// What was fitted, along u and along v.
-    fn why_fit(&self, fit: &Fit) -> Sentence {
+    /// The mean difference per pixel in words and in gray levels, for the costs that have one.
+    fn difference_per_pixel(&self, found: Match) -> (String, Option<f64>) {
+        let cost = self.settings.matching.cost;
+        let levels = cost.levels_of(self.rate.distortion(found), self.block());
+        let name = if cost.is_squared() { "Root-mean-square difference" } else { "Mean absolute difference" };
+        (levels.map_or_else(String::new, |levels| format!("{name} {} gray levels", gray(levels as f32))), levels)
+    }
+
+    /// After the last block of a picture: the quality of the motion-compensated prediction, and its worst block.
+    fn conclusion(&self, found: Match) -> String {
+        let is_last = self.index + 1 == self.pair.blocks.len() && self.counted.level.unwrap_or(0) == 0;
+        if !is_last {
+            return String::new();
+        }
+        let all: Vec<Match> = self.found.iter().copied().chain([found]).collect();
+        let field = self.settings.field(self.pair.blocks, all.iter().map(|found| Some(found.result(0))).collect());
+        let (frame, next) = (self.pair.current.luma(), self.pair.next.luma());
+        let prediction = predict(&field.flow(), next, (field.border, field.filter));
+        let psnr = |picture| match metrics::psnr_db(picture, frame) {
+            Ok(db) if db.is_finite() => format!("{db:.2} dB"),
+            _ => "without error".into(),
+        };
+        let quality = format!(
+            " All {} are matched: PSNR of the motion-compensated prediction {}, without motion {}.",
+            counted(all.len(), "block"),
+            psnr(&prediction),
+            psnr(next)
+        );
+        let worst = all.iter().enumerate().max_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
+        match worst.filter(|(_, worst)| self.rate.lambda == 0.0 && worst.cost > 0.0) {
+            Some((i, worst)) => format!("{quality} Worst match: block {}, {}.", i + 1, self.settings.show(worst.cost)),
+            None => quality,
+        }
+    }
+
+    /// The parabolas along u and along v.
+    fn describe_fit(&self, fit: &Fit) -> Sentence {
         let along = |i: usize, name: &str| match fit.costs[i] {
             Some(costs) if !has_lowest(&costs) => {
-                format!("Along {name} the costs at the best and beside it are equal: no parabola has a lowest point.")
+                format!("Along {name} the three costs are equal, so the parabola has no minimum.")
             }
             Some(costs) => {
                 let [before, at, after] = costs.map(|cost| self.settings.number(cost));
-                let lowest = signed(fit.fraction[i]);
-                format!(
-                    "Along {name} a parabola through {before}, {at} and {after} is lowest {lowest} px from the best."
-                )
+                let lowest = fixed(fit.fraction[i].into(), 2);
+                format!("Along {name} the parabola through {before}, {at} and {after} has its minimum at {lowest} px.")
             }
-            None => format!("Along {name} a neighbour of the best lies outside the window: nothing is fitted."),
+            None => format!("Along {name} a neighbour lies outside the search window, so no parabola is fitted."),
         };
         Sentence::default().text(format!("{} {}", along(0, "u"), along(1, "v")))
     }
 
-    fn why_candidate(&self, candidate: Match, rows: usize) -> Sentence {
-        let block = self.block();
-        let show = |found: Match| self.settings.number(found.cost);
-        let said = Sentence::default()
-            .text("Candidate ")
-            .ink(Role::Candidate, vector(candidate.vector()))
-            .text(format!(" costs {}", show(candidate)));
+    fn describe_candidate(&self, candidate: Match, rows: usize) -> Sentence {
+        let height = self.block().height;
+        let said = Sentence::default().text("Candidate ").ink(Role::Candidate, vector(candidate.vector())).text(": ");
+        let cost = self.settings.show(candidate.cost);
         let Some(best) = self.best() else {
-            return said.text(", the first cost of this block.");
+            return said.text(format!("{cost}, the first cost of this block."));
         };
-        let best_shown = format!("{} at {}", show(best), vector(best.vector()));
-        if rows < block.height {
-            let given_up = format!(" after {rows} of {} rows, already more than the best, ", block.height);
-            return said.text(given_up).ink(Role::Best, best_shown).text(": given up early.");
+        let minimum = format!("{} at {}", self.settings.number(best.cost), vector(best.vector()));
+        if rows < height {
+            return said
+                .text(format!("{cost} after {rows} of {height} rows exceeds the minimum so far, "))
+                .ink(Role::Best, minimum)
+                .text(". Early exit: rejected.");
         }
-        let verdict = match candidate.cost.total_cmp(&best.cost) {
-            std::cmp::Ordering::Less => ", less than the best so far, ",
-            std::cmp::Ordering::Equal => ", the same as the best so far, ",
-            std::cmp::Ordering::Greater => ", more than the best so far, ",
+        let (relation, verdict) = match candidate.cost.total_cmp(&best.cost) {
+            std::cmp::Ordering::Less => ("is below", "."),
+            std::cmp::Ordering::Equal => ("equals", "."),
+            std::cmp::Ordering::Greater => ("exceeds", ": rejected."),
         };
-        let said = said.text(verdict).ink(Role::Best, best_shown);
+        let said = said.text(format!("{cost} {relation} the minimum so far, ")).ink(Role::Best, minimum);
         if candidate.cost == best.cost && shorter(best.quarters(), candidate.quarters()) {
-            return said.text(format!(", which {} and stays.", preference(best, candidate)));
+            return said.text(format!(". That displacement {}: it is kept.", preference(best, candidate)));
         }
-        said.text(".")
+        said.text(verdict)
     }
+}
+
+/// `1 tested candidate`, `25 tested candidates`.
+fn counted_candidates(count: usize) -> String {
+    format!("{} tested candidate{}", cost(count as f64), if count == 1 { "" } else { "s" })
+}
+
+/// A clause after a colon; nothing if there is none.
+fn after_colon(clause: &str) -> String {
+    let mut letters = clause.chars();
+    letters.next().map_or_else(String::new, |first| format!(": {}{}", first.to_lowercase(), letters.as_str()))
 }

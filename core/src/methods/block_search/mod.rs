@@ -1,4 +1,4 @@
-//! What all block searches share: the pair of frames, the window, the events, and how they are told and drawn.
+//! The parts that all block searches share: frames and blocks, search window, events, explanations and marks.
 
 mod explain;
 mod neighbours;
@@ -36,10 +36,10 @@ pub(crate) use tester::{Workspace, around};
 /// A displacement `[u, v]` in whole px from frame t to t + 1.
 pub type Displacement = [i32; 2];
 
-/// The displacements that may be tested for a block: a rectangle, row by row.
+/// The search window: the displacements that may be tested for a block, row by row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
-    /// Smallest displacement, both ways.
+    /// Smallest displacement along u and v.
     pub min: Displacement,
     /// Number of columns and rows.
     pub size: (usize, usize),
@@ -82,7 +82,7 @@ impl Window {
     }
 }
 
-/// Which of two equally good displacements is chosen: the shorter, then the first in raster order.
+/// Whether `a` wins a tie of costs against `b`: the shorter displacement, then the first in raster order.
 #[inline]
 pub fn shorter(a: Displacement, b: Displacement) -> bool {
     let rank = |[u, v]: Displacement| (u * u + v * v, v, u);
@@ -98,7 +98,7 @@ pub struct Pair {
     pub next: Arc<Frame>,
     /// The blocks of frame t.
     pub blocks: BlockGrid,
-    /// What happens at the border.
+    /// The treatment of candidates beyond the border.
     pub rule: BorderRule,
 }
 
@@ -115,13 +115,13 @@ impl Pair {
         }
         if width < size || height < size {
             return Err(Error::new(format!(
-                "a block of {size} px does not fit into a picture of {width}×{height} px; choose a smaller block"
+                "a block of {size}×{size} px does not fit into a picture of {width}×{height} px; choose a smaller block size"
             )));
         }
         Ok(Self { current, next, blocks: grid((width, height), size, step), rule })
     }
 
-    /// Takes `block` moved by `displacement` out of frame t + 1, to be moved on by fractions of a pixel.
+    /// Copies `block` displaced by `displacement` out of frame t + 1, for interpolation at fractions of a pixel.
     pub(crate) fn take_between(
         &self,
         block: Block,
@@ -133,7 +133,7 @@ impl Pair {
         between.take((self.next.luma(), self.rule.border()), corner, (block.width, block.height), filter);
     }
 
-    /// The window of ±`range` px around `block`, cut where the border rule says so.
+    /// The search window of ±`range` px for `block`, cut at the border by [`BorderRule::Inside`].
     pub fn window(&self, block: Block, range: usize) -> Window {
         let (width, height) = self.blocks.picture;
         let span = |start: usize, length: usize, extent: usize| match self.rule {
@@ -146,12 +146,12 @@ impl Pair {
     }
 }
 
-/// Where blocks of `size` px lie every `step` px (0: edge to edge).
+/// The grid of blocks of `size` px every `step` px (0: edge to edge).
 pub(crate) fn grid(picture: (usize, usize), size: usize, step: usize) -> BlockGrid {
     BlockGrid { picture, size, step: if step == 0 { size } else { step } }
 }
 
-/// The pixels of one block and of all that its window reaches.
+/// The pixels of one block and of the area under its search window.
 #[derive(Default)]
 pub(crate) struct Patch {
     /// The block in frame t.
@@ -167,7 +167,7 @@ impl Patch {
         self.block.take(pair.current.luma(), corner, (block.width, block.height), pair.rule.border());
     }
 
-    /// Copies what the block's window reaches out of frame t + 1.
+    /// Copies the area under the block's search window out of frame t + 1.
     pub fn take_area(&mut self, pair: &Pair, block: Block, window: Window) {
         let reach = (block.width + window.size.0 - 1, block.height + window.size.1 - 1);
         let start = (block.x as isize + window.min[0] as isize, block.y as isize + window.min[1] as isize);
@@ -175,35 +175,35 @@ impl Patch {
     }
 }
 
-/// What happens while a block is searched.
+/// An event of the search of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// The window was laid out.
+    /// The search window was placed.
     Window,
-    /// The search decided what to test next, or that it is over.
+    /// The search decided which candidates to test next, or to stop.
     Stage {
         /// The line of the pseudocode.
         line: Name,
-        /// What it decided.
+        /// The decision.
         stage: Stage,
     },
-    /// The best is looked at more closely.
+    /// Sub-pixel candidates, or neighbours for a parabola, are tested.
     Refine(Stage),
-    /// A parabola was laid through the costs around the best.
+    /// Parabolas were fitted through the costs around the best match.
     Fit(Fit),
     /// A candidate was tested.
     Candidate {
-        /// Its displacement, and the cost over the rows that were looked at.
+        /// Its displacement, and the cost over the rows summed.
         tested: Match,
-        /// The rows that were looked at; fewer than the block has if it was given up early.
+        /// The rows summed; fewer than the block has if it was rejected early.
         rows: usize,
     },
-    /// That candidate is the best so far.
+    /// That candidate has the minimum cost so far.
     NewBest {
         /// The best before, if there was one.
         before: Option<Match>,
     },
-    /// The block is done.
+    /// The motion vector of the block is known.
     Found(Match),
 }
 
@@ -228,16 +228,16 @@ impl Event {
 pub struct Stage {
     /// The part of the window to which the search has narrowed down, if it does so.
     pub narrowed: Option<Window>,
-    /// How many points the search asked for.
+    /// Number of candidates in the pattern.
     pub asked: usize,
-    /// Those of them that will be tested: they lie in the window and were not tested before.
+    /// Those of them that are new and inside the search window, in px.
     pub points: Vec<[f32; 2]>,
     /// Why, in a sentence or two.
     pub why: String,
 }
 
 impl Stage {
-    /// The stage that `event` begins.
+    /// The stage that begins with `event`.
     fn of(event: &Event) -> Option<&Stage> {
         match event {
             Event::Stage { stage, .. } | Event::Refine(stage) => Some(stage),
@@ -251,14 +251,14 @@ impl Stage {
 pub struct Match {
     /// The displacement in whole px.
     pub displacement: Displacement,
-    /// What is to be added to it for a fraction of a px: multiples of a quarter, or where a parabola is lowest.
+    /// The sub-pixel part in px: multiples of a quarter, or the minimum of a parabola.
     pub fraction: [f32; 2],
-    /// What it costs.
+    /// The cost, with the rate term.
     pub cost: f64,
 }
 
 impl Match {
-    /// A match of whole px.
+    /// A match at a whole-pixel displacement.
     pub fn whole(displacement: Displacement, cost: f64) -> Self {
         Self { displacement, fraction: [0.0; 2], cost }
     }
@@ -268,12 +268,12 @@ impl Match {
         [0, 1].map(|i| self.displacement[i] as f32 + self.fraction[i])
     }
 
-    /// It as a result, found after `candidates` were tested.
+    /// The block vector found after `candidates` tests.
     pub(crate) fn result(&self, candidates: u32) -> BlockVector {
         BlockVector { displacement: self.vector(), cost: self.cost, candidates }
     }
 
-    /// The displacement in quarters of a px, as it was tested; one that was fitted is rounded.
+    /// The displacement in quarters of a px; one fitted by a parabola is rounded.
     pub(crate) fn quarters(&self) -> [i32; 2] {
         [0, 1].map(|i| 4 * self.displacement[i] + (4.0 * self.fraction[i]).round() as i32)
     }

@@ -1,8 +1,8 @@
-//! What was found nearby, from which a search may predict.
+//! Spatial and temporal predictors: the motion vectors of neighbouring blocks.
 
 use super::{Displacement, Match};
 
-/// The matches of blocks that were searched before.
+/// The matches of neighbouring blocks that were searched before.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Neighbours {
     /// The block to the left.
@@ -11,13 +11,13 @@ pub struct Neighbours {
     pub above: Option<Match>,
     /// The block above and to the right.
     pub above_right: Option<Match>,
-    /// The same block in the pair of frames before.
+    /// The same block in the previous pair of frames.
     pub before: Option<Match>,
 }
 
 impl Neighbours {
-    /// Those of block `index` in a grid of `columns`; `found` gives the match of a block before it in raster order,
-    /// `before` those of the pair of frames before.
+    /// The neighbours of block `index` in a grid of `columns`; `found` gives the match of an earlier block in raster order,
+    /// `before` the matches of the previous pair of frames.
     pub(crate) fn of(index: usize, columns: usize, found: impl Fn(usize) -> Match, before: Option<&[Match]>) -> Self {
         let (column, row) = (index % columns, index / columns);
         Self {
@@ -28,13 +28,13 @@ impl Neighbours {
         }
     }
 
-    /// The median, column and row apart, of the three blocks of this pair. One that is not there counts as zero; in the
-    /// first row the left one stands alone.
+    /// The component-wise median of the three neighbours in this pair. A missing neighbour counts as zero; in the first row
+    /// the left neighbour alone is the predictor.
     pub fn median(&self) -> Displacement {
         self.median_of(|found| found.displacement)
     }
 
-    /// The same of whatever `part` tells of a match.
+    /// The component-wise median of `part` of each match.
     pub(crate) fn median_of(&self, part: impl Fn(Match) -> [i32; 2]) -> [i32; 2] {
         let [a, b, c] = [self.left, self.above, self.above_right].map(|found| found.map_or([0, 0], &part));
         if self.above.is_none() {

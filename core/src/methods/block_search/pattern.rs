@@ -1,11 +1,11 @@
-//! A block search as a part of another: which displacements it tests, and why.
+//! A block search as a part of another: its search pattern.
 
 use std::sync::Arc;
 
 use super::{BlockSearch, Event, Tester};
 use crate::base::{Error, Observer};
 
-/// Keeps what it sees if anyone is to be told.
+/// Records events if an observer watches.
 pub struct Relay(pub Option<Vec<Event>>);
 
 impl Observer<Event> for Relay {
@@ -16,7 +16,7 @@ impl Observer<Event> for Relay {
     }
 }
 
-/// Any block search, of which only the pattern matters.
+/// Any block search, of which only the search pattern matters.
 trait AnySearch: Send + Sync {
     fn search(&self, tester: &mut Tester<'_, Relay>);
     fn within(&self, range: usize) -> Result<Pattern, Error>;
@@ -29,25 +29,25 @@ impl<S: BlockSearch> AnySearch for S {
 
     fn within(&self, range: usize) -> Result<Pattern, Error> {
         let mut search = self.clone();
-        search.set("range", &range.to_string())?;
+        search.set("search-range", &range.to_string())?;
         Ok(Pattern::of(search))
     }
 }
 
-/// The pattern of a block search: what it lends where it is a stage.
+/// The search pattern of a block search, lent to the estimator whose stage it is.
 #[derive(Clone)]
 pub struct Pattern(Arc<dyn AnySearch>);
 
 impl Pattern {
-    /// That of a search.
+    /// The pattern of `search`.
     pub fn of(search: impl BlockSearch) -> Self {
         Self(Arc::new(search))
     }
 
-    /// The same for displacements within ±`range` px.
+    /// The pattern for a search range of ±`range` px.
     ///
     /// # Errors
-    /// If no search reaches so far.
+    /// If the range is out of bounds.
     pub fn within(&self, range: usize) -> Result<Self, Error> {
         self.0.within(range)
     }

@@ -1,4 +1,4 @@
-//! A block search at a cursor: what it draws.
+//! A block search at a cursor: its marks on the pictures.
 
 use super::{Event, Match, Neighbours, Pair, Rate, Settings, Stage, Window};
 use crate::data::Counted;
@@ -6,30 +6,30 @@ use crate::geometry::Grid;
 use crate::products::Block;
 use crate::scene::{Arrow, Picture, Role, Scene, Shape};
 
-/// The unit at a cursor as a block search sees it: what to draw and tell follows from this.
+/// The block at a cursor with the events so far: everything drawn and explained follows from this.
 pub(crate) struct Probe<'a> {
     /// The pair of frames.
     pub pair: &'a Pair,
     /// The parameters of the search, on this picture.
     pub settings: Settings,
-    /// What a displacement costs to send.
+    /// The rate term of displacements.
     pub rate: Rate,
     /// Index of the block.
     pub index: usize,
-    /// What is said of the blocks when they are counted.
+    /// How the blocks are counted in the histogram.
     pub counted: Counted,
-    /// The block's window.
+    /// The search window of the block.
     pub window: Window,
-    /// Blocks found before.
+    /// The matches of earlier blocks.
     pub found: &'a [Match],
-    /// Events of this block that were seen.
+    /// The events of this block up to the cursor.
     pub events: &'a [Event],
     /// The pixel pointed at.
     pub focus: Option<[f32; 2]>,
 }
 
 impl<'a> Probe<'a> {
-    /// The block after those that were found, of whose `events` so many were seen; `focus` is pointed at.
+    /// The block after those in `found`, with its events up to the cursor and the pixel pointed at.
     pub fn new(
         pair: &'a Pair,
         settings: Settings,
@@ -37,7 +37,7 @@ impl<'a> Probe<'a> {
         (events, focus): (&'a [Event], Option<[f32; 2]>),
     ) -> Self {
         let index = found.len();
-        let window = pair.window(pair.blocks.block(index), settings.matching.range);
+        let window = pair.window(pair.blocks.block(index), settings.matching.search_range);
         let neighbours = Neighbours::of(index, pair.blocks.counts().0, |i| found[i], None);
         let rate = Rate::new(&settings, &neighbours);
         Self { pair, settings, rate, index, counted: Counted::default(), window, found, events, focus }
@@ -87,13 +87,13 @@ impl Probe<'_> {
         let arrows: Vec<_> = done.map(|(i, found)| arrow(blocks.block(i), found)).collect();
         if !arrows.is_empty() {
             scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(arrows));
-            scene.legend(Role::Result, "displacement found");
+            scene.legend(Role::Result, "motion vector");
         }
-        // By itself: where there is no room for all of them, this one is still seen.
+        // By itself, so that it is drawn even where arrows are thinned out.
         if let Some(Event::Found(found)) = self.events.last() {
             let found = arrow(self.block(), found);
             scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(vec![found]));
-            scene.legend(Role::Result, "displacement found");
+            scene.legend(Role::Result, "motion vector");
         }
         if self.events.is_empty() {
             return;
@@ -104,8 +104,8 @@ impl Probe<'_> {
             Shape::Rect { min, max: [min[0] + block.width as f32, min[1] + block.height as f32] }
         };
         scene.mark(Picture::CURRENT, Role::Reference, at([0.0; 2]));
-        scene.legend(Role::Reference, "block in frame t");
-        // The end of the run shows what was found; nothing is searched any more.
+        scene.legend(Role::Reference, "block of frame t");
+        // At the end of the run only the vectors and the last match remain.
         if !self.is_over() || self.index + 1 < blocks.len() {
             self.draw_window(block, scene);
         }
@@ -113,7 +113,7 @@ impl Probe<'_> {
         if let Some(best) = self.best() {
             scene.mark(Picture::NEXT, Role::Best, at(best.vector()));
             scene.mark(Picture::NEXT, Role::Best, Shape::Arrows(vec![arrow(block, &best)]));
-            scene.legend(Role::Best, if self.is_over() { "best match" } else { "best so far" });
+            scene.legend(Role::Best, if self.is_over() { "best match" } else { "best match so far" });
         }
         // On top: a new best is the candidate under test.
         if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
@@ -135,7 +135,7 @@ impl Probe<'_> {
         scene.legend(Role::Window, "search window");
     }
 
-    /// The event that tested each displacement, counted from 1.
+    /// The number of the event that tested each displacement, from 1.
     pub(super) fn tests(&self) -> Grid<Option<usize>> {
         let mut tests = Grid::new(self.window.size.0, self.window.size.1, None);
         for (i, event) in self.events.iter().enumerate() {
@@ -148,7 +148,7 @@ impl Probe<'_> {
         tests
     }
 
-    /// The points of the stage at hand: those tested, and those still to test.
+    /// The candidates of the current stage: those tested, and the next ones.
     fn draw_stage(&self, block: Block, scene: &mut Scene) {
         let mut stages = self.events.iter().enumerate().rev();
         let Some((last, stage)) = stages.find_map(|(i, event)| Some((i, Stage::of(event)?))) else {
@@ -165,7 +165,7 @@ impl Probe<'_> {
         };
         let (tested, waiting): (Vec<_>, Vec<_>) = stage.points.iter().copied().partition(|&point| is_tested(point));
         for (role, points, meaning) in
-            [(Role::Rejected, tested, "tested in this stage"), (Role::Predicted, waiting, "still to test")]
+            [(Role::Rejected, tested, "tested in this stage"), (Role::Predicted, waiting, "next candidates")]
         {
             if !points.is_empty() && !self.is_over() {
                 let places = points.iter().map(|[u, v]| [x + u, y + v]).collect();
@@ -175,7 +175,7 @@ impl Probe<'_> {
         }
     }
 
-    /// The costs known so far, by displacement; a candidate that was given up has none.
+    /// The costs so far, by displacement; a candidate rejected early has none.
     pub(super) fn costs(&self) -> Grid<f32> {
         let mut costs = Grid::new(self.window.size.0, self.window.size.1, f32::NAN);
         for event in self.events {

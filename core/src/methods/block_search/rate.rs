@@ -1,22 +1,22 @@
-//! What a displacement costs to send.
+//! The rate term: the bits of a motion vector difference.
 
 use super::{Match, Neighbours, Settings};
 
-/// The price of a displacement beside how badly it fits: λ times the bits of its difference from the predicted one
+/// The rate term λR added to the distortion: R is the bits of the difference between a displacement and its predictor
 /// (G. J. Sullivan and T. Wiegand, Rate-distortion optimization for video compression, IEEE Signal Processing Magazine
 /// 15(6), 1998). The bits are those of H.264's signed Exp-Golomb code.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rate {
     /// Cost per bit.
     pub lambda: f64,
-    /// What the neighbours predict, in the steps in which displacements are sent.
+    /// The predictor, in the steps in which displacements are coded.
     predicted: [i32; 2],
     /// Steps to a px: 1, 2 or 4.
     per_px: i32,
 }
 
 impl Rate {
-    /// The price for a block with these neighbours: their median is the prediction.
+    /// The rate term of a block with these neighbours: the predictor is their median.
     pub fn new(settings: &Settings, neighbours: &Neighbours) -> Self {
         let per_px = settings.refinement.subpixel.steps_per_px();
         let steps = |found: Match| match per_px {
@@ -26,13 +26,13 @@ impl Rate {
         Self { lambda: settings.refinement.lambda.into(), predicted: neighbours.median_of(steps), per_px }
     }
 
-    /// The price of a displacement in quarters of a px.
+    /// The rate term λR of a displacement in quarters of a px.
     #[inline]
     pub fn price(&self, quarters: [i32; 2]) -> f64 {
         if self.lambda == 0.0 { 0.0 } else { self.lambda * f64::from(self.bits(quarters)) }
     }
 
-    /// How badly `found` fits: its cost without the price. Sums are of whole numbers, which the price must not spoil.
+    /// The distortion of `found`: its cost without the rate term, rounded so that sums of whole numbers stay whole.
     pub fn distortion(&self, found: Match) -> f64 {
         if self.lambda == 0.0 {
             return found.cost;
@@ -46,7 +46,7 @@ impl Rate {
         exp_golomb_bits(u - self.predicted[0]) + exp_golomb_bits(v - self.predicted[1])
     }
 
-    /// The predicted displacement in px.
+    /// The predictor in px.
     pub fn predicted_px(&self) -> [f32; 2] {
         self.predicted.map(|c| c as f32 / self.per_px as f32)
     }
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn the_prediction_is_free_but_for_its_shortest_code() {
+    fn the_predictor_takes_the_shortest_code() {
         let left = Some(Match { displacement: [3, -2], fraction: [0.5, 0.0], cost: 0.0 });
         let neighbours = Neighbours { left, ..Neighbours::default() };
         let settings = |subpixel| {
@@ -83,7 +83,7 @@ mod tests {
         let half = Rate::new(&settings(super::super::Subpixel::Half), &neighbours);
         assert_eq!((half.bits([14, -8]), half.price([14, -8]), half.predicted_px()), (2, 8.0, [3.5, -2.0]));
         assert_eq!(half.bits([16, -8]), 4);
-        // In whole px the neighbour's fraction is not known.
+        // In whole px the neighbour's fraction is dropped.
         let whole = Rate::new(&settings(super::super::Subpixel::None), &neighbours);
         assert_eq!((whole.bits([12, -8]), whole.bits([16, -8])), (2, 4));
     }

@@ -1,42 +1,43 @@
-//! A block search at a cursor: its numbers.
+//! A block search at a cursor: facts, formulas, tiles and charts.
 
 use super::explain::{short, signed, vector};
 use super::probe::Probe;
 use super::subpixel::has_lowest;
 use super::{Cost, Event, Fit, Match, Patch, Subpixel, Window};
+use crate::base::words::{cost as cost_text, fixed, grouped};
 use crate::data::{Between, Histogram};
 use crate::geometry::Grid;
 use crate::methods::cost::{Cut, Sum};
 use crate::scene::{Fact, Math, Readout, Role, Series, Surface, Tile};
 
 impl Probe<'_> {
-    /// The numbers of the step.
+    /// The facts, formulas and charts of the step.
     pub fn readouts(&self) -> Vec<Readout> {
         if self.events.is_empty() {
             return Vec::new();
         }
         let mut readouts = vec![Readout::Facts(self.facts())];
         if let Some(Event::Fit(fit)) = self.events.last() {
-            readouts.push(Readout::Equation(self.fitted(fit)));
+            readouts.push(Readout::Equation(self.parabolas(fit)));
         } else if let Some((candidate, rows)) = self.shown() {
             let mut lines = self.equation(candidate, rows);
-            lines.extend(self.priced(candidate));
+            lines.extend(self.rate_lines(candidate));
             readouts.push(Readout::Equation(lines));
         }
         if let Some((candidate, rows)) = self.shown() {
-            // The costs between pixels are on no map, so they come first.
-            let tiles = self.between().into_iter().chain(self.tiles(candidate, rows)).collect();
+            // Costs at sub-pixel positions are not on the cost surface, so they come first.
+            let tiles = self.subpixel_costs().into_iter().chain(self.tiles(candidate, rows)).collect();
             readouts.push(Readout::Tiles(tiles));
         }
-        let is_on_map = |candidate: &Match| !self.is_over() && candidate.fraction == [0.0; 2];
+        let is_on_surface = |candidate: &Match| !self.is_over() && candidate.fraction == [0.0; 2];
         let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola;
         readouts.push(Readout::Surface(Surface {
             title: self.settings.label(),
             origin: self.window.min,
             values: self.costs(),
             events: self.tests(),
-            probe: self.candidate().map(|(candidate, _)| candidate).filter(is_on_map).map(|at| at.displacement),
-            // One between pixels has no place on the map; one that was fitted stays where it was tested.
+            probe: self.candidate().map(|(candidate, _)| candidate).filter(is_on_surface).map(|at| at.displacement),
+            // A sub-pixel position is not on the cost surface; a fitted one stays where it was tested.
             best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
         }));
         readouts.push(Readout::Series(self.series()));
@@ -44,7 +45,7 @@ impl Probe<'_> {
         readouts
     }
 
-    /// The displacements found, this block's own among them once it is done.
+    /// The histogram of the motion vectors so far, with this block's own once it is found.
     fn histogram(&self) -> Option<Histogram> {
         let own = self.events.last().and_then(|event| match event {
             Event::Found(found) => Some(found),
@@ -54,10 +55,10 @@ impl Probe<'_> {
         Histogram::of(self.counted, &vectors, own.is_some())
     }
 
-    /// The candidate whose numbers are shown: the one under test, at the end the one that won.
+    /// The candidate whose numbers are shown: the one under test, at the end the best match.
     pub(super) fn shown(&self) -> Option<(Match, usize)> {
         match self.events.last() {
-            // A parabola was fitted to what was tested, and is no test itself.
+            // The minimum of a parabola was not tested itself.
             Some(Event::Found(found)) if self.settings.refinement.subpixel == Subpixel::Parabola => {
                 Some((Match { fraction: [0.0; 2], ..*found }, self.block().height))
             }
@@ -76,7 +77,13 @@ impl Probe<'_> {
         let mut facts = vec![
             Fact {
                 label: "Block",
-                value: format!("{} of {}, at ({}, {})", self.index + 1, self.pair.blocks.len(), block.x, block.y),
+                value: format!(
+                    "{} of {}, at ({}, {})",
+                    grouped(self.index + 1),
+                    grouped(self.pair.blocks.len()),
+                    block.x,
+                    block.y
+                ),
                 role: Some(Role::Reference),
             },
             Fact { label: "Tested", value: self.counted(), role: None },
@@ -93,17 +100,17 @@ impl Probe<'_> {
         facts
     }
 
-    /// How many candidates were tested: of the window, and between its pixels.
+    /// The number of candidates tested in the window, and at sub-pixel positions.
     fn counted(&self) -> String {
         let whole = self.tests().cells().iter().flatten().count();
-        let of_window = format!("{whole} of {}", self.window.count());
+        let of_window = format!("{} of {}", grouped(whole), grouped(self.window.count()));
         match self.tested() - whole {
             0 => of_window,
-            between => format!("{of_window}, {between} between pixels"),
+            between => format!("{of_window}, {} between pixels", grouped(between)),
         }
     }
 
-    /// What a match costs, and where that was tested if a parabola has moved it from there since.
+    /// The cost of a match, and where it was tested if a parabola has moved the match since.
     pub(super) fn cost_of(&self, found: Match) -> String {
         let cost = self.settings.show(found.cost);
         let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola && found.fraction != [0.0; 2];
@@ -117,7 +124,7 @@ impl Probe<'_> {
         patch.take_area(self.pair, block, Window { min: [u, v], size: (1, 1) });
         if candidate.fraction != [0.0; 2] {
             let (mut between, size) = (Between::default(), (block.width, block.height));
-            self.pair.take_between(block, [u, v], self.settings.refinement.filter, &mut between);
+            self.pair.take_between(block, [u, v], self.settings.refinement.interpolation, &mut between);
             let (pixels, _) = between.moved(candidate.fraction.map(|c| (4.0 * c) as i32));
             if let Ok(moved) = Grid::from_vec(size.0, size.1, pixels.to_vec()) {
                 patch.area.take(&moved, (0, 0), size, self.pair.rule.border());
@@ -126,13 +133,13 @@ impl Probe<'_> {
         (patch.block, patch.area)
     }
 
-    /// How badly a candidate fits, as a person reads it: its cost less the price of its displacement.
+    /// The distortion of a candidate as text: its cost without the rate term.
     pub(super) fn distortion(&self, candidate: Match) -> String {
-        self.settings.free().number(self.rate.distortion(candidate))
+        self.settings.without_rate().number(self.rate.distortion(candidate))
     }
 
-    /// The price of the displacement, and what that makes of the cost; nothing where it has none.
-    fn priced(&self, candidate: Match) -> Vec<Math> {
+    /// The rate term of the displacement and the cost with it; nothing for λ = 0.
+    fn rate_lines(&self, candidate: Match) -> Vec<Math> {
         if self.settings.refinement.lambda == 0.0 {
             return Vec::new();
         }
@@ -143,11 +150,11 @@ impl Probe<'_> {
             Math::ink(self.shown_role(), self.settings.number(candidate.cost)),
         ]);
         let predicted = Math::ink(Role::Predicted, vector(self.rate.predicted_px()));
-        vec![sum, Math::Row(vec![Math::text("bits of the difference from "), predicted])]
+        vec![sum, Math::Row(vec![Math::text("R: bits of the difference from the median predictor "), predicted])]
     }
 
-    /// Where each parabola is lowest, with its numbers.
-    fn fitted(&self, fit: &Fit) -> Vec<Math> {
+    /// The minimum of each parabola, with its numbers.
+    fn parabolas(&self, fit: &Fit) -> Vec<Math> {
         let best = self.best().map_or([0, 0], |best| best.displacement);
         let along = |i: usize, name: &'static str| {
             let [before, at, after] = fit.costs[i].filter(has_lowest)?.map(|cost| self.settings.number(cost));
@@ -159,18 +166,18 @@ impl Probe<'_> {
                     Box::new(Math::text(format!("2 · ({before} − 2 · {at} + {after})"))),
                 ),
                 Math::text(" = "),
-                Math::ink(Role::Best, format!("{} px", signed(best[i] as f32 + fit.fraction[i]))),
+                Math::ink(Role::Best, format!("{} px", fixed((best[i] as f32 + fit.fraction[i]).into(), 2))),
             ]))
         };
         [along(0, "u"), along(1, "v")].into_iter().flatten().collect()
     }
 
-    /// The costs between pixels, by where they were tested around the best whole displacement.
-    fn between(&self) -> Option<Tile> {
+    /// The costs at sub-pixel positions around the best whole-pixel displacement.
+    fn subpixel_costs(&self) -> Option<Tile> {
         let steps = self.settings.refinement.subpixel.steps_per_px();
         let (label, reach) = match self.settings.refinement.subpixel {
-            Subpixel::Half => ("cost by ½ px", 1),
-            Subpixel::Quarter => ("cost by ¼ px", 3),
+            Subpixel::Half => ("cost at ½ px", 1),
+            Subpixel::Quarter => ("cost at ¼ px", 3),
             Subpixel::None | Subpixel::Parabola => return None,
         };
         let tested = || {
@@ -222,7 +229,7 @@ impl Probe<'_> {
             term(sum, Math::Row(pair))
         };
         let last = (block.width - 1, rows - 1);
-        // Some rows add up to no more than all of them.
+        // A partial sum is a lower bound.
         let relation = if rows < block.height { "≥ " } else { "= " };
         let mut terms = vec![Math::text(relation), numbers(0, 0)];
         if block.width > 1 {
@@ -240,7 +247,7 @@ impl Probe<'_> {
             terms.push(Math::text(")"));
             result = vec![
                 Math::text("= "),
-                Math::Frac(Box::new(Math::text(squares.to_string())), Box::new(Math::text(n.to_string()))),
+                Math::Frac(Box::new(Math::text(cost_text(squares))), Box::new(Math::text(n.to_string()))),
                 Math::text(format!(" = {}", self.distortion(candidate))),
             ];
         }
@@ -252,7 +259,7 @@ impl Probe<'_> {
         lines
     }
 
-    /// The term of the pixel pointed at, if it lies in the rows of the block that were summed.
+    /// The term of the pixel pointed at, if it lies in a row of the block that was summed.
     fn focused_term(&self, a: &Cut, b: &Cut, rows: usize) -> Option<Math> {
         let block = self.block();
         let [x, y] = self.focus?.map(|c| c.round() as isize);
@@ -268,7 +275,7 @@ impl Probe<'_> {
         Some(Math::Row(vec![
             Math::text(format!("at pixel ({x}, {y}):  ")),
             term(sum, Math::Row(numbers)),
-            Math::text(format!(" = {}", sum.term(p, q))),
+            Math::text(format!(" = {}", cost_text(sum.term(p, q).into()))),
         ]))
     }
 
@@ -312,7 +319,7 @@ impl Probe<'_> {
                 _ => {}
             }
         }
-        // The best stays what it is up to the last candidate.
+        // The minimum holds up to the last candidate.
         if let Some([_, y]) = best.last().copied() {
             best.push([number, y]);
         }
@@ -320,7 +327,7 @@ impl Probe<'_> {
             title: "Cost by candidate",
             x_label: "candidate",
             y_label: self.settings.label(),
-            // What is tested between pixels comes on top.
+            // Sub-pixel candidates come on top.
             x_max: self.window.count().max(self.tested()),
             events,
             sections: Vec::new(),
@@ -329,12 +336,12 @@ impl Probe<'_> {
     }
 }
 
-/// What is added to a coordinate: ` + 3`.
+/// A displacement added to a coordinate: ` + 3`, ` − 0.50`.
 pub(super) fn offset(v: f32) -> String {
-    match short(v.abs().into()).as_str() {
-        "0" => String::new(),
-        shown if v < 0.0 => format!(" − {shown}"),
-        shown => format!(" + {shown}"),
+    match v {
+        0.0 => String::new(),
+        v if v < 0.0 => format!(" − {}", signed(-v)),
+        v => format!(" + {}", signed(v)),
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a block search is, and how that makes it an estimator.
+//! The trait of block searches, and how each of them is an estimator.
 
 use std::sync::Arc;
 
@@ -17,31 +17,31 @@ use crate::scene::{Chart, Focus, Name, Role, Scene, Step};
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
 pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 'static {
-    /// What there is to say about it.
+    /// Its declaration.
     const INFO: Info;
-    /// What it can be relied on to find.
+    /// The motion it is guaranteed to find.
     const GUARANTEE: Guarantee = Guarantee::SmoothTranslation { off_px: 0 };
 
-    /// Whether it looks at what was found nearby.
+    /// Whether it uses the motion vectors of neighbouring blocks.
     fn predicts(&self) -> bool {
         false
     }
 
-    /// Whether it looks at what it found in the pair of frames before, which is then searched first.
-    fn looks_back(&self) -> bool {
+    /// Whether it uses the motion vectors of the previous pair of frames, which is then searched first.
+    fn predicts_in_time(&self) -> bool {
         false
     }
 
-    /// Searches the tester's block. Whatever it tested that costs least is the result.
+    /// Searches the tester's block. The tested candidate of minimum cost is the result.
     fn search(&self, tester: &mut Tester<impl Observer<Event>>);
 }
 
-/// The lines that all searches have.
+/// The pseudocode lines that all searches have.
 pub(crate) mod line {
     super::line_names!(EACH_BLOCK, LAY_WINDOW, REFINE_BEST, SET_DISPLACEMENT, COMPUTE_COST, KEEP_BEST);
 }
 
-/// The line that `event` belongs to.
+/// The pseudocode line of `event`.
 fn line_of(event: &Event) -> Name {
     match event {
         Event::Window => line::LAY_WINDOW,
@@ -58,31 +58,31 @@ macro_rules! search_pseudocode {
     ($($name:ident: $text:literal),* $(,)?) => {
         $crate::pseudocode! {
             EACH_BLOCK: "for each block B of frame t",
-            LAY_WINDOW: "  lay the window of ±range px around B in frame t+1",
+            LAY_WINDOW: "  place the search window of ±search range around B in frame t+1",
             $($name: $text,)*
-            REFINE_BEST: "  refine the best to a fraction of a px, if asked for",
-            SET_DISPLACEMENT: "  displacement of B ← (u, v) of the best",
-            TEST: "to test (u, v), if it is new and lies in the window",
-            COMPUTE_COST: "  cost ← difference of B and the block at (u, v) [+ λ · bits of (u, v)]",
-            COMPARE_COST: "  if cost < best, or equal and (u, v) shorter, then first",
-            KEEP_BEST: "    best ← cost at (u, v)",
+            REFINE_BEST: "  refine best to sub-pixel accuracy (if subpixel is set)",
+            SET_DISPLACEMENT: "  motion vector of B ← best",
+            TEST: "to test candidate (u, v), if it is new and inside the search window",
+            COMPUTE_COST: "  c ← cost of B and the block of frame t+1 displaced by (u, v) [+ λR(u, v)]",
+            COMPARE_COST: "  if c < minimum, or c = minimum and (u, v) is shorter than best",
+            KEEP_BEST: "    minimum ← c; best ← (u, v)",
         }
     };
 }
 pub(crate) use search_pseudocode;
 
-/// What a block search reads and writes.
+/// The state of a block search.
 #[derive(Clone)]
 pub struct State {
     pair: Pair,
-    /// What was found in the pair of frames before, by block; `None` if nobody looks back, or there is none.
+    /// The matches of the previous pair of frames, by block; `None` without temporal prediction, or in the first pair.
     before: Option<Arc<[Match]>>,
     found: Vec<Match>,
-    /// How many candidates were tested for each block.
+    /// Number of candidates tested for each block.
     tested: Vec<u32>,
 }
 
-/// Searches block `index`, `found` being those before it; gives what was found and how many displacements were tested.
+/// Searches block `index`, `found` being the matches before it; returns its match and the number of candidates tested.
 fn search_block<S: BlockSearch>(
     search: &S,
     State { pair, before, .. }: &State,
@@ -92,7 +92,7 @@ fn search_block<S: BlockSearch>(
 ) -> (Match, usize) {
     observer.see(|| Event::Window);
     let settings = search.settings();
-    // The bits of a displacement are those of its difference from what the neighbours predict.
+    // The rate of a displacement is that of its difference from the median predictor.
     let neighbours = match search.predicts() || settings.refinement.lambda > 0.0 {
         true => Neighbours::of(index, pair.blocks.counts().0, found, before.as_deref()),
         false => Neighbours::default(),
@@ -102,17 +102,17 @@ fn search_block<S: BlockSearch>(
     tester.finish()
 }
 
-/// The state before the first block, `before` being what was found in the pair of frames before.
+/// The state before the first block, `before` being the matches of the previous pair of frames.
 fn start<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, before: Option<Arc<[Match]>>) -> Result<State, Error> {
     let settings = search.settings();
     let pair =
-        Pair::new(clip, frame, settings.matching.block, settings.refinement.spacing, settings.refinement.border)?;
+        Pair::new(clip, frame, settings.matching.block_size, settings.refinement.spacing, settings.refinement.border)?;
     Ok(State { pair, before, found: Vec::new(), tested: Vec::new() })
 }
 
-/// The state before the first block, after the pair of frames before was searched if the search looks back.
+/// The state before the first block; with temporal prediction the previous pair of frames is searched first.
 fn prepare<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-    let earlier = frame.checked_sub(1).filter(|_| search.looks_back());
+    let earlier = frame.checked_sub(1).filter(|_| search.predicts_in_time());
     let field = |earlier| {
         let state = start(search, clip, earlier, None)?;
         Ok::<_, Error>(finish(search, clip, state, threads)?.found.into())
@@ -235,15 +235,15 @@ impl<S: BlockSearch> Pointed<State> for S {
     }
 }
 
-/// Memory that the search of so many blocks takes: a sweep holds each four times until it is done, and a state that is walked
-/// through once.
+/// Memory for a search of this many blocks: a sweep holds each four times until it is done, a state that is walked through
+/// once.
 pub(crate) fn need(clip: &Clip, blocks: usize) -> Need {
     const BLOCK: f64 = size_of::<(Match, usize)>() as f64;
     let blocks = blocks as f64;
     Need::per_pixel(clip, [1.0, 2.0]).and([blocks * 7.0 * BLOCK, blocks * 9.0 * BLOCK]).and([0.0, EVENTS])
 }
 
-/// What is told of a block with the largest window, in bytes.
+/// The events of a block with the largest search window, in bytes.
 const EVENTS: f64 = 8e6;
 
 fn probe<'a, S: BlockSearch>(search: &S, seen: &'a Seen<S>) -> Probe<'a> {

@@ -1,6 +1,7 @@
 //! The parameters that all block searches have, declared once.
 
 use super::Subpixel;
+use crate::base::words::fixed;
 use crate::data::Interpolation;
 use crate::geometry::Border;
 use crate::methods::cost::{self, Cut, Sum, whole};
@@ -8,26 +9,27 @@ use crate::products::{Block, BlockField, BlockGrid, BlockVector};
 use crate::{choices, params};
 
 choices! {
-    /// How unlike two blocks are.
+    /// Matching cost: the dissimilarity of two blocks.
     pub enum Cost {
-        /// Sum of absolute differences, Σ |I_t − I_t+1|.
+        /// Sum of absolute differences, Σ |I_t − I_t+1|. Cheap, and robust against single large differences.
         Sad = "sad" "SAD",
-        /// Sum of squared differences, Σ (I_t − I_t+1)²; large differences weigh more.
+        /// Sum of squared differences, Σ (I_t − I_t+1)². Large differences weigh more than in SAD.
         Ssd = "ssd" "SSD",
-        /// Mean squared error: SSD divided by the number of pixels N of the block, so without lambda it chooses the same vectors.
+        /// Mean squared error: SSD / N for N pixels of the block. With λ = 0 it gives the same motion vectors as SSD.
         Mse = "mse" "MSE",
-        /// Zero-mean SAD: each block's mean is taken off first, so that an offset of the light changes nothing.
+        /// Zero-mean SAD: the mean of each block is subtracted first, so the cost is invariant to a brightness offset.
         Zsad = "zsad" "ZSAD",
-        /// Half the sum of the absolute coefficients of the differences' 4×4 Hadamard transform, near what coding them takes.
+        /// Sum of absolute transformed differences: half the sum of the absolute coefficients of the 4×4 Hadamard transform of
+        /// the differences. It approximates the bits of the residual better than SAD.
         Satd = "satd" "SATD",
-        /// One less the normalised correlation of the blocks, each less its mean: neither gain nor offset of the light
-        /// changes it. 0 fits perfectly, 1 not at all.
+        /// One minus the zero-mean normalised cross-correlation: invariant to gain and offset of brightness. 0 is a perfect
+        /// match, 1 no correlation.
         Ncc = "ncc" "1 − NCC",
     }
 }
 
 impl Cost {
-    /// What is summed over the pixels, if it is such a sum.
+    /// The term summed over the pixels, for the costs that are such a sum.
     #[inline(always)]
     pub(crate) fn sum(self) -> Option<Sum> {
         match self {
@@ -37,7 +39,7 @@ impl Cost {
         }
     }
 
-    /// The cost that a sum over `block` amounts to.
+    /// The cost for a sum over `block`.
     #[inline(always)]
     pub(crate) fn of(self, sum: u32, block: Block) -> f64 {
         match self {
@@ -46,7 +48,7 @@ impl Cost {
         }
     }
 
-    /// The largest sum over `block` that amounts to no more than `cost`.
+    /// The largest sum over `block` whose cost does not exceed `cost`.
     pub(crate) fn sum_within(self, cost: f64, block: Block) -> u32 {
         match self {
             Cost::Mse => (cost * (block.width * block.height) as f64) as u32,
@@ -79,16 +81,33 @@ impl Cost {
         }
     }
 
-    /// The cost as a person reads it.
-    fn show(self, cost: f64) -> String {
+    /// The mean absolute difference per pixel of a block with this cost, for squares the root mean square, in gray levels;
+    /// `None` for transforms and correlation.
+    pub(super) fn levels_of(self, cost: f64, block: Block) -> Option<f64> {
+        let pixels = (block.width * block.height) as f64;
         match self {
-            Cost::Sad | Cost::Ssd | Cost::Satd => cost.to_string(),
-            Cost::Mse | Cost::Zsad => format!("{cost:.2}"),
-            Cost::Ncc => format!("{cost:.4}"),
+            Cost::Sad | Cost::Zsad => Some(cost / pixels),
+            Cost::Ssd => Some((cost / pixels).sqrt()),
+            Cost::Mse => Some(cost.sqrt()),
+            Cost::Satd | Cost::Ncc => None,
         }
     }
 
-    /// Its label where the price of the displacement is added.
+    /// Whether differences are squared.
+    pub(super) fn is_squared(self) -> bool {
+        matches!(self, Cost::Ssd | Cost::Mse)
+    }
+
+    /// The decimals of the cost: none for sums of whole numbers.
+    fn decimals(self) -> usize {
+        match self {
+            Cost::Sad | Cost::Ssd | Cost::Satd => 0,
+            Cost::Mse | Cost::Zsad => 2,
+            Cost::Ncc => 4,
+        }
+    }
+
+    /// Its label with the rate term λR added.
     fn priced_label(self) -> &'static str {
         match self {
             Cost::Sad => "SAD + λR",
@@ -102,19 +121,19 @@ impl Cost {
 }
 
 choices! {
-    /// What happens where the window leaves the picture.
+    /// Treatment of candidates that reach beyond the picture.
     pub enum BorderRule {
-        /// Only candidates that lie wholly inside the picture are tested: the window is cut.
-        Inside = "inside" "Stay inside",
-        /// The edge pixel is repeated outwards, as video coders do.
-        Replicate = "replicate" "Repeat the edge",
-        /// The picture is mirrored at its edge.
+        /// Only candidates inside the picture are tested: the search window is cut at the border.
+        Inside = "inside" "Inside only",
+        /// Pixels of the border are replicated outwards, as in video coding (unrestricted motion vectors).
+        Replicate = "replicate" "Replicate",
+        /// The picture is reflected at its border.
         Mirror = "mirror" "Mirror",
     }
 }
 
 impl BorderRule {
-    /// How pixels outside are read.
+    /// The extrapolation beyond the border.
     pub fn border(self) -> Border {
         match self {
             BorderRule::Inside | BorderRule::Replicate => Border::Replicate,
@@ -124,33 +143,34 @@ impl BorderRule {
 }
 
 params! {
-    /// What is compared, and how: the first parameters that all block searches have.
+    /// Blocks, window and cost: the first parameters of every block search.
     #[derive(Copy, PartialEq)]
     pub struct Matching {
-        /// Side of the square blocks.
-        block: usize = 16, 4..=64, "px";
-        /// Largest displacement to the left, right, up and down that is tested.
-        range: usize = 16, 1..=64, "px";
-        /// How unlike two blocks are. SSD and MSE are one divided by the other: without lambda they choose the
-        /// same vectors.
+        /// Side of the square blocks. Small blocks follow fine motion but match ambiguously; large ones average over several
+        /// motions.
+        block_size: usize = 16, 4..=64, "px";
+        /// Largest displacement tested to the left, right, up and down: the search window is ±this wide and high.
+        search_range: usize = 16, 1..=64, "px";
+        /// Matching cost between the block and a candidate. SSD and MSE differ by the factor N only: with λ = 0 they give
+        /// the same motion vectors.
         cost: Cost = Cost::Sad;
     }
 }
 
 params! {
-    /// How closely, at what price and where: the last parameters that all block searches have.
+    /// Sub-pixel refinement, rate term and block grid: the last parameters of every block search.
     #[derive(Copy, PartialEq)]
     pub struct Refinement {
-        /// How closely a displacement is found: the best in whole px is refined.
+        /// Sub-pixel refinement of the best whole-pixel displacement.
         subpixel: Subpixel = Subpixel::None;
-        /// How gray values between pixels are interpolated, for the refinement and for the prediction.
-        filter: Interpolation = Interpolation::Bilinear;
-        /// Cost of each bit that the displacement takes when it is sent as its difference from the median of the
-        /// neighbours' displacements, in units of the cost; 0 leaves the bits out.
+        /// Interpolation of gray values between pixels, for the refinement and for the motion-compensated prediction.
+        interpolation: Interpolation = Interpolation::Bilinear;
+        /// Lagrange multiplier λ of the rate term: cost per bit of the motion vector difference, which is taken to the median of
+        /// the neighbouring vectors. 0 ignores the rate; higher values smooth the field.
         lambda: f32 = 0.0, 0.0..=100.0, "per bit";
-        /// Distance from one block to the next; 0 sets them edge to edge, less than the block lets them overlap.
+        /// Distance between neighbouring blocks; 0 puts them edge to edge, less than the block size lets them overlap.
         spacing: usize = 0, 0..=64, "px";
-        /// What happens where the window leaves the picture.
+        /// Treatment of candidates that reach beyond the picture.
         border: BorderRule = BorderRule::Inside;
     }
 }
@@ -158,16 +178,16 @@ params! {
 /// The values of the parameters that all block searches have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// What is compared, and how.
+    /// Blocks, window and cost.
     pub matching: Matching,
-    /// How closely, at what price and where.
+    /// Sub-pixel refinement, rate term and block grid.
     pub refinement: Refinement,
 }
 
 impl Settings {
-    /// Where the blocks of a picture lie.
+    /// The block grid of a picture.
     pub(crate) fn grid(&self, picture: (usize, usize)) -> BlockGrid {
-        super::grid(picture, self.matching.block, self.refinement.spacing)
+        super::grid(picture, self.matching.block_size, self.refinement.spacing)
     }
 
     /// The result of a search: `vectors` for `blocks`.
@@ -177,60 +197,64 @@ impl Settings {
             vectors,
             cost: self.label(),
             border: self.refinement.border.border(),
-            filter: self.refinement.filter,
+            filter: self.refinement.interpolation,
         }
     }
 
-    /// A cost as a person reads it, with its name: `SAD 120`.
+    /// A cost with its name: `SAD 120`.
     pub(crate) fn show(&self, cost: f64) -> String {
         format!("{} {}", self.label(), self.number(cost))
     }
 
-    /// The same without the price of a displacement, to show how badly something fits.
+    /// The same without the rate term: costs are distortions.
     #[must_use]
-    pub(crate) fn free(self) -> Self {
+    pub(crate) fn without_rate(self) -> Self {
         Self { refinement: Refinement { lambda: 0.0, ..self.refinement }, ..self }
     }
 
-    /// A cost as a person reads it.
-    pub(super) fn number(&self, cost: f64) -> String {
-        if self.refinement.lambda == 0.0 {
-            return self.matching.cost.show(cost);
-        }
-        let digits = if self.matching.cost == Cost::Ncc { 4 } else { 2 };
-        let shown = format!("{cost:.digits$}");
-        shown.trim_end_matches('0').trim_end_matches('.').into()
+    /// A cost as text, with the decimals of its kind.
+    pub(crate) fn number(&self, cost: f64) -> String {
+        let decimals = self.matching.cost.decimals();
+        let is_whole = self.refinement.lambda.fract() == 0.0;
+        fixed(cost, if is_whole { decimals } else { decimals.max(2) })
     }
 
-    /// What the cost is called.
+    /// The name of the cost.
     pub(crate) fn label(&self) -> &'static str {
         if self.refinement.lambda == 0.0 { self.matching.cost.label() } else { self.matching.cost.priced_label() }
     }
 }
 
-/// What has the parameters of a block search: every struct that [`block_search_params!`] declares.
+/// A struct with the parameters of a block search: every one that [`block_search_params!`] declares.
 pub trait HasSettings {
     /// Their values.
     fn settings(&self) -> Settings;
 }
 
-/// Declares the parameters of a block search: its own between those that all have.
+/// Declares the parameters of a block search: its own between the common ones. `renamed` keeps earlier names of its own.
 macro_rules! block_search_params {
     (
         $(#[$meta:meta])*
         pub struct $name:ident {
             $($own:tt)*
         }
+        $(renamed { $($old:literal => $new:literal),+ $(,)? })?
     ) => {
         $crate::params! {
             $(#[$meta])*
             pub struct $name {
-                /// What is compared, and how.
+                /// Blocks, window and cost.
                 matching: $crate::methods::block_search::Matching = $crate::methods::block_search::Matching::default();
                 $($own)*
-                /// How closely, at what price and where.
+                /// Sub-pixel refinement, rate term and block grid.
                 refinement: $crate::methods::block_search::Refinement =
                     $crate::methods::block_search::Refinement::default();
+            }
+            renamed {
+                "block" => "block-size",
+                "range" => "search-range",
+                "filter" => "interpolation",
+                $($($old => $new),+)?
             }
         }
 

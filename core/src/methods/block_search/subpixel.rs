@@ -1,27 +1,27 @@
-//! The last step of a search: from whole pixels to fractions of one.
+//! The last step of a search: sub-pixel refinement.
 
 use super::{Event, Match, Stage, Tester, around, vector};
 use crate::base::Observer;
 use crate::choices;
 
 choices! {
-    /// How closely a displacement is found.
+    /// Sub-pixel refinement of the best whole-pixel displacement.
     pub enum Subpixel {
-        /// To whole pixels.
+        /// No refinement: displacements in whole px.
         None = "none" "Whole px",
-        /// To half pixels: the eight around the best are tested, on the interpolated picture.
+        /// Tests the 8 half-pixel positions around the best match on the interpolated frame t+1.
         Half = "half" "Half px",
-        /// To quarters: the eight half pixels around the best, then the eight quarters around the best of those.
+        /// Tests the 8 half-pixel positions, then the 8 quarter-pixel positions around the best of them.
         Quarter = "quarter" "Quarter px",
-        /// To where a parabola through the costs at the best and next to it is lowest. Only those neighbours are tested
-        /// for it; one that is better becomes the best first. Where the texture is smooth SSD is such a parabola; the valley of SAD is sharper. Along u
-        /// and along v by itself, so a valley that lies across both is met only roughly.
+        /// Fits a parabola through the costs at the best match and its two neighbours, along u and along v separately, and takes
+        /// its minimum. SSD is near a parabola on smooth texture; SAD has a sharper minimum. A diagonal valley is located
+        /// only roughly.
         Parabola = "parabola" "Parabola",
     }
 }
 
 impl Subpixel {
-    /// In how many steps to a px the displacements are counted that are tested.
+    /// The number of tested positions per px.
     pub(super) fn steps_per_px(self) -> i32 {
         match self {
             Subpixel::None | Subpixel::Parabola => 1,
@@ -39,18 +39,18 @@ pub(super) const BESIDE: [[i32; 2]; 4] = [[0, -1], [-1, 0], [1, 0], [0, 1]];
 /// A parabola through three costs, along u and along v.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// The costs before, at and after the best displacement; `None` where a neighbour lies outside the window.
+    /// The costs before, at and after the best displacement; `None` where a neighbour lies outside the search window.
     pub costs: [Option<[f64; 3]>; 2],
-    /// The lowest point, in px from the best displacement.
+    /// The minimum, in px from the best displacement.
     pub fraction: [f32; 2],
 }
 
-/// Whether the parabola through the costs at −1, 0 and 1 is lowest anywhere: it is a line where they are equal.
+/// Whether the parabola through the costs at −1, 0 and 1 has a minimum: it is a line where they are equal.
 pub(super) fn has_lowest([before, at, after]: &[f64; 3]) -> bool {
     before - 2.0 * at + after > 0.0
 }
 
-/// Where it is lowest; 0 where it is a line.
+/// The position of its minimum; 0 where it is a line.
 fn lowest(costs: [f64; 3]) -> f32 {
     let [before, at, after] = costs;
     if !has_lowest(&costs) {
@@ -60,20 +60,25 @@ fn lowest(costs: [f64; 3]) -> f32 {
 }
 
 impl<O: Observer<Event>> Tester<'_, O> {
-    /// Refines the best as the settings say.
+    /// Refines the best match as the settings say.
     pub(super) fn refine(&mut self) {
         match self.settings.refinement.subpixel {
             Subpixel::None => {}
-            Subpixel::Half => self.look_between(&[2]),
-            Subpixel::Quarter => self.look_between(&[2, 1]),
+            Subpixel::Half => self.test_subpixel(&[2]),
+            Subpixel::Quarter => self.test_subpixel(&[2, 1]),
             Subpixel::Parabola => self.fit_parabola(),
         }
     }
 
-    /// Tests the eight points around the best, so many quarters of a px away, for each of `steps`.
-    fn look_between(&mut self, steps: &[i32]) {
+    /// Tests the eight positions around the best match, at a distance of each of `steps` in quarters of a px.
+    fn test_subpixel(&mut self, steps: &[i32]) {
         let Some(start) = self.best else { return };
-        self.pair.take_between(self.block, start.displacement, self.settings.refinement.filter, &mut self.work.between);
+        self.pair.take_between(
+            self.block,
+            start.displacement,
+            self.settings.refinement.interpolation,
+            &mut self.work.between,
+        );
         for &step in steps {
             let centre = self.best.map_or([0, 0], |best| best.quarters());
             let all = around(centre, &AROUND, step);
@@ -86,15 +91,18 @@ impl<O: Observer<Event>> Tester<'_, O> {
                     narrowed: None,
                     asked: all.clone().count(),
                     points: points.clone().map(|point| point.map(|c| c as f32 / 4.0)).collect(),
-                    why: format!("The eight points a {name} px around {} are interpolated and tested.", vector(centre)),
+                    why: format!(
+                        "Sub-pixel refinement: the 8 {name}-pixel positions around {} are tested on the interpolated frame.",
+                        vector(centre)
+                    ),
                 })
             });
-            points.for_each(|point| self.test_between(start, point));
+            points.for_each(|point| self.test_position(start, point));
         }
     }
 
     /// Tests the displacement `quarters`, less than one px from that of `start`.
-    fn test_between(&mut self, start: Match, quarters: [i32; 2]) {
+    fn test_position(&mut self, start: Match, quarters: [i32; 2]) {
         let from_start = [0, 1].map(|i| quarters[i] - 4 * start.displacement[i]);
         let (pixels, stride) = self.work.between.moved(from_start);
         let distortion = self.settings.matching.cost.between(self.block, &self.work.patch.block, pixels, stride);
@@ -102,14 +110,14 @@ impl<O: Observer<Event>> Tester<'_, O> {
         self.take(Match { displacement: start.displacement, fraction: from_start.map(|c| c as f32 / 4.0), cost });
     }
 
-    /// Moves to the best of the four neighbours until none is better, then fits.
+    /// Moves to the best of the four neighbours until none is better, then fits a parabola along u and v.
     fn fit_parabola(&mut self) {
         let mut centre = None;
         while centre != self.best.map(|best| best.displacement) {
             let at = self.best();
             centre = Some(at);
             self.announce(around(at, &BESIDE, 1), Event::Refine, || {
-                format!("A parabola needs the costs next to the best, {}.", vector(at))
+                format!("The parabolas need the costs of the 4 neighbours of {}.", vector(at))
             });
         }
         let Some(mut best) = self.best else { return };

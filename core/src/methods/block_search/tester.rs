@@ -1,4 +1,4 @@
-//! Where a search tests displacements: the window, the costs, the best, and what an observer sees of it.
+//! The tester: tests candidates in the search window, keeps the minimum, counts, and reports events.
 
 use std::cmp::Ordering;
 
@@ -9,46 +9,46 @@ use crate::data::Between;
 use crate::products::Block;
 use crate::scene::Name;
 
-/// Buffers that are used again from block to block.
+/// Buffers reused from block to block.
 #[derive(Default)]
 pub(crate) struct Workspace {
     /// The pixels of the block, and of an area of frame t + 1.
     pub patch: Patch,
-    /// One bit for each displacement of the window: whether it was tested.
+    /// One bit for each displacement of the search window: whether it was tested.
     tested: Vec<u64>,
-    /// What those that were tested cost.
+    /// The costs of the tested ones.
     costs: Vec<f64>,
-    /// The block's best match, moved by fractions of a pixel.
+    /// The best match, interpolated at fractions of a pixel.
     pub between: Between,
-    /// The sums of a whole window.
+    /// The sums of a whole search window.
     pub sums: Vec<u32>,
-    /// The costs of a whole window, where they are no sums.
+    /// The costs of a whole search window, where they are no sums.
     pub window_costs: Vec<f64>,
-    /// An order in which to go through a window, and that window.
+    /// The order of the candidates of a search window, and that window.
     pub order: (Option<Window>, Vec<u32>),
 }
 
-/// One block under search. A search asks for displacements; the tester passes over those that lie outside the window
-/// or were tested before, keeps the best, counts, and tells the observer.
+/// One block under search. A search names candidates; the tester skips those outside the search window or tested before,
+/// keeps the minimum, counts, and reports events to the observer.
 pub struct Tester<'a, O> {
     pub(crate) pair: &'a Pair,
     pub(crate) settings: Settings,
     pub(crate) block: Block,
     pub(crate) window: Window,
-    /// What was found nearby; nothing for a search that does not predict.
+    /// The matches of neighbouring blocks; none for a search without prediction.
     pub neighbours: Neighbours,
     pub(crate) work: &'a mut Workspace,
     pub(crate) observer: &'a mut O,
-    /// The part of the window to which the search has narrowed down, if it does so.
+    /// The part of the search window that remains, for searches that narrow it.
     pub(crate) narrowed: Option<Window>,
-    /// What a displacement costs to send.
+    /// The rate term of displacements.
     pub(crate) rate: Rate,
     pub(super) best: Option<Match>,
     pub(super) tested: usize,
 }
 
 impl<'a, O: Observer<Event>> Tester<'a, O> {
-    /// Block `index` of `pair`, of which nothing was tested yet.
+    /// The tester of block `index` of `pair`, with nothing tested yet.
     pub(crate) fn new(
         (pair, index): (&'a Pair, usize),
         settings: Settings,
@@ -57,7 +57,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         observer: &'a mut O,
     ) -> Self {
         let block = pair.blocks.block(index);
-        let window = pair.window(block, settings.matching.range);
+        let window = pair.window(block, settings.matching.search_range);
         work.patch.take_block(pair, block);
         work.tested.clear();
         work.tested.resize(window.count().div_ceil(64), 0);
@@ -66,50 +66,50 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         Self { pair, settings, block, window, neighbours, work, observer, narrowed: None, rate, best: None, tested: 0 }
     }
 
-    /// The best displacement so far; at the very start, the zero displacement.
+    /// The displacement of minimum cost so far; zero before the first test.
     pub fn best(&self) -> Displacement {
         self.best.map_or([0, 0], |best| best.displacement)
     }
 
-    /// What the best displacement so far costs; at the very start, more than anything.
+    /// The minimum cost so far; infinite before the first test.
     pub fn best_cost(&self) -> f64 {
         self.best.map_or(f64::INFINITY, |best| best.cost)
     }
 
-    /// How badly the best displacement so far fits: what it costs without the price of sending it.
+    /// The distortion of the best displacement so far: its cost without the rate term.
     pub fn best_distortion(&self) -> f64 {
         self.best.map_or(f64::INFINITY, |best| self.rate.distortion(best))
     }
 
-    /// What it costs if pixels differ by `levels` gray levels on average.
+    /// The cost of a mean difference of `levels` gray levels per pixel.
     pub fn cost_of_levels(&self, levels: f32) -> f64 {
         self.settings.matching.cost.of_levels(levels.into(), self.block)
     }
 
-    /// What `displacement` costs, if it was tested.
+    /// The cost of `displacement`, if it was tested.
     pub fn known(&self, displacement: Displacement) -> Option<f64> {
         let index = self.window.index(displacement)?;
         is_set(&self.work.tested, index).then(|| self.work.costs[index])
     }
 
-    /// Whether `displacement` lies in the window and was not tested yet.
+    /// Whether `displacement` lies in the search window and was not tested yet.
     pub fn is_new(&self, displacement: Displacement) -> bool {
         self.window.index(displacement).is_some_and(|index| !is_set(&self.work.tested, index))
     }
 
-    /// Which of two displacements is better, of those that were tested; of equal ones the shorter.
+    /// Compares two tested displacements by cost, then by length.
     pub fn compare(&self, a: Displacement, b: Displacement) -> Ordering {
         let cost = |displacement| self.known(displacement).unwrap_or(f64::INFINITY);
         let by_length = if shorter(a, b) { Ordering::Less } else { Ordering::Greater };
         cost(a).total_cmp(&cost(b)).then(if a == b { Ordering::Equal } else { by_length })
     }
 
-    /// Tells of a decision after which nothing is tested at once; `line` is its line of the pseudocode.
-    pub fn tell(&mut self, line: Name, why: impl FnOnce() -> String) {
+    /// Reports a decision without candidates; `line` is its line of the pseudocode.
+    pub fn report(&mut self, line: Name, why: impl FnOnce() -> String) {
         self.stage(line, std::iter::empty(), why);
     }
 
-    /// Tests `points` one after the other. `line` is the line of the pseudocode that asks for them; `why` says why.
+    /// Tests the candidates `points` in order. `line` is their line of the pseudocode, `why` the reason in words.
     pub fn stage(
         &mut self,
         line: Name,
@@ -119,7 +119,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         self.announce(points, |stage| Event::Stage { line, stage }, why);
     }
 
-    /// Tells of a stage, as `event` makes an event of it, and tests its points.
+    /// Reports a stage, made an event by `event`, and tests its candidates.
     pub(super) fn announce(
         &mut self,
         points: impl Iterator<Item = Displacement> + Clone,
@@ -141,25 +141,25 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         points.for_each(|point| self.test(point));
     }
 
-    /// Tests `displacement`, unless it lies outside the window or was tested before.
+    /// Tests `displacement`, unless it lies outside the search window or was tested before.
     #[inline]
     fn test(&mut self, displacement: Displacement) {
         let Some(index) = self.window.index(displacement).filter(|&index| !is_set(&self.work.tested, index)) else {
             return;
         };
         let cost = self.distortion(displacement) + self.rate.price(displacement.map(|c| 4 * c));
-        self.note(index, cost);
+        self.record(index, cost);
         self.take(Match::whole(displacement, cost));
     }
 
-    /// Remembers that displacement `index` of the window was tested.
+    /// Records the cost of displacement `index` of the search window.
     #[inline]
-    fn note(&mut self, index: usize, cost: f64) {
+    fn record(&mut self, index: usize, cost: f64) {
         self.work.tested[index / 64] |= 1 << (index % 64);
         self.work.costs[index] = cost;
     }
 
-    /// Takes `found`, which was tested, as the best if it is.
+    /// Makes the tested candidate `found` the best if its cost is the minimum.
     #[inline]
     pub(super) fn take(&mut self, found: Match) {
         self.tested += 1;
@@ -174,7 +174,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         }
     }
 
-    /// How badly `displacement` fits. The candidate is read straight from frame t + 1 where it lies inside.
+    /// The distortion of `displacement`. The candidate is read straight from frame t + 1 where it lies inside.
     #[inline]
     fn distortion(&mut self, displacement: Displacement) -> f64 {
         let Self { pair, settings, block, .. } = *self;
@@ -191,19 +191,19 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         }
     }
 
-    /// Takes the result of a search that tested the whole window by its own means; `cost` gives each by its index.
+    /// Accepts the result of a search that tested the whole search window itself; `cost` gives each cost by its index.
     pub(crate) fn settle(&mut self, best: Match, cost: impl Fn(&Workspace, usize) -> f64) {
         (self.best, self.tested) = (Some(best), self.window.count());
-        // Only a parabola asks again what the neighbours of the best cost.
+        // Only a parabola needs the costs of the neighbours again.
         for point in around(best.displacement, &BESIDE, 1) {
             if let Some(index) = self.window.index(point) {
                 let cost = cost(self.work, index);
-                self.note(index, cost);
+                self.record(index, cost);
             }
         }
     }
 
-    /// The best of all, refined, and how many displacements were tested.
+    /// The best match, refined, and the number of candidates tested.
     pub(crate) fn finish(mut self) -> (Match, usize) {
         self.refine();
         let best = self.best.unwrap_or(Match::whole([0, 0], f64::INFINITY));
@@ -216,7 +216,7 @@ fn is_set(bits: &[u64], index: usize) -> bool {
     bits[index / 64] >> (index % 64) & 1 == 1
 }
 
-/// The points of `pattern`, enlarged by `scale`, around `centre`.
+/// The candidates of `pattern`, enlarged by `scale`, around `centre`.
 pub(crate) fn around(
     centre: Displacement,
     pattern: &'static [Displacement],

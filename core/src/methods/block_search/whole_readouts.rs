@@ -1,15 +1,16 @@
-//! The numbers of costs that need the whole block: means, coefficients, moments.
+//! The formulas of costs that need the whole block: means, transform coefficients, moments.
 
 use super::explain::signed;
 use super::probe::Probe;
 use super::readouts::offset;
 use super::{Cost, Match};
+use crate::base::words::fixed;
 use crate::geometry::Grid;
 use crate::methods::cost::{Cut, whole};
 use crate::scene::{Math, Role};
 
 impl Probe<'_> {
-    /// The formula of the cost with the numbers of block `a` and candidate `b` put in.
+    /// The formula of the cost, and with the numbers of block `a` and candidate `b`.
     pub(super) fn whole_equation(&self, candidate: Match, a: &Cut, b: &Cut) -> Vec<Math> {
         let [u, v] = candidate.vector().map(signed);
         let name = Math::text(format!("{}({u}, {v}) = ", self.settings.matching.cost.label()));
@@ -40,9 +41,9 @@ impl Probe<'_> {
             Math::Abs(Box::new(Math::Row(vec![
                 Math::text("("),
                 Math::ink(Role::Reference, a.pixel(x, y).to_string()),
-                Math::text(format!(" − {mean_a:.1}) − (")),
+                Math::text(format!(" − {mean_a:.2}) − (")),
                 Math::ink(self.shown_role(), b.pixel(x, y).to_string()),
-                Math::text(format!(" − {mean_b:.1})")),
+                Math::text(format!(" − {mean_b:.2})")),
             ])))
         };
         let block = self.block();
@@ -63,8 +64,7 @@ impl Probe<'_> {
     fn moments(&self, a: &Cut, b: &Cut) -> Math {
         let (pixels, stride) = b.rows();
         let count = (self.block().width * self.block().height) as f64;
-        let [of_a, of_b, both] =
-            whole::moments(a, pixels, stride).map(|moment| format!("{:.0}", moment as f64 / count));
+        let [of_a, of_b, both] = whole::moments(a, pixels, stride).map(|moment| fixed(moment as f64 / count, 0));
         let below = vec![
             Math::text("("),
             Math::ink(Role::Reference, of_a),
@@ -76,7 +76,7 @@ impl Probe<'_> {
         Math::Row(vec![Math::text("= 1 − "), Math::Frac(Box::new(Math::text(both)), Box::new(root))])
     }
 
-    /// What the cost sees of each pixel, its name, and the largest there may be.
+    /// The contribution of each pixel to the cost, its name, and its largest possible value.
     pub(super) fn whole_tile(&self, a: &Cut, b: &Cut) -> (&'static str, Grid<f32>, f32) {
         let block = self.block();
         if self.settings.matching.cost == Cost::Satd {
@@ -89,7 +89,7 @@ impl Probe<'_> {
         }
         let [mean_a, mean_b] = self.means(a, b);
         let off = |x, y| ((f64::from(a.pixel(x, y)) - mean_a) - (f64::from(b.pixel(x, y)) - mean_b)).abs() as f32;
-        ("|difference off the means|", Grid::from_fn(block.width, block.height, off), 255.0)
+        ("|zero-mean difference|", Grid::from_fn(block.width, block.height, off), 255.0)
     }
 }
 

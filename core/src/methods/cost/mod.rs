@@ -1,6 +1,6 @@
-//! How unlike two blocks are: sums of absolute or squared differences, for one candidate or a whole window.
+//! Matching costs: sums of absolute or squared differences, for one candidate or a whole search window.
 //!
-//! The kernels of a whole window give exactly what [`until`] gives candidate by candidate; a test holds them to it.
+//! The kernels of a whole search window give exactly the results of [`until`] for each candidate, as a test checks.
 
 pub mod whole;
 #[cfg(target_arch = "x86_64")]
@@ -8,7 +8,7 @@ mod x86;
 
 use crate::geometry::{Border, Gray};
 
-/// What is summed over the pixels of a block.
+/// The term summed over the pixels of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sum {
     /// Absolute differences.
@@ -99,8 +99,8 @@ fn copy(source: &[u8], target: &mut [u8]) {
     }
 }
 
-/// The cost of `block` against the place `(i, j)` of `area`, row by row, given up after the first row at which it
-/// exceeds `limit`. Gives the sum so far and the number of rows in it.
+/// The cost of `block` at position `(i, j)` of `area`, row by row, up to the first row at which it
+/// exceeds `limit` (partial distortion elimination). Returns the partial sum and its number of rows.
 pub fn until(sum: Sum, block: &Cut, area: &Cut, (i, j): (usize, usize), limit: u32) -> (u32, usize) {
     let mut total = 0;
     for y in 0..block.height {
@@ -197,7 +197,7 @@ mod tests {
     use super::*;
     use crate::geometry::Grid;
 
-    /// As simple as possible.
+    /// Reference implementation.
     fn textbook_at(sum: Sum, block: &Cut, area: &Cut, (i, j): (usize, usize)) -> u32 {
         let mut cost = 0;
         for (x, y) in (0..block.height).flat_map(|y| (0..block.width).map(move |x| (x, y))) {

@@ -1,4 +1,4 @@
-//! Costs that are no sums of one term per pixel: they need the whole block.
+//! Costs that are not a sum of one term per pixel: they need the whole block.
 //!
 //! All are computed from whole numbers, so they are the same on every machine.
 
@@ -9,7 +9,7 @@ fn rows<'a>(block: &'a Cut, pixels: &'a [u8], stride: usize) -> impl Iterator<It
     (0..block.height).map(move |y| (&block.row(0, y)[..block.width], &pixels[y * stride..][..block.width]))
 }
 
-/// Sum of absolute differences after each block's mean is taken off it: an offset of the light changes nothing.
+/// Zero-mean SAD: each block's mean is subtracted first, so the cost is invariant to a brightness offset.
 pub fn zero_mean(block: &Cut, pixels: &[u8], stride: usize) -> f64 {
     let difference = |(a, b): (&u8, &u8)| i32::from(*a) - i32::from(*b);
     let sum: i32 = rows(block, pixels, stride).map(|(a, b)| a.iter().zip(b).map(difference).sum::<i32>()).sum();
@@ -20,8 +20,8 @@ pub fn zero_mean(block: &Cut, pixels: &[u8], stride: usize) -> f64 {
     total as f64 / f64::from(count)
 }
 
-/// Half the sum of the absolute coefficients of the 4×4 Hadamard transform of the differences, as H.264 encoders take it.
-/// Where a block is cut, the missing differences are zero.
+/// SATD: half the sum of the absolute coefficients of the 4×4 Hadamard transform of the differences, as in H.264 encoders.
+/// For a clipped block the missing differences are zero.
 pub fn hadamard(block: &Cut, pixels: &[u8], stride: usize) -> f64 {
     let corners = (0..block.height).step_by(4).flat_map(|y| (0..block.width).step_by(4).map(move |x| (x, y)));
     let total: u32 =
@@ -65,8 +65,8 @@ pub fn moments(block: &Cut, pixels: &[u8], stride: usize) -> [i64; 3] {
     [count * aa - a * a, count * bb - b * b, count * ab - a * b]
 }
 
-/// One less the normalised correlation of the two blocks, each less its mean: from 0 for a perfect fit to 2. Neither gain
-/// nor offset of the light changes it. A block without any texture correlates with nothing, which costs 1.
+/// One minus the zero-mean normalised cross-correlation of two blocks, from 0 (perfect match) to 2. Invariant to gain and
+/// offset of brightness. A block without texture has correlation 0, cost 1.
 pub fn correlation(block: &Cut, pixels: &[u8], stride: usize) -> f64 {
     let [a, b, both] = moments(block, pixels, stride).map(|moment| moment as f64);
     if a == 0.0 || b == 0.0 { 1.0 } else { 1.0 - both / (a * b).sqrt() }

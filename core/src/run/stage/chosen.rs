@@ -6,17 +6,17 @@ use std::sync::{Mutex, PoisonError};
 
 use super::super::AnyEstimator;
 use crate::base::Error;
-use crate::params::{Params, Part, Spec, StageValue, Value, set_by_name};
+use crate::params::{Params, Part, Spec, StageValue, Value, current_name, set_by_name};
 
-/// The parameter of all that go through a clip: how many frames at most.
+/// The parameter for the number of frames, of all estimators that process a clip.
 pub(super) const FRAMES: &str = "frames";
 
-/// The estimator that a stage's value is.
+/// The estimator of a stage's value.
 pub fn estimator_of(value: &StageValue) -> Option<&dyn AnyEstimator> {
     value.part().as_any().downcast_ref::<Chosen>().map(|chosen| &*chosen.estimator)
 }
 
-/// The value of a stage in which `estimator` works.
+/// The value of a stage with `estimator`.
 pub fn value_of(estimator: &dyn AnyEstimator) -> Value {
     Value::Stage(StageValue::new(Box::new(Chosen { estimator: estimator.boxed_clone(), decided: &[] })))
 }
@@ -26,14 +26,14 @@ pub(super) fn decided(value: &StageValue) -> &'static [&'static str] {
     value.part().as_any().downcast_ref::<Chosen>().map_or(&[], |chosen| chosen.decided)
 }
 
-/// An estimator that was chosen as a part. It has all parameters but those that its parent decides.
+/// An estimator chosen as a stage. It has all parameters but those that its parent decides.
 pub(super) struct Chosen {
     pub estimator: Box<dyn AnyEstimator>,
     pub decided: &'static [&'static str],
 }
 
 impl Chosen {
-    /// The place that a parameter has in the estimator by itself.
+    /// The index of a parameter in the estimator by itself.
     fn whole(&self, index: usize) -> usize {
         let own = self.estimator.specs().iter().enumerate();
         let left = own.filter(|(_, spec)| !self.decided.contains(&spec.name.as_str()));
@@ -41,7 +41,7 @@ impl Chosen {
     }
 }
 
-/// The declarations of an estimator but those that are `decided`, made once for each.
+/// The declarations of an estimator except the `decided` ones, made once for each.
 fn without(id: &'static str, specs: &'static [Spec], decided: &'static [&'static str]) -> &'static [Spec] {
     type Key = (&'static str, &'static [&'static str]);
     static MADE: Mutex<BTreeMap<Key, &'static [Spec]>> = Mutex::new(BTreeMap::new());
@@ -74,8 +74,9 @@ impl Params for Chosen {
         self.estimator.renamed()
     }
 
-    /// What a session of before says of what the parent decides had no effect: the default is passed over.
+    /// Refuses a parameter that the parent decides. Older sessions name it with its default, which is accepted.
     fn set(&mut self, name: &str, text: &str) -> Result<(), Error> {
+        let name = &*current_name(self, name);
         let specs = self.estimator.specs();
         let Some(spec) = specs.iter().find(|spec| spec.name == name && self.decided.contains(&name)) else {
             return set_by_name(self, name, text);

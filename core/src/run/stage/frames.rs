@@ -1,4 +1,4 @@
-//! What a stage makes of the frames of a clip, one after the other.
+//! The results of a stage, frame by frame.
 
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};

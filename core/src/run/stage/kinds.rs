@@ -1,4 +1,4 @@
-//! The kinds of stages: what is asked of each, and what it is asked for.
+//! The kinds of stages: the product required of each, and how it is computed.
 
 use super::super::AnyEstimator;
 use super::chosen::FRAMES;
@@ -18,7 +18,7 @@ impl Makes for DenseFlow {
 }
 
 impl Stage<DenseFlow> {
-    /// Where each pixel of frame `t` of a clip goes in frame `t + 1`.
+    /// The dense flow from frame `t` of a clip to frame `t + 1`.
     ///
     /// # Errors
     /// If there is no such pair, it cannot be read, it is not wanted any more, or the stage makes no field as it is set.
@@ -26,7 +26,7 @@ impl Stage<DenseFlow> {
         let output = self.estimator.run(clip, t, threads)?;
         output.flow().filter(|_| output.motion().is_field()).ok_or_else(|| {
             let id = self.estimator.info().id;
-            Error::new(format!("{id} makes no dense flow as it is set; change its parameters or choose another method"))
+            Error::new(format!("{id} makes no dense flow with these parameters; change them, or choose another method"))
         })
     }
 
@@ -73,7 +73,7 @@ impl Makes for Tracks {
     const ASKS: &'static str = "tracks";
     const DECIDED: &'static [&'static str] = &[FRAMES];
     const PRODUCT: &'static ProductKind = ObjectField::KIND;
-    const WORDS: &'static str = "objects followed over time";
+    const WORDS: &'static str = "tracks of objects";
     // As a live camera would have it: what is analysed is what was seen.
     const DEFAULTS: &'static [(&'static str, &'static str)] = &[("backdate", "off"), ("interpolate", "off")];
 }
@@ -120,7 +120,7 @@ impl Stage<Keypoints> {
         output.get().cloned().ok_or_else(|| {
             let id = self.estimator.info().id;
             Error::new(format!(
-                "{id} makes no keypoints as it is set; change its parameters or choose another detector"
+                "{id} makes no keypoints with these parameters; change them, or choose another detector"
             ))
         })
     }
@@ -134,7 +134,7 @@ impl Makes for BlockVectors {
     const ASKS: &'static str = "block-vectors";
     const PRODUCT: &'static ProductKind = BlockField::KIND;
     const WORDS: &'static str = "block vectors";
-    // The parent says what is compared, and refines what is found.
+    // The parent decides blocks and cost, and refines the vectors.
     const DECIDED: &'static [&'static str] =
-        &["block", "range", "cost", "subpixel", "filter", "lambda", "spacing", "border"];
+        &["block-size", "search-range", "cost", "subpixel", "interpolation", "lambda", "spacing", "border"];
 }

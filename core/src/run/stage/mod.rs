@@ -1,4 +1,4 @@
-//! Stages: estimators that work inside others, each chosen by what it makes, with its own parameters.
+//! Stages: estimators inside others, each chosen by its product, with its own parameters.
 
 mod chosen;
 mod entries;
@@ -22,7 +22,7 @@ use crate::params::{Kind, Parameter, Part, PartKind, StageValue, Value};
 use crate::products::ProductKind;
 use chosen::Chosen;
 
-/// What is asked of the estimators that can be a stage.
+/// The requirement on the estimators that can be a stage.
 pub trait Makes: Clone + Copy + fmt::Debug + Send + Sync + 'static {
     /// What is asked for, in one word. An estimator with a stage of this kind, or with one that can come to contain such a
     /// stage, cannot be one itself: so no estimator contains itself.
@@ -44,7 +44,7 @@ pub trait Makes: Clone + Copy + fmt::Debug + Send + Sync + 'static {
     }
 }
 
-/// An estimator that makes what `M` asks for, as a parameter of another.
+/// An estimator with the product that `M` requires, as a parameter of another.
 pub struct Stage<M> {
     estimator: Box<dyn AnyEstimator>,
     makes: PhantomData<M>,
@@ -97,7 +97,7 @@ impl<M: Makes> Stage<M> {
     }
 }
 
-/// The estimator called `id` if it makes what `M` asks for.
+/// The estimator called `id` if it has the product that `M` requires.
 fn candidate<M: Makes>(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
     let entry = Course::entry(id)?;
     let refused = |why: String| {
@@ -118,7 +118,7 @@ fn candidate<M: Makes>(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
 /// Why an estimator of the right product cannot be a stage of `M`, if it cannot.
 fn unsuited<M: Makes>(estimator: &dyn AnyEstimator) -> Option<String> {
     if let Some(what) = M::lacks(estimator) {
-        return Some(format!("{what}, and {} are wanted here", M::WORDS));
+        return Some(format!("{what}, but {} are needed here", M::WORDS));
     }
     let below = |product: &str| {
         let makers =
@@ -132,10 +132,10 @@ fn unsuited<M: Makes>(estimator: &dyn AnyEstimator) -> Option<String> {
     Some(format!("{circle}, and an estimator cannot contain itself"))
 }
 
-/// What a stage asks for, and the id of the product that it is made of.
+/// The requirement of a stage, and the id of its product.
 type Asked = (&'static str, &'static str);
 
-/// What the stages of an estimator ask for.
+/// The requirements of an estimator's stages.
 fn asked_by(estimator: &dyn AnyEstimator) -> Vec<Asked> {
     let kinds = estimator.specs().iter().filter_map(|spec| match &spec.kind {
         Kind::Stage(kind) => Some((kind.asks, kind.product)),
@@ -144,7 +144,7 @@ fn asked_by(estimator: &dyn AnyEstimator) -> Vec<Asked> {
     kinds.collect()
 }
 
-/// Where an estimator has a stage of the kind that it would be itself.
+/// The cycle that makes an estimator contain a stage of its own kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Circle {
     Own,
@@ -183,7 +183,7 @@ fn prepared<M: Makes>(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstima
     estimator
 }
 
-/// The estimators that make what `M` asks for, in the order of the course.
+/// The estimators with the product that `M` requires, in the order of the course.
 fn candidates<M: Makes>() -> impl Iterator<Item = Box<dyn AnyEstimator>> {
     let right = Course::ENTRIES.iter().filter(|entry| entry.produces.first() == Some(&M::PRODUCT));
     let made = right.map(|entry| (entry.make)()).filter(|estimator| unsuited::<M>(&**estimator).is_none());

@@ -1,4 +1,4 @@
-//! Opening a stage: walking by itself what a parent has at work.
+//! Opening a stage: stepping through it by itself, on the frames of its parent.
 
 use super::super::{AnyEstimator, Cursor};
 use super::{chosen, estimator_of};
@@ -6,7 +6,7 @@ use crate::base::Error;
 use crate::data::Clip;
 use crate::params::{Kind, Value};
 
-/// A stage that is opened by itself: what it runs, on which frame, and where in that run its parent stands.
+/// A stage opened by itself: its estimator, its frame, and the position of its parent in that run.
 pub struct Opened {
     /// The estimator that works as the stage.
     pub estimator: Box<dyn AnyEstimator>,

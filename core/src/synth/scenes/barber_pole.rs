@@ -11,8 +11,9 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "barber-pole",
-    title: "Barber's pole: which way do the stripes go?",
-    teaches: "The stripes move sideways but seem to climb: along an edge nothing changes, so many vectors fit equally well.",
+    title: "Barber's pole: the aperture problem",
+    teaches: "The stripes move to the right but seem to climb: along an edge the brightness is constant, so only normal flow can \
+              be measured.",
     tune: |_| {},
     layers,
 };

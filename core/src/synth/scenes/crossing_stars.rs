@@ -12,8 +12,8 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "crossing-stars",
-    title: "Crossing stars: who is who?",
-    teaches: "Two objects that look alike meet and part: only a model of their motion tells which is which afterwards.",
+    title: "Crossing stars: data association",
+    teaches: "Two objects of equal appearance meet and part: only a motion model keeps their identities apart.",
     tune: |_| {},
     layers,
 };

@@ -12,10 +12,10 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "fast-ball",
-    title: "Fast ball: farther than the search reaches",
-    teaches: "The ball moves 24 px or more per frame: a search range of 16 px cannot reach it, one of 32 px can. So can a \
-              pyramid, with blocks of 8 px: larger ones bury the ball where the picture is small. Look at the ball and the \
-              PSNR: the wall stands still, so a mean error in px is small for whoever misses the ball.",
+    title: "Fast ball: motion beyond the search range",
+    teaches: "The ball moves 24 px or more per frame: a search range of 16 px cannot reach it, one of 32 px or a pyramid with \
+              blocks of 8 px can; larger blocks blur the ball away on coarse levels. Judge by the ball and the PSNR: the wall \
+              is static, so the mean endpoint error stays small even where the ball is missed.",
     tune: |d| d.frames = 16,
     layers,
 };

@@ -10,8 +10,8 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "flag",
-    title: "Flag in the wind: cloth that bends",
-    teaches: "Every point has a motion of its own, changing smoothly: dense flow can follow it, one vector per block cannot.",
+    title: "Flag in the wind: non-rigid motion",
+    teaches: "Motion varies smoothly from point to point: dense flow can follow it, one vector per block cannot.",
     tune: |_| {},
     layers,
 };

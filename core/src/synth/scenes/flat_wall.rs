@@ -10,8 +10,9 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "flat-wall",
-    title: "Flat wall: nothing to hold on to",
-    teaches: "The whole view moves by (2, 1) px per frame, but only the picture and the switch show it: elsewhere noise decides.",
+    title: "Flat wall: no texture",
+    teaches: "The whole view moves by (2, 1) px per frame, but only the picture and the switch have texture: elsewhere noise \
+              decides.",
     tune: |d| d.noise = 2.0,
     layers,
 };

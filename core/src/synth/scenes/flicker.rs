@@ -12,8 +12,8 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "flicker",
-    title: "Library: the light flickers",
-    teaches: "A point does not keep its brightness from frame to frame, which nearly every estimator takes for granted.",
+    title: "Library: brightness changes",
+    teaches: "Flicker violates brightness constancy, the assumption of nearly every estimator.",
     tune: |d| d.flicker = 20.0,
     layers,
 };

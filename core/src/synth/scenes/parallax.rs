@@ -12,8 +12,8 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "parallax",
-    title: "From the train: near things move faster",
-    teaches: "Layers at different depths move at different speeds, so motion alone separates the pines from the hills behind.",
+    title: "From the train: motion parallax",
+    teaches: "Layers at different depths move at different speeds, so motion alone segments the pines from the hills.",
     tune: |_| {},
     layers,
 };

@@ -13,7 +13,8 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "pillar",
     title: "Waves behind a pillar",
-    teaches: "What passes behind the pillar has no match in the next frame: see what an estimator says where the truth is hidden.",
+    teaches: "Occlusion: what passes behind the pillar has no match in the next frame. Compare the estimates there with the \
+              mask of occluded pixels.",
     tune: |_| {},
     layers,
 };

@@ -12,8 +12,8 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "spin-zoom",
-    title: "Rose window: turning and growing",
-    teaches: "A block can only shift, but here every pixel of a block moves differently: errors grow away from the middle.",
+    title: "Rose window: rotation and zoom",
+    teaches: "Rotation and scaling violate the translation model of block matching: errors grow with the distance from the centre.",
     tune: |_| {},
     layers,
 };

@@ -11,8 +11,9 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "sub-pixel",
-    title: "Pebbles: motion between the pixels",
-    teaches: "Everything moves by (0.5, 0.25) px per frame: whole-pixel vectors must miss it, gradients and sub-pixel steps find it.",
+    title: "Pebbles: sub-pixel motion",
+    teaches: "Every pixel moves by (0.5, 0.25) px per frame: whole-pixel vectors must miss it, gradient methods and sub-pixel \
+              refinement find it.",
     tune: |_| {},
     layers,
 };

@@ -12,7 +12,7 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "traffic",
     title: "Traffic: five cars and a bridge",
-    teaches: "Several objects at once, some of them hidden under a bridge for a while: a tracker must keep their names apart.",
+    teaches: "Several objects, some of them occluded by a bridge for a while: a tracker must keep their identities.",
     tune: |_| {},
     layers,
 };

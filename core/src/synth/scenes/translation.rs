@@ -10,8 +10,8 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "translation",
-    title: "First steps: everything moves together",
-    teaches: "Every pixel moves by exactly (3, −2) px per frame, so every estimator that works must find this vector.",
+    title: "Marble: uniform translation",
+    teaches: "Every pixel moves by (3, −2) px per frame: global motion, which every estimator must find.",
     tune: |_| {},
     layers,
 };

@@ -11,8 +11,8 @@ use crate::synth::{
 
 pub const SAMPLE: Sample = Sample {
     id: "wallpaper",
-    title: "Wallpaper: every repeat looks right",
-    teaches: "The pattern repeats after 24 px, so the cost has several minima equally deep, and only one is the motion.",
+    title: "Wallpaper: ambiguous matches",
+    teaches: "The texture repeats every 24 px, so the cost surface has several equally deep minima, and only one is the motion.",
     tune: |_| {},
     layers,
 };
