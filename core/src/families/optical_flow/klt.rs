@@ -9,7 +9,7 @@ use crate::data::{Clip, Flow, Frame};
 use crate::methods::{
     differential::truth,
     features::{
-        affine::{Fit, IDENTITY, SAME_LIGHT, Start, Unfit, View},
+        affine::{Fit, IDENTITY, SAME_LIGHT, Start, FitFailure, View},
         follow::{self, Follow},
         spread,
         tracker::Level,
@@ -63,7 +63,7 @@ pub struct State {
     span: Span,
     /// The first frame of the pair at hand.
     frame: usize,
-    /// The feature whose turn it is, an index of `live`; `None` while features are looked for.
+    /// The feature whose turn it is, an index of `live`; `None` while features are probe for.
     turn: Option<usize>,
     /// The units that were done before this pair.
     begun: usize,
@@ -90,7 +90,7 @@ struct Live {
     track: u32,
     /// Its place in px.
     at: [f32; 2],
-    /// What it looked like at first, and how that lies now.
+    /// What it probe like at first, and how that lies now.
     view: Arc<View>,
     matrix: [[f32; 2]; 2],
     light: [f32; 2],
@@ -121,7 +121,7 @@ pub struct Found {
     taken: Vec<[f32; 2]>,
 }
 
-/// What happens inside a unit: features are looked for, or one is tracked to the next frame.
+/// What happens inside a unit: features are probe for, or one is tracked to the next frame.
 #[derive(Clone)]
 pub enum Event {
     /// There are features enough.
@@ -242,8 +242,8 @@ impl Klt {
         let start = Start { matrix: live.matrix, light: self.any_light.then_some(live.light) };
         match live.view.fit(&pair.pyramids[1][0], to, start, &mut Mapped { observer, map: Event::Fit }) {
             // At the edge too little of it is left to tell.
-            Err(Unfit::Unknown) => Ok(next),
-            Err(Unfit::Astray) => Err(Status::Changed),
+            Err(FitFailure::Unknown) => Ok(next),
+            Err(FitFailure::Astray) => Err(Status::Changed),
             Ok(fit) if fit.difference > self.max_change => Err(Status::Changed),
             Ok(fit) => Ok(next.seen_as(&fit)),
         }

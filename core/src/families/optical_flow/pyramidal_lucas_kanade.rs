@@ -8,8 +8,8 @@ use crate::geometry::{Grid, pyramid::halvings};
 use crate::methods::{
     differential::{field, truth},
     features::{
-        Account, Trace,
-        follow::{self, Follow, Followed},
+        LevelTrace, Trace,
+        follow::{self, Follow, LevelResult},
         tracker::Level,
     },
 };
@@ -252,8 +252,8 @@ impl Estimator for PyramidalLucasKanade {
                 observer.see(|| Event::Pixel);
             }
             match followed {
-                Followed::Guess(finer) => *guess = finer,
-                Followed::Done(displacement, result) => {
+                LevelResult::Guess(finer) => *guess = finer,
+                LevelResult::Done(displacement, result) => {
                     done.push(Found { feature: feature(*at, (displacement, result)), certainty: smaller.0 });
                     *guess = [0.0; 2];
                 }
@@ -294,8 +294,8 @@ impl Estimator for PyramidalLucasKanade {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        let looked = self.look(seen);
-        let line = match looked.as_ref().and_then(|looked| looked.trace.last()) {
+        let probe = self.look(seen);
+        let line = match probe.as_ref().and_then(|probe| probe.trace.last()) {
             None => line::MAKE_PYRAMIDS,
             Some(follow::Event::Window(_)) => line::TAKE_TENSOR,
             Some(follow::Event::Iteration { update, .. }) if self.follow().converges(*update) => line::UNTIL_CONVERGED,
@@ -306,7 +306,7 @@ impl Estimator for PyramidalLucasKanade {
             Some(follow::Event::Handed(..)) => line::HAND_ON,
             Some(follow::Event::End(..)) => line::CHECK,
         };
-        Step { line, sentence: self.sentence(seen, looked.as_ref()), readouts: self.readouts(seen, looked.as_ref()) }
+        Step { line, sentence: self.sentence(seen, probe.as_ref()), readouts: self.readouts(seen, probe.as_ref()) }
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -315,11 +315,11 @@ impl Estimator for PyramidalLucasKanade {
             Points::Dense => field::draw(state.field().flow.0, scene),
             _ => draw_points(state, scene),
         }
-        let looked = self.look(seen);
-        if let Some(looked) = &looked {
-            looked.account().draw([Picture::CURRENT, Picture::NEXT], scene);
+        let probe = self.look(seen);
+        if let Some(probe) = &probe {
+            probe.level_trace().draw([Picture::CURRENT, Picture::NEXT], scene);
         }
-        scene.levels = Some(state.fixed.shown(looked.map_or(0, |looked| looked.trace.level())));
+        scene.levels = Some(state.fixed.shown(probe.map_or(0, |probe| probe.trace.level())));
     }
 
     fn output(&self, state: &State) -> Output {
@@ -421,21 +421,21 @@ impl State {
 }
 
 /// The point that is explained: the one pointed at if it is known, else the one at work.
-struct Looked<'a> {
+struct Probe<'a> {
     /// Which one, and what it is called.
     index: usize,
     name: String,
     trace: Trace<'a>,
 }
 
-impl<'a> Looked<'a> {
-    fn account(&self) -> Account<'a> {
-        self.trace.account(self.name.clone())
+impl<'a> Probe<'a> {
+    fn level_trace(&self) -> LevelTrace<'a> {
+        self.trace.level_trace(self.name.clone())
     }
 }
 
 impl PyramidalLucasKanade {
-    fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Looked<'a>> {
+    fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Probe<'a>> {
         let (state, fixed) = (seen.before, &*seen.before.fixed);
         let first = state.found.len() * fixed.group;
         let at_work = match seen.events.last()? {
@@ -460,13 +460,13 @@ impl PyramidalLucasKanade {
             Points::Dense => format!("Pixel ({}, {})", at[0], at[1]),
             _ => format!("Point {}", index + 1),
         };
-        Some(Looked { index, name, trace })
+        Some(Probe { index, name, trace })
     }
 
-    fn sentence(&self, seen: &Seen<Self>, looked: Option<&Looked>) -> Sentence {
+    fn sentence(&self, seen: &Seen<Self>, probe: Option<&Probe>) -> Sentence {
         let fixed = &seen.before.fixed;
-        match (looked, seen.events.is_empty()) {
-            (Some(looked), _) => looked.account().sentence(),
+        match (probe, seen.events.is_empty()) {
+            (Some(probe), _) => probe.level_trace().sentence(),
             (None, false) => Sentence::default().text(match self.points {
                 Points::Clicks => "No point was clicked in this frame: there is nothing to track.",
                 _ => "The picture has no corner: there is nothing to track.",
@@ -486,26 +486,26 @@ impl PyramidalLucasKanade {
         }
     }
 
-    fn readouts(&self, seen: &Seen<Self>, looked: Option<&Looked>) -> Vec<Readout> {
+    fn readouts(&self, seen: &Seen<Self>, probe: Option<&Probe>) -> Vec<Readout> {
         let (fixed, count) = (&seen.before.fixed, seen.before.fixed.points.len());
         let fact = |label, value: String, role| Fact { label, value, role };
-        let Some(looked) = looked else {
+        let Some(probe) = probe else {
             let points = || vec![Readout::Facts(vec![fact("Points", count.to_string(), None)])];
             return if seen.events.is_empty() { Vec::new() } else { points() };
         };
-        let (point, account) = (looked.trace.at, looked.account());
+        let (point, level_trace) = (probe.trace.at, probe.level_trace());
         let mut facts = vec![match self.points {
             Points::Dense => fact("Pixel", format!("({}, {})", point[0], point[1]), Some(Role::Reference)),
             _ => {
-                let place = format!("{} of {count} at {}", looked.index + 1, words::vector(point));
+                let place = format!("{} of {count} at {}", probe.index + 1, words::vector(point));
                 fact("Point", place, Some(Role::Reference))
             }
         }];
-        facts.extend(account.facts());
+        facts.extend(level_trace.facts());
         let truth = fixed.truth.as_ref().and_then(|truth| truth.at(point[0] as usize, point[1] as usize));
         facts.extend(truth.map(|truth| fact("Truth", format!("{} px", words::vector(truth)), Some(Role::Truth))));
-        let stack = Stack { levels: fixed.shown(looked.trace.level()), floors: looked.trace.floors() };
-        [vec![Readout::Facts(facts)], account.readouts(), vec![Readout::Stack(stack)]].concat()
+        let stack = Stack { levels: fixed.shown(probe.trace.level()), floors: probe.trace.floors() };
+        [vec![Readout::Facts(facts)], level_trace.readouts(), vec![Readout::Stack(stack)]].concat()
     }
 }
 

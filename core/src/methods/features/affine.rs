@@ -5,7 +5,7 @@
 use super::tracker::Level;
 use crate::base::Observer;
 
-/// What a feature looked like where it was first seen.
+/// What a feature probe like where it was first seen.
 #[derive(Debug, PartialEq)]
 pub struct View {
     reach: usize,
@@ -52,7 +52,7 @@ const ITERATIONS: usize = 10;
 
 /// Why a first view could not be fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unfit {
+pub enum FitFailure {
     /// It cannot be told how it lies: too little of it is in the picture, or its gradients do not say.
     Unknown,
     /// It would have to be stretched or shifted beyond reason.
@@ -131,11 +131,11 @@ impl View {
         at: [f32; 2],
         start: Start,
         observer: &mut impl Observer<Fit>,
-    ) -> Result<Fit, Unfit> {
+    ) -> Result<Fit, FitFailure> {
         let light = start.light.unwrap_or(SAME_LIGHT);
         let mut fit = Fit { matrix: start.matrix, shift: [0.0; 2], light, difference: 0.0, share: 0.0 };
         for iteration in 0..ITERATIONS {
-            let lost = if iteration == 0 { Unfit::Unknown } else { Unfit::Astray };
+            let lost = if iteration == 0 { FitFailure::Unknown } else { FitFailure::Astray };
             let normal = self.normal(next, at, &fit);
             (fit.difference, fit.share) = (normal.mean(), normal.pixels as f32 / self.values.len() as f32);
             observer.see(|| fit);
@@ -151,7 +151,7 @@ impl View {
             let reach = self.reach as f32;
             let moved = [0, 1].map(|i| (update[2 * i].abs() + update[2 * i + 1].abs()) * reach + update[4 + i].abs());
             if !fit.is_sound() {
-                return Err(Unfit::Astray);
+                return Err(FitFailure::Astray);
             }
             if moved[0].max(moved[1]) < EPSILON_PX {
                 break;
@@ -160,7 +160,7 @@ impl View {
         let normal = self.normal(next, at, &fit);
         (fit.difference, fit.share) = (normal.mean(), normal.pixels as f32 / self.values.len() as f32);
         observer.see(|| fit);
-        if fit.share < 0.5 { Err(Unfit::Astray) } else { Ok(fit) }
+        if fit.share < 0.5 { Err(FitFailure::Astray) } else { Ok(fit) }
     }
 
     /// What the pixels of the view say where it lies as `fit` says.
@@ -324,7 +324,7 @@ mod tests {
         }
         let flat = Level::new(&turned.map(|v| 100 + v / 10), 10);
         let found = view.fit(&flat, [40.0, 30.0], IN_ANY_LIGHT, &mut ());
-        assert_eq!(found, Err(Unfit::Astray), "what has lost its contrast is another thing");
+        assert_eq!(found, Err(FitFailure::Astray), "what has lost its contrast is another thing");
     }
 
     #[test]
@@ -332,17 +332,17 @@ mod tests {
         let flat = Level::new(&Grid::new(40, 40, 9), 10);
         assert_eq!(
             View::new(&flat, [20.0, 20.0], 10).fit(&flat, [20.0, 20.0], AS_IT_WAS, &mut ()),
-            Err(Unfit::Unknown)
+            Err(FitFailure::Unknown)
         );
         let first = Level::new(&picture([[1.0, 0.0], [0.0, 1.0]], [0.0; 2]), 10);
         let view = View::new(&first, [40.0, 30.0], 10);
         assert_eq!(
             view.fit(&first, [0.0, 0.0], IN_ANY_LIGHT, &mut ()),
-            Err(Unfit::Unknown),
+            Err(FitFailure::Unknown),
             "three quarters lie outside"
         );
         let dot = Level::new(&Grid::new(1, 1, 9), 3);
-        assert_eq!(View::new(&dot, [0.0; 2], 3).fit(&dot, [0.0; 2], AS_IT_WAS, &mut ()), Err(Unfit::Unknown));
+        assert_eq!(View::new(&dot, [0.0; 2], 3).fit(&dot, [0.0; 2], AS_IT_WAS, &mut ()), Err(FitFailure::Unknown));
     }
 
     #[test]

@@ -74,7 +74,7 @@ pub(super) enum Stage {
 pub enum Event {
     /// The next pixel of the row has this response.
     Response(f32),
-    /// A row is looked through for responses over the threshold.
+    /// A row is probe through for responses over the threshold.
     Row,
     /// A pixel of it that is over the threshold, and the neighbour that suppresses it, if one does.
     Over((usize, usize), Option<(usize, usize)>),

@@ -14,7 +14,7 @@ fn point((x, y): (usize, usize)) -> [f32; 2] {
 }
 
 /// The pixel that is explained and what is known of it.
-struct Looked {
+struct Probe {
     place: (usize, usize),
     /// Whether it is not the pixel at work but the one pointed at.
     is_pointed_at: bool,
@@ -24,7 +24,7 @@ struct Looked {
 
 impl<M: Measure> Corners<M> {
     /// The pixel pointed at, or else the one at work.
-    fn look(&self, seen: &Seen<Self>) -> Option<Looked> {
+    fn look(&self, seen: &Seen<Self>) -> Option<Probe> {
         let state = seen.before;
         let at_work = match seen.events.last()? {
             Event::Response(_) => (seen.events.len() - 1, state.row),
@@ -36,7 +36,7 @@ impl<M: Measure> Corners<M> {
         let place = seen.point().and_then(|point| state.map.cell_at(point)).unwrap_or(at_work);
         let is_pointed_at = place != at_work;
         let tensor = self.tensors(state).at(place);
-        Some(Looked { place, is_pointed_at, tensor, response: self.0.response([tensor.xx, tensor.xy, tensor.yy]) })
+        Some(Probe { place, is_pointed_at, tensor, response: self.0.response([tensor.xx, tensor.xy, tensor.yy]) })
     }
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
@@ -57,31 +57,31 @@ impl<M: Measure> Corners<M> {
             Event::Peak(_, Some(_)) => line::DROP_NEAR,
             Event::Peak(_, None) => line::KEEP,
         };
-        let looked = self.look(seen);
+        let probe = self.look(seen);
         // Words, numbers and the line speak of one pixel.
-        let (line, sentence) = match &looked {
-            Some(looked) if looked.is_pointed_at && seen.before.stage == Stage::Response => {
-                (line::RESPOND, responds(looked))
+        let (line, sentence) = match &probe {
+            Some(probe) if probe.is_pointed_at && seen.before.stage == Stage::Response => {
+                (line::RESPOND, responds(probe))
             }
-            Some(looked) if looked.is_pointed_at => {
-                let (line, verdict) = self.verdict(seen, looked);
-                (line, responds(looked).text(format!(" So far: {verdict}.")))
+            Some(probe) if probe.is_pointed_at => {
+                let (line, verdict) = self.verdict(seen, probe);
+                (line, responds(probe).text(format!(" So far: {verdict}.")))
             }
-            looked => (at_work, self.sentence(seen, *last, looked.as_ref())),
+            probe => (at_work, self.sentence(seen, *last, probe.as_ref())),
         };
-        let readouts = looked.map_or_else(
+        let readouts = probe.map_or_else(
             || vec![Readout::Facts(vec![Fact { label: "Peaks", value: "none".into(), role: None }])],
-            |looked| self.readouts(seen, &looked),
+            |probe| self.readouts(seen, &probe),
         );
         Step { line, sentence, readouts }
     }
 
-    fn sentence(&self, seen: &Seen<Self>, event: Event, looked: Option<&Looked>) -> Sentence {
+    fn sentence(&self, seen: &Seen<Self>, event: Event, probe: Option<&Probe>) -> Sentence {
         let (state, peaks, said) = (seen.before, self.peaks(seen.before), Sentence::default());
         let Settings { threshold, max_points, min_distance, .. } = self.0.settings();
         match event {
-            Event::Response(_) => match looked {
-                Some(looked) => responds(looked),
+            Event::Response(_) => match probe {
+                Some(probe) => responds(probe),
                 None => said.text("The response of each pixel follows from its structure tensor."),
             },
             Event::Row if peaks.over(state.row).next().is_none() => said.text(format!(
@@ -132,8 +132,8 @@ impl<M: Measure> Corners<M> {
             .text(format!(", which {why}: dropped."))
     }
 
-    fn readouts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Readout> {
-        let (state, Looked { place, tensor, response, .. }) = (seen.before, looked);
+    fn readouts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Readout> {
+        let (state, Probe { place, tensor, response, .. }) = (seen.before, probe);
         let fact = |label, value: String, role| Fact { label, value, role };
         let [large, small] = tensor.eigenvalues().map(words::number);
         let Tensor { xx, xy, yy, .. } = *tensor;
@@ -146,7 +146,7 @@ impl<M: Measure> Corners<M> {
         ];
         if state.stage != Stage::Response {
             facts.push(fact("Threshold", words::number(self.peaks(state).limit), None));
-            facts.push(fact("Verdict", self.verdict(seen, looked).1, None));
+            facts.push(fact("Verdict", self.verdict(seen, probe).1, None));
         }
         let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range };
         let radius = (self.0.settings().window / 2 + 1).min(5);
@@ -161,8 +161,8 @@ impl<M: Measure> Corners<M> {
     }
 
     /// What has become of a pixel by now, once all responses are known, and the line that decided it.
-    fn verdict(&self, seen: &Seen<Self>, looked: &Looked) -> (Name, String) {
-        let (state, peaks, place) = (seen.before, self.peaks(seen.before), looked.place);
+    fn verdict(&self, seen: &Seen<Self>, probe: &Probe) -> (Name, String) {
+        let (state, peaks, place) = (seen.before, self.peaks(seen.before), probe.place);
         if !peaks.is_over(place.0, place.1) {
             let (width, height) = state.map.size();
             let is_border = place.0 == 0 || place.1 == 0 || place.0 + 1 == width || place.1 + 1 == height;
@@ -252,12 +252,12 @@ impl<M: Measure> Corners<M> {
     }
 
     fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let Some(looked) = self.look(seen) else { return };
-        let (x, y) = (looked.place.0 as i32, looked.place.1 as i32);
+        let Some(probe) = self.look(seen) else { return };
+        let (x, y) = (probe.place.0 as i32, probe.place.1 as i32);
         let Settings { window, min_distance, .. } = self.0.settings();
         if let (Some(Event::Peak(..)), None) = (seen.events.last(), seen.point()) {
             let radius = min_distance as f32;
-            let shape = Shape::Ellipse { center: point(looked.place), radii: [radius; 2], angle_rad: 0.0 };
+            let shape = Shape::Ellipse { center: point(probe.place), radii: [radius; 2], angle_rad: 0.0 };
             scene.mark(Picture::CURRENT, Role::Window, shape);
             scene.legend(Role::Window, "least distance");
         } else {
@@ -280,12 +280,12 @@ impl State {
 }
 
 /// How much of a corner a pixel is.
-fn responds(looked: &Looked) -> Sentence {
-    let [large, small] = looked.tensor.eigenvalues().map(words::number);
+fn responds(probe: &Probe) -> Sentence {
+    let [large, small] = probe.tensor.eigenvalues().map(words::number);
     Sentence::default()
-        .ink(Role::Reference, format!("Pixel {}", pixel(looked.place)))
+        .ink(Role::Reference, format!("Pixel {}", pixel(probe.place)))
         .text(format!(" has a tensor with eigenvalues {large} and {small}. Its response is "))
-        .ink(Role::Result, words::number(looked.response))
+        .ink(Role::Result, words::number(probe.response))
         .text(".")
 }
 

@@ -42,7 +42,7 @@ pub enum Event {
 
 /// What a point has come to on a level.
 #[derive(Clone, Copy, Debug)]
-pub enum Followed {
+pub enum LevelResult {
     /// On a coarse one: the guess for the next finer, in px of that.
     Guess([f32; 2]),
     /// On the picture itself: the displacement, and the residual or why the point is lost.
@@ -62,7 +62,7 @@ impl Follow {
         level: usize,
         (at, guess): ([f32; 2], [f32; 2]),
         observer: &mut impl Observer<Event>,
-    ) -> Followed {
+    ) -> LevelResult {
         let [current, next] = pyramids.map(|levels| &levels[level]);
         let at = at.map(|c| c / (1u32 << level) as f32);
         let template = Template::new(current, at, self.reach);
@@ -71,14 +71,14 @@ impl Follow {
         if level > 0 {
             let displacement = if is_told.is_ok() { displacement } else { guess };
             observer.see(|| Event::Handed(displacement, is_told.err()));
-            return Followed::Guess(displacement.map(|c| 2.0 * c));
+            return LevelResult::Guess(displacement.map(|c| 2.0 * c));
         }
         let result = is_told.and_then(|()| {
             let residual = template.mismatch(next, [0, 1].map(|i| at[i] + displacement[i])).residual;
             if residual > self.max_residual { Err(Status::Unlike) } else { Ok(residual) }
         });
         observer.see(|| Event::End(displacement, result));
-        Followed::Done(displacement, result)
+        LevelResult::Done(displacement, result)
     }
 
     /// Whether the gradients of a window say too little in one direction.
@@ -130,8 +130,8 @@ impl Follow {
         for level in (0..pyramids[0].len()).rev() {
             let mut on_level = Mapped { observer: &mut *observer, map: |event| (level, event) };
             match self.on_level(pyramids, level, (at, guess), &mut on_level) {
-                Followed::Guess(finer) => guess = finer,
-                Followed::Done(displacement, result) => return (displacement, result),
+                LevelResult::Guess(finer) => guess = finer,
+                LevelResult::Done(displacement, result) => return (displacement, result),
             }
         }
         // A pyramid has at least the picture.

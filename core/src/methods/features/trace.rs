@@ -1,7 +1,7 @@
 //! The way of one point through the levels, so that any point can be explained whenever somebody points at it.
 
-use super::Account;
-use super::follow::{Event, Follow, Followed};
+use super::LevelTrace;
+use super::follow::{Event, Follow, LevelResult};
 use super::tracker::Level;
 use crate::scene::{Floor, Role};
 
@@ -23,7 +23,7 @@ impl<'a> Trace<'a> {
             let mut events = Vec::new();
             let followed = follow.on_level(pyramids, level, (at, guess), &mut events);
             legs.push((guess, events));
-            if let Followed::Guess(finer) = followed {
+            if let LevelResult::Guess(finer) = followed {
                 guess = finer;
             }
         }
@@ -50,15 +50,15 @@ impl<'a> Trace<'a> {
     }
 
     /// What has happened on the level at hand; the point is called `name`.
-    pub fn account(&self, name: String) -> Account<'a> {
-        self.account_on(self.level(), name)
+    pub fn level_trace(&self, name: String) -> LevelTrace<'a> {
+        self.level_trace_on(self.level(), name)
     }
 
-    fn account_on(&self, level: usize, name: String) -> Account<'a> {
+    fn level_trace_on(&self, level: usize, name: String) -> LevelTrace<'a> {
         let leg = self.legs.get(self.pyramids[0].len() - 1 - level);
         let (guess, events) = leg.cloned().unwrap_or_default();
         let Self { follow, pyramids, at, .. } = *self;
-        Account { follow, pyramids, level, at, guess, events, name }
+        LevelTrace { follow, pyramids, level, at, guess, events, name }
     }
 
     /// Its window on every level, and where it has led there.
@@ -66,9 +66,9 @@ impl<'a> Trace<'a> {
         let floor = |level: usize| {
             let (at, reach) = (self.at.map(|c| c / (1u32 << level) as f32), self.follow.reach as f32 + 0.5);
             let vector = (level >= self.level()).then(|| {
-                let account = self.account_on(level, String::new());
-                let is_over = matches!(account.events.last(), Some(Event::Handed(..) | Event::End(..)));
-                (account.displacement(), if is_over { Role::Result } else { Role::Best })
+                let level_trace = self.level_trace_on(level, String::new());
+                let is_over = matches!(level_trace.events.last(), Some(Event::Handed(..) | Event::End(..)));
+                (level_trace.displacement(), if is_over { Role::Result } else { Role::Best })
             });
             Floor { at_hand: Some([at.map(|c| c - reach), at.map(|c| c + reach)]), vector }
         };

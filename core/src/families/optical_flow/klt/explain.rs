@@ -6,7 +6,7 @@ use super::{Event, Klt, Live, State, line};
 use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::features::{
-    Account,
+    LevelTrace,
     affine::{Fit, place},
     follow,
     trails::{self, points},
@@ -68,7 +68,7 @@ impl Klt {
     }
 
     /// What has happened to the feature on the level at hand.
-    fn account<'a>(&self, seen: &Seen<'a, Self>) -> Option<Account<'a>> {
+    fn level_trace<'a>(&self, seen: &Seen<'a, Self>) -> Option<LevelTrace<'a>> {
         let (pair, level) = last_forward(seen.events).map(|(pair, level)| (pair, *level))?;
         let of_level = |wanted: usize| {
             seen.events.iter().filter_map(move |event| match event {
@@ -80,7 +80,7 @@ impl Klt {
             follow::Event::Handed(displacement, _) => Some(displacement.map(|c| 2.0 * c)),
             _ => None,
         });
-        Some(Account {
+        Some(LevelTrace {
             follow: self.follow(),
             pyramids: pair.pyramids(),
             level,
@@ -135,7 +135,7 @@ impl Klt {
                     count => format!(" and from the {count} that are tracked"),
                 }
             )),
-            Event::Forward(..) => self.account(seen).map_or(said, |account| account.sentence()),
+            Event::Forward(..) => self.level_trace(seen).map_or(said, |level_trace| level_trace.sentence()),
             Event::Back(result) => self.way_back(seen, *result),
             Event::Fit(fit) => {
                 let since = live(seen).map_or(0, |live| state.tracks[live.track as usize].first);
@@ -209,27 +209,27 @@ impl Klt {
                 [Readout::Facts(facts)].into_iter().chain(plots).collect()
             };
         };
-        let account = self.account(seen);
-        let mut readouts = vec![Readout::Facts(self.facts(seen, live, account.as_ref()))];
-        match (seen.events.last(), account, fit(seen.events)) {
-            (Some(Event::Fit(_) | Event::Verdict(_)), Some(account), Some(fit)) => {
+        let level_trace = self.level_trace(seen);
+        let mut readouts = vec![Readout::Facts(self.facts(seen, live, level_trace.as_ref()))];
+        match (seen.events.last(), level_trace, fit(seen.events)) {
+            (Some(Event::Fit(_) | Event::Verdict(_)), Some(level_trace), Some(fit)) => {
                 readouts.push(Readout::Equation(equation(&fit, self.any_light)));
-                readouts.push(Readout::Tiles(views(&account, live, &fit)));
+                readouts.push(Readout::Tiles(views(&level_trace, live, &fit)));
             }
-            (_, Some(account), _) => readouts.extend(account.readouts()),
+            (_, Some(level_trace), _) => readouts.extend(level_trace.readouts()),
             _ => {}
         }
         readouts.extend(plots(seen.before));
         readouts
     }
 
-    fn facts(&self, seen: &Seen<Self>, live: &Live, account: Option<&Account>) -> Vec<Fact> {
+    fn facts(&self, seen: &Seen<Self>, live: &Live, level_trace: Option<&LevelTrace>) -> Vec<Fact> {
         let track = &seen.before.tracks[live.track as usize];
         let mut facts = vec![
             Fact::new("Feature", format!("{} at {}", live.track + 1, words::vector(live.at)), Some(Role::Reference)),
             Fact::new("Seen since", format!("frame {}", track.first), None),
         ];
-        facts.extend(account.map(Account::facts).unwrap_or_default());
+        facts.extend(level_trace.map(LevelTrace::facts).unwrap_or_default());
         if let Some(place) = back(seen.events) {
             let off_px = off_px(live, place);
             facts.push(Fact::new("Direction back", format!("{} px off", words::number(off_px)), Some(Role::Predicted)));
@@ -255,13 +255,13 @@ impl Klt {
             Some(Event::Taken(found)) => points(scene, Role::Result, "new feature", found.taken.clone()),
             _ => {}
         }
-        let Some(account) = self.account(seen) else { return };
+        let Some(level_trace) = self.level_trace(seen) else { return };
         match (seen.events.last(), fit(seen.events)) {
             (Some(event @ (Event::Fit(_) | Event::Verdict(_))), Some(fit)) => {
                 let is_refused = matches!(event, Event::Verdict(feature) if feature.displacement.is_none());
-                draw_view(&account, &fit, is_refused, scene);
+                draw_view(&level_trace, &fit, is_refused, scene);
             }
-            _ => account.draw([Picture::CURRENT, Picture::NEXT], scene),
+            _ => level_trace.draw([Picture::CURRENT, Picture::NEXT], scene),
         }
         if let Some(place) = back(seen.events) {
             points(scene, Role::Predicted, "where tracking back leads", vec![place]);
@@ -303,14 +303,14 @@ fn draw_features(seen: &Seen<Klt>, scene: &mut Scene) {
 }
 
 /// The outline of the first view as it lies in the second frame.
-fn draw_view(account: &Account, fit: &Fit, is_refused: bool, scene: &mut Scene) {
-    let half = account.follow.reach as f32 + 0.5;
+fn draw_view(level_trace: &LevelTrace, fit: &Fit, is_refused: bool, scene: &mut Scene) {
+    let half = level_trace.follow.reach as f32 + 0.5;
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
-    let [x, y] = account.at;
+    let [x, y] = level_trace.at;
     let window = Shape::Rect { min: [x - half, y - half], max: [x + half, y + half] };
     scene.mark(Picture::CURRENT, Role::Reference, window);
     scene.legend(Role::Reference, "window");
-    let to = [0, 1].map(|i| account.at[i] + account.on_picture()[i]);
+    let to = [0, 1].map(|i| level_trace.at[i] + level_trace.on_picture()[i]);
     let outline = corners.map(|corner| place(to, fit, corner)).to_vec();
     let role = if is_refused { Role::Rejected } else { Role::Best };
     scene.mark(Picture::NEXT, role, Shape::Path { points: outline, closed: true });
@@ -351,12 +351,12 @@ fn equation(fit: &Fit, in_any_light: bool) -> Vec<Math> {
 }
 
 /// The first view, how it lies now, and what differs.
-fn views(account: &Account, live: &Live, fit: &Fit) -> Vec<Tile> {
+fn views(level_trace: &LevelTrace, live: &Live, fit: &Fit) -> Vec<Tile> {
     let side = live.view.side();
     let round = |v: &f32| (v * 10.0).round() / 10.0;
     let grid = |values: &[f32]| Grid::from_fn(side, side, |x, y| round(&values[y * side + x]));
-    let to = [0, 1].map(|i| account.at[i] + account.on_picture()[i]);
-    let (first, now) = (grid(live.view.values()), grid(&live.view.warped(&account.pyramids[1][0], to, fit)));
+    let to = [0, 1].map(|i| level_trace.at[i] + level_trace.on_picture()[i]);
+    let (first, now) = (grid(live.view.values()), grid(&live.view.warped(&level_trace.pyramids[1][0], to, fit)));
     let difference = Grid::from_fn(side, side, |x, y| first[(x, y)] - now[(x, y)]);
     let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
     let tile = |label, role, values, range| Tile { label, role, values, range };

@@ -31,7 +31,7 @@ fn moved(events: &[Event]) -> impl Iterator<Item = (&Pair, &Moved)> {
 
 impl PointTrajectories {
     /// Of the points that had their turn, the one that the person points at, or else the last one if it has it now.
-    fn looked<'a>(&self, seen: &Seen<'a, Self>) -> Option<(&'a Pair, &'a Moved)> {
+    fn probe<'a>(&self, seen: &Seen<'a, Self>) -> Option<(&'a Pair, &'a Moved)> {
         let far = |moved: &Moved| seen.point().map_or(f32::INFINITY, |point| distance(moved.live.at, point));
         let nearest = moved(seen.events).min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
         nearest.filter(|(_, moved)| far(moved) <= self.spacing as f32).or(match last(seen.events)? {
@@ -41,7 +41,7 @@ impl PointTrajectories {
     }
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
-        let line = match (last(seen.events), self.looked(seen)) {
+        let line = match (last(seen.events), self.probe(seen)) {
             (Some(What::Flow(_)), _) => line::FIND_FLOW,
             (Some(What::Begun(_)), _) => line::BEGIN_POINTS,
             (Some(_), Some((_, moved))) => match moved.feature.status {
@@ -59,7 +59,7 @@ impl PointTrajectories {
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
         let (said, state) = (Sentence::default(), seen.before);
         let (here, next) = (state.frame, state.frame + 1);
-        if let Some((_, moved)) = self.looked(seen) {
+        if let Some((_, moved)) = self.probe(seen) {
             return self.point(moved);
         }
         match last(seen.events) {
@@ -141,15 +141,15 @@ impl PointTrajectories {
         let Some(event) = last(seen.events) else { return Vec::new() };
         let mut facts =
             vec![Fact::new("Pair", format!("frames {} and {}", seen.before.frame, seen.before.frame + 1), None)];
-        let looked = self.looked(seen);
-        match (event, looked) {
+        let probe = self.probe(seen);
+        match (event, probe) {
             (_, Some((_, moved))) => facts.extend(self.facts(moved)),
             (What::Done(note), None) => facts.extend(note.facts()),
             (What::Begun(count), None) => facts.push(Fact::new("New", count.to_string(), Some(Role::Measured))),
             _ => facts.push(Fact::new("Points", seen.before.live.len().to_string(), None)),
         }
         let mut readouts = vec![Readout::Facts(facts)];
-        if let Some((pair, moved)) = looked {
+        if let Some((pair, moved)) = probe {
             readouts.extend(self.equation(moved).map(Readout::Equation));
             readouts.push(Readout::Tiles(tiles(pair, moved)));
         }
@@ -236,7 +236,7 @@ impl PointTrajectories {
         let arrow = |moved: &&Moved| Some(Arrow { from: moved.live.at, to: moved.to()? });
         trails::displacements(scene, done.iter().filter_map(arrow).collect());
         draw_ends(scene, &done);
-        if let Some((_, moved)) = self.looked(seen) {
+        if let Some((_, moved)) = self.probe(seen) {
             trails::points(scene, Role::Reference, "point that is told of", vec![moved.live.at]);
         }
         scene.legend(Role::Result, "displacements found");

@@ -9,10 +9,10 @@ use crate::products::Status;
 use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Tile};
 
 /// What has happened to a point on a level by now.
-pub struct Account<'a> {
+pub struct LevelTrace<'a> {
     /// How it is followed.
     pub follow: Follow,
-    /// The levels of the picture that it is in, and of that in which it is looked for.
+    /// The levels of the picture that it is in, and of that in which it is probe for.
     pub pyramids: [&'a [Level]; 2],
     /// The level at hand.
     pub level: usize,
@@ -40,7 +40,7 @@ fn after(from: [f32; 2], update: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|i| from[i] + update[i])
 }
 
-impl Account<'_> {
+impl LevelTrace<'_> {
     /// A displacement on the level at hand.
     fn px(&self, uv: [f32; 2]) -> String {
         in_px(uv, self.level)
