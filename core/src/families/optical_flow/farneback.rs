@@ -1,4 +1,4 @@
-//! Farnebäck's method: neighbourhoods are polynomials, and how these change tells how far they have expansions.
+//! Farnebäck's method: displacement estimation from polynomial expansions of both frames.
 
 use std::sync::Arc;
 
@@ -165,7 +165,7 @@ impl Estimator for Farneback {
         id: "farneback",
         name: "Farnebäck",
         family: "Optical flow",
-        summary: "Describes neighbourhoods by polynomials, and finds how far these have expansions.",
+        summary: "Dense optical flow from quadratic polynomial expansions of both frames, solved over a window around each pixel.",
         source: "G. Farnebäck, Two-frame motion estimation based on polynomial expansion, SCIA 2003; expansion: G. Farnebäck, \
                  Polynomial expansion for orientation and motion estimation, dissertation, Linköping 2002; damping: \
                  K. Levenberg, A method for the solution of certain non-linear problems in least squares, Quarterly of \

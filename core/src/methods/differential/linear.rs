@@ -62,7 +62,7 @@ impl Constraints {
 fn cleared([a, b, c]: [&mut [f32]; 3]) -> Vec<usize> {
     let is_unknown = |a: f32, b: f32, c: f32| !(a + b + c).is_finite();
     let of_row = a.iter().zip(&*b).zip(&*c);
-    // Most often all are finite: probe at without a way out, that becomes vector instructions.
+    // Mostly all are finite; without early exit the test becomes vector instructions.
     if !of_row.fold(false, |any, ((a, b), c)| any | is_unknown(*a, *b, *c)) {
         return Vec::new();
     }

@@ -1,5 +1,4 @@
-//! What is done with features: places of a picture that can be told from all around them. They are found by their structure
-//! tensors and tracked by Lucas and Kanade's method.
+//! Feature detection by structure tensors, and feature tracking by Lucas and Kanade's method.
 
 mod level_trace;
 pub mod affine;
@@ -14,7 +13,7 @@ pub mod tracker;
 pub(crate) mod trails;
 
 pub use level_trace::{LevelTrace, why};
-pub use corners::{Corners, Measure};
+pub use corners::{Corners, FLAT_AREA, Measure};
 pub(crate) use declare::corner_pseudocode;
 pub use select::{Settings, spread};
 pub use trace::Trace;

@@ -87,7 +87,7 @@ pub(super) struct Fixed {
 }
 
 impl Fixed {
-    /// The levels as pictures to be probe at.
+    /// Returns the levels as pictures.
     pub(super) fn pictures(&self) -> Arc<[Level]> {
         let seen = |level: &Grid<f32>| Arc::new(Frame::gray(level.map(|v| v.round().clamp(0.0, 255.0) as u8)));
         let coarser = |level: usize| Level::covering(self.frames.pair(level).map(seen));
