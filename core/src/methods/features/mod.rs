@@ -2,6 +2,7 @@
 
 mod level_trace;
 pub mod affine;
+mod conclusion;
 mod corners;
 mod declare;
 mod explain;
@@ -13,6 +14,7 @@ pub mod tracker;
 pub(crate) mod trails;
 
 pub use level_trace::{LevelTrace, why};
+pub use conclusion::conclusion;
 pub use corners::{Corners, FLAT_AREA, Measure};
 pub(crate) use declare::corner_pseudocode;
 pub use select::{Settings, spread};
