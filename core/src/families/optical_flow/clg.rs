@@ -6,7 +6,7 @@ use crate::base::Threads;
 use crate::geometry::filter;
 use crate::methods::{
     differential::{Advice, Field, Linear, explain, numbers, relax},
-    variational::{Local, Probe, Model, MotionTensor, Settings, Solver, Explanation, Warp},
+    variational::{Explanation, Local, Model, MotionTensor, Probe, Settings, Solver, Warp},
 };
 use crate::run::{Guarantee, Info};
 use crate::scene::{Constraint, Fact, Math, Name, Role, Sentence};
@@ -18,7 +18,7 @@ params! {
     pub struct Clg {
         /// Regularisation weight α, in gray levels per px. Larger values give smoother flow and fill areas without texture; where |∇I| = α, data term and smoothness term weigh equally.
         alpha: f32 = 8.0, 0.1..=1000.0;
-        /// Standard deviation ρ of the Gaussian window that averages the gradient constraints around each pixel. Larger values suppress noise but blur motion boundaries; 0 is Horn–Schunck.
+        /// Standard deviation ρ of the Gaussian window that averages the gradient constraints around each pixel. Larger values suppress noise but blur motion boundaries; 0 is Horn–Schunck. The image border is mirrored.
         rho: f32 = 1.0, 0.0..=10.0, "px";
         /// Iterative solver of the linear system.
         solver: Solver = Solver::Jacobi;
@@ -113,7 +113,11 @@ impl Model for Clg {
         let update = solution(tensor, self.alpha * self.alpha, mean);
         let [xx, xy, yy, xt, yt] = about_zero(tensor, probe.start().unwrap_or_default()).map(numbers::gray);
         Explanation {
-            sentence: if step == AVERAGED { probe.averaged(mean) } else { self.updated(probe, tensor[0] + tensor[2], update) },
+            sentence: if step == AVERAGED {
+                probe.averaged(mean)
+            } else {
+                self.updated(probe, tensor[0] + tensor[2], update)
+            },
             facts: vec![
                 Fact { label: "T_xx, T_xy, T_yy", value: format!("{xx}, {xy}, {yy}"), role: None },
                 Fact { label: "T_xt, T_yt", value: format!("{xt}, {yt}"), role: None },
@@ -133,20 +137,20 @@ impl Clg {
     fn updated(&self, probe: &Probe<Self>, trace: f32, update: [f32; 2]) -> Sentence {
         let weight = self.alpha * self.alpha;
         let window = if self.rho > 0.0 {
-            format!("Least squares of the gradient constraints in the Gaussian window (ρ = {} px) of ", numbers::gray(self.rho))
+            format!(
+                "Least squares of the gradient constraints in the Gaussian window (ρ = {} px) of ",
+                numbers::gray(self.rho)
+            )
         } else {
             "Least squares of the gradient constraint of ".into()
         };
         let beyond = self.solver.beyond(self.relaxation);
-        let said = Sentence::default()
-            .text(window)
-            .ink(Role::Reference, probe.pixel())
-            .text(format!(
-                " and the neighbourhood mean: tr T = {} against α² = {}, so the {} dominates. (u, v) = ",
-                numbers::gray(trace),
-                numbers::gray(weight),
-                if trace > weight { "data term" } else { "smoothness term" }
-            ));
+        let said = Sentence::default().text(window).ink(Role::Reference, probe.pixel()).text(format!(
+            " and the neighbourhood mean: tr T = {} against α² = {}, so the {} dominates. (u, v) = ",
+            numbers::gray(trace),
+            numbers::gray(weight),
+            if trace > weight { "data term" } else { "smoothness term" }
+        ));
         probe.goes(said, update, beyond).text(".")
     }
 

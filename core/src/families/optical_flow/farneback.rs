@@ -7,7 +7,7 @@ use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::methods::{
     differential::{Advice, Conclusion, Field, Multiscale, Weights, Window, explain, field, numbers, relax},
-    polynomial::{Estimate, WindowSolver, Applicability, Expander, Probe, ExpansionPair, Packed, Part},
+    polynomial::{Applicability, Estimate, Expander, ExpansionPair, Packed, Part, Probe, WindowSolver},
 };
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
@@ -372,7 +372,10 @@ impl Farneback {
         if !notes.is_empty() {
             all.push(series("Mean change", vec![("mean change", Role::Best, line(|note| note.change))]));
             if notes.iter().all(|note| note.error.is_finite()) {
-                all.push(series("Mean endpoint error", vec![("mean endpoint error", Role::Error, line(|note| note.error))]));
+                all.push(series(
+                    "Mean endpoint error",
+                    vec![("mean endpoint error", Role::Error, line(|note| note.error))],
+                ));
             }
         }
         all

@@ -3,7 +3,7 @@
 use crate::base::Threads;
 use crate::methods::{
     differential::{Advice, FLAT, Field, Linear, explain, numbers, relax},
-    variational::{Probe, Model, Settings, Solver, Explanation, Warp},
+    variational::{Explanation, Model, Probe, Settings, Solver, Warp},
 };
 use crate::run::{Guarantee, Info};
 use crate::scene::{Math, Name, Role, Sentence};
@@ -94,7 +94,8 @@ impl Model for HornSchunck {
 
     fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
         let update = Update::of(self, probe);
-        let mut points = vec![("neighbourhood mean", Role::Predicted, update.mean), ("after", Role::Result, probe.to())];
+        let mut points =
+            vec![("neighbourhood mean", Role::Predicted, update.mean), ("after", Role::Result, probe.to())];
         if step == AVERAGED {
             points.pop();
         }
@@ -133,9 +134,12 @@ impl Update {
         let [a, b, _] = probe.factors();
         let squared = a * a + b * b;
         if squared <= FLAT {
-            let why = if probe.is_known() { "has no gradient" } else { "leads out of frame t+1" };
+            let why = match probe.is_known() {
+                true => "has no gradient, so any flow satisfies its constraint",
+                false => "has no constraint, because (u₀, v₀) leads out of frame t+1",
+            };
             let said = said
-                .text("The data term is 0, because ")
+                .text("Only the smoothness term counts: ")
                 .ink(Role::Reference, pixel)
                 .text(format!(" {why}. The update takes the neighbourhood mean: (u, v) = "));
             return probe.goes(said, self.to, beyond).text(".");

@@ -9,7 +9,7 @@ use crate::data::{Clip, Flow, Frame};
 use crate::methods::{
     differential::truth,
     features::{
-        affine::{Fit, IDENTITY, SAME_LIGHT, Start, FitFailure, View},
+        affine::{Fit, FitFailure, IDENTITY, SAME_LIGHT, Start, View},
         follow::{self, Follow},
         spread,
         tracker::Level,

@@ -8,7 +8,8 @@ use crate::base::{Error, Mapped, Observer, Threads};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::differential::{
-    Advice, Constraints, Field, FramePair, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
+    Advice, Constraints, Field, FramePair, Linear, Scheme, Sums, Tensor, Texture, Weights, Window,
+};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,

@@ -13,9 +13,7 @@ use std::sync::Arc;
 use crate::base::{Error, Observer, Threads, words};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
-use crate::methods::differential::{
-    Advice, Conclusion, Derivatives, FLAT, FramePair, Scheme, explain, field, numbers,
-};
+use crate::methods::differential::{Advice, Conclusion, Derivatives, FLAT, FramePair, Scheme, explain, field, numbers};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
@@ -276,7 +274,12 @@ impl NormalFlow {
         sentence.text(conclusion.sentence(&ADVICE))
     }
 
-    fn readouts(&self, Fixed { frame_pair, derivatives }: &Fixed, pixel: (usize, usize), found: [f32; 2]) -> Vec<Readout> {
+    fn readouts(
+        &self,
+        Fixed { frame_pair, derivatives }: &Fixed,
+        pixel: (usize, usize),
+        found: [f32; 2],
+    ) -> Vec<Readout> {
         let factors = derivatives.at(pixel);
         let truth = frame_pair.true_displacement(pixel);
         let is_known = found[0].is_finite();

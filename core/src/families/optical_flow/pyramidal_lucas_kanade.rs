@@ -480,19 +480,24 @@ impl PyramidalLucasKanade {
         match (probe, seen.events.is_empty()) {
             (Some(probe), _) => self.concluded(seen, probe.level_trace().sentence()),
             (None, false) => Sentence::default().text(match self.points {
-                Points::Clicks => "No clicked points in this frame, so nothing to track. Click on the frame to add points.",
+                Points::Clicks => {
+                    "No clicked points in this frame, so nothing to track. Click on the frame to add points."
+                }
                 _ => "The detector finds no keypoints in this frame, so nothing to track. Lower its threshold.",
             }),
             (None, true) => {
                 let said = Sentence::default().text(match self.points {
                     Points::Dense => "Every pixel is tracked, row by row".to_owned(),
-                    _ => format!("{} tracked", match fixed.points.len() {
-                        1 => "1 point is".to_owned(),
-                        count => format!("{count} points are"),
-                    }),
+                    _ => format!(
+                        "{} tracked",
+                        match fixed.points.len() {
+                            1 => "1 point is".to_owned(),
+                            count => format!("{count} points are"),
+                        }
+                    ),
                 });
                 match fixed.levels[0].len() {
-                    1 => said.text(" at full resolution only, so the linearisation reaches about half a window of motion."),
+                    1 => said.text(" at full resolution only, so only small motion is within reach of the linearisation."),
                     levels => said.text(format!(
                         " from the coarsest of {levels} levels to full resolution: motion that is too large for the linearisation is \
                          short on coarse levels."
@@ -519,7 +524,9 @@ impl PyramidalLucasKanade {
         }];
         facts.extend(level_trace.facts());
         let truth = fixed.truth.as_ref().and_then(|truth| truth.at(point[0] as usize, point[1] as usize));
-        facts.extend(truth.map(|truth| fact("True displacement", format!("{} px", numbers::vector(truth)), Some(Role::Truth))));
+        facts.extend(
+            truth.map(|truth| fact("True displacement", format!("{} px", numbers::vector(truth)), Some(Role::Truth))),
+        );
         let stack = Stack { levels: fixed.shown(probe.trace.level()), floors: probe.trace.floors() };
         [vec![Readout::Facts(facts)], level_trace.readouts(), vec![Readout::Stack(stack)]].concat()
     }

@@ -3,7 +3,7 @@
 use crate::base::Threads;
 use crate::methods::{
     differential::{Advice, Linear, explain, numbers},
-    variational::{Dual, Probe, Model, Settings, Explanation, Warp, primal_dual},
+    variational::{Dual, Explanation, Model, Probe, Settings, Warp, primal_dual},
 };
 use crate::run::{Guarantee, Info};
 use crate::scene::{Fact, Math, Name, Role, Sentence};
@@ -162,7 +162,8 @@ impl Pixel {
                 let (most, whole) = (multiple(model.weights().most), multiple(self.whole.abs()));
                 let said = said.text("Thresholding at ").ink(Role::Reference, probe.pixel());
                 let why = if !probe.is_known() {
-                    ": (u₀, v₀) leads out of frame t+1, so there is no constraint and the auxiliary flow stays at f = ".to_owned()
+                    ": (u₀, v₀) leads out of frame t+1, so there is no constraint and the auxiliary flow stays at f = "
+                        .to_owned()
                 } else if self.is_flat {
                     ": without gradient the constraint allows any flow, so the auxiliary flow stays at f = ".to_owned()
                 } else if self.off == 0.0 {
@@ -195,7 +196,9 @@ impl Pixel {
                 let [long_u, long_v] = lengths.map(numbers::px);
                 let meaning = match lengths.iter().any(|length| *length >= DISCONTINUITY) {
                     true => "close to 1, where total variation accepts a flow discontinuity",
-                    false => "inside the unit ball, so total variation still smooths here; |p| = 1 marks a flow discontinuity",
+                    false => {
+                        "inside the unit ball, so total variation still smooths here; |p| = 1 marks a flow discontinuity"
+                    }
                 };
                 said.text("Dual update at ").ink(Role::Reference, probe.pixel()).text(format!(
                     ": p_u follows |∇u| = {u} and p_v follows |∇v| = {v} {}. |p_u| = {long_u} and |p_v| = {long_v}: {meaning}.",

@@ -99,9 +99,10 @@ impl Conclusion {
         let said = format!(" End of the run: {quality}; flow at {density} % of the pixels.");
         match &self.worst {
             Some(Worst { place, size, cause }) => format!(
-                "{said} Largest at pixel {}, {} {unit}{}",
-                words::pixel(*place),
+                "{said} The largest {}, {} {unit}, is at pixel {}{}",
+                if self.has_truth { "error" } else { "residual" },
                 number(*size),
+                words::pixel(*place),
                 cause.sentence(advice)
             ),
             None => said,
@@ -161,12 +162,13 @@ fn tensor(frames: &FramePair, places: impl Iterator<Item = (usize, usize)>) -> T
 
 impl Cause {
     fn sentence(&self, advice: &Advice) -> String {
-        let eigenvalues = |[large, small]: [f32; 2]| {
-            format!("λ₁ = {}, λ₂ = {}", numbers::gray(large), numbers::gray(small))
-        };
+        let eigenvalues =
+            |[large, small]: [f32; 2]| format!("λ₁ = {}, λ₂ = {}", numbers::gray(large), numbers::gray(small));
         match self {
             Cause::Outside => ": its motion leads out of frame t+1, so nothing can match it.".into(),
-            Cause::Flat(pair) => format!(": no texture there ({}), so no constraint. {}", eigenvalues(*pair), advice.texture),
+            Cause::Flat(pair) => {
+                format!(": no texture there ({}), so no constraint. {}", eigenvalues(*pair), advice.texture)
+            }
             Cause::Edge(pair) => format!(
                 ": an edge ({}), so only the normal component is constrained. {}",
                 eigenvalues(*pair),
@@ -214,7 +216,7 @@ mod tests {
     fn the_reason_is_that_of_the_worst_pixel() {
         let truth = Some([3.0, 0.0]);
         let large = said(&pair(truth, waves), |x, y| if (x, y) == (8, 8) { [0.0; 2] } else { [3.0, 0.0] });
-        assert!(large.contains("(8,\u{a0}8), 3.000 px: its true motion of 3.000 px is larger"), "{large}");
+        assert!(large.contains("3.000 px, is at pixel (8,\u{a0}8): its true motion of 3.000 px is larger"), "{large}");
         let outside = said(&pair(truth, waves), |x, _| if x == 19 { [0.0; 2] } else { [3.0, 0.0] });
         assert!(outside.contains("leads out of frame t+1"), "{outside}");
         let flat = said(&pair(truth, |_, _| 90.0), |_, _| [0.0; 2]);

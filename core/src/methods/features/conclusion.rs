@@ -46,9 +46,10 @@ fn reason(status: Status) -> Option<(&'static str, &'static str)> {
     match status {
         Status::Outside => Some(("out of the frame", "Features that leave the frame cannot be kept.")),
         Status::Flat => Some(("ill-conditioned", "A larger window or a lower min-eigenvalue keeps more of them.")),
-        Status::Unlike => {
-            Some(("above the residual limit", "More levels help if the motion is large; occluded features cannot be kept."))
-        }
+        Status::Unlike => Some((
+            "above the residual limit",
+            "More levels help if the motion is large; occluded features cannot be kept.",
+        )),
         Status::Astray => Some((
             "inconsistent forward and backward",
             "Occlusion and wrong matches cause this; more levels or a larger window reduce wrong matches.",
@@ -76,7 +77,9 @@ mod tests {
         ];
         let truth = Flow(Grid::new(6, 6, [1.0, 0.5]));
         let with = conclusion("points", all.into_iter(), Some(&truth));
-        assert!(with.starts_with("1 of 4 points tracked, mean endpoint error 0.500 px. Lost: 2 ill-conditioned, 1 out"));
+        assert!(
+            with.starts_with("1 of 4 points tracked, mean endpoint error 0.500 px. Lost: 2 ill-conditioned, 1 out")
+        );
         assert!(with.contains("lower min-eigenvalue"), "{with}");
         assert!(conclusion("points", all.into_iter(), None).contains("mean residual 1.50 gray levels"));
         assert_eq!(conclusion("points", [].into_iter(), None), "0 of 0 points tracked.");

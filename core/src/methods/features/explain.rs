@@ -148,11 +148,11 @@ impl<M: Measure> Corners<M> {
                 "No response is a local maximum above the threshold, so there are no corners: the frame has no texture, or only edges.",
             ),
             Event::Ranked => said.text(format!(
-                "{} in order of decreasing response. At most max-points = {max_points} become corners, each at least \
-                 min-distance = {min_distance} px from the stronger ones.",
+                "{} ranked by response. In this order at most max-points = {max_points} become corners, each at least \
+                 min-distance = {min_distance} px from those kept before.",
                 match state.peaks.len() {
-                    1 => "1 local maximum,".to_owned(),
-                    count => format!("{count} local maxima,"),
+                    1 => "1 local maximum is".to_owned(),
+                    count => format!("{count} local maxima are"),
                 }
             )),
             Event::Peak(peak, near) => self.chosen(seen, peak, near),
@@ -167,7 +167,9 @@ impl<M: Measure> Corners<M> {
         let said = Sentence::default().text("Local maximum ");
         let Some(near) = near else {
             let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
-            return said.ink(Role::Result, pixel(state.place(peak))).text(format!("{with} has no stronger corner within min-distance: kept as corner {count}."));
+            return said
+                .ink(Role::Result, pixel(state.place(peak)))
+                .text(format!("{with} has no stronger corner within min-distance: kept as corner {count}."));
         };
         let why = if response(near) > response(peak) {
             format!("has the larger response {}", numbers::gray(response(near)))
@@ -228,9 +230,10 @@ impl<M: Measure> Corners<M> {
         });
         match choice {
             Some(None) => (line::KEEP, "corner".into()),
-            Some(Some(near)) => {
-                (line::DROP_NEAR, format!("local maximum, rejected within {min_distance} px of {}", pixel(state.place(near))))
-            }
+            Some(Some(near)) => (
+                line::DROP_NEAR,
+                format!("local maximum, rejected within {min_distance} px of {}", pixel(state.place(near))),
+            ),
             None if seen.after.is_some() && state.stage == Stage::Choice => {
                 (line::KEEP, format!("local maximum, not among the {max_points} strongest"))
             }

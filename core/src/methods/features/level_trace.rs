@@ -152,7 +152,9 @@ impl LevelTrace<'_> {
                     ),
                 };
                 let explanation = format!("{explanation} The initial guess of the next finer level is twice that, ");
-                said.text(explanation).ink(Role::Predicted, in_px(displacement.map(|c| 2.0 * c), self.level - 1)).text(".")
+                said.text(explanation)
+                    .ink(Role::Predicted, in_px(displacement.map(|c| 2.0 * c), self.level - 1))
+                    .text(".")
             }
             Some(Event::End(displacement, Ok(residual))) => {
                 let residual = format!(

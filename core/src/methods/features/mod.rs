@@ -1,21 +1,21 @@
 //! Feature detection by structure tensors, and feature tracking by Lucas and Kanade's method.
 
-mod level_trace;
 pub mod affine;
 mod conclusion;
 mod corners;
 mod declare;
 mod explain;
 pub mod follow;
+mod level_trace;
 mod response;
 mod select;
 mod trace;
 pub mod tracker;
 pub(crate) mod trails;
 
-pub use level_trace::{LevelTrace, why};
 pub use conclusion::conclusion;
 pub use corners::{Corners, FLAT_AREA, Measure};
 pub(crate) use declare::corner_pseudocode;
+pub use level_trace::{LevelTrace, why};
 pub use select::{Settings, spread};
 pub use trace::Trace;

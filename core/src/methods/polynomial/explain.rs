@@ -1,7 +1,7 @@
 //! The explanation and the drawing of an iteration of Farnebäck's method at one pixel.
 
 use super::shift::in_effect;
-use super::{WindowSolver, ExpansionPair, Polynomial, DisplacementEquation};
+use super::{DisplacementEquation, ExpansionPair, Polynomial, WindowSolver};
 use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::differential::{Field, Multiscale, Tensor, explain, numbers};
@@ -158,14 +158,16 @@ impl Probe<'_> {
                     true => "so the window determines both components",
                     false => "so the damping keeps the weakly determined component at its prior value",
                 };
-                said.text("Where the image curves in one direction only, A is singular. Mean of AᵀA over the window of ")
-                    .ink(Role::Reference, pixel)
-                    .text(format!(
-                        ": eigenvalues {} and {} against the damping λ = {}, {verdict}.",
-                        numbers::fixed(large, 4),
-                        numbers::fixed(small, 4),
-                        numbers::fixed(damping, 4)
-                    ))
+                said.text(
+                    "Where the image curves in one direction only, A is singular. Mean of AᵀA over the window of ",
+                )
+                .ink(Role::Reference, pixel)
+                .text(format!(
+                    ": eigenvalues {} and {} against the damping λ = {}, {verdict}.",
+                    numbers::fixed(large, 4),
+                    numbers::fixed(small, 4),
+                    numbers::fixed(damping, 4)
+                ))
             }
             Part::Solved => said
                 .text("Damped least squares over the window of ")
@@ -242,7 +244,11 @@ impl Probe<'_> {
         };
         let is_pixel = self.part == Part::Compared;
         Plane {
-            title: if is_pixel { "Displacement equations of the pixel: A d = Δb" } else { "Displacement equations of the window: A d = Δb" },
+            title: if is_pixel {
+                "Displacement equations of the pixel: A d = Δb"
+            } else {
+                "Displacement equations of the window: A d = Δb"
+            },
             unit: self.unit(),
             reach: explain::reach(points.iter().map(|(.., point)| *point)),
             lines: if is_pixel { of_pixel() } else { self.window_lines() },
@@ -309,7 +315,11 @@ impl Probe<'_> {
             row([xy, yy + damping], damping * from[1] - yt),
         ];
         if self.part == Part::Solved {
-            lines.push(Math::Row(vec![Math::Var("d"), Math::text(" = "), Math::ink(Role::Result, numbers::vector(to))]));
+            lines.push(Math::Row(vec![
+                Math::Var("d"),
+                Math::text(" = "),
+                Math::ink(Role::Result, numbers::vector(to)),
+            ]));
         }
         lines
     }

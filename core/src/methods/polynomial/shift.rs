@@ -77,7 +77,12 @@ impl ExpansionPair<'_> {
 
     /// Returns the same for a pixel with this polynomial and this prior displacement.
     #[inline(always)]
-    fn shift_of(&self, here: &Packed, (x, y): (usize, usize), uv: [f32; 2]) -> Option<(DisplacementEquation, (usize, usize))> {
+    fn shift_of(
+        &self,
+        here: &Packed,
+        (x, y): (usize, usize),
+        uv: [f32; 2],
+    ) -> Option<(DisplacementEquation, (usize, usize))> {
         let to = self.landing((x, y), uv)?;
         let by = [to.0 as f32 - x as f32, to.1 as f32 - y as f32];
         Some((DisplacementEquation::between(here, &self.pair[1][to], by), to))
@@ -106,7 +111,9 @@ impl ExpansionPair<'_> {
         let (here, u, v) = (self.pair[0].row(y), self.from.u.row(y), self.from.v.row(y));
         // Pixels that lead outside stay 0.
         for (x, (here, (u, v))) in here.iter().zip(u.iter().zip(v)).enumerate() {
-            if let Some((DisplacementEquation { a: [xx, xy, yy], b: [bx, by] }, _)) = self.shift_of(here, (x, y), [*u, *v]) {
+            if let Some((DisplacementEquation { a: [xx, xy, yy], b: [bx, by] }, _)) =
+                self.shift_of(here, (x, y), [*u, *v])
+            {
                 (a[x], b[x], c[x], d[x], e[x]) = (xx, xy, yy, bx, by);
             }
         }
@@ -126,7 +133,9 @@ impl ExpansionPair<'_> {
         let mut mean = Tensor::default();
         for (y, along) in (top..).zip(down) {
             for (x, weight) in (left..).zip(across) {
-                let Some((DisplacementEquation { a: [xx, xy, yy], b: [bx, by] }, _)) = self.shift((x, y)) else { continue };
+                let Some((DisplacementEquation { a: [xx, xy, yy], b: [bx, by] }, _)) = self.shift((x, y)) else {
+                    continue;
+                };
                 let weight = along * weight / total;
                 mean.pixels += weight;
                 mean.xx += weight * (xx * xx + xy * xy);

@@ -1,7 +1,7 @@
 //! The explanation and the drawing of an iteration of a variational method.
 
-use super::model::{Probe, Model, Explanation};
 use super::Settings;
+use super::model::{Explanation, Model, Probe};
 use super::run::{Event, Note, State, Variational};
 use crate::base::words;
 use crate::methods::differential::{Conclusion, explain, numbers};
@@ -38,7 +38,11 @@ impl<M: Model> Variational<M> {
                 let Explanation { sentence, facts, equation, points, lines } = self.0.explanation(*step, &probe);
                 let facts = self.facts(seen, Some((&probe, facts)));
                 let plane = plane(seen.before, &probe, points, lines);
-                (M::STEPS[*step], self.concluded(seen, sentence), vec![Readout::Facts(facts), Readout::Equation(equation), plane])
+                (
+                    M::STEPS[*step],
+                    self.concluded(seen, sentence),
+                    vec![Readout::Facts(facts), Readout::Equation(equation), plane],
+                )
             }
             (Some(Event::Medians), _) => {
                 (line::TAKE_MEDIANS, medians(seen.before), vec![Readout::Facts(self.facts(seen, None))])
@@ -187,7 +191,11 @@ impl<M: Model> Variational<M> {
             series("Mean change", "px", vec![("mean change", Role::Measured, line(|note| note.change))]),
         ];
         if notes.iter().all(|note| note.error.is_finite()) {
-            all.push(series("Mean endpoint error", "px", vec![("mean endpoint error", Role::Error, line(|note| note.error))]));
+            all.push(series(
+                "Mean endpoint error",
+                "px",
+                vec![("mean endpoint error", Role::Error, line(|note| note.error))],
+            ));
         }
         all
     }

@@ -13,7 +13,7 @@ mod solver;
 
 pub use declare::Settings;
 pub use local::{Local, MotionTensor};
-pub use model::{Probe, Model, Explanation, Warp};
+pub use model::{Explanation, Model, Probe, Warp};
 pub use primal_dual::Dual;
 pub use run::Variational;
 pub use solver::Solver;

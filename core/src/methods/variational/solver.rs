@@ -1,6 +1,6 @@
 //! Iterative solvers of the linear system of a quadratic energy.
 
-use super::model::{Probe, Model};
+use super::model::{Model, Probe};
 use crate::choices;
 use crate::methods::differential::{Field, numbers, relax};
 use crate::scene::{Math, Role, Sentence};

@@ -7,9 +7,9 @@ use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::differential::numbers;
 use crate::methods::features::{
-    LevelTrace, conclusion,
+    LevelTrace,
     affine::{Fit, place},
-    follow,
+    conclusion, follow,
     trails::{self, points},
     why,
 };
@@ -120,7 +120,7 @@ impl Klt {
             )),
             Event::Found(found) => said
                 .text(format!(
-                    "{} of max-points = {} features are tracked. {} detects ",
+                    "{} of max-points = {} features are tracked. Detector {}: ",
                     state.live.len(),
                     self.max_points,
                     self.detector.estimator().info().name
@@ -254,7 +254,11 @@ impl Klt {
         facts.extend(level_trace.map(LevelTrace::facts).unwrap_or_default());
         if let Some(place) = back(seen.events) {
             let off_px = fb_error(live, place);
-            facts.push(Fact::new("Forward–backward error", format!("{} px", numbers::px(off_px)), Some(Role::Predicted)));
+            facts.push(Fact::new(
+                "Forward–backward error",
+                format!("{} px", numbers::px(off_px)),
+                Some(Role::Predicted),
+            ));
         }
         if let Some(fit) = fit(seen.events) {
             facts.push(Fact::new("Dissimilarity", grays(fit.difference), Some(Role::Estimate)));

@@ -120,7 +120,8 @@ impl LucasKanade {
         let Solution { displacement, eigenvalues, texture } = probe.solution;
         let (x, y) = probe.pixel;
         let [large, small] = eigenvalues.map(numbers::gray);
-        let said = Sentence::default().text("Window of ").ink(Role::Reference, format!("pixel {}", words::pixel((x, y))));
+        let said =
+            Sentence::default().text("Window of ").ink(Role::Reference, format!("pixel {}", words::pixel((x, y))));
         // An eigenvalue above the threshold is refused only for rounding errors.
         let why = |eigenvalue: f32, otherwise: &str| match eigenvalue < self.min_eigenvalue {
             true => format!("below the threshold of {}", numbers::gray(self.min_eigenvalue)),
@@ -154,8 +155,7 @@ impl LucasKanade {
     fn facts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Fact> {
         let Probe { pixel, linear, tensor, solution, spread } = probe;
         let fact = |label, value, role| Fact { label, value, role };
-        let mut facts =
-            vec![fact("Pixel", words::pixel(*pixel), Some(Role::Reference)), linear.fact(*pixel)];
+        let mut facts = vec![fact("Pixel", words::pixel(*pixel), Some(Role::Reference)), linear.fact(*pixel)];
         if seen.before.iteration > 0 {
             facts.push(fact("Linearised at (u₀, v₀)", px(linear.start.at(pixel.0, pixel.1)), Some(Role::Best)));
         }
@@ -178,7 +178,11 @@ impl LucasKanade {
         }
         if let Some(spread) = spread {
             let [a, b] = spread.radii.map(numbers::px);
-            facts.push(fact("Standard deviation of the flow", format!("{a} px along the gradient, {b} px across"), None));
+            facts.push(fact(
+                "Standard deviation of the flow",
+                format!("{a} px along the gradient, {b} px across"),
+                None,
+            ));
         }
         let truth = seen.before.frame_pair.true_displacement(*pixel);
         facts.extend(truth.map(|truth| fact("True flow", px(truth), Some(Role::Truth))));

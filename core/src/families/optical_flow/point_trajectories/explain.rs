@@ -180,9 +180,17 @@ impl PointTrajectories {
         let at = numbers::vector(moved.live.at);
         let mut facts = vec![
             Fact::new("Point", format!("{} at {at}", moved.live.track + 1), Some(Role::Reference)),
-            Fact::new("Smaller eigenvalue λ₂", format!("{} (gray levels per px)²", numbers::gray(moved.structure)), None),
+            Fact::new(
+                "Smaller eigenvalue λ₂",
+                format!("{} (gray levels per px)²", numbers::gray(moved.structure)),
+                None,
+            ),
         ];
-        facts.extend(moved.there.map(|uv| Fact::new("Forward flow w", format!("{} px", numbers::vector(uv)), Some(Role::Result))));
+        facts.extend(
+            moved
+                .there
+                .map(|uv| Fact::new("Forward flow w", format!("{} px", numbers::vector(uv)), Some(Role::Result))),
+        );
         facts.extend(moved.back.map(|uv| Fact::new("Backward flow w′", format!("{} px", numbers::vector(uv)), None)));
         if let Some([off, limit]) = moved.check(self) {
             facts.push(Fact::new(
@@ -199,7 +207,9 @@ impl PointTrajectories {
         if let Some(truth) = moved.truth {
             facts.push(Fact::new("True position", format!("at {}", numbers::vector(truth)), Some(Role::Truth)));
             facts.extend(moved.to().map(|to| Fact::new("Error of the flow track", px(distance(to, truth)), None)));
-            facts.extend(moved.twin_to().map(|to| Fact::new("Error of the feature track", px(distance(to, truth)), None)));
+            facts.extend(
+                moved.twin_to().map(|to| Fact::new("Error of the feature track", px(distance(to, truth)), None)),
+            );
         }
         facts
     }
