@@ -301,10 +301,10 @@ impl Estimator for PyramidalLucasKanade {
             Some(follow::Event::Window(_)) => line::TAKE_TENSOR,
             Some(follow::Event::Iteration { update, .. }) if self.follow().converges(*update) => line::UNTIL_CONVERGED,
             Some(follow::Event::Iteration { .. }) => line::UPDATE,
-            Some(follow::Event::Handed(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => {
+            Some(follow::Event::PassedDown(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => {
                 line::IS_SINGULAR
             }
-            Some(follow::Event::Handed(..)) => line::HAND_ON,
+            Some(follow::Event::PassedDown(..)) => line::HAND_ON,
             Some(follow::Event::End(..)) => line::CHECK,
         };
         Step { line, sentence: self.sentence(seen, probe.as_ref()), readouts: self.readouts(seen, probe.as_ref()) }

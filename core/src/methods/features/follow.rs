@@ -35,7 +35,7 @@ pub enum Event {
         update: [f32; 2],
     },
     /// The end of a coarse level: the displacement, or the unchanged guess with the reason.
-    Handed([f32; 2], Option<Status>),
+    PassedDown([f32; 2], Option<Status>),
     /// The end of level 0: the displacement, with the residual or the reason of the loss.
     End([f32; 2], Result<f32, Status>),
 }
@@ -70,7 +70,7 @@ impl Follow {
         let (displacement, outcome) = self.iterate((&template, next), (at, guess), observer);
         if level > 0 {
             let displacement = if outcome.is_ok() { displacement } else { guess };
-            observer.see(|| Event::Handed(displacement, outcome.err()));
+            observer.see(|| Event::PassedDown(displacement, outcome.err()));
             return LevelResult::Guess(displacement.map(|c| 2.0 * c));
         }
         let result = outcome.and_then(|()| {

@@ -54,7 +54,7 @@ impl LevelTrace<'_> {
         match self.events.last() {
             None | Some(Event::Window(_)) => self.guess,
             Some(Event::Iteration { from, update, .. }) => after(*from, *update),
-            Some(Event::Handed(displacement, _) | Event::End(displacement, _)) => *displacement,
+            Some(Event::PassedDown(displacement, _) | Event::End(displacement, _)) => *displacement,
         }
     }
 
@@ -86,7 +86,7 @@ impl LevelTrace<'_> {
         };
         mark(from, Role::Reference, rect(self.at), "window");
         mark(to, Role::Predicted, rect(place(self.guess)), "initial guess");
-        let is_done = matches!(self.events.last(), Some(Event::Handed(..) | Event::End(..)));
+        let is_done = matches!(self.events.last(), Some(Event::PassedDown(..) | Event::End(..)));
         let role = if is_done { Role::Best } else { Role::Candidate };
         mark(to, role, rect(place(self.displacement())), "window in the other frame");
         let steps = self.events.iter().filter_map(|event| match event {
@@ -141,7 +141,7 @@ impl LevelTrace<'_> {
                     .ink(Role::Candidate, self.px(after(*from, *update)))
                     .text(".")
             }
-            Some(Event::Handed(displacement, reason)) => {
+            Some(Event::PassedDown(displacement, reason)) => {
                 let explanation = match reason {
                     None => format!(" on level {}: displacement {}.", self.level, self.px(*displacement)),
                     Some(status) => format!(

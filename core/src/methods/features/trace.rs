@@ -67,7 +67,7 @@ impl<'a> Trace<'a> {
             let (at, reach) = (self.at.map(|c| c / (1u32 << level) as f32), self.follow.reach as f32 + 0.5);
             let vector = (level >= self.level()).then(|| {
                 let level_trace = self.level_trace_on(level, String::new());
-                let is_over = matches!(level_trace.events.last(), Some(Event::Handed(..) | Event::End(..)));
+                let is_over = matches!(level_trace.events.last(), Some(Event::PassedDown(..) | Event::End(..)));
                 (level_trace.displacement(), if is_over { Role::Result } else { Role::Best })
             });
             Floor { at_hand: Some([at.map(|c| c - reach), at.map(|c| c + reach)]), vector }

@@ -78,7 +78,7 @@ impl Klt {
             })
         };
         let guess = of_level(level + 1).find_map(|event| match event {
-            follow::Event::Handed(displacement, _) => Some(displacement.map(|c| 2.0 * c)),
+            follow::Event::PassedDown(displacement, _) => Some(displacement.map(|c| 2.0 * c)),
             _ => None,
         });
         Some(LevelTrace {
