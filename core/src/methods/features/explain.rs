@@ -145,7 +145,8 @@ impl<M: Measure> Corners<M> {
             )),
             Event::Over(place, by) => over(&peaks, place, by),
             Event::Ranked if state.peaks.is_empty() => said.text(
-                "No response is a local maximum above the threshold, so there are no corners: the frame has no texture, or only edges.",
+                "No response is a local maximum above the threshold, so there are no corners: the frame has no texture, \
+                 or only edges.",
             ),
             Event::Ranked => said.text(format!(
                 "{} ranked by response. In this order at most max-points = {max_points} become corners, each at least \

@@ -48,7 +48,8 @@ impl<M: Model<Unknowns = Field>> Probe<'_, M> {
             .ink(Role::Reference, self.pixel())
             .text(": (ū, v̄) = ")
             .ink(Role::Predicted, self.px(mean))
-            .text(". It minimises the smoothness term: the four nearest neighbours weigh 1/6 each, the diagonal ones 1/12, and the image border is replicated.")
+            .text(". It minimises the smoothness term: the four nearest neighbours weigh 1/6 each, the diagonal ones 1/12, \
+                 and the image border is replicated.")
     }
 
     /// Ends the explanation of an update with its result; SOR extrapolates it by `beyond`.
